@@ -1,0 +1,21 @@
+"""Errors of the project: what is wrong, where, what exists, what to try."""
+
+
+class WireRopeError(Exception):
+    """Base of every error that the project raises on purpose, besides ValueError for a bad argument."""
+
+
+class ModelError(WireRopeError):
+    """A model, an isolator file or a scenario does not describe a system that can be simulated."""
+
+
+class RecordError(WireRopeError):
+    """A measured record or a results folder cannot be read as what it should be."""
+
+
+class SimulationError(WireRopeError):
+    """A simulation cannot start, or ended before its time."""
+
+
+class ConvergenceError(WireRopeError):
+    """An iteration ended without a solution."""
