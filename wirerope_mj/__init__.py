@@ -1,0 +1,1 @@
+"""Shock and vibration of equipment and floors on wire-rope isolators."""
