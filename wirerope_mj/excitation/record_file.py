@@ -1,0 +1,150 @@
+"""Reading the CSV file of a measured record: a fast path for the numbers, a slow one to name the line that is wrong."""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirerope_mj.errors import RecordError
+from wirerope_mj.units import STANDARD_GRAVITY
+
+TIME_UNITS = {"s": 1.0, "ms": 1e-3}
+"""Known units of time and what one of them is in seconds."""
+
+ACCELERATION_UNITS = {
+    "m/s^2": 1.0,
+    "m/s2": 1.0,
+    "m/s²": 1.0,
+    "g": STANDARD_GRAVITY,
+    "mm/s^2": 1e-3,
+    "mm/s2": 1e-3,
+}
+"""Known units of acceleration and what one of them is in m/s^2."""
+
+
+@dataclass(frozen=True)
+class Header:
+    """The line of a record that names its columns.
+
+    Attributes:
+        path: The file.
+        line: Number of the header's line, counted from 1.
+        delimiter: What separates the cells.
+        names: Names of the columns, units taken off.
+        units: Their units; None where the header has none.
+    """
+
+    path: Path
+    line: int
+    delimiter: str
+    names: tuple[str, ...]
+    units: tuple[str | None, ...]
+
+    def factor(self, column: int, known: dict[str, float]) -> float:
+        """Returns what the column's unit is in SI; no unit or an unknown one is a RecordError."""
+        name, unit = self.names[column], self.units[column]
+        example = next(iter(known))
+        if unit is None:
+            raise RecordError(
+                f'{self.path}, line {self.line}: column "{name}" has no unit. '
+                f'Write it behind the name, for instance "{name} [{example}]"; known units: {", ".join(known)}.'
+            )
+        if unit not in known:
+            raise RecordError(
+                f'{self.path}, line {self.line}: column "{name}" has the unknown unit "{unit}". '
+                f"Known units: {', '.join(known)}."
+            )
+        return known[unit]
+
+
+def read_header(path: Path) -> Header:
+    """Returns the header of a record; lines before it may be empty or begin with #."""
+    try:
+        with path.open(encoding="utf-8-sig", errors="replace") as lines:
+            for number, text in enumerate(lines, start=1):
+                if text.strip() and not text.lstrip().startswith("#"):
+                    return _parse_header(path, number, text)
+    except FileNotFoundError:
+        raise RecordError(f"{path}: no such file. A record is a CSV file of time and acceleration.") from None
+    except OSError as error:
+        raise RecordError(f"{path}: cannot be read ({error.strerror}).") from None
+    raise RecordError(f'{path}: the file is empty. Expected a header such as "time [s], z [g]" and rows of numbers.')
+
+
+def _parse_header(path: Path, line: int, text: str) -> Header:
+    delimiter = next((sign for sign in "\t;" if sign in text), ",")
+    names, units = [], []
+    for cell in text.split(delimiter):
+        match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", cell.strip().strip('"').strip())
+        names.append(match[1] if match else cell.strip())
+        units.append(match[2].strip() if match and match[2] is not None else None)
+    if names[0].lower() not in ("time", "t"):
+        raise RecordError(
+            f'{path}, line {line}: the first column must be time, as in "time [s], z [g]"; '
+            f"the columns are {', '.join(names)}."
+        )
+    return Header(path, line, delimiter, tuple(names), tuple(units))
+
+
+def read_numbers(header: Header, columns: Sequence[int]) -> NDArray[np.float64]:
+    """Returns the columns' numbers, shape (n_t, n_columns); the first of them is time.
+
+    Raises:
+        RecordError: A row is short, no number or not finite, times do not increase, or there are fewer than two rows.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "loadtxt: input contained no data")
+            numbers = np.loadtxt(
+                header.path,
+                delimiter=header.delimiter,
+                comments=None,
+                skiprows=header.line,
+                usecols=columns,
+                ndmin=2,
+                encoding="latin-1",  # numbers are ASCII, and comments of any encoding are skipped without an error
+            )
+    except ValueError as error:
+        _name_bad_line(header, columns)
+        raise RecordError(f"{header.path}: the rows cannot be read as numbers ({error}).") from None
+    if len(numbers) < 2:
+        raise RecordError(f"{header.path}: a record needs at least 2 rows of numbers, this one has {len(numbers)}.")
+    if not np.all(np.isfinite(numbers)) or np.any(np.diff(numbers[:, 0]) <= 0):
+        _name_bad_line(header, columns)
+    return numbers
+
+
+def _name_bad_line(header: Header, columns: Sequence[int]) -> None:
+    """Raises a RecordError that names the first line that cannot belong to a record."""
+    before = -math.inf
+    with header.path.open(encoding="utf-8-sig", errors="replace") as lines:
+        for number, text in enumerate(lines, start=1):
+            if number <= header.line or not text.strip():
+                continue
+            where = f"{header.path}, line {number}"
+            cells = text.rstrip("\r\n").split(header.delimiter)
+            if len(cells) <= max(columns):
+                raise RecordError(f"{where}: {len(cells)} cells where the header has {len(header.names)} columns.")
+            time = [_number(where, header.names[column], cells[column].strip()) for column in columns][0]
+            if time <= before:
+                fault = "repeats the row before" if time == before else f"comes after {before!r}"
+                raise RecordError(f"{where}: time {time!r} {fault}; times must increase from row to row.")
+            before = time
+
+
+def _number(where: str, name: str, cell: str) -> float:
+    try:
+        value = float(cell)
+    except ValueError:
+        hint = " Decimals are written with a point." if "," in cell else ""
+        raise RecordError(f'{where}: "{cell}" in column "{name}" is not a number.{hint}') from None
+    if not math.isfinite(value):
+        raise RecordError(f'{where}: {cell} in column "{name}"; cut or repair the record before it is used.')
+    return value
