@@ -77,6 +77,11 @@ class BaseMotion(ABC):
         """Shortest time scale of the motion between two corners [s], to choose a step from; infinite if it has none."""
 
     @property
+    @abstractmethod
+    def directions(self) -> NDArray[np.float64]:
+        """Vectors that span the directions in which the base moves, shape (n, 3)."""
+
+    @property
     def files(self) -> tuple[Path, ...]:
         """Files that the motion was read from and that are needed to rebuild it."""
         return ()
@@ -110,6 +115,11 @@ class StraightMotion(BaseMotion):
     def unit(self) -> NDArray[np.float64]:
         """Unit vector of the direction, shape (3,)."""
         return unit_vector(self.direction)
+
+    @property
+    def directions(self) -> NDArray[np.float64]:
+        """The unit vector of the direction, shape (1, 3)."""
+        return self.unit[np.newaxis]
 
     def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
         """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
@@ -193,6 +203,11 @@ class SumOfMotions(BaseMotion):
     def events(self) -> tuple[tuple[float, str], ...]:
         """Events of all terms in order of time."""
         return tuple(sorted((event for term in self.terms for event in term.events), key=lambda event: event[0]))
+
+    @property
+    def directions(self) -> NDArray[np.float64]:
+        """Directions of all terms, shape (n, 3)."""
+        return np.concatenate([term.directions for term in self.terms])
 
     @property
     def shortest_time(self) -> float:

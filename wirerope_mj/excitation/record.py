@@ -65,6 +65,11 @@ class Record(BaseMotion):
     def __post_init__(self) -> None:
         object.__setattr__(self, "duration", float(self.time[-1] - self.time[0]))
 
+    @property
+    def directions(self) -> NDArray[np.float64]:
+        """Axes of the world in which a sample is not zero, shape (n, 3)."""
+        return np.eye(3)[np.any(self.samples != 0.0, axis=0)]
+
     def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
         """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
         return self._piecewise.acceleration(as_times(time))

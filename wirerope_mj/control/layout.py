@@ -1,0 +1,90 @@
+"""Where the mounts of a system stand inside a MuJoCo model, so that one callback serves every model and thread.
+
+The last actuator of a system's model is its state actuator: `dyntype="user"`, one activation per internal state of every
+mount axis, no force of its own. Its `dynprm` says where the rest is:
+
+    dynprm = MAGIC, layout, parameters, userdata, activation        addresses into numeric_data, userdata and act
+
+The layout (in `numeric_data`) holds a header and tables of whole numbers, the parameters those of the laws, in the order of
+the axes table. `userdata` holds what the callbacks exchange within and between steps. Nothing lives outside mjModel and mjData.
+"""
+
+from dataclasses import dataclass
+
+MAGIC = 2004.28
+"""Marks a state actuator: the number of the thesis' report (DCT 2004/28)."""
+
+STATE_ACTUATOR = "wirerope/states"
+LAYOUT = "wirerope/layout"
+PARAMETERS = "wirerope/parameters"
+
+# header of the layout
+N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
+MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR = range(7, 15)
+HEADER = 16
+
+# columns of the tables
+MOUNT_COLUMNS = 7  # payload site, base site, payload body, base body, payload root, base root, base takes the reaction
+AXIS_COLUMNS = 4  # law number (-1: none), first parameter, first state, number of states; three rows per mount
+DRIVEN_COLUMNS = 5  # dof, effective mass, row of the map from base acceleration to slide acceleration
+BODY_COLUMNS = 2  # body, root
+POINT_COLUMNS = 7  # site, body, root, base body, point from the base body's centre of mass as modelled (3)
+TREE_COLUMNS = 3  # parent, first dof, number of dofs; one row per body of the model
+CHANNEL_COLUMNS = 1  # place of a 3-vector among the system's sensor values
+
+# userdata, relative to the system's first entry
+STAGE_POINTS, STAGE_START, STAGE_RATE, EVENT, HISTORY, TIME_1, TIME_2, OBSERVING = range(8)
+STAGES = 8
+MAX_STEPS = 64
+"""Steps that one stage table serves: long enough that Python between tables costs nothing, short enough to copy."""
+
+# values of userdata[EVENT] at the first step of a stage table
+SMOOTH, CORNER, JUMP = 0.0, 1.0, 2.0
+
+# sensor values
+KINEMATICS = 19  # position 3, orientation 4, velocity 3, angular velocity 3, acceleration 3, angular acceleration 3
+ACCELERATION = 13  # place of the acceleration among them
+POINT_VALUES = 22  # kinematics, displacement relative to the base 3
+RELATIVE = 19  # place of the relative displacement among them
+MOUNT_VALUES = 6  # deflection 3, force 3; the axis' internal states follow
+
+# memory of one channel of the peak tracker
+BEFORE, LAST = 0, 3  # the vectors one and two steps ago
+LOW, LOW_TIME, HIGH, HIGH_TIME = 6, 9, 12, 15  # extremes of the components
+PEAK, PEAK_TIME, PEAK_VECTOR = 18, 19, 20  # of the norm
+CHANNEL_MEMORY = 23
+
+
+@dataclass(frozen=True, kw_only=True)
+class UserData:
+    """Places inside the system's part of userdata, relative to its first entry."""
+
+    n_mounts: int
+    n_states: int
+    n_tree: int
+    n_channels: int
+
+    @property
+    def mounts(self) -> int:
+        """Deflection and force of every mount, (n_mounts, 6)."""
+        return STAGES + 3 * (2 * MAX_STEPS + 1)
+
+    @property
+    def rates(self) -> int:
+        """Rates of the internal states, (n_states,)."""
+        return self.mounts + 6 * self.n_mounts
+
+    @property
+    def accelerations(self) -> int:
+        """Spatial accelerations of the bodies about their tree's centre of mass, (n_tree, 6)."""
+        return self.rates + self.n_states
+
+    @property
+    def channels(self) -> int:
+        """Memory of the peak tracker, (n_channels, CHANNEL_MEMORY)."""
+        return self.accelerations + 6 * self.n_tree
+
+    @property
+    def size(self) -> int:
+        """Number of entries."""
+        return self.channels + CHANNEL_MEMORY * self.n_channels

@@ -1,0 +1,134 @@
+"""The callbacks as native functions: no interpreter and no lock between MuJoCo's passes, and threads may share them."""
+
+import ctypes
+from functools import cache
+from typing import NamedTuple
+
+import numba
+from numba import njit, types
+
+from wirerope_mj.control import layout as at
+from wirerope_mj.control.mounts import apply_mounts, copy_rates, drive_base
+from wirerope_mj.control.observer import observe
+from wirerope_mj.control.pointers import float64_array, int64_array
+from wirerope_mj.control.structs import DATA_FIELDS, offsets
+
+ACCELERATION_STAGE = 3
+"""mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last."""
+
+
+class Callbacks(NamedTuple):
+    """The three callbacks that a system needs, as `mujoco.set_mjcb_*` takes them."""
+
+    control: object
+    act_dyn: object
+    sensor: object
+
+
+@njit(cache=True, error_model="numpy")
+def _find_system(m, nu, dynprm, numeric):  # type: ignore[no-untyped-def]
+    """Return whether the model at address `m` has a state actuator, where, its dynprm, and numeric_data."""
+    n = int64_array(m + nu)[0]
+    prm = float64_array(int64_array(m + dynprm)[0])
+    found = n > 0 and prm[10 * (n - 1)] == at.MAGIC
+    return found, 10 * (n - 1), prm, float64_array(int64_array(m + numeric)[0])
+
+
+@njit(cache=True, error_model="numpy")
+def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
+    found, p, prm, numeric = _find_system(m, system[0], system[1], system[2])
+    if not found:
+        return
+    lay, q, w, a = int(prm[p + 1]), int(prm[p + 2]), int(prm[p + 3]), int(prm[p + 4])
+    u = float64_array(int64_array(d + field[0])[0])
+    drive_base(
+        numeric, lay, u, w, float64_array(d + time)[0],
+        float64_array(int64_array(d + field[1])[0]),
+        float64_array(int64_array(d + field[2])[0]),
+        float64_array(int64_array(d + field[3])[0]),
+    )  # fmt: skip
+    apply_mounts(
+        numeric, lay, numeric, q, u, w, float64_array(int64_array(d + field[4])[0]), a,
+        float64_array(int64_array(d + field[5])[0]),
+        float64_array(int64_array(d + field[6])[0]),
+        float64_array(int64_array(d + field[7])[0]),
+        float64_array(int64_array(d + field[8])[0]),
+        float64_array(int64_array(d + field[9])[0]),
+        float64_array(int64_array(d + field[10])[0]),
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def _act_dyn(m, d, actuator, system, userdata, act_dot):  # type: ignore[no-untyped-def]
+    found, p, prm, numeric = _find_system(m, system[0], system[1], system[2])
+    if found and p == 10 * actuator:
+        lay, w, a = int(prm[p + 1]), int(prm[p + 3]), int(prm[p + 4])
+        u = float64_array(int64_array(d + userdata)[0])
+        return copy_rates(numeric, lay, u, w, float64_array(int64_array(d + act_dot)[0]), a)
+    return 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _sensor(m, d, system, field, time):  # type: ignore[no-untyped-def]
+    found, p, prm, numeric = _find_system(m, system[0], system[1], system[2])
+    if not found:
+        return
+    lay, w, a = int(prm[p + 1]), int(prm[p + 3]), int(prm[p + 4])
+    observe(
+        numeric, lay, float64_array(int64_array(d + field[0])[0]), w, float64_array(int64_array(d + field[1])[0]), a,
+        float64_array(d + time)[0],
+        float64_array(int64_array(d + field[2])[0]),
+        float64_array(int64_array(d + field[3])[0]),
+        float64_array(int64_array(d + field[4])[0]),
+        float64_array(int64_array(d + field[5])[0]),
+        float64_array(int64_array(d + field[6])[0]),
+        float64_array(int64_array(d + field[7])[0]),
+        float64_array(int64_array(d + field[8])[0]),
+        float64_array(int64_array(d + field[9])[0]),
+        float64_array(int64_array(d + field[10])[0]),
+        float64_array(int64_array(d + field[11])[0]),
+        float64_array(int64_array(d + field[12])[0]),
+    )  # fmt: skip
+
+
+CONTROL_FIELDS = (
+    "userdata qfrc_applied qfrc_bias qfrc_passive act site_xpos site_xmat subtree_com cvel xipos xfrc_applied".split()
+)
+SENSOR_FIELDS = (
+    "userdata act sensordata site_xpos site_xquat xipos xquat subtree_com cvel cdof cdof_dot qvel qacc".split()
+)
+
+
+@cache
+def native_callbacks() -> Callbacks:
+    """Return the compiled callbacks, compiled once per process around kernels that are cached on disk.
+
+    The offsets are constants of these thin functions, which is why they themselves are not cached: a cache would outlive a
+    change of MuJoCo.
+    """
+    model, data = offsets("mjModel"), offsets("mjData")
+    assert set(CONTROL_FIELDS + SENSOR_FIELDS) <= set(DATA_FIELDS)
+    system = (model["nu"], model["actuator_dynprm"], model["numeric_data"])
+    control_fields = tuple(data[name] for name in CONTROL_FIELDS)
+    sensor_fields = tuple(data[name] for name in SENSOR_FIELDS)
+    time, userdata, act_dot = data["time"], data["userdata"], data["act_dot"]
+
+    @numba.cfunc(types.void(types.intp, types.intp))
+    def control(m, d):  # type: ignore[no-untyped-def]
+        _control(m, d, system, control_fields, time)
+
+    @numba.cfunc(types.float64(types.intp, types.intp, types.int32))
+    def act_dyn(m, d, actuator):  # type: ignore[no-untyped-def]
+        return _act_dyn(m, d, actuator, system, userdata, act_dot)
+
+    @numba.cfunc(types.void(types.intp, types.intp, types.int32))
+    def sensor(m, d, stage):  # type: ignore[no-untyped-def]
+        if stage == ACCELERATION_STAGE:
+            _sensor(m, d, system, sensor_fields, time)
+
+    pointer, integer = ctypes.c_void_p, ctypes.c_int
+    return Callbacks(
+        control=ctypes.CFUNCTYPE(None, pointer, pointer)(control.address),
+        act_dyn=ctypes.CFUNCTYPE(ctypes.c_double, pointer, pointer, integer)(act_dyn.address),
+        sensor=ctypes.CFUNCTYPE(None, pointer, pointer, integer)(sensor.address),
+    )

@@ -1,0 +1,28 @@
+"""Numba's way to the memory behind an address."""
+
+from numba import carray, njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+ANY_SIZE = 1 << 40
+"""Nominal length of an array behind a pointer: the kernels index by the model's own tables."""
+
+
+@intrinsic
+def _as_pointer(typing_context, address):  # type: ignore[no-untyped-def]
+    def codegen(context, builder, signature, args):  # type: ignore[no-untyped-def]
+        return builder.inttoptr(args[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.intp), codegen
+
+
+@njit(cache=True, error_model="numpy")
+def float64_array(address):  # type: ignore[no-untyped-def]
+    """Return the float64 array that starts at `address`."""
+    return carray(_as_pointer(address), (ANY_SIZE,), types.float64)
+
+
+@njit(cache=True, error_model="numpy")
+def int64_array(address):  # type: ignore[no-untyped-def]
+    """Return the int64 array that starts at `address`."""
+    return carray(_as_pointer(address), (ANY_SIZE,), types.int64)

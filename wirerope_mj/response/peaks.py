@@ -1,0 +1,100 @@
+"""Peaks of a response: every step is looked at, and an extreme is refined by the parabola through three steps."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Peak:
+    """Largest norm of a vector quantity, and the extremes of its components.
+
+    Attributes:
+        value: largest norm.
+        time: its instant [s].
+        vector: the vector at that instant, (3,).
+        minimum, maximum: extremes of the components, (3,).
+        minimum_time, maximum_time: their instants [s], (3,).
+    """
+
+    value: float
+    time: float
+    vector: Array
+    minimum: Array
+    minimum_time: Array
+    maximum: Array
+    maximum_time: Array
+
+    def to_list(self) -> list[float]:
+        """Return the peak as 17 numbers."""
+        parts = [[self.value, self.time], self.vector, self.minimum, self.minimum_time, self.maximum, self.maximum_time]
+        return np.concatenate(parts).tolist()
+
+    @classmethod
+    def from_list(cls, numbers: Any) -> "Peak":
+        """Return the peak that `to_list` wrote."""
+        n = np.array(numbers, dtype=np.float64)
+        return cls(
+            value=float(n[0]), time=float(n[1]), vector=n[2:5],
+            minimum=n[5:8], minimum_time=n[8:11], maximum=n[11:14], maximum_time=n[14:17],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyPeaks:
+    """Peaks of a body: acceleration [m/s^2] of its centre of mass."""
+
+    acceleration: Peak
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointPeaks:
+    """Peaks of a point: acceleration [m/s^2] and displacement relative to the base [m]."""
+
+    acceleration: Peak
+    relative_displacement: Peak
+
+
+@dataclass(frozen=True, kw_only=True)
+class MountPeaks:
+    """Peaks of a mount in its axes roll, shear, axial: deflection [m] and force [N]."""
+
+    deflection: Peak
+    force: Peak
+
+
+@dataclass(frozen=True, kw_only=True)
+class Peaks:
+    """Peaks by name of body, point and mount."""
+
+    bodies: dict[str, BodyPeaks]
+    points: dict[str, PointPeaks]
+    mounts: dict[str, MountPeaks]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the peaks as plain lists."""
+        return {
+            room: {
+                name: {key: getattr(entry, key).to_list() for key in entry.__dataclass_fields__}
+                for name, entry in getattr(self, room).items()
+            }
+            for room in ("bodies", "points", "mounts")
+        }
+
+    @classmethod
+    def from_dict(cls, content: dict[str, Any]) -> "Peaks":
+        """Return the peaks that `to_dict` wrote."""
+        kinds = {"bodies": BodyPeaks, "points": PointPeaks, "mounts": MountPeaks}
+        return cls(
+            **{
+                room: {
+                    name: kind(**{key: Peak.from_list(numbers) for key, numbers in entry.items()})
+                    for name, entry in content[room].items()
+                }
+                for room, kind in kinds.items()
+            }
+        )

@@ -1,0 +1,3 @@
+"""System + base motion -> Response."""
+
+from wirerope_mj.simulation.simulate import simulate as simulate

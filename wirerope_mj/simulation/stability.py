@@ -1,0 +1,52 @@
+"""How fast a system's own motion is, from its mounts' tangents, and the step that RK4 can take of it."""
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.system import System
+
+RK4_LIMIT = 2.7
+"""RK4 is stable for |lambda| h < 2.785 on the negative real axis and 2.828 on the imaginary one; a little less is used."""
+
+
+def mount_matrices(system: System) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Return stiffness [N/m, ...] and damping of all mounts in MuJoCo's velocity coordinates, (n_v, n_v) each.
+
+    Stiffness is that of the unloaded mounts in the modelled geometry, damping the laws' largest.
+    """
+    model = system.model
+    data = mujoco.MjData(model)
+    mujoco.mj_fwdPosition(model, data)
+    stiffness, damping = np.zeros((model.nv, model.nv)), np.zeros((model.nv, model.nv))
+    payload, base, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv)), np.zeros((3, model.nv))
+    for mount in system.mounts.values():
+        point = data.site(mount.payload_site).xpos
+        mujoco.mj_jac(model, data, payload, unused, point, model.site(mount.payload_site).bodyid[0])
+        mujoco.mj_jac(model, data, base, unused, point, model.site(mount.base_site).bodyid[0])
+        to_deflection = mount.axes.T @ (payload - base)  # (3, n_v)
+        for row, law in zip(to_deflection, mount.isolator.axes.values(), strict=True):
+            if law is not None:
+                stiffness += law.initial_stiffness * np.outer(row, row)
+                damping += law.damping_coefficient * np.outer(row, row)
+    return stiffness, damping
+
+
+def eigenvalues(system: System) -> npt.NDArray[np.complex128]:
+    """Return the eigenvalues [1/s] of the linear system of unloaded mounts without the driven base, (2 n,)."""
+    model = system.model
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    free = np.setdiff1d(np.arange(model.nv), system.assembly.driven_dofs)
+    stiffness, damping = (matrix[np.ix_(free, free)] for matrix in mount_matrices(system))
+    inverse = np.linalg.inv(mass[np.ix_(free, free)])
+    zero, one = np.zeros_like(inverse), np.eye(free.size)
+    return np.linalg.eigvals(np.block([[zero, one], [-inverse @ stiffness, -inverse @ damping]]))
+
+
+def stable_step(system: System) -> float:
+    """Return the largest step [s] with which RK4 is stable on the unloaded mounts."""
+    fastest = float(np.abs(eigenvalues(system)).max(initial=0.0))
+    return RK4_LIMIT / fastest if fastest > 0.0 else np.inf

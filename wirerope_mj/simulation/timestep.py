@@ -1,0 +1,148 @@
+"""Choosing the step before the run: pilots of the same system and motion, halved until samples and peaks agree."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.errors import SimulationError
+from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.response.peaks import Peaks
+from wirerope_mj.response.response import State
+from wirerope_mj.simulation.grid import time_grid
+from wirerope_mj.simulation.initial import moving_with_base
+from wirerope_mj.simulation.run import run
+from wirerope_mj.simulation.stability import eigenvalues
+from wirerope_mj.system import System
+
+Array = npt.NDArray[np.float64]
+
+HALVINGS = 14
+"""Halvings after which the search ends: 1e-3 s becomes 1e-7 s, where rounding is as large as the error."""
+
+RICHARDSON = 4.0 / 3.0
+"""Error of the coarser of two runs from their difference at order 2, the order that reversals of the mounts leave to RK4."""
+
+SMALL = 1e-3
+"""Quantities smaller than this share of the largest of their kind are judged against that share."""
+
+PILOT_PERIODS = 6.0
+"""Slowest periods after the motion's last corner that a pilot covers: the largest peaks lie within them."""
+
+WINDOWS = 6
+"""Pilots of a motion too long to be tried whole."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChosenStep:
+    """A step [s] and the error estimated for it, relative to the peaks."""
+
+    timestep: float
+    error: float
+
+
+def choose_timestep(
+    system: System,
+    motion: BaseMotion,
+    start: State,
+    *,
+    duration: float,
+    sample_rate: float,
+    accuracy: float,
+    limit: float,
+) -> ChosenStep:
+    """Return the largest step of a halving series whose pilots keep samples and refined peaks within `accuracy`.
+
+    The series starts at the sample interval or the stability limit, whichever is shorter. A pilot is the run itself if that is
+    short, else windows of it that start from `start`.
+    """
+    windows = _windows(system, motion, start, duration)
+    step = min(1.0 / sample_rate, limit, duration)
+
+    def pilots(step: float) -> list[_Pilot] | None:
+        try:
+            return [_pilot(system, motion, start, window, sample_rate, step) for window in windows]
+        except SimulationError:  # the step was too large for a part of the motion
+            return None
+
+    coarse = pilots(step)
+    for _ in range(HALVINGS):
+        fine = pilots(step / 2.0)
+        error = RICHARDSON * _difference(coarse, fine)
+        if error <= accuracy:
+            return ChosenStep(timestep=step, error=error)
+        step, coarse = step / 2.0, fine
+    raise SimulationError(
+        f"no step down to {step:.3g} s keeps samples and peaks within {accuracy:.3g} of the peaks; the last error was "
+        f"{error:.3g}. Ask for a lower `accuracy`, or give the `timestep`."
+    )
+
+
+def _windows(system: System, motion: BaseMotion, start: State, duration: float) -> list[tuple[float, float]]:
+    """Return starts and lengths [s] of the pilots."""
+    rates = np.abs(eigenvalues(system))
+    slowest = 2.0 * np.pi / max(float(rates[rates > 1.0].min(initial=60.0)), 6.0)  # from 1 Hz up: no pilot of minutes
+    length = PILOT_PERIODS * slowest
+    begin, end = start.time, start.time + duration
+    over = min(max(motion.end, begin), end)
+    if over - begin <= (WINDOWS - 1) * length:
+        return [(begin, min(over + length, end) - begin)]
+    # Geometric spacing follows a logarithmic sweep; the last window ends with the motion.
+    places = begin + (over - length - begin) * np.geomspace(1.0, 2.0**WINDOWS, WINDOWS) / 2.0**WINDOWS
+    places[0] = begin
+    return [(float(place), length) for place in places]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Pilot:
+    vectors: Array  # accelerations, displacements, deflections and forces over time, (n_t, n_channels, 3)
+    peaks: Array  # value, minimum and maximum of every channel, (n_channels, 7)
+    kinds: list[str]
+
+
+def _pilot(
+    system: System, motion: BaseMotion, start: State, window: tuple[float, float], sample_rate: float, step: float
+) -> _Pilot:
+    begin, length = window
+    grid = time_grid(start=begin, duration=length, sample_rate=sample_rate, timestep=step, motion=motion)
+    places = system.assembly.channels
+    history = np.empty((grid.sample_times.size, places.size, 3))
+
+    def sink(sample: int, values: Array) -> None:
+        history[sample] = values[places[:, None] + np.arange(3)]
+
+    at_begin = State(values=start.values.copy(), time=begin)
+    if begin != start.time:
+        at_begin = moving_with_base(system, motion, at_begin)
+    done = run(system, motion, grid, at_begin, callback="native", sink=sink)
+    names, rows = _peak_rows(done.peaks)
+    return _Pilot(vectors=history, peaks=rows, kinds=names)
+
+
+def _peak_rows(peaks: Peaks) -> tuple[list[str], Array]:
+    kinds, rows = [], []
+    for room in (peaks.bodies, peaks.points, peaks.mounts):
+        for entry in room.values():
+            for kind in entry.__dataclass_fields__:
+                peak = getattr(entry, kind)
+                kinds.append(kind)
+                rows.append(np.concatenate([[peak.value], peak.minimum, peak.maximum]))
+    return kinds, np.array(rows)
+
+
+def _difference(coarse: list[_Pilot] | None, fine: list[_Pilot] | None) -> float:
+    """Return the largest difference of samples and peaks relative to the peaks over all pilots."""
+    if coarse is None or fine is None:
+        return np.inf
+    kinds = np.array(fine[0].kinds)
+    scale = np.max([pilot.peaks[:, 0] for pilot in fine], axis=0)
+    for kind in set(fine[0].kinds):
+        same = kinds == kind
+        scale[same] = np.maximum(scale[same], SMALL * scale[same].max())
+    scale = np.where(scale > 0.0, scale, 1.0)
+    largest = 0.0
+    for a, b in zip(coarse, fine, strict=True):
+        samples = np.linalg.norm(a.vectors - b.vectors, axis=2).max(axis=0, initial=0.0)
+        peaks = np.abs(a.peaks - b.peaks).max(axis=1)
+        largest = max(largest, float((np.maximum(samples, peaks) / scale).max()))
+    return largest if np.isfinite(largest) else np.inf

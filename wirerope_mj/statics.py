@@ -1,0 +1,229 @@
+"""Equilibrium of a system under gravity, by a static solve along the loading path."""
+
+from dataclasses import dataclass
+from typing import Literal
+from weakref import WeakKeyDictionary
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.control import installed
+from wirerope_mj.control import layout as at
+from wirerope_mj.errors import ConvergenceError
+from wirerope_mj.laws.path import advance
+from wirerope_mj.response.response import State
+from wirerope_mj.system import System
+
+Array = npt.NDArray[np.float64]
+History = Literal["virgin", "relaxed"]
+
+LOAD_STEPS = 20
+"""Steps in which gravity grows from 0 to g: each is short enough for Newton's method to start from the last."""
+
+SMALLEST_LOAD_STEP = 1e-4
+"""Share of gravity below which a load step that fails is a load that cannot be carried."""
+
+TOLERANCE = 1e-11
+"""Largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes."""
+
+ACCEPTED = 1e-8
+"""What is accepted where rounding or a contact's own iteration stops Newton's method earlier; relative to gravity."""
+
+ITERATIONS = 30
+"""Newton iterations of one load step: ten times what a smooth step takes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MountLoad:
+    """Deflection [m] and force [N] of a mount in its axes roll, shear, axial, (3,)."""
+
+    deflection: Array
+    force: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equilibrium:
+    """Where a system rests.
+
+    Attributes:
+        state: integration state to start a simulation from.
+        mounts: deflection and force of every mount.
+        history: "virgin" (gravity applied slowly to the unloaded mounts) or "relaxed" (z = 0 throughout, after long
+            vibration has let the hysteretic share of the load leak away).
+        residual: largest acceleration left [m/s^2 or rad/s^2].
+    """
+
+    state: State
+    mounts: dict[str, MountLoad]
+    history: History
+    residual: float
+
+
+_known: WeakKeyDictionary[System, dict[str, Equilibrium]] = WeakKeyDictionary()
+
+
+def equilibrium(system: System, *, history: History = "virgin") -> Equilibrium:
+    """Return the equilibrium of `system` under its gravity, base at rest; found once per system and history.
+
+    Gravity grows from 0 in steps. In each, Newton's method makes MuJoCo's own accelerations vanish, contacts and joint springs
+    included; the hysteretic states of a trial position are integrated along the law from the last step's, so that they lie
+    exactly on the loading path.
+
+    Raises:
+        ConvergenceError: there is no equilibrium, or it was not found; names the mount that cannot carry its load.
+    """
+    if history not in ("virgin", "relaxed"):
+        raise ValueError(f"`history` must be 'virgin' or 'relaxed', got {history!r}.")
+    found = _known.setdefault(system, {})
+    if history not in found:
+        found[history] = _Loading(system, history).solve()
+    return found[history]
+
+
+class _Loading:
+    """A system on its way from weightlessness to its full weight."""
+
+    def __init__(self, system: System, history: History) -> None:
+        self.system, self.history, self.model = system, history, system.model.__copy__()
+        self.data = mujoco.MjData(self.model)
+        self.gravity = self.model.opt.gravity.copy()
+        self.free = np.setdiff1d(np.arange(self.model.nv), system.assembly.driven_dofs)
+        n_states = system.assembly.user.n_states
+        self.rest_deflection = np.zeros((len(system.mounts), 3))
+        self.rest_states = np.zeros(n_states)
+        self.laws = [
+            (row, axis, law.kernel, law.kernel_parameters(), states.start, law.n_states)
+            for row, mount in enumerate(system.mounts.values())
+            for axis, (law, states) in enumerate(zip(mount.isolator.axes.values(), mount.states, strict=True))
+            if law is not None and law.n_states
+        ]
+
+    def solve(self) -> Equilibrium:
+        scale = max(float(np.linalg.norm(self.gravity)), 1e-9)
+        with installed(self.model, self.data):
+            qpos, load, step = self.model.qpos0.copy(), 0.0, 1.0 / LOAD_STEPS
+            residual = 0.0
+            while load < 1.0:
+                trial_load = min(load + step, 1.0)
+                self.model.opt.gravity[:] = trial_load * self.gravity
+                trial, residual = self._newton(qpos, TOLERANCE * scale)
+                if residual > ACCEPTED * scale:
+                    step /= 2.0
+                    if step < SMALLEST_LOAD_STEP:
+                        raise ConvergenceError(self._diagnosis(trial_load, residual))
+                    continue
+                qpos, load = trial, trial_load
+                self._accelerations(qpos)
+                self.rest_deflection = self._deflections()
+                self.rest_states = self._states_at(self.rest_deflection)
+            return self._result(qpos, residual)
+
+    def _newton(self, qpos: Array, tolerance: float) -> tuple[Array, float]:
+        """Return the position where accelerations vanish, and what is left of them."""
+        value = self._accelerations(qpos)
+        norm = float(np.abs(value).max(initial=0.0))
+        for _ in range(ITERATIONS):
+            if norm <= tolerance:
+                break
+            step = np.linalg.lstsq(self._jacobian(qpos, value), -value, rcond=None)[0]
+            scale = min(1.0, 0.1 / max(float(np.abs(step).max()), 1e-12))  # 0.1 m or rad is more than any mount travels
+            for _halving in range(12):
+                trial = self._moved(qpos, scale * step)
+                trial_value = self._accelerations(trial)
+                trial_norm = float(np.abs(trial_value).max(initial=0.0))
+                if trial_norm < norm:
+                    break
+                scale /= 2.0
+            else:
+                break
+            qpos, value, norm = trial, trial_value, trial_norm
+        return qpos, norm
+
+    def _jacobian(self, qpos: Array, value: Array) -> Array:
+        # 1e-7 m is small against any travel and gives differences eight digits above the rounding of the forces.
+        epsilon = 1e-7
+        columns = []
+        for dof in range(self.free.size):
+            step = np.zeros(self.free.size)
+            step[dof] = epsilon
+            columns.append((self._accelerations(self._moved(qpos, step)) - value) / epsilon)
+        return np.stack(columns, axis=1)
+
+    def _moved(self, qpos: Array, step: Array) -> Array:
+        velocity, moved = np.zeros(self.model.nv), qpos.copy()
+        velocity[self.free] = step
+        mujoco.mj_integratePos(self.model, moved, velocity, 1.0)
+        return moved
+
+    def _accelerations(self, qpos: Array) -> Array:
+        """Return MuJoCo's accelerations of the free coordinates at rest in `qpos`."""
+        model, data = self.model, self.data
+        data.qpos[:], data.qvel[:] = qpos, 0.0
+        mujoco.mj_fwdPosition(model, data)
+        first = self.system.assembly.activation
+        data.act[first : first + self.rest_states.size] = self._states_at(self._deflections())
+        mujoco.mj_forward(model, data)
+        return data.qacc[self.free].copy()
+
+    def _deflections(self) -> Array:
+        """Return the mounts' deflections in their axes, (n_mounts, 3)."""
+        data = self.data
+        return np.array(
+            [
+                data.site(mount.base_site).xmat.reshape(3, 3).T
+                @ (data.site(mount.payload_site).xpos - data.site(mount.base_site).xpos)
+                for mount in self.system.mounts.values()
+            ]
+        )
+
+    def _states_at(self, deflection: Array) -> Array:
+        """Return the internal states after moving straight from the last load step's deflections."""
+        states = self.rest_states.copy()
+        if self.history == "relaxed":
+            return states
+        for row, axis, kernel, parameters, first, n_states in self.laws:
+            slopes, trial = np.empty((7, n_states + 1)), np.empty(n_states + 1)
+            x0, x1 = self.rest_deflection[row, axis], deflection[row, axis]
+            advance(kernel, parameters, 0, x0, x1, states, first, n_states, slopes, trial)
+        return states
+
+    def _result(self, qpos: Array, residual: float) -> Equilibrium:
+        model, data, assembly = self.model, self.data, self.system.assembly
+        self._accelerations(qpos)
+        first = assembly.userdata + assembly.user.mounts
+        n_mounts = len(self.system.mounts)
+        record = data.userdata[first : first + at.MOUNT_VALUES * n_mounts].reshape(n_mounts, 2, 3).copy()
+        mounts = {
+            name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(self.system.mounts, record, strict=True)
+        }
+        size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_INTEGRATION)
+        values = np.empty(size)
+        mujoco.mj_getState(model, data, values, mujoco.mjtState.mjSTATE_INTEGRATION)
+        return Equilibrium(
+            state=State(values=values, time=0.0), mounts=mounts, history=self.history, residual=residual
+        )
+
+    def _diagnosis(self, load: float, residual: float) -> str:
+        weak = []
+        for name, mount in self.system.mounts.items():
+            law = mount.isolator.axes["axial"]
+            bound = getattr(law, "z_max", np.inf)
+            elastic = getattr(law, "k", None)
+            if elastic == 0.0 and np.isfinite(bound):
+                share = self.system.payload_weight() / len(self.system.mounts)
+                if bound < share or self.history == "relaxed":
+                    weak.append((name, bound, share))
+        if weak:
+            name, bound, share = weak[0]
+            what = (
+                f"mount {name!r} carries at most z_max = {bound:.4g} N along its axis (its law has no elastic part), but "
+                f"about {share:.4g} N rest on it"
+            )
+            if self.history == "relaxed":
+                what = f"mount {name!r} has no elastic part along its axis: relaxed, with z = 0, it carries nothing"
+            return f"there is no equilibrium: {what}. Use a stiffer isolator, more mounts, or a law with an elastic part."
+        return (
+            f"no equilibrium was found beyond {100 * load:.3g} % of the weight (accelerations of {residual:.3g} m/s^2 are "
+            "left). Check that every direction has a mount with stiffness, and that the payload cannot tip over."
+        )

@@ -1,0 +1,5 @@
+"""MJCF and isolators -> a compiled MuJoCo model with mounts."""
+
+from wirerope_mj.system.system import Mount as Mount
+from wirerope_mj.system.system import System as System
+from wirerope_mj.system.system import load_system as load_system

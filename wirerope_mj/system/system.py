@@ -1,0 +1,148 @@
+"""A system: a MuJoCo model whose mounts act through the control callback."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.errors import ModelError
+from wirerope_mj.isolator import Isolator
+from wirerope_mj.system.assembly import Assembly, assemble
+from wirerope_mj.system.declared import base_body, declared_mounts
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mount:
+    """An isolator between two sites of a model.
+
+    Attributes:
+        name: name of the mount.
+        isolator: the device.
+        isolator_name: what the model calls it.
+        payload_site, base_site: names of its sites.
+        payload_body, base_body: names of the bodies that carry them.
+        position: point of both sites in the modelled geometry [m], world frame, (3,).
+        axes: roll, shear and axial direction as columns, world frame, modelled geometry, (3, 3).
+        states: where its internal states stand among those of the system, one slice each for roll, shear, axial.
+    """
+
+    name: str
+    isolator: Isolator
+    isolator_name: str
+    payload_site: str
+    base_site: str
+    payload_body: str
+    base_body: str
+    position: npt.NDArray[np.float64]
+    axes: npt.NDArray[np.float64]
+    states: tuple[slice, slice, slice]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class System:
+    """A compiled model with mounts.
+
+    `model` is ready to step while the callbacks are installed (`wirerope_mj.control.installed`). Sensors `body/NAME`,
+    `point/NAME` and `mount/NAME` hold what is observed of it, see `wirerope_mj.control.layout`.
+
+    Attributes:
+        model: compiled model.
+        mounts: mounts by name, in the order of the model.
+        payloads: names of the bodies at the root of what the mounts carry.
+        base: name of the driven base; "" if the base sites are fixed in the world.
+        mjcf: the model as written.
+        path: file it was read from, None if it was given as text.
+        isolators: isolators by what the model calls them.
+        assembly: where the parts of the model stand.
+    """
+
+    model: mujoco.MjModel
+    mounts: dict[str, Mount]
+    payloads: list[str]
+    base: str
+    mjcf: str
+    path: Path | None
+    isolators: dict[str, Isolator]
+    assembly: Assembly = field(repr=False)
+
+    def payload_weight(self) -> float:
+        """Return the weight of everything that does not move with the base [N]."""
+        gravity = float(np.linalg.norm(self.model.opt.gravity))
+        fixed = {self.model.body(self.base).id, 0} if self.base else {0}
+        moving = [b for b in range(self.model.nbody) if int(self.model.body_rootid[b]) not in fixed]
+        return gravity * float(self.model.body_mass[moving].sum())
+
+
+def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None = None) -> System:
+    """Return the system that an MJCF model and its isolators describe.
+
+    Args:
+        source: path of an MJCF file, or MJCF text.
+        isolators: isolators in memory by the name that follows `isolator/` in the model; they go before files.
+
+    Raises:
+        ModelError: the model cannot be read, or its mounts, sites, isolators or base are not what they must be.
+    """
+    text, path = _read(source)
+    try:
+        spec = mujoco.MjSpec.from_file(str(path)) if path else mujoco.MjSpec.from_string(text)
+        plain = spec.compile()
+    except (ValueError, mujoco.FatalError) as error:
+        where = f"{path}: " if path else ""
+        raise ModelError(f"{where}MuJoCo cannot compile the model. {' '.join(str(error).split())}") from None
+    declared = declared_mounts(spec, plain, folder=path.parent if path else None, isolators=isolators or {})
+    base = base_body(plain, declared)
+    _check_payloads(plain, declared, base)
+    assembly = assemble(spec, declared, base)
+    model = assembly.model
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mounts = {
+        d.name: Mount(
+            name=d.name,
+            isolator=d.isolator,
+            isolator_name=d.isolator_name,
+            payload_site=model.site(d.payload_site).name,
+            base_site=model.site(d.base_site).name,
+            payload_body=model.body(model.site_bodyid[d.payload_site]).name,
+            base_body=model.body(model.site_bodyid[d.base_site]).name,
+            position=data.site_xpos[d.base_site].copy(),
+            axes=data.site_xmat[d.base_site].reshape(3, 3).copy(),
+            states=assembly.state_offsets[d.name],
+        )
+        for d in declared
+    }
+    roots = [int(model.body_rootid[model.site_bodyid[d.payload_site]]) for d in declared]
+    return System(
+        model=model,
+        mounts=mounts,
+        payloads=[model.body(root).name for root in dict.fromkeys(roots)],
+        base=model.body(base).name if base else "",
+        mjcf=text,
+        path=path,
+        isolators={d.isolator_name: d.isolator for d in declared},
+        assembly=assembly,
+    )
+
+
+def _read(source: str | Path) -> tuple[str, Path | None]:
+    if isinstance(source, str) and source.lstrip().startswith("<"):
+        return source, None
+    path = Path(source)
+    try:
+        return path.read_text(encoding="utf-8"), path.resolve()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ModelError(f"{path}: the model cannot be read ({error.__class__.__name__}: {error}).") from None
+
+
+def _check_payloads(model: mujoco.MjModel, declared: list, base: int) -> None:  # type: ignore[type-arg]
+    for mount in declared:
+        body = int(model.site_bodyid[mount.payload_site])
+        site = model.site(mount.payload_site).name
+        if model.body_weldid[body] == 0:
+            raise ModelError(f"mount {mount.name!r}: payload site {site!r} is fixed in the world; nothing moves on it.")
+        if base and model.body_rootid[body] == base and model.body_weldid[body] == base:
+            raise ModelError(f"mount {mount.name!r}: payload site {site!r} belongs to the base; swap the two sites.")
