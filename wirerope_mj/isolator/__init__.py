@@ -1,0 +1,11 @@
+"""The isolator: three restoring-force laws, what they are rated for, and where they come from."""
+
+from wirerope_mj.isolator.device import Isolator as Isolator
+from wirerope_mj.isolator.files import find_isolator as find_isolator
+from wirerope_mj.isolator.files import load_isolator as load_isolator
+from wirerope_mj.isolator.parts import Geometry as Geometry
+from wirerope_mj.isolator.parts import Limits as Limits
+from wirerope_mj.isolator.parts import Provenance as Provenance
+from wirerope_mj.isolator.parts import Spread as Spread
+from wirerope_mj.isolator.parts import Travel as Travel
+from wirerope_mj.isolator.tables import AXES as AXES

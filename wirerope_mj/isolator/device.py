@@ -1,0 +1,111 @@
+"""The isolator itself."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.errors import ModelError
+from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Spread
+from wirerope_mj.isolator.tables import AXES, read_tables, write_toml
+from wirerope_mj.laws import Law
+
+
+@dataclass(frozen=True, kw_only=True)
+class Isolator:
+    """A device between two sites: one restoring-force law for each axis, limits and provenance.
+
+    Attributes:
+        name: what the vendor or the laboratory calls it.
+        roll: law across the bars (x); None = no force on this axis, as for the next two.
+        shear: law along the bars (y).
+        axial: law from the base's bar to the payload's bar (z), deflection positive in tension.
+        coupling: between the axes; only None, independent axes, is defined.
+        limits: rated static load and travel.
+        geometry: unloaded envelope, for drawing.
+        provenance: where the parameters come from.
+        spread: scatter of the parameters.
+    """
+
+    name: str
+    roll: Law | None = None
+    shear: Law | None = None
+    axial: Law | None = None
+    coupling: None = None
+    limits: Limits = Limits()
+    geometry: Geometry | None = None
+    provenance: Provenance = Provenance()
+    spread: Spread | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise ValueError(f"`name` must be a string that is not empty, got {self.name!r}.")
+        for axis, law in self.axes.items():
+            if law is not None and not isinstance(law, Law):
+                raise ValueError(f"`{axis}` must be a law or None, got {law!r}.")
+        if not any(self.axes.values()):
+            raise ValueError(f"the isolator must have a law on at least one axis of {', '.join(AXES)}.")
+        if self.coupling is not None:
+            raise ValueError(
+                f"`coupling` must be None: the axes of an isolator are independent, got {self.coupling!r}."
+            )
+        for name, kind in (("limits", Limits), ("provenance", Provenance)):
+            if not isinstance(getattr(self, name), kind):
+                raise ValueError(f"`{name}` must be a {kind.__name__}, got {getattr(self, name)!r}.")
+        self._require_finite_force()
+
+    def _require_finite_force(self) -> None:
+        """Raise ValueError if a law's force becomes infinite within its axis' rated travel."""
+        for axis, law in self.axes.items():
+            rated = max((travel for travel in self.rated_travel(axis) if travel is not None), default=0.0)
+            if law is not None and law.finite_travel <= rated:
+                raise ValueError(
+                    f"[{axis}] the force of {law.name} becomes infinite at a deflection of {law.finite_travel:.6g} m, "
+                    f"inside the rated travel of {rated:.6g} m."
+                )
+
+    @property
+    def axes(self) -> dict[str, Law | None]:
+        """The laws by axis in the order roll (x), shear (y), axial (z)."""
+        return {"roll": self.roll, "shear": self.shear, "axial": self.axial}
+
+    def rated_travel(self, axis: str) -> tuple[float | None, float | None]:
+        """Return how far the axis may deflect below and above zero [m], both positive; None = not judged."""
+        travel = self.limits.travel
+        if axis == "axial":
+            return travel.compression, travel.tension
+        if axis not in AXES:
+            raise ValueError(f"`axis` must be one of {', '.join(AXES)}, got {axis!r}.")
+        limit = travel.shear if axis == "shear" else travel.roll
+        return limit, limit
+
+    def save(self, path: str | Path) -> None:
+        """Write the isolator file, whole or not at all."""
+        write_toml(self.to_dict(), Path(path))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the isolator as it stands in its file."""
+        content: dict[str, Any] = {"name": self.name}
+        content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
+        for name in ("limits", "geometry", "provenance", "spread"):
+            part = getattr(self, name)
+            table = {} if part is None else part.to_dict()
+            if table:
+                content[name] = table
+        return content
+
+    @classmethod
+    def from_dict(cls, content: dict[str, Any], *, where: str = "isolator") -> "Isolator":
+        """Return the isolator that a file's content describes.
+
+        Args:
+            content: the tables of the file.
+            where: what messages call the file.
+
+        Raises:
+            ModelError: something is missing, extra, wrongly typed, not finite or not passive; the message names where,
+                axis, key and rule.
+        """
+        try:
+            return cls(**read_tables(content, where))
+        except ValueError as error:
+            raise ModelError(f"{where}: {error}") from error

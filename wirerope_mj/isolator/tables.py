@@ -1,0 +1,124 @@
+"""The tables of an isolator file: read with every rule checked, written whole or not at all."""
+
+import math
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import MISSING, fields
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from wirerope_mj.errors import ModelError
+from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Spread, Travel
+from wirerope_mj.laws import LAWS, Law
+
+AXES = ("roll", "shear", "axial")
+"""Axes of an isolator in the order x (across the bars), y (along the bars), z (axial)."""
+
+_TABLES = (*AXES, "limits", "geometry", "provenance", "spread")
+
+
+def read_tables(content: dict[str, Any], where: str) -> dict[str, Any]:
+    """Return the arguments of an Isolator from the content of a file; ModelError names where, table, key and rule."""
+    _require_keys(content, ("name",), ("name", *_TABLES), f"{where}:", "the file")
+    arguments: dict[str, Any] = {"name": content["name"]}
+    for name in _TABLES:
+        if name not in content:
+            continue
+        table, place = content[name], f"{where}: [{name}]"
+        if not isinstance(table, dict):
+            raise ModelError(f"{place} must be a table, got {table!r}.")
+        arguments[name] = _read_law(table, place) if name in AXES else _PARTS[name](table, place)
+    return arguments
+
+
+def _read_law(table: dict[str, Any], place: str) -> Law:
+    """Return the law that an axis table describes."""
+    kind = LAWS.get(table["law"]) if isinstance(table.get("law"), str) else None
+    if kind is None:
+        known = ", ".join(sorted(LAWS))
+        found = f"there is no law {table['law']!r}" if "law" in table else "`law` is missing"
+        raise ModelError(f"{place} {found}; the laws are {known}.")
+    parameters = {key: value for key, value in table.items() if key != "law"}
+    return _make(kind, parameters, place, f"law {kind.name}")
+
+
+def _read_limits(table: dict[str, Any], place: str) -> Limits:
+    """Return the limits; travel is a table of its own."""
+    if "travel" not in table:
+        return _make(Limits, table, place, "the limits")
+    if not isinstance(table["travel"], dict):
+        raise ModelError(f"{place} `travel` must be a table of deflections, got {table['travel']!r}.")
+    travel = _make(Travel, table["travel"], f"{place} travel:", "travel")
+    return _make(Limits, {**table, "travel": travel}, place, "the limits")
+
+
+def _read_geometry(table: dict[str, Any], place: str) -> Geometry:
+    return _make(Geometry, table, place, "the geometry")
+
+
+def _read_provenance(table: dict[str, Any], place: str) -> Provenance:
+    if "kind" not in table:
+        raise ModelError(f"{place} `kind` is missing: say where the parameters come from.")
+    return _make(Provenance, table, place, "the provenance")
+
+
+def _read_spread(table: dict[str, Any], place: str) -> Spread:
+    return _make(Spread, table, place, "the spread")
+
+
+_PARTS: dict[str, Callable[[dict[str, Any], str], Any]] = {
+    "limits": _read_limits,
+    "geometry": _read_geometry,
+    "provenance": _read_provenance,
+    "spread": _read_spread,
+}
+
+
+def _make(kind: Callable[..., Any], table: dict[str, Any], place: str, what: str) -> Any:
+    """Return `kind(**table)` with whole numbers made floats; ModelError for a missing, extra or wrong entry."""
+    known = [item.name for item in fields(kind)]  # type: ignore[arg-type]
+    required = [
+        item.name
+        for item in fields(kind)  # type: ignore[arg-type]
+        if item.default is MISSING and item.default_factory is MISSING
+    ]
+    _require_keys(table, required, known, place, what)
+    try:
+        return kind(**{key: _as_float(value) for key, value in table.items()})
+    except ValueError as error:
+        raise ModelError(f"{place} {error}") from error
+
+
+def _as_float(value: Any) -> Any:
+    """Return a whole number as a float, infinite if it is too large for one; anything else as it is."""
+    if type(value) is not int:
+        return value
+    return float(value) if abs(value) <= sys.float_info.max else math.inf
+
+
+def _require_keys(table: dict[str, Any], required: Any, known: Any, place: str, what: str) -> None:
+    """Raise ModelError unless every required key is there and every key is known."""
+    for key in required:
+        if key not in table:
+            raise ModelError(f"{place} `{key}` is missing; {what} takes {', '.join(known)}.")
+    for key in table:
+        if key not in known:
+            raise ModelError(f"{place} `{key}` is not known; {what} takes {', '.join(known)}.")
+
+
+def write_toml(content: dict[str, Any], path: Path) -> None:
+    """Write `content` as TOML: beside the target first, then renamed, so that no half-written file is ever seen."""
+    text = tomli_w.dumps(content, multiline_strings=True)
+    handle, beside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8") as file:
+            file.write(text)
+        Path(beside).chmod(0o644)  # mkstemp makes files that nobody else may read
+        os.replace(beside, path)
+    except BaseException:
+        Path(beside).unlink(missing_ok=True)
+        raise
