@@ -29,8 +29,8 @@ def cyclic_test(
 ) -> list[Loop]:
     """Return one loop for each amplitude: the last cycle of a sinusoidal test about the operating point.
 
-    Each test starts unloaded, ramps to the operating point and goes on as operating_point + amplitude sin(2 pi f t). For
-    a law that depends on the rate a lead-in cycle, not counted, keeps the start of the motion out of the loop.
+    Each test starts unloaded, ramps to the operating point and goes on as operating_point + amplitude sin(2 pi f t).
+    For a law that depends on the rate a lead-in cycle, not counted, keeps the start of the motion out of the loop.
 
     Args:
         law: the restoring-force law under test.
@@ -75,9 +75,9 @@ def _test_one(
         if count >= _MOST_CYCLES:
             raise ConvergenceError(
                 f"the loop of {law.name} at an amplitude of {amplitude:.6g} m about {operating_point:.6g} m has not "
-                f"closed after {count} cycles: its ends still differ by {loops[-1].closure:.2g} of its force range, where "
-                f"{CLOSURE:.0e} counts as closed. The memory of the start fades slowly at small amplitudes: try a "
-                "larger one, or say how many `cycles` to run."
+                f"closed after {count} cycles: its ends still differ by {loops[-1].closure:.2g} of its force range, "
+                f"where {CLOSURE:.0e} counts as closed. The memory of the start fades slowly at small amplitudes: try "
+                "a larger one, or say how many `cycles` to run."
             )
         count *= 4
 
