@@ -1,0 +1,28 @@
+"""Recordings: a response as one `run.rrd`, and the viewer that opens it. The only room that imports rerun.
+
+The timeline is `sim_time` [s]. What is drawn is thinned to what a picture can show; /state is exact. Entities:
+
+```text
+/world                                  right-handed, z up; bodies that never move stand here
+/world/BASE                             the driven base; the camera rides on it, and everything else hangs below it
+/world/BASE/BODY                        a body in the base's frame; what is fixed to a body hangs below that body
+  .../geoms/GEOM                        its shapes
+  .../bars                              bars of the mounts that stand on it or carry it
+/world/BASE/mounts/ISOLATOR             ropes of all mounts of that device: one mesh, one affine map per mount and row
+/world/BASE/labels                      names of the mounts
+/world/BASE/forces                      force of each mount on its payload, at equal scale
+/world/BASE/acceleration                acceleration of the base
+/histories/acceleration/x|y|z|total     base, bodies and points with the largest peaks [g];  .../peak  the largest
+/histories/deflection|force/AXIS        mounts that use most of their travel [mm, kN];  .../peak  .../lowest_rated ...
+/loops/AXIS/MOUNT                       frame of the plot;  .../ticks
+/loops/AXIS/MOUNT/data                  from [mm, kN] to the plot;  .../loop  .../trail  .../cursor
+/events                                 log of what happens
+/lanes/base  /lanes/travel_AXIS         phase of the motion, use of the rated travel
+/scenario  /peaks                       texts
+/state/time|base|bodies|points|mounts   float64 samples, SI; their `columns` are the names in response.parquet
+```
+"""
+
+from wirerope_mj.recording.record import record_rerun as record_rerun
+from wirerope_mj.recording.state import read_state as read_state
+from wirerope_mj.recording.viewer import show as show

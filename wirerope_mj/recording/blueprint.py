@@ -1,0 +1,195 @@
+"""How the recording opens: scene and close-up beside tabs, scenario and events below, paused before the event."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.recording.camera import Camera, close_up, scene_extent, whole_scene
+from wirerope_mj.recording.events import lane_paths
+from wirerope_mj.recording.histories import (
+    DIRECTIONS,
+    TOTAL,
+    UNITS,
+    acceleration_path,
+    acceleration_peak,
+    mount_path,
+    mount_peak,
+)
+from wirerope_mj.recording.loops import HEIGHT, frame_width, grid_shape, loop_path
+from wirerope_mj.recording.mounts import BESIDE, devices_of
+from wirerope_mj.recording.paths import TIMELINE, child, entity
+from wirerope_mj.recording.poses import Frame
+from wirerope_mj.recording.selection import Selection
+from wirerope_mj.response import Response
+
+SLOW_MOTION = 0.05
+"""Playback speed for a shock: an event of half a second takes ten."""
+
+_BACKGROUND = [24, 27, 31]
+
+
+def blueprint_of(response: Response, selection: Selection, frames: dict[str, Frame]) -> Any:
+    """Return the layout of the viewer for this response."""
+    import rerun as rr
+    import rerun.blueprint as rrb
+
+    top = rrb.Horizontal(
+        _scenes(response, selection, frames), _tabs(response, selection), column_shares=[5, 6], name="run"
+    )
+    below = rrb.Horizontal(
+        rrb.TextDocumentView(origin=entity("scenario"), name="Scenario"),
+        rrb.TextLogView(
+            origin=entity("events"),
+            name="Events",
+            columns=rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["loglevel", "body"]),
+        ),
+        column_shares=[5, 6],
+    )
+    start, end = (rr.TimeInt(seconds=instant) for instant in selection.window)
+    return rrb.Blueprint(
+        rrb.Vertical(top, below, row_shares=[41, 9]),
+        rrb.TimePanel(
+            state="collapsed",
+            timeline=TIMELINE,
+            playback_speed=_speed(selection),
+            play_state="paused",
+            loop_mode="selection",
+            time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
+        ),
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.TopPanel(state="hidden"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _speed(selection: Selection) -> float:
+    """Return slow motion for a shock, and real time for what lasts longer than ten seconds anyway."""
+    start, end = selection.window
+    return SLOW_MOTION if end - start < 10.0 else 1.0
+
+
+def _scenes(response: Response, selection: Selection, frames: dict[str, Frame]) -> Any:
+    import rerun.blueprint as rrb
+
+    base = response.scene.base
+    origin = frames[base].path if base in response.bodies else entity("world")
+    whole = _scene_view(origin, f"{response.scene.name}, seen from the base", whole_scene(response))
+    name = selection.governing
+    if name is None:
+        return whole
+    _, extent = scene_extent(response.scene)
+    device = next(device for device in devices_of(response, extent) if device.mount.name == name)
+    camera = close_up(response, name, height=device.height, width=device.width)
+    share = selection.share(name, selection.axes[0])
+    used = "" if np.isnan(share) else f", {100 * share:.0f} % of its rated {selection.axes[0]} travel"
+    paths = [frames[body].path for body in {mount.base_body for mount in response.scene.mounts}]
+    near = _scene_view(origin, f"Mount {name}{used}", camera, without=[f"{path}/{e}" for path in paths for e in BESIDE])
+    return rrb.Vertical(whole, near, row_shares=[3, 2])
+
+
+def _scene_view(origin: str, name: str, camera: Camera, *, without: Sequence[str] = ()) -> Any:
+    import rerun.blueprint as rrb
+
+    return rrb.Spatial3DView(
+        origin=origin,
+        contents=["+ " + entity("world") + "/**", *(f"- {path}" for path in without)],
+        name=name,
+        background=_BACKGROUND,
+        line_grid=rrb.LineGrid3D(visible=False),
+        eye_controls=rrb.EyeControls3D(
+            kind=rrb.Eye3DKind.Orbital, position=camera.eye, look_target=camera.target, eye_up=[0.0, 0.0, 1.0]
+        ),
+    )
+
+
+def _tabs(response: Response, selection: Selection) -> Any:
+    import rerun.blueprint as rrb
+
+    directions = [_acceleration_plot(response, selection, direction) for direction in DIRECTIONS]
+    tabs = [_overview(response, selection), rrb.Vertical(*directions, name="Accelerations")]
+    if selection.axes:
+        for quantity in UNITS:
+            plots = [_mount_plot(response, selection, quantity, axis) for axis in selection.axes]
+            tabs.append(rrb.Vertical(*plots, name=f"{quantity.capitalize()}s"))
+    tabs += [_loop_grid(selection, axis) for axis in selection.axes]
+    tabs.append(rrb.TextDocumentView(origin=entity("peaks"), name="Peaks"))
+    return rrb.Tabs(*tabs, active_tab=0)
+
+
+def _overview(response: Response, selection: Selection) -> Any:
+    import rerun.blueprint as rrb
+
+    views = [_acceleration_plot(response, selection, TOTAL)]
+    if selection.axes:
+        views += [_mount_plot(response, selection, quantity, selection.axes[0]) for quantity in UNITS]
+    lanes = lane_paths(selection)
+    views.append(
+        rrb.StateTimelineView(
+            origin=entity("lanes"), contents=lanes, name="Base motion and rated travel", time_view=_time_axis(selection)
+        )
+    )
+    return rrb.Vertical(*views, row_shares=[*([4.0] * (len(views) - 1)), 1.5 + 0.8 * len(lanes)], name="Overview")
+
+
+def _acceleration_plot(response: Response, selection: Selection, direction: str) -> Any:
+    peak = acceleration_peak(response, selection, direction)
+    which = "norm" if direction == TOTAL else direction
+    return _plot(acceleration_path(direction), f"Acceleration {which} [g]" + (f": {peak.text}" if peak else ""), selection)
+
+
+def _mount_plot(response: Response, selection: Selection, quantity: str, axis: str) -> Any:
+    total, shown = len(selection.ranked[axis]), len(selection.shown(axis))
+    which = f", {shown} of {total} mounts" if shown < total else ""
+    peak = mount_peak(response, selection, quantity, axis)
+    name = f"{axis.capitalize()} {quantity} [{UNITS[quantity][1]}]{which}: {peak.text}"
+    return _plot(mount_path(quantity, axis), name, selection)
+
+
+def _plot(origin: str, name: str, selection: Selection) -> Any:
+    import rerun.blueprint as rrb
+
+    return rrb.TimeSeriesView(
+        origin=origin,
+        name=name,
+        axis_x=_time_axis(selection),
+        plot_legend=rrb.PlotLegend(visible=True, corner=rrb.Corner2D.RightTop),
+    )
+
+
+def _time_axis(selection: Selection) -> Any:
+    import rerun as rr
+    import rerun.blueprint as rrb
+
+    boundary = rrb.TimeRangeBoundary
+    start, end = (boundary.absolute(seconds=instant) for instant in selection.window)
+    return rrb.TimeAxis(view_range=rr.TimeRange(start=start, end=end))
+
+
+def _loop_grid(selection: Selection, axis: str) -> Any:
+    import rerun.blueprint as rrb
+
+    shown = selection.shown(axis)
+    views = [_loop_view(selection, axis, name, frame_width(len(shown))) for name in shown]
+    return rrb.Grid(*views, grid_columns=grid_shape(len(shown))[0], name=f"{axis.capitalize()} loops")
+
+
+def _loop_view(selection: Selection, axis: str, name: str, width: float) -> Any:
+    import rerun.blueprint as rrb
+
+    path = loop_path(axis, name)
+    boundary = rrb.TimeRangeBoundary
+    past = rrb.VisibleTimeRanges(
+        [rrb.VisibleTimeRange(TIMELINE, start=boundary.infinite(), end=boundary.cursor_relative())]
+    )
+    share = selection.share(name, axis)
+    used = "" if np.isnan(share) else f", {100 * share:.0f} % of rated travel"
+    return rrb.Spatial2DView(
+        origin=path,
+        name=f"{name}: kN over mm{used}",
+        visual_bounds=rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-4.0, HEIGHT + 17.0]),
+        overrides={child(path, "data", "trail"): [past]},
+        background=[14, 16, 19],
+    )

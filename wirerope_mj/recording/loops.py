@@ -1,0 +1,179 @@
+"""Force-deflection loops: a frame with ticks, the whole loop dimly, the trail up to the time cursor, and the cursor."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.recording.paths import AXES, Array, Rows, at, child, entity
+from wirerope_mj.recording.selection import Selection, travel_limits
+from wirerope_mj.recording.thin import rows_of_line, rows_of_steps
+from wirerope_mj.response import Response
+from wirerope_mj.response.scene import SceneMount
+
+MOST_TRAIL_ROWS = 1500
+"""Rows of a trail: the viewer draws a segment for each, in every view, for every frame."""
+
+MOST_CURSOR_ROWS = 20_000
+_FINE = 1 / 1000
+"""Share of the plot's range that a loop may be off: a pixel of a plot that fills a screen."""
+
+HEIGHT = 100.0
+"""Height of a plot's frame, in units of its view."""
+
+_FRAME = (120, 126, 134)
+_GRID = (52, 57, 64)
+_ZERO = (104, 110, 118)
+_RATED = (214, 64, 64)
+_TICK = (190, 195, 202)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plot:
+    """Ranges of a loop's plot: deflection [mm] and force [kN], and the width of its frame in units of the view."""
+
+    deflection: tuple[float, float]
+    force: tuple[float, float]
+    width: float
+
+    @property
+    def scale(self) -> tuple[float, float]:
+        """Units of the view per mm and per kN; the view's y points down."""
+        return (
+            self.width / (self.deflection[1] - self.deflection[0]),
+            -HEIGHT / (self.force[1] - self.force[0]),
+        )
+
+    def place(self, deflection: Any, force: Any) -> Array:
+        """Return positions in the view, (n, 2)."""
+        x, y = np.broadcast_arrays(np.asarray(deflection, dtype=np.float64), np.asarray(force, dtype=np.float64))
+        sx, sy = self.scale
+        return np.column_stack([(x.ravel() - self.deflection[0]) * sx, HEIGHT + (y.ravel() - self.force[0]) * sy])
+
+
+def loop_path(axis: str, mount: str) -> str:
+    """Return the entity of a mount's loop in an axis."""
+    return entity("loops", axis, mount)
+
+
+def grid_shape(plots: int) -> tuple[int, int]:
+    """Return columns and rows of a grid of plots."""
+    columns = 1 if plots == 1 else 2 if plots <= 4 else 3
+    return columns, -(-plots // columns)
+
+
+def frame_width(plots: int) -> float:
+    """Return the width of a plot's frame so that it fills its place in the grid."""
+    columns, rows = grid_shape(plots)
+    # The tabs' pane is about 1040 x 780 points on a full-HD screen; each view has a title, and ticks need room.
+    wide, high = 1040 / columns - 60, 780 / rows - 62
+    return HEIGHT * float(np.clip(wide / high, 0.8, 3.0))
+
+
+def log_loops(rec: Any, response: Response, selection: Selection) -> None:
+    """Log a loop for every mount and axis with a force; frame, trail and cursor for those that have a view."""
+    mounts = {mount.name: mount for mount in response.scene.mounts}
+    for number, axis in enumerate(AXES):
+        shown = selection.shown(axis)
+        for name in selection.ranked[axis]:
+            loop = np.column_stack(
+                [response.mounts[name].deflection[:, number] * 1e3, response.mounts[name].force[:, number] * 1e-3]
+            )
+            reach = np.ptp(loop, axis=0)
+            color = selection.colors[name]
+            path = loop_path(axis, name)
+            rows = _loop_rows(response.time, loop, reach)
+            if name in shown:
+                plot = _plot(loop, mounts[name], axis, frame_width(len(shown)))
+                _log_frame(rec, path, plot, mounts[name], axis)
+                _log_data(rec, child(path, "data"), plot, response.time, loop, rows, color)
+            _log_whole(rec, child(path, "data"), loop[rows], color)
+
+
+def _loop_rows(time: Array, loop: Array, reach: Array) -> Rows:
+    return rows_of_line(time, loop, np.maximum(_FINE * reach, 1e-12), limit=MOST_TRAIL_ROWS)
+
+
+def _plot(loop: Array, mount: SceneMount, axis: str, width: float) -> Plot:
+    """Return ranges that hold the loop, zero, and the rated travel where the loop comes near it."""
+    low, high = loop.min(axis=0), loop.max(axis=0)
+    for limit in travel_limits(mount, axis):
+        if np.isfinite(limit):
+            near = low[0] if limit < 0.0 else high[0]
+            if near / (limit * 1e3) > 0.5:
+                low[0], high[0] = min(low[0], limit * 1e3), max(high[0], limit * 1e3)
+    low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
+    room = 0.06 * np.maximum(high - low, 1e-6)
+    low, high = low - room, high + room
+    return Plot(deflection=(low[0], high[0]), force=(low[1], high[1]), width=width)
+
+
+def ticks(low: float, high: float, most: int) -> Array:
+    """Return round numbers inside a range, about `most` of them."""
+    rough = np.log10((high - low) / most)
+    steps = np.floor(rough) + np.log10([1.0, 2.0, 5.0, 10.0])
+    step = float(10.0 ** steps[np.abs(steps - rough).argmin()])
+    return np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step
+
+
+def _log_frame(rec: Any, path: str, plot: Plot, mount: SceneMount, axis: str) -> None:
+    import rerun as rr
+
+    (x0, x1), (y0, y1) = plot.deflection, plot.force
+    across = ticks(x0, x1, max(2, round(plot.width / 26)))
+    upward = ticks(y0, y1, 5)
+    lines = [plot.place([x, x], [y0, y1]) for x in across] + [plot.place([x0, x1], [y, y]) for y in upward]
+    colors = [_ZERO if value == 0.0 else _GRID for value in (*across, *upward)]
+    for limit in travel_limits(mount, axis):
+        if np.isfinite(limit) and x0 < limit * 1e3 < x1:
+            lines.append(plot.place([limit * 1e3] * 2, [y0, y1]))
+            colors.append(_RATED)
+    lines.append(plot.place([x0, x1, x1, x0, x0], [y0, y0, y1, y1, y0]))
+    colors.append(_FRAME)
+    rec.log(path, rr.LineStrips2D(lines, colors=colors, radii=rr.Radius.ui_points(0.6), draw_order=-10.0), static=True)
+    below = plot.place(across, y0) + [0.0, 1.0]
+    beside = plot.place(x0, upward) + [-7.5, -8.0]
+    rec.log(
+        child(path, "ticks"),
+        rr.Points2D(
+            np.concatenate([below, beside]),
+            labels=[f"{value:g}" for value in np.round((*across, *upward), 9) + 0.0],
+            colors=_TICK,
+            radii=rr.Radius.ui_points(0.0),
+            show_labels=True,
+        ),
+        static=True,
+    )
+
+
+def _log_whole(rec: Any, path: str, loop: Array, color: tuple[int, int, int]) -> None:
+    """Log the whole loop [mm, kN] as one dim line."""
+    import rerun as rr
+
+    dim = [*color, 105]
+    rec.log(
+        child(path, "loop"), rr.LineStrips2D([loop], colors=[dim], radii=rr.Radius.ui_points(0.75)), static=True
+    )
+
+
+def _log_data(
+    rec: Any, path: str, plot: Plot, time: Array, loop: Array, rows: Rows, color: tuple[int, int, int]
+) -> None:
+    """Log the map from [mm, kN] to the view, the trail as one segment a row, and the cursor."""
+    import rerun as rr
+
+    sx, sy = plot.scale
+    offset = plot.place(0.0, 0.0)[0]
+    rec.log(path, rr.Transform3D(translation=[*offset, 0.0], scale=[sx, sy, 1.0]), static=True)
+    segments = np.stack([loop[rows[:-1]], loop[rows[1:]]], axis=1)
+    rec.log(
+        child(path, "trail"), rr.LineStrips2D.from_fields(colors=color, radii=rr.Radius.ui_points(1.5)), static=True
+    )
+    rec.send_columns(child(path, "trail"), at(time[rows[1:]]), rr.LineStrips2D.columns(strips=segments))
+    steps = rows_of_steps(time, loop, np.maximum(_FINE * np.ptp(loop, axis=0), 1e-12), limit=MOST_CURSOR_ROWS)
+    rec.log(
+        child(path, "cursor"),
+        rr.Points2D.from_fields(colors=(255, 255, 255), radii=rr.Radius.ui_points(4.5), draw_order=50.0),
+        static=True,
+    )
+    rec.send_columns(child(path, "cursor"), at(time[steps]), rr.Points2D.columns(positions=loop[steps]))

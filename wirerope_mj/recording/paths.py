@@ -1,0 +1,42 @@
+"""Names of entities and timeline, and the one conversion of instants to the timeline's nanoseconds."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
+
+APPLICATION = "wirerope_mj"
+TIMELINE = "sim_time"
+FILE = "run.rrd"
+
+AXES = ("roll", "shear", "axial")
+"""Mount axes in the order of every (n_t, 3) array of a mount."""
+
+AXIAL = 2
+
+
+def entity(*parts: str) -> str:
+    """Return an entity path; a part may hold any character."""
+    import rerun as rr
+
+    return str(rr.new_entity_path(list(parts)))
+
+
+def child(parent: str, *parts: str) -> str:
+    """Return the path of an entity below `parent`, which is a path already."""
+    return parent + entity(*parts)
+
+
+def nanoseconds(time: npt.ArrayLike) -> npt.NDArray[np.timedelta64]:
+    """Return instants [s] as the timeline counts them: rounded, because rerun itself truncates floats."""
+    return np.round(np.atleast_1d(np.asarray(time, dtype=np.float64)) * 1e9).astype(np.int64).astype("timedelta64[ns]")
+
+
+def at(time: npt.ArrayLike) -> list[Any]:
+    """Return the index columns of rows at the instants `time` [s]."""
+    import rerun as rr
+
+    return [rr.TimeColumn(TIMELINE, duration=nanoseconds(time))]

@@ -1,0 +1,97 @@
+"""Opens a recording: in the rerun viewer, or in a browser."""
+
+import os
+import socket
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from urllib.parse import quote
+
+from wirerope_mj.errors import RecordError, WireRopeError
+from wirerope_mj.recording.paths import FILE
+
+_LOCAL = "127.0.0.1"
+"""The viewer listens on this machine only; its own default is every network."""
+
+
+def show(path_or_folder: str | Path, *, web: bool = False) -> None:
+    """Open a recording and return when the viewer is closed or interrupted.
+
+    Args:
+        path_or_folder: a `.rrd` file, or the folder of a run.
+        web: serve it to a browser of this machine, and print the address.
+
+    Raises:
+        RecordError: there is no recording.
+        WireRopeError: there is no screen, or no viewer.
+    """
+    path = find_recording(path_or_folder)
+    if not web and not has_display():
+        raise WireRopeError(
+            f"there is no screen here to open {path} on. Show it in a browser with --web, or copy the file to a machine "
+            "with a screen and open it there: rerun run.rrd"
+        )
+    command = [str(viewer_binary()), "--bind", _LOCAL]
+    if web:
+        server, page = free_port(9876), free_port(9090)
+        command += ["--serve-web", "--port", str(server), "--web-viewer-port", str(page), str(path)]
+        print(f"Open {web_address(server, page)} in a browser. Ctrl-C ends it.", flush=True)
+    else:
+        command += ["--new", str(path)]
+    _run(command)
+
+
+def find_recording(path_or_folder: str | Path) -> Path:
+    """Return the recording that a path names: itself, or the `run.rrd` in the folder."""
+    given = Path(path_or_folder)
+    path = given / FILE if given.is_dir() else given
+    if not path.is_file():
+        raise RecordError(f"{path}: there is no such recording. A folder that `wirerope run` has written holds a {FILE}.")
+    return path
+
+
+def has_display() -> bool:
+    """Return whether a window can be opened."""
+    linux = sys.platform.startswith("linux")
+    return not linux or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def viewer_binary() -> Path:
+    """Return the viewer that rerun-sdk brought along; the `rerun` on the path may be of another version."""
+    package = find_spec("rerun_cli")
+    folder = Path(package.origin).parent if package and package.origin else Path()
+    for name in ("rerun", "rerun.exe"):
+        if (folder / name).is_file():
+            return folder / name
+    raise WireRopeError("the viewer of rerun-sdk is missing. Install it again: pip install --force-reinstall rerun-sdk")
+
+
+def web_address(server: int, page: int) -> str:
+    """Return the address of the web viewer on port `page`, showing what the server on port `server` holds."""
+    source = quote(f"rerun+http://{_LOCAL}:{server}/proxy", safe="")
+    return f"http://{_LOCAL}:{page}/?url={source}"
+
+
+def free_port(preferred: int) -> int:
+    """Return the preferred port of this machine if nothing listens on it, else one that is free."""
+    for port in (preferred, 0):
+        with socket.socket() as listener:
+            try:
+                listener.bind((_LOCAL, port))
+            except OSError:
+                continue
+            return int(listener.getsockname()[1])
+    raise WireRopeError("no port of this machine is free for the viewer.")
+
+
+def _run(command: list[str]) -> None:
+    process = subprocess.Popen(command)
+    try:
+        code = process.wait()
+    except KeyboardInterrupt:
+        process.terminate()
+        process.wait()
+        return
+    if code != 0:
+        raise WireRopeError(f"the viewer ended with code {code}. On a machine without graphics drivers --web works.")
