@@ -1,0 +1,1 @@
+"""From figures and measurements to laws, engine-free."""
