@@ -2,8 +2,8 @@
 
     python -m wirerope_mj.identification.datasheet DATASHEET.toml OUT.toml
 
-reads the vendor's figures, writes the isolator file and prints every figure beside what the fit gives. What a sheet holds
-is described in `wirerope_mj.identification.vendor`; those of the catalogue lie in `models/isolators/datasheets`.
+reads the vendor's figures, writes the isolator file and prints every figure beside what the fit gives. What a sheet
+holds is described in `wirerope_mj.identification.vendor`; those of the catalogue lie in `models/isolators/datasheets`.
 """
 
 import argparse
@@ -66,7 +66,7 @@ def fit_datasheet(path: str | Path) -> Isolator:
 
 
 def compare(path: str | Path, isolator: Isolator) -> list[Figure]:
-    """Return every figure of a data sheet beside what the laws of `isolator` give, and its sags under the rated load."""
+    """Return every figure of a data sheet beside what the laws of `isolator` give, and its sags under rated load."""
     sheet = read_datasheet(path)
     if isolator.axial is None or isolator.shear is None:
         raise ValueError(f"`isolator` must have an axial and a shear law, {isolator.name} has not.")

@@ -1,8 +1,8 @@
 """Data sheets of vendors as TOML files, in the vendor's own units.
 
 Every figure carries its unit in its key, `travel_mm` or `travel_in`, `shock_stiffness_N_per_mm` or `..._lb_per_in`.
-A sheet has the tables [compression] and [shear] (which also stands for roll, as in the catalogues), and [diagonal] if the
-vendor states figures at 45 degrees: they are compared, never fitted.
+A sheet has the tables [compression] and [shear] (which also stands for roll, as in the catalogues), and [diagonal] if
+the vendor states figures at 45 degrees: they are compared, never fitted.
 """
 
 import math
