@@ -6,7 +6,7 @@ The timeline is `sim_time` [s]. What is drawn is thinned to what a picture can s
 /world                                  right-handed, z up; bodies that never move stand here
 /world/BASE                             the driven base; the camera rides on it, and everything else hangs below it
 /world/BASE/BODY                        a body in the base's frame; what is fixed to a body hangs below that body
-  .../geoms/GEOM                        its shapes
+  .../geoms/box|sphere|...              its shapes; meshes by name
   .../bars                              bars of the mounts that stand on it or carry it
 /world/BASE/mounts/ISOLATOR             ropes of all mounts of that device: one mesh, one affine map per mount and row
 /world/BASE/labels                      names of the mounts
@@ -14,8 +14,9 @@ The timeline is `sim_time` [s]. What is drawn is thinned to what a picture can s
 /world/BASE/acceleration                acceleration of the base
 /histories/acceleration/x|y|z|total     base, bodies and points with the largest peaks [g];  .../peak  the largest
 /histories/deflection|force/AXIS        mounts that use most of their travel [mm, kN];  .../peak  .../lowest_rated ...
-/loops/AXIS/MOUNT                       frame of the plot;  .../ticks
-/loops/AXIS/MOUNT/data                  from [mm, kN] to the plot;  .../loop  .../trail  .../cursor
+/loops/AXIS/MOUNT                       frame of the plot
+/loops/AXIS/MOUNT/data                  the loop [mm, kN] and its place in the plot;  .../trail  .../cursor
+/loops/AXIS/others                      loops of the mounts that have no view of their own
 /events                                 log of what happens
 /lanes/base  /lanes/travel_AXIS         phase of the motion, use of the rated travel
 /scenario  /peaks                       texts

@@ -29,13 +29,17 @@ SLOW_MOTION = 0.05
 _BACKGROUND = [24, 27, 31]
 
 
-def blueprint_of(response: Response, selection: Selection, frames: dict[str, Frame]) -> Any:
-    """Return the layout of the viewer for this response."""
+def blueprint_of(response: Response, selection: Selection, frames: dict[str, Frame], *, tab: str = "Overview") -> Any:
+    """Return the layout of the viewer for this response, with `tab` in front.
+
+    Raises:
+        ValueError: there is no such tab.
+    """
     import rerun as rr
     import rerun.blueprint as rrb
 
     top = rrb.Horizontal(
-        _scenes(response, selection, frames), _tabs(response, selection), column_shares=[5, 6], name="run"
+        _scenes(response, selection, frames), _tabs(response, selection, tab), column_shares=[5, 6], name="run"
     )
     below = rrb.Horizontal(
         rrb.TextDocumentView(origin=entity("scenario"), name="Scenario"),
@@ -105,7 +109,7 @@ def _scene_view(origin: str, name: str, camera: Camera, *, without: Sequence[str
     )
 
 
-def _tabs(response: Response, selection: Selection) -> Any:
+def _tabs(response: Response, selection: Selection, tab: str) -> Any:
     import rerun.blueprint as rrb
 
     directions = [_acceleration_plot(response, selection, direction) for direction in DIRECTIONS]
@@ -116,7 +120,10 @@ def _tabs(response: Response, selection: Selection) -> Any:
             tabs.append(rrb.Vertical(*plots, name=f"{quantity.capitalize()}s"))
     tabs += [_loop_grid(selection, axis) for axis in selection.axes]
     tabs.append(rrb.TextDocumentView(origin=entity("peaks"), name="Peaks"))
-    return rrb.Tabs(*tabs, active_tab=0)
+    names = [str(entry.name) for entry in tabs]
+    if tab not in names:
+        raise ValueError(f"`tab` must be one of {', '.join(names)}, got {tab!r}.")
+    return rrb.Tabs(*tabs, active_tab=names.index(tab))
 
 
 def _overview(response: Response, selection: Selection) -> Any:
@@ -137,7 +144,8 @@ def _overview(response: Response, selection: Selection) -> Any:
 def _acceleration_plot(response: Response, selection: Selection, direction: str) -> Any:
     peak = acceleration_peak(response, selection, direction)
     which = "norm" if direction == TOTAL else direction
-    return _plot(acceleration_path(direction), f"Acceleration {which} [g]" + (f": {peak.text}" if peak else ""), selection)
+    name = f"Acceleration {which} [g]" + (f": {peak.text}" if peak else "")
+    return _plot(acceleration_path(direction), name, selection)
 
 
 def _mount_plot(response: Response, selection: Selection, quantity: str, axis: str) -> Any:
@@ -191,5 +199,4 @@ def _loop_view(selection: Selection, axis: str, name: str, width: float) -> Any:
         name=f"{name}: kN over mm{used}",
         visual_bounds=rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-4.0, HEIGHT + 17.0]),
         overrides={child(path, "data", "trail"): [past]},
-        background=[14, 16, 19],
     )

@@ -16,11 +16,11 @@ _TANGENT = 0.88 * np.tan(np.radians(55.0 / 2))
 _ASPECT = 1.75
 """Width over height of the pane of the whole scene on a full-HD screen."""
 
-_CLOSE = 1.75
+_CLOSE = 1.4
 """Distance of the close-up over the diagonal of the mount."""
 
 _AZIMUTHS = 24
-_ELEVATIONS = (8.0, 22.0, 40.0)  # [deg]
+_ELEVATIONS = (3.0, 10.0, 22.0, 40.0)  # [deg]
 _SEE_THROUGH = 0.7
 """Geoms less opaque than this do not hide what is behind them."""
 
@@ -67,7 +67,7 @@ def close_up(response: Response, mount: str, *, height: float, width: float) -> 
     hidden = _hidden(scene, middle + distance * directions, corners)
     center, _ = scene_extent(scene)
     outward = (middle - center) / max(float(np.linalg.norm(middle - center)), 1e-9)
-    # What is seen counts most; then the ropes seen from the side rather than from a bar's end, and the view from outside.
+    # What is seen counts most; then a look neither along the bars nor square to them, and from outside.
     along_bars = np.abs(directions @ axes[1])
     worth = -3.0 * hidden - 0.5 * np.abs(along_bars - 0.5) + 0.3 * directions @ outward
     eye = middle + distance * directions[int(worth.argmax())]

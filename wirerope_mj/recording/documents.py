@@ -13,7 +13,13 @@ from wirerope_mj.units import STANDARD_GRAVITY
 
 
 def log_documents(
-    rec: Any, response: Response, selection: Selection, *, title: str, scenario_text: str, verdicts: Sequence[str] | None
+    rec: Any,
+    response: Response,
+    selection: Selection,
+    *,
+    title: str,
+    scenario_text: str,
+    verdicts: Sequence[str] | None,
 ) -> None:
     """Log the scenario and the tables of peaks as Markdown.
 

@@ -1,4 +1,4 @@
-"""Time histories with units: accelerations [g], deflections [mm] and forces [kN], with peak markers and rated travel."""
+"""Time histories: accelerations [g], deflections [mm] and forces [kN], with peak markers and rated travel."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -15,10 +15,10 @@ DIRECTIONS = ("x", "y", "z")
 TOTAL = "total"
 UNITS = {"deflection": (1e-3, "mm"), "force": (1e3, "kN")}
 
-_FINE = 1 / 600
-"""Share of the largest value that a drawn line may be off; below a pixel of a plot of 300."""
+_FINE = 1 / 400
+"""Share of the largest value that a drawn line may be off; below a pixel of a plot of 200."""
 
-_SHOWN_LIMIT = 0.35
+_SHOWN_LIMIT = 0.5
 """Rated travel is drawn if the deflection reaches this share of it; otherwise it would only flatten the curves."""
 
 _BASE = (150, 156, 164)

@@ -5,18 +5,20 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.recording.paths import AXES, Array, Rows, at, child, entity
+from wirerope_mj.recording.paths import AXES, Array, at, child, entity
 from wirerope_mj.recording.selection import Selection, travel_limits
-from wirerope_mj.recording.thin import rows_of_line, rows_of_steps
+from wirerope_mj.recording.thin import rows_of_extremes, rows_of_line, rows_of_steps
 from wirerope_mj.response import Response
 from wirerope_mj.response.scene import SceneMount
 
-MOST_TRAIL_ROWS = 1500
+MOST_TRAIL_ROWS = 1000
 """Rows of a trail: the viewer draws a segment for each, in every view, for every frame."""
 
-MOST_CURSOR_ROWS = 20_000
-_FINE = 1 / 1000
-"""Share of the plot's range that a loop may be off: a pixel of a plot that fills a screen."""
+_FINE = 1 / 500
+"""Share of a loop's range that its line may be off: half a pixel of a small multiple."""
+
+_COARSE = 1 / 100
+"""The same for the cursor, which is a spot of several pixels."""
 
 HEIGHT = 100.0
 """Height of a plot's frame, in units of its view."""
@@ -50,6 +52,13 @@ class Plot:
         sx, sy = self.scale
         return np.column_stack([(x.ravel() - self.deflection[0]) * sx, HEIGHT + (y.ravel() - self.force[0]) * sy])
 
+    def transform(self) -> Any:
+        """Return the map from [mm, kN] to the view."""
+        import rerun as rr
+
+        sx, sy = self.scale
+        return rr.Transform3D(translation=[*self.place(0.0, 0.0)[0], 0.0], scale=[sx, sy, 1.0])
+
 
 def loop_path(axis: str, mount: str) -> str:
     """Return the entity of a mount's loop in an axis."""
@@ -74,24 +83,25 @@ def log_loops(rec: Any, response: Response, selection: Selection) -> None:
     """Log a loop for every mount and axis with a force; frame, trail and cursor for those that have a view."""
     mounts = {mount.name: mount for mount in response.scene.mounts}
     for number, axis in enumerate(AXES):
-        shown = selection.shown(axis)
+        shown, others = selection.shown(axis), {}
         for name in selection.ranked[axis]:
-            loop = np.column_stack(
-                [response.mounts[name].deflection[:, number] * 1e3, response.mounts[name].force[:, number] * 1e-3]
-            )
-            reach = np.ptp(loop, axis=0)
-            color = selection.colors[name]
-            path = loop_path(axis, name)
-            rows = _loop_rows(response.time, loop, reach)
+            mount = response.mounts[name]
+            loop = np.column_stack([mount.deflection[:, number] * 1e3, mount.force[:, number] * 1e-3])
+            rows = rows_of_line(response.time, loop, _tolerance(loop, _FINE), limit=MOST_TRAIL_ROWS)
             if name in shown:
                 plot = _plot(loop, mounts[name], axis, frame_width(len(shown)))
-                _log_frame(rec, path, plot, mounts[name], axis)
-                _log_data(rec, child(path, "data"), plot, response.time, loop, rows, color)
-            _log_whole(rec, child(path, "data"), loop[rows], color)
+                _log_frame(rec, loop_path(axis, name), plot, mounts[name], axis)
+                data = child(loop_path(axis, name), "data")
+                rec.log(data, plot.transform(), _whole({name: loop[rows]}, selection), static=True)
+                _log_trail(rec, data, response.time, loop, selection.colors[name])
+            else:
+                others[name] = loop[rows]
+        if others:
+            rec.log(entity("loops", axis, "others"), _whole(others, selection), static=True)
 
 
-def _loop_rows(time: Array, loop: Array, reach: Array) -> Rows:
-    return rows_of_line(time, loop, np.maximum(_FINE * reach, 1e-12), limit=MOST_TRAIL_ROWS)
+def _tolerance(loop: Array, share: float) -> Array:
+    return np.asarray(np.maximum(share * np.ptp(loop, axis=0), 1e-12))
 
 
 def _plot(loop: Array, mount: SceneMount, axis: str, width: float) -> Plot:
@@ -130,50 +140,43 @@ def _log_frame(rec: Any, path: str, plot: Plot, mount: SceneMount, axis: str) ->
             colors.append(_RATED)
     lines.append(plot.place([x0, x1, x1, x0, x0], [y0, y0, y1, y1, y0]))
     colors.append(_FRAME)
-    rec.log(path, rr.LineStrips2D(lines, colors=colors, radii=rr.Radius.ui_points(0.6), draw_order=-10.0), static=True)
+    frame = rr.LineStrips2D(lines, colors=colors, radii=rr.Radius.ui_points(0.6), draw_order=-10.0)
     below = plot.place(across, y0) + [0.0, 1.0]
     beside = plot.place(x0, upward) + [-7.5, -8.0]
-    rec.log(
-        child(path, "ticks"),
-        rr.Points2D(
-            np.concatenate([below, beside]),
-            labels=[f"{value:g}" for value in np.round((*across, *upward), 9) + 0.0],
-            colors=_TICK,
-            radii=rr.Radius.ui_points(0.0),
-            show_labels=True,
-        ),
-        static=True,
+    numbers = rr.Points2D(
+        np.concatenate([below, beside]),
+        labels=[f"{value:g}" for value in np.round((*across, *upward), 9) + 0.0],
+        colors=_TICK,
+        radii=rr.Radius.ui_points(0.0),
+        show_labels=True,
+    )
+    rec.log(path, frame, numbers, static=True)
+
+
+def _whole(loops: dict[str, Array], selection: Selection) -> Any:
+    """Return whole loops [mm, kN] as dim lines."""
+    import rerun as rr
+
+    return rr.LineStrips2D(
+        list(loops.values()),
+        colors=[[*selection.colors[name], 105] for name in loops],
+        labels=list(loops),
+        show_labels=False,
+        radii=rr.Radius.ui_points(0.75),
     )
 
 
-def _log_whole(rec: Any, path: str, loop: Array, color: tuple[int, int, int]) -> None:
-    """Log the whole loop [mm, kN] as one dim line."""
+def _log_trail(rec: Any, path: str, time: Array, loop: Array, color: tuple[int, int, int]) -> None:
+    """Log the cursor [mm, kN], and the trail as one segment a row, at the same rows so that it reaches the cursor."""
     import rerun as rr
 
-    dim = [*color, 105]
-    rec.log(
-        child(path, "loop"), rr.LineStrips2D([loop], colors=[dim], radii=rr.Radius.ui_points(0.75)), static=True
-    )
-
-
-def _log_data(
-    rec: Any, path: str, plot: Plot, time: Array, loop: Array, rows: Rows, color: tuple[int, int, int]
-) -> None:
-    """Log the map from [mm, kN] to the view, the trail as one segment a row, and the cursor."""
-    import rerun as rr
-
-    sx, sy = plot.scale
-    offset = plot.place(0.0, 0.0)[0]
-    rec.log(path, rr.Transform3D(translation=[*offset, 0.0], scale=[sx, sy, 1.0]), static=True)
+    steps = rows_of_steps(time, loop, _tolerance(loop, _COARSE))
+    rows = np.union1d(steps, rows_of_line(time, loop, _tolerance(loop, _FINE)))
+    rows = rows[rows_of_extremes(loop[rows], MOST_TRAIL_ROWS)]
+    width = rr.Radius.ui_points(1.5)
+    rec.log(child(path, "trail"), rr.LineStrips2D.from_fields(colors=color, radii=width), static=True)
     segments = np.stack([loop[rows[:-1]], loop[rows[1:]]], axis=1)
-    rec.log(
-        child(path, "trail"), rr.LineStrips2D.from_fields(colors=color, radii=rr.Radius.ui_points(1.5)), static=True
-    )
     rec.send_columns(child(path, "trail"), at(time[rows[1:]]), rr.LineStrips2D.columns(strips=segments))
-    steps = rows_of_steps(time, loop, np.maximum(_FINE * np.ptp(loop, axis=0), 1e-12), limit=MOST_CURSOR_ROWS)
-    rec.log(
-        child(path, "cursor"),
-        rr.Points2D.from_fields(colors=(255, 255, 255), radii=rr.Radius.ui_points(4.5), draw_order=50.0),
-        static=True,
-    )
-    rec.send_columns(child(path, "cursor"), at(time[steps]), rr.Points2D.columns(positions=loop[steps]))
+    spot = rr.Points2D.from_fields(colors=(255, 255, 255), radii=rr.Radius.ui_points(4.5), draw_order=50.0)
+    rec.log(child(path, "cursor"), spot, static=True)
+    rec.send_columns(child(path, "cursor"), at(time[rows]), rr.Points2D.columns(positions=loop[rows]))

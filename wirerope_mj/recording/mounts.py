@@ -1,4 +1,4 @@
-"""Mounts in the 3D scene: bars on the bodies, a rope between them that stretches and shears, labels and force arrows."""
+"""Mounts in the 3D scene: bars on the bodies, ropes between them that stretch and shear, labels, force arrows."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +17,8 @@ _RUBBER = (64, 66, 72)
 _FLAT = 0.08
 """Least height of a drawn rope over its modelled height, so that a crushed mount is not turned inside out."""
 
-_MOST_LABELS = 28
+_MOST_LABELS = 12
+"""With more mounts only those whose loops are shown first get a label."""
 
 BESIDE = ("labels", "forces", "acceleration")
 """Entities of a base body that would stand in front of a mount seen from near."""
@@ -60,7 +61,8 @@ def log_mounts(
     """
     devices = devices_of(response, extent)
     _log_bars(rec, response, selection, frames, devices)
-    labelled = {name for axis in selection.axes for name in selection.ranked[axis][:_MOST_LABELS]}
+    few = len(devices) <= _MOST_LABELS or not selection.axes
+    labelled = selection.mounts if few else selection.shown(selection.axes[0])
     for base in dict.fromkeys(device.mount.base_body for device in devices):
         on_base = [device for device in devices if device.mount.base_body == base]
         path = frames[base].path
@@ -95,11 +97,9 @@ def _log_ropes(rec: Any, path: str, response: Response, devices: list[Device], r
         maps[:, number, 2] = reach @ axes.T
     kind = pa.list_(pa.field("item", pa.float32(), nullable=False), 9)
     columns = pa.FixedSizeListArray.from_arrays(pa.array(maps.ravel()), type=kind)
-    rec.send_columns(
-        path,
-        at(response.time[rows]),
-        rr.InstancePoses3D.columns(translations=np.tile(feet, (rows.size, 1)), mat3x3=columns).partition(np.full(rows.size, len(devices))),
-    )
+    # The feet do not move, but the viewer drops instances whose translations are static and whose maps are not.
+    poses = rr.InstancePoses3D.columns(translations=np.tile(feet, (rows.size, 1)), mat3x3=columns)
+    rec.send_columns(path, at(response.time[rows]), poses.partition(np.full(rows.size, len(devices))))
 
 
 def _log_bars(

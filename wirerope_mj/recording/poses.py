@@ -40,8 +40,8 @@ def frames_of(response: Response) -> dict[str, Frame]:
     frames: dict[str, Frame] = {}
     free: list[str] = []  # bodies that move in the base's frame
     if base:
-        body = response.bodies[base]
-        frames[base] = Frame(path=child(world, base), position=body.position, orientation=body.orientation)
+        driven = response.bodies[base]
+        frames[base] = Frame(path=child(world, base), position=driven.position, orientation=driven.orientation)
     for body in response.scene.bodies:
         if body.name in frames:
             continue
@@ -77,13 +77,14 @@ def conjugate(quaternion: Array) -> Array:
 
 def multiply(a: Array, b: Array) -> Array:
     """Return the rotation b followed by a."""
-    w = a[..., :1] * b[..., :1] - np.sum(a[..., 1:] * b[..., 1:], axis=-1, keepdims=True)
-    return np.concatenate([w, a[..., :1] * b[..., 1:] + b[..., :1] * a[..., 1:] + np.cross(a[..., 1:], b[..., 1:])], axis=-1)
+    w, u = a[..., :1], a[..., 1:]
+    real = w * b[..., :1] - np.sum(u * b[..., 1:], axis=-1, keepdims=True)
+    return np.concatenate([real, w * b[..., 1:] + b[..., :1] * u + np.cross(u, b[..., 1:])], axis=-1)
 
 
 def quaternion_of(matrix: Array) -> Array:
     """Return the quaternion (4,), w first, of a rotation matrix (3, 3)."""
-    # The eigenvector for the eigenvalue 1 of this symmetric matrix is the quaternion (Bar-Itzhack 2000); no case analysis.
+    # The eigenvector of the largest eigenvalue of this symmetric matrix is the quaternion (Bar-Itzhack 2000).
     m = matrix
     k = np.array(
         [

@@ -26,6 +26,7 @@ def record_rerun(
     title: str = "",
     scenario_text: str = "",
     verdicts: Sequence[str] | None = None,
+    tab: str = "Overview",
 ) -> Path:
     """Write a response as a recording that opens in the rerun viewer as it should be read, and return its path.
 
@@ -35,8 +36,10 @@ def record_rerun(
         title: heading; the model's name if it is empty.
         scenario_text: Markdown or TOML that says what was simulated.
         verdicts: lines of Markdown that are shown above the peaks.
+        tab: which tab is in front: "Overview", "Accelerations", "Deflections", "Forces", "Axial loops", ..., "Peaks".
 
     Raises:
+        ValueError: there is no such tab.
         RecordError: the environment variable RERUN switches recordings off.
     """
     import rerun as rr
@@ -49,7 +52,7 @@ def record_rerun(
     was_strict = strict_mode()
     rr.set_strict_mode(True)  # otherwise a wrong call loses data with no more than a warning
     try:
-        _write(response, beside, title=title, scenario_text=scenario_text, verdicts=verdicts)
+        _write(response, beside, title=title, scenario_text=scenario_text, verdicts=verdicts, tab=tab)
         if not beside.is_file():
             raise RecordError("nothing was recorded: the environment variable RERUN switches it off. Unset it.")
         os.replace(beside, target)
@@ -60,7 +63,7 @@ def record_rerun(
 
 
 def _write(
-    response: Response, path: Path, *, title: str, scenario_text: str, verdicts: Sequence[str] | None
+    response: Response, path: Path, *, title: str, scenario_text: str, verdicts: Sequence[str] | None, tab: str
 ) -> None:
     import rerun as rr
 
@@ -69,7 +72,7 @@ def _write(
         rec.set_log_time_enabled(False)
         rec.save(path)
         # Before the data: a viewer that streams the file shows the right layout from its first moment.
-        rec.send_blueprint(blueprint_of(response, selection, frames), make_active=True, make_default=True)
+        rec.send_blueprint(blueprint_of(response, selection, frames, tab=tab), make_active=True, make_default=True)
         rec.send_recording_name(title or response.scene.name)
         log_documents(rec, response, selection, title=title, scenario_text=scenario_text, verdicts=verdicts)
         log_events(rec, response, selection)

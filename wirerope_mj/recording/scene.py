@@ -9,12 +9,12 @@ from wirerope_mj.recording.mounts import log_mounts
 from wirerope_mj.recording.paths import Rows, at, child, entity
 from wirerope_mj.recording.poses import Frame, conjugate, rotate
 from wirerope_mj.recording.selection import Selection
-from wirerope_mj.recording.shapes import draw_geom
+from wirerope_mj.recording.shapes import draw_geoms
 from wirerope_mj.recording.thin import rows_of_steps
 from wirerope_mj.response import Response
 from wirerope_mj.units import STANDARD_GRAVITY
 
-_STILL = 1 / 300
+_STILL = 1 / 100
 """Poses are drawn anew when something has moved by this share of the largest travel."""
 
 _ARROW = (255, 196, 60)
@@ -31,8 +31,7 @@ def log_scene(rec: Any, response: Response, selection: Selection, frames: dict[s
         frame = frames[body.name]
         if body.name != "world":
             _log_pose(rec, response, frame, _base_rows(response) if body.name == response.scene.base else rows)
-        for number, geom in enumerate(body.geoms):
-            draw_geom(rec, child(frame.path, "geoms", geom.name or f"{geom.shape}_{number}"), geom, extent)
+        draw_geoms(rec, frame.path, body.geoms, extent)
     if response.scene.mounts:
         log_mounts(rec, response, selection, frames, rows, extent=extent)
     _log_base_acceleration(rec, response, frames, extent)

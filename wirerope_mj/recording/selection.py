@@ -8,13 +8,16 @@ from wirerope_mj.recording.paths import AXES, AXIAL, Array
 from wirerope_mj.response import Peak, Response
 from wirerope_mj.response.scene import SceneMount
 
-LOOPS_PER_AXIS = 9
-"""Loops of an axis that get a view of their own: three rows of three are the smallest that can still be read."""
+MOST_LOOPS = 9
+"""Loops of the governing axis that get a view of their own: three rows of three are the smallest that can be read."""
+
+MOST_OTHER_LOOPS = 6
+"""The same for the other axes; each costs some 40 kilobytes of the file."""
 
 MOST_BODIES = 3
 MOST_POINTS = 3
 
-_SETTLED = 0.04
+_SETTLED = 0.1
 """The event is over when deflections stay within this share of their largest swing."""
 
 _PALETTE = (
@@ -48,17 +51,19 @@ class Selection:
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """Axes in which any mount acts, the governing one first."""
+        """Axes in which any mount acts: the governing one first, and axial first where shares are equal to a tenth."""
         return tuple(sorted((axis for axis in self.ranked if self.ranked[axis]), key=self._urgency, reverse=True))
 
     @property
     def governing(self) -> str | None:
-        """Mount with the largest share of its rated travel; None without mounts."""
+        """Mount with the largest share of its rated travel in the governing axis; None without mounts."""
         return self.ranked[self.axes[0]][0] if self.axes else None
 
     def shown(self, axis: str) -> tuple[str, ...]:
-        """Mounts whose loop and histories in `axis` are drawn."""
-        return self.ranked[axis][:LOOPS_PER_AXIS]
+        """Return the mounts whose loop and histories in `axis` are drawn."""
+        if not self.ranked[axis]:
+            return ()
+        return self.ranked[axis][: MOST_LOOPS if axis == self.axes[0] else MOST_OTHER_LOOPS]
 
     def share(self, mount: str, axis: str) -> float:
         """Share of the rated travel, NaN if nothing is rated."""
@@ -66,7 +71,7 @@ class Selection:
 
     def _urgency(self, axis: str) -> tuple[float, bool]:
         share = self.share(self.ranked[axis][0], axis)
-        return (0.0 if np.isnan(share) else share), axis == "axial"
+        return (0.0 if np.isnan(share) else round(share, 1)), axis == AXES[AXIAL]
 
 
 def select(response: Response) -> Selection:
@@ -127,7 +132,7 @@ def _window(response: Response, event: float, last: float) -> tuple[float, float
     end = event
     for mount in response.mounts.values():
         swing = np.abs(mount.deflection - mount.deflection[-1]).max(axis=1)
-        moving = np.flatnonzero(swing > _SETTLED * swing.max()) if swing.any() else []
-        end = max(end, float(response.time[moving[-1]]) if len(moving) else event)
+        moving = np.flatnonzero(swing > _SETTLED * swing.max())
+        end = max(end, float(response.time[moving[-1]]) if moving.size else event)
     end = end if end > event else last
     return max(float(response.time[0]), event - 0.06 * (end - event)), end

@@ -1,11 +1,13 @@
 """Geoms as rerun shapes, and the mesh of a wire-rope coil."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.recording.paths import Array
+from wirerope_mj.recording.paths import Array, child
+from wirerope_mj.recording.poses import rotate
 from wirerope_mj.response.scene import Geom
 
 _COILS = 8
@@ -15,51 +17,69 @@ _ROPE = 0.075  # diameter of the rope over the width of the device, as in catalo
 _LENGTH = 1.9  # length of the bars over the width
 
 
-def draw_geom(rec: Any, path: str, geom: Geom, extent: float) -> None:
-    """Log a geom below the entity of its body.
+def draw_geoms(rec: Any, path: str, geoms: Sequence[Geom], extent: float) -> None:
+    """Log the geoms of a body: those of one shape together, because every entity costs two kilobytes; meshes alone.
 
     Args:
         rec: recording stream.
-        path: entity of the geom.
-        geom: shape, placed from the body's centre of mass in body axes.
+        path: entity of the body.
+        geoms: shapes, placed from the body's centre of mass in body axes.
         extent: size of the scene [m], for planes without an end.
     """
+    for shape in dict.fromkeys(geom.shape for geom in geoms):
+        same = [geom for geom in geoms if geom.shape == shape]
+        if shape in ("mesh", "plane"):
+            for number, geom in enumerate(same):
+                mesh = _plane(geom, extent) if shape == "plane" else _mesh(geom)
+                rec.log(child(path, "geoms", geom.name or f"{shape}_{number}"), mesh, static=True)
+        else:
+            rec.log(child(path, "geoms", shape), _solids(shape, same), static=True)
+
+
+def _solids(shape: str, geoms: list[Geom]) -> Any:
     import rerun as rr
 
-    rec.log(path, _shape(geom, extent), static=True)
-    if geom.shape in ("mesh", "plane"):
-        pose = rr.Transform3D(translation=geom.position, quaternion=_xyzw(geom))
-        rec.log(path, pose, static=True)
-
-
-def _shape(geom: Geom, extent: float) -> Any:
-    import rerun as rr
-
-    color = rgba8(geom.rgba)
-    placed = {"centers": [geom.position], "quaternions": [_xyzw(geom)], "colors": [color], "fill_mode": "Solid"}
-    size = geom.size
-    if geom.shape == "box":
-        return rr.Boxes3D(half_sizes=[size], **placed)
-    if geom.shape == "sphere":
-        return rr.Ellipsoids3D(half_sizes=[[size[0]] * 3], **placed)
-    if geom.shape == "ellipsoid":
-        return rr.Ellipsoids3D(half_sizes=[size], **placed)
-    if geom.shape == "cylinder":
-        return rr.Cylinders3D(lengths=[2.0 * size[1]], radii=[size[0]], **placed)
-    if geom.shape == "capsule":
+    sizes = np.array([geom.size for geom in geoms])
+    places = np.array([geom.position for geom in geoms])
+    common = {
+        "quaternions": [rr.Quaternion(xyzw=np.roll(geom.orientation, -1)) for geom in geoms],
+        "colors": [rgba8(geom.rgba) for geom in geoms],
+        "labels": [geom.name for geom in geoms],
+        "show_labels": False,
+        "fill_mode": "Solid",
+    }
+    if shape == "box":
+        return rr.Boxes3D(half_sizes=sizes, centers=places, **common)
+    if shape == "cylinder":
+        return rr.Cylinders3D(lengths=2.0 * sizes[:, 1], radii=sizes[:, 0], centers=places, **common)
+    if shape == "capsule":
         # A capsule of rerun runs from its origin along z; MuJoCo's is centred.
-        axis = np.array([0.0, 0.0, 1.0])
-        start = geom.position - size[1] * _turned(geom.orientation, axis)
-        return rr.Capsules3D(
-            lengths=[2.0 * size[1]], radii=[size[0]], translations=[start], quaternions=[_xyzw(geom)], colors=[color],
-            fill_mode="Solid",
-        )  # fmt: skip
-    if geom.shape == "plane":
-        x, y = (half if half > 0.0 else 2.0 * extent for half in size[:2])
-        corners = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
-        return rr.Mesh3D(vertex_positions=corners, triangle_indices=[[0, 1, 2], [0, 2, 3]], albedo_factor=color)
+        axes = np.array([rotate(geom.orientation, np.array([0.0, 0.0, 1.0])) for geom in geoms])
+        starts = places - sizes[:, 1:2] * axes
+        return rr.Capsules3D(lengths=2.0 * sizes[:, 1], radii=sizes[:, 0], translations=starts, **common)
+    halves = np.repeat(sizes[:, :1], 3, axis=1) if shape == "sphere" else sizes
+    return rr.Ellipsoids3D(half_sizes=halves, centers=places, **common)
+
+
+def _plane(geom: Geom, extent: float) -> Any:
+    import rerun as rr
+
+    x, y = (half if half > 0.0 else 2.0 * extent for half in geom.size[:2])
+    corners = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
     return rr.Mesh3D(
-        vertex_positions=geom.vertices, triangle_indices=geom.faces.astype(np.uint32), albedo_factor=color
+        vertex_positions=geom.position + rotate(geom.orientation, corners),
+        triangle_indices=[[0, 1, 2], [0, 2, 3]],
+        albedo_factor=rgba8(geom.rgba),
+    )
+
+
+def _mesh(geom: Geom) -> Any:
+    import rerun as rr
+
+    return rr.Mesh3D(
+        vertex_positions=geom.position + rotate(geom.orientation, geom.vertices),
+        triangle_indices=geom.faces.astype(np.uint32),
+        albedo_factor=rgba8(geom.rgba),
     )
 
 
@@ -71,8 +91,8 @@ def rgba8(rgba: Array) -> list[int]:
 def coil(width: float) -> tuple[Array, npt.NDArray[np.uint32], Array]:
     """Return vertices, triangles and normals of a wire rope wound around two bars.
 
-    x is across the bars (roll), y along them (shear), z from the base's bar at 0 to the payload's bar at 1: the height is
-    left to the transform, which stretches and shears.
+    x is across the bars (roll), y along them (shear), z from the base's bar at 0 to the payload's bar at 1: the height
+    is left to the transform, which stretches and shears.
     """
     turns = np.linspace(0.0, 2.0 * np.pi * _COILS, _COILS * _AROUND + 1)
     length = _LENGTH * width * 0.92
@@ -108,15 +128,3 @@ def wrap(vertices: Array, normals: Array) -> tuple[Array, npt.NDArray[np.uint32]
     a, b = i * around + j, i * around + (j + 1) % around
     triangles = np.stack([a, b, a + around, b, b + around, a + around], axis=-1).reshape(-1, 3)
     return vertices.reshape(-1, 3), triangles.astype(np.uint32), normals.reshape(-1, 3)
-
-
-def _xyzw(geom: Geom) -> Any:
-    import rerun as rr
-
-    return rr.Quaternion(xyzw=np.roll(geom.orientation, -1))
-
-
-def _turned(quaternion: Array, vector: Array) -> Array:
-    from wirerope_mj.recording.poses import rotate
-
-    return rotate(quaternion, vector)

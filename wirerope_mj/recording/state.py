@@ -29,20 +29,20 @@ def log_state(rec: Any, response: Response) -> None:
         while last < len(names) and names[last].split("/")[0] == kind:
             last += 1
         values = np.ascontiguousarray(response.samples.columns(first, last))
-        rec.log(entity(ROOT, kind), rr.AnyValues(columns=names[first:last]), static=True)
+        rec.log(entity(ROOT, kind), rr.AnyValues(columns=names[first:last], first=first), static=True)
         rec.send_columns(entity(ROOT, kind), index, rr.Scalars.columns(scalars=values))
         first = last
 
 
 def read_state(path: str | Path) -> dict[str, Array]:
-    """Return the columns under /state of a `run.rrd` by the name they have in `response.parquet`, (n_t,) each.
+    """Return the columns under /state of a `run.rrd`, (n_t,) each, by name and in the order of `response.parquet`.
 
     Raises:
         RecordError: the file holds none.
     """
     from rerun.chunk import RrdReader
 
-    names: dict[str, list[str]] = {}
+    names: dict[str, tuple[int, list[str]]] = {}
     blocks: dict[str, list[tuple[int, Array]]] = {}
     for chunk in RrdReader(str(path)).stream():
         kind = str(chunk.entity_path).removeprefix(f"/{ROOT}/")
@@ -54,11 +54,12 @@ def read_state(path: str | Path) -> dict[str, Array]:
             start = int(batch[TIMELINE].cast("int64")[0].as_py())
             blocks.setdefault(kind, []).append((start, column.flatten().to_numpy().reshape(len(column), -1)))
         elif "columns" in batch.schema.names:
-            names[kind] = batch["columns"].flatten().to_pylist()
+            names[kind] = (batch["first"].flatten()[0].as_py(), batch["columns"].flatten().to_pylist())
     if not blocks or set(blocks) != set(names):
         raise RecordError(f"{path}: there are no samples under /{ROOT} here; record the response again.")
     arrays = {
         kind: np.concatenate([values for _, values in sorted(parts, key=lambda part: part[0])])
         for kind, parts in blocks.items()
     }
-    return {name: arrays[kind][:, n] for kind in names for n, name in enumerate(names[kind])}
+    kinds = sorted(names, key=lambda kind: names[kind][0])
+    return {name: arrays[kind][:, n] for kind in kinds for n, name in enumerate(names[kind][1])}

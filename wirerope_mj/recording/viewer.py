@@ -29,8 +29,8 @@ def show(path_or_folder: str | Path, *, web: bool = False) -> None:
     path = find_recording(path_or_folder)
     if not web and not has_display():
         raise WireRopeError(
-            f"there is no screen here to open {path} on. Show it in a browser with --web, or copy the file to a machine "
-            "with a screen and open it there: rerun run.rrd"
+            f"there is no screen here to open {path} on. Show it in a browser with --web, or copy the file to a "
+            "machine with a screen and open it there: rerun run.rrd"
         )
     command = [str(viewer_binary()), "--bind", _LOCAL]
     if web:
@@ -47,7 +47,9 @@ def find_recording(path_or_folder: str | Path) -> Path:
     given = Path(path_or_folder)
     path = given / FILE if given.is_dir() else given
     if not path.is_file():
-        raise RecordError(f"{path}: there is no such recording. A folder that `wirerope run` has written holds a {FILE}.")
+        raise RecordError(
+            f"{path}: there is no such recording. A folder that `wirerope run` has written holds a {FILE}."
+        )
     return path
 
 

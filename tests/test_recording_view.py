@@ -1,0 +1,150 @@
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+
+import numpy as np
+import pytest
+from made_up_floor import floor_response
+
+from wirerope_mj.errors import RecordError, WireRopeError
+from wirerope_mj.recording import record_rerun, show
+from wirerope_mj.recording.documents import peaks_markdown
+from wirerope_mj.recording.events import events_of
+from wirerope_mj.recording.loops import ticks
+from wirerope_mj.recording.poses import quaternion_of, rotate
+from wirerope_mj.recording.selection import select
+from wirerope_mj.recording.thin import rows_of_extremes, rows_of_line, rows_of_steps
+from wirerope_mj.recording.viewer import free_port, web_address
+
+
+def test_drawn_lines_stay_within_their_tolerance():
+    time = np.linspace(0.0, 3.0, 3001)
+    values = np.column_stack([np.exp(-2 * time) * np.sin(40 * time), np.where(time > 1, 1.0, 0.0)])
+    rows = rows_of_line(time, values, 0.01)
+    drawn = np.column_stack([np.interp(time, time[rows], values[rows, k]) for k in range(2)])
+    assert np.abs(drawn - values).max() <= 0.01
+    assert rows.size < 600
+    assert rows[0] == 0
+    assert rows[-1] == 3000
+
+
+def test_held_poses_stay_within_their_tolerance_even_when_the_motion_is_straight():
+    time = np.linspace(0.0, 3.0, 3001)
+    values = np.column_stack([time, np.zeros_like(time)])  # a line is drawn by its two ends, a pose is not
+    rows = rows_of_steps(time, values, 0.01)
+    held = values[rows[np.searchsorted(rows, np.arange(3001), side="right") - 1]]
+    assert np.abs(held - values).max() <= 0.01
+    assert rows_of_line(time, values, 0.01).size < 30
+
+
+def test_long_series_keep_their_extremes():
+    values = np.random.default_rng(1).standard_normal((200_000, 3))
+    rows = rows_of_extremes(values, 20_000)
+    assert rows.size <= 20_002
+    np.testing.assert_array_equal(values[rows].max(axis=0), values.max(axis=0))
+    np.testing.assert_array_equal(values[rows].min(axis=0), values.min(axis=0))
+
+
+@pytest.fixture(scope="module")
+def floor():
+    return floor_response()
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory):
+    response = floor_response(mounts=1, equipment=0, rows=80)
+    return record_rerun(response, tmp_path_factory.mktemp("run") / "run.rrd")
+
+
+def test_mounts_are_ranked_by_their_share_of_the_rated_travel(floor):
+    selection = select(floor)
+    assert selection.axes[0] == "axial"
+    shares = [selection.share(name, "axial") for name in selection.ranked["axial"]]
+    assert shares == sorted(shares, reverse=True)
+    lowest = min(peaks.deflection.minimum[2] for peaks in floor.peaks.mounts.values())
+    highest = max(peaks.deflection.maximum[2] for peaks in floor.peaks.mounts.values())
+    # Tension counts against its own limit.
+    assert shares[0] == pytest.approx(max(-lowest / 0.04, highest / 0.02), rel=1e-12)
+
+
+def test_exceeded_travel_is_an_error_and_says_which_mount_and_by_how_much():
+    response = floor_response(travel={"compression": 0.01, "tension": 0.5})
+    levels = {event.level for event in events_of(response, select(response))}
+    texts = [event.text for event in events_of(response, select(response)) if event.level == "ERROR"]
+    assert levels == {"INFO", "ERROR"}
+    assert len(texts) == 8
+    assert all("of the rated 10.0 mm, bottoms" in text for text in texts)
+    assert "exceeded" in peaks_markdown(response, select(response), None)
+
+
+def test_nothing_is_judged_where_nothing_is_rated():
+    response = floor_response(travel={})
+    selection = select(response)
+    assert {event.level for event in events_of(response, selection)} == {"INFO"}
+    assert np.isnan(selection.shares).all()
+    assert "not rated" in peaks_markdown(response, selection, ["kept below 10 g"])
+
+
+def test_axis_numbers_are_round_and_about_as_many_as_asked():
+    np.testing.assert_allclose(ticks(-42.6, 17.9, 6), [-40, -30, -20, -10, 0, 10], atol=1e-12)
+    np.testing.assert_allclose(ticks(-5.1, 4.2, 5), [-4, -2, 0, 2, 4], atol=1e-12)
+
+
+def test_quaternion_of_a_rotation_turns_as_the_matrix_does():
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        matrix = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+        matrix *= np.sign(np.linalg.det(matrix))
+        vector = rng.standard_normal(3)
+        np.testing.assert_allclose(rotate(quaternion_of(matrix), vector), matrix @ vector, atol=1e-12)  # roundoff
+
+
+def test_without_a_screen_the_message_says_what_to_do(recording, monkeypatch):
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    with pytest.raises(WireRopeError, match="--web, or copy the file"):
+        show(recording)
+
+
+def test_a_folder_without_a_recording_is_named(tmp_path):
+    with pytest.raises(RecordError, match=r"run\.rrd: there is no such recording"):
+        show(tmp_path)
+
+
+def test_the_browser_gets_the_viewer_from_this_machine_only(recording):
+    code = f"from wirerope_mj.recording import show; show({str(recording)!r}, web=True)"
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    try:
+        address = process.stdout.readline().split()[1]
+        page = fetch(address)
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=20) == 0
+    finally:
+        process.kill()
+        process.communicate()
+    assert address.startswith("http://127.0.0.1:")
+    assert "rerun%2Bhttp%3A%2F%2F127.0.0.1%3A" in address
+    assert b"<html" in page.lower()
+
+
+def fetch(address) -> bytes:
+    for _ in range(100):
+        try:
+            with urllib.request.urlopen(address, timeout=5) as answer:
+                return answer.read()
+        except OSError:
+            time.sleep(0.1)  # the server needs a moment
+    raise AssertionError(f"{address} does not answer")
+
+
+def test_a_port_in_use_is_avoided():
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        listener.listen()
+        taken = listener.getsockname()[1]
+        assert free_port(taken) != taken
+    assert web_address(1, 2) == "http://127.0.0.1:2/?url=rerun%2Bhttp%3A%2F%2F127.0.0.1%3A1%2Fproxy"
