@@ -1,0 +1,103 @@
+"""The virtual cyclic test rig."""
+
+import numpy as np
+import pytest
+
+from wirerope_mj.bench import CLOSURE, cyclic_test
+from wirerope_mj.errors import ConvergenceError
+from wirerope_mj.laws import AsymmetricBoucWen, BoucWen, KelvinVoigt
+
+BOUC_WEN = BoucWen(alpha=1.0, beta=0.8, gamma=0.2, n=1)
+
+
+def test_loop_closes_and_says_after_how_many_cycles():
+    loop = cyclic_test(BOUC_WEN, 1.0)[0]
+    assert loop.closure <= CLOSURE
+    assert loop.cycles > 1
+    before = cyclic_test(BOUC_WEN, 1.0, cycles=loop.cycles - 1)[0]
+    assert before.cycles == loop.cycles - 1
+    assert before.closure > CLOSURE
+
+
+def test_first_cycle_starts_unloaded_at_zero():
+    loop = cyclic_test(BOUC_WEN, 1.0, cycles=1)[0]
+    assert loop.force[0] == 0.0
+    assert loop.work[0] == 0.0
+    # The first quarter is the virgin path: 1 - exp(-x) for alpha = beta + gamma = 1.
+    np.testing.assert_allclose(loop.force[:101], 1.0 - np.exp(-loop.deflection[:101]), atol=1e-9)
+
+
+def test_every_amplitude_has_its_own_unloaded_start():
+    together = cyclic_test(BOUC_WEN, [0.5, 1.0], cycles=2)
+    alone = [cyclic_test(BOUC_WEN, amplitude, cycles=2)[0] for amplitude in (0.5, 1.0)]
+    for one, other in zip(together, alone, strict=True):
+        np.testing.assert_array_equal(one.force, other.force)
+
+
+def test_operating_point_is_the_middle_of_the_deflection_and_shifts_the_asymmetric_loop():
+    law = AsymmetricBoucWen(alpha=1e5, beta=150.0, gamma=0.0, n=1, k1=8e4, k2=0.0, k3=0.0, b=2.0, c=10.0)
+    about_zero = cyclic_test(law, 0.005)[0]
+    sagged = cyclic_test(law, 0.005, operating_point=-0.02)[0]
+    assert sagged.deflection.max() == pytest.approx(-0.015, abs=1e-15)
+    assert sagged.deflection.min() == pytest.approx(-0.025, abs=1e-15)
+    # z does not know where it is: F2 alone scales the loop, by 2^(10 x) at every x.
+    z_part = about_zero.hysteretic_state
+    np.testing.assert_allclose(sagged.hysteretic_state, z_part, atol=1e-6 * np.ptp(z_part))
+    x = sagged.deflection
+    np.testing.assert_allclose(sagged.force, 2.0 ** (10.0 * x) * (sagged.hysteretic_state + 8e4 * x), rtol=1e-12)
+    assert sagged.dissipated_energy < about_zero.dissipated_energy
+
+
+def test_measures_of_an_asymmetric_loop_use_its_two_extremes():
+    law = AsymmetricBoucWen(alpha=1e5, beta=150.0, gamma=0.0, n=1, k1=8e4, k2=0.0, k3=0.0, b=2.0, c=10.0)
+    loop = cyclic_test(law, 0.01, operating_point=-0.01)[0]
+    top, bottom = loop.force[100], loop.force[300]
+    assert loop.amplitude == pytest.approx(0.01, rel=1e-12)
+    assert loop.secant_stiffness == pytest.approx((top - bottom) / 0.02, rel=1e-12)
+    area = np.trapezoid(loop.force, loop.deflection)
+    assert loop.dissipated_energy == pytest.approx(area, rel=2e-4)  # 400 chords against the law's own curve
+    assert loop.damping_ratio == pytest.approx(area / (2.0 * np.pi * loop.secant_stiffness * 1e-4), rel=2e-4)
+
+
+@pytest.mark.parametrize("points", [40, 400])
+def test_energy_of_a_rate_independent_law_does_not_depend_on_the_sampling(points):
+    loop = cyclic_test(BOUC_WEN, 1.0, points_per_cycle=points)[0]
+    assert loop.dissipated_energy == pytest.approx(0.8309464386, abs=1e-9)
+    assert loop.deflection.size == points + 1
+
+
+@pytest.mark.parametrize("cycles", [None, 1, 3])
+@pytest.mark.parametrize("operating_point", [0.0, -0.02])
+def test_viscous_energy_grows_with_the_frequency(cycles, operating_point):
+    law = KelvinVoigt(k=1e5, c=300.0)
+    for frequency in (1.0, 7.0):
+        loop = cyclic_test(law, 0.01, operating_point=operating_point, frequency=frequency, cycles=cycles)[0]
+        # Central differences at 400 points per cycle lose (2 pi / 400)^2 / 3 = 8e-5 of the energy.
+        assert loop.dissipated_energy == pytest.approx(np.pi * 300.0 * 2.0 * np.pi * frequency * 1e-4, rel=1e-4)
+
+
+def test_frequency_has_no_effect_on_a_rate_independent_law():
+    slow, fast = (cyclic_test(BOUC_WEN, 1.0, frequency=f)[0] for f in (0.01, 10.0))
+    np.testing.assert_array_equal(slow.force, fast.force)
+
+
+def test_loop_that_does_not_close_says_why_and_what_to_try():
+    with pytest.raises(ConvergenceError, match=r"0\.001 m about -2 m has not closed after 4096 cycles.*larger one"):
+        cyclic_test(BOUC_WEN, 0.001, operating_point=-2.0, points_per_cycle=4)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"amplitudes": 0.0}, "`amplitudes` must be finite and > 0"),
+        ({"amplitudes": []}, "`amplitudes` must be finite and > 0"),
+        ({"amplitudes": [1.0, np.nan]}, "`amplitudes` must be finite and > 0"),
+        ({"operating_point": np.inf}, "`operating_point` must be finite"),
+        ({"frequency": 0.0}, "`frequency` must be finite and > 0"),
+        ({"cycles": 0}, "`cycles` must be >= 1"),
+        ({"points_per_cycle": 30}, "`points_per_cycle` must be a multiple of 4"),
+    ],
+)
+def test_bad_arguments_are_named(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        cyclic_test(BOUC_WEN, **{"amplitudes": 1.0} | arguments)
