@@ -136,6 +136,14 @@ def test_path_does_not_depend_on_how_finely_it_is_sampled(law, points):
     np.testing.assert_allclose(law.trace(fine).force[-1], coarse.force[-1], atol=1e-7 * scale, rtol=1e-7)
 
 
+def test_one_long_segment_equals_many_short_ones_where_a_trial_step_overflows():
+    law = BoucWen(alpha=1.0, beta=1.0, gamma=-0.75, n=3.0)
+    once = law.trace([0.0, 2.0, -2.0])
+    often = law.trace(np.concatenate([[0.0], np.linspace(2.0, -2.0, 101)]))
+    assert once.force[-1] == pytest.approx(often.force[-1], rel=1e-9)
+    assert once.work[-1] == pytest.approx(often.work[-1], rel=1e-9)
+
+
 @given(points=turning_points, speed=st.floats(0.01, 100.0))
 @settings(max_examples=30, deadline=None)
 def test_force_does_not_depend_on_the_rate(points, speed):
