@@ -10,7 +10,7 @@ import pytest
 from made_up_floor import floor_response
 
 from wirerope_mj.errors import RecordError, WireRopeError
-from wirerope_mj.recording import record_rerun, show
+from wirerope_mj.recording import loops, record_rerun, show
 from wirerope_mj.recording.documents import peaks_markdown
 from wirerope_mj.recording.events import events_of
 from wirerope_mj.recording.loops import ticks
@@ -57,6 +57,19 @@ def floor():
 def recording(tmp_path_factory):
     response = floor_response(mounts=1, equipment=0, rows=80)
     return record_rerun(response, tmp_path_factory.mktemp("run") / "run.rrd")
+
+
+def test_long_loops_are_exact_around_the_largest_deflection(floor, monkeypatch):
+    monkeypatch.setattr(loops, "MOST_ROWS", 60)
+    monkeypatch.setattr(loops, "MOST_TRAIL_ROWS", 40)
+    monkeypatch.setattr(loops, "_SHORT_TRAIL", 20)
+    loop = next(loop for loop in loops.loops_of(floor, select(floor)) if loop.plot is not None and loop.axis == "axial")
+    deflection = floor.mounts[loop.mount].deflection[:, 2] * 1e3
+    largest = floor.time[np.abs(deflection).argmax()]
+    near = np.abs(loop.time - largest) < 0.01
+    assert np.diff(loop.time[near]).max() < 0.0025  # steps of a hundredth of the range are taken every few samples
+    assert loop.time[[0, -1]].tolist() == floor.time[[0, -1]].tolist()
+    assert 0.0 < loop.trail < 0.1
 
 
 def test_mounts_are_ranked_by_their_share_of_the_rated_travel(floor):

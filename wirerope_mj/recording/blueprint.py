@@ -16,7 +16,7 @@ from wirerope_mj.recording.histories import (
     mount_path,
     mount_peak,
 )
-from wirerope_mj.recording.loops import HEIGHT, frame_width, grid_shape, loop_path
+from wirerope_mj.recording.loops import HEIGHT, Loop, Plot, grid_shape, loop_path
 from wirerope_mj.recording.mounts import BESIDE, devices_of
 from wirerope_mj.recording.paths import TIMELINE, child, entity
 from wirerope_mj.recording.poses import Frame
@@ -29,7 +29,9 @@ SLOW_MOTION = 0.05
 _BACKGROUND = [24, 27, 31]
 
 
-def blueprint_of(response: Response, selection: Selection, frames: dict[str, Frame], *, tab: str = "Overview") -> Any:
+def blueprint_of(
+    response: Response, selection: Selection, frames: dict[str, Frame], loops: list[Loop], *, tab: str = "Overview"
+) -> Any:
     """Return the layout of the viewer for this response, with `tab` in front.
 
     Raises:
@@ -39,7 +41,7 @@ def blueprint_of(response: Response, selection: Selection, frames: dict[str, Fra
     import rerun.blueprint as rrb
 
     top = rrb.Horizontal(
-        _scenes(response, selection, frames), _tabs(response, selection, tab), column_shares=[5, 6], name="run"
+        _scenes(response, selection, frames), _tabs(response, selection, loops, tab), column_shares=[5, 6], name="run"
     )
     below = rrb.Horizontal(
         rrb.TextDocumentView(origin=entity("scenario"), name="Scenario"),
@@ -109,7 +111,7 @@ def _scene_view(origin: str, name: str, camera: Camera, *, without: Sequence[str
     )
 
 
-def _tabs(response: Response, selection: Selection, tab: str) -> Any:
+def _tabs(response: Response, selection: Selection, loops: list[Loop], tab: str) -> Any:
     import rerun.blueprint as rrb
 
     directions = [_acceleration_plot(response, selection, direction) for direction in DIRECTIONS]
@@ -118,7 +120,7 @@ def _tabs(response: Response, selection: Selection, tab: str) -> Any:
         for quantity in UNITS:
             plots = [_mount_plot(response, selection, quantity, axis) for axis in selection.axes]
             tabs.append(rrb.Vertical(*plots, name=f"{quantity.capitalize()}s"))
-    tabs += [_loop_grid(selection, axis) for axis in selection.axes]
+    tabs += [_loop_grid(selection, axis, loops) for axis in selection.axes]
     tabs.append(rrb.TextDocumentView(origin=entity("peaks"), name="Peaks"))
     names = [str(entry.name) for entry in tabs]
     if tab not in names:
@@ -176,27 +178,25 @@ def _time_axis(selection: Selection) -> Any:
     return rrb.TimeAxis(view_range=rr.TimeRange(start=start, end=end))
 
 
-def _loop_grid(selection: Selection, axis: str) -> Any:
+def _loop_grid(selection: Selection, axis: str, loops: list[Loop]) -> Any:
     import rerun.blueprint as rrb
 
-    shown = selection.shown(axis)
-    views = [_loop_view(selection, axis, name, frame_width(len(shown))) for name in shown]
-    return rrb.Grid(*views, grid_columns=grid_shape(len(shown))[0], name=f"{axis.capitalize()} loops")
+    views = [_loop_view(selection, loop, loop.plot) for loop in loops if loop.axis == axis and loop.plot is not None]
+    return rrb.Grid(*views, grid_columns=grid_shape(len(views))[0], name=f"{axis.capitalize()} loops")
 
 
-def _loop_view(selection: Selection, axis: str, name: str, width: float) -> Any:
+def _loop_view(selection: Selection, loop: Loop, plot: Plot) -> Any:
     import rerun.blueprint as rrb
 
-    path = loop_path(axis, name)
+    path = loop_path(loop.axis, loop.mount)
     boundary = rrb.TimeRangeBoundary
-    past = rrb.VisibleTimeRanges(
-        [rrb.VisibleTimeRange(TIMELINE, start=boundary.infinite(), end=boundary.cursor_relative())]
-    )
-    share = selection.share(name, axis)
+    start = boundary.infinite() if loop.trail is None else boundary.cursor_relative(seconds=-loop.trail)
+    past = rrb.VisibleTimeRanges([rrb.VisibleTimeRange(TIMELINE, start=start, end=boundary.cursor_relative())])
+    share = selection.share(loop.mount, loop.axis)
     used = "" if np.isnan(share) else f", {100 * share:.0f} % of rated travel"
     return rrb.Spatial2DView(
         origin=path,
-        name=f"{name}: kN over mm{used}",
-        visual_bounds=rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-4.0, HEIGHT + 17.0]),
+        name=f"{loop.mount}: kN over mm{used}",
+        visual_bounds=rrb.VisualBounds2D(x_range=[-16.0, plot.width + 4.0], y_range=[-4.0, HEIGHT + 17.0]),
         overrides={child(path, "data", "trail"): [past]},
     )

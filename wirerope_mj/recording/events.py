@@ -52,13 +52,13 @@ def lane_paths(selection: Selection) -> list[str]:
 
 
 def events_of(response: Response, selection: Selection) -> list[Event]:
-    """Return what happens, in order of time; peaks to a millisecond, because the log has no room for more."""
+    """Return what happens, in order of time."""
     # A sum of pulses says the same at the same instant for each of them.
     found = [Event(time=time, level="INFO", text=text) for time, text in dict.fromkeys(response.events)]
     for name in selection.bodies:
         peak = response.peaks.bodies[name].acceleration
         text = f"{name}: peak acceleration {peak.value / STANDARD_GRAVITY:.2f} g"
-        found.append(Event(time=round(peak.time, 3), level="INFO", text=text))
+        found.append(Event(time=_short(peak.time), level="INFO", text=text))
     for mount in response.scene.mounts:
         found += [event for axis in AXES for event in _travel_events(response, mount, axis)]
     return sorted(event for event in found if event.time <= response.time[-1])
@@ -82,12 +82,17 @@ def _travel_events(response: Response, mount: SceneMount, axis: str) -> list[Eve
         bottoms = ", bottoms" if share >= 1.0 and number == AXIAL and side == 0 else ""
         found.append(
             Event(
-                time=round(float(response.time[beyond[0]]) if beyond.size else instant, 3),
+                time=_short(float(response.time[beyond[0]]) if beyond.size else instant),
                 level="ERROR" if share >= 1.0 else "WARN",
                 text=f"{mount.name}: {how} is {100 * share:.0f} % of the rated {1e3 * abs(limit):.1f} mm{bottoms}",
             )
         )
     return found
+
+
+def _short(time: float) -> float:
+    """Return an instant as the log has room for it: to a millisecond, late ones to a tenth of a second."""
+    return round(time, 3 if time < 10.0 else 1)
 
 
 def _phases(response: Response) -> list[tuple[float, int]]:

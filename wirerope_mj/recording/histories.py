@@ -21,6 +21,9 @@ _FINE = 1 / 400
 _SHOWN_LIMIT = 0.5
 """Rated travel is drawn if the deflection reaches this share of it; otherwise it would only flatten the curves."""
 
+_LATE = 10.0
+"""From this instant on, times are written in seconds [s]."""
+
 _BASE = (150, 156, 164)
 _LINES = ((255, 190, 60), (90, 200, 250), (255, 105, 130), (130, 220, 130), (200, 150, 255), (240, 160, 90))
 _PEAK = (255, 92, 92)
@@ -98,7 +101,8 @@ def _extreme(name: str, peak: Peak, axis: int, unit: float, unit_name: str) -> M
 
 
 def _marker(name: str, time: float, value: float, unit: str) -> Marker:
-    return Marker(time=time, value=value, text=f"{name} peak {value:.2f} {unit} @ {1e3 * time:.0f} ms")
+    instant = f"{1e3 * time:.0f} ms" if time < _LATE else f"{time:.2f} s"
+    return Marker(time=time, value=value, text=f"{name} peak {value:.2f} {unit} @ {instant}")
 
 
 def _log_mounts(rec: Any, response: Response, selection: Selection, axis: str) -> None:
@@ -139,7 +143,10 @@ def _log_lines(
     import rerun as rr
 
     rows = rows_of_line(time, values, tolerance)
-    rec.log(path, rr.SeriesLines(names=names, colors=colors, widths=[1.6] * len(names)), static=True)
+    # The viewer averages what falls into one pixel unless it is told to keep the extremes: a sweep would vanish.
+    keep = ["MinMax"] * len(names)
+    look = rr.SeriesLines(names=names, colors=colors, widths=[1.6] * len(names), aggregation_policy=keep)
+    rec.log(path, look, static=True)
     rec.send_columns(path, at(time[rows]), rr.Scalars.columns(scalars=np.ascontiguousarray(values[rows])))
 
 

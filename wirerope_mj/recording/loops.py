@@ -1,18 +1,21 @@
 """Force-deflection loops: a frame with ticks, the whole loop dimly, the trail up to the time cursor, and the cursor."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from wirerope_mj.recording.paths import AXES, Array, at, child, entity
+from wirerope_mj.recording.paths import AXES, Array, Rows, at, child, entity
 from wirerope_mj.recording.selection import Selection, travel_limits
-from wirerope_mj.recording.thin import rows_of_extremes, rows_of_line, rows_of_steps
+from wirerope_mj.recording.thin import MOST_ROWS, rows_of_extremes, rows_of_line, rows_of_steps
 from wirerope_mj.response import Response
 from wirerope_mj.response.scene import SceneMount
 
 MOST_TRAIL_ROWS = 1000
-"""Rows of a trail: the viewer draws a segment for each, in every view, for every frame."""
+"""Rows of a trail that are seen at once: the viewer draws a segment for each, in every view, for every frame."""
+
+_SHORT_TRAIL = 80
+"""Rows of the trail where the whole past would be too many: the last few cycles."""
 
 _FINE = 1 / 500
 """Share of a loop's range that its line may be off: half a pixel of a small multiple."""
@@ -60,6 +63,33 @@ class Plot:
         return rr.Transform3D(translation=[*self.place(0.0, 0.0)[0], 0.0], scale=[sx, sy, 1.0])
 
 
+@dataclass(frozen=True, kw_only=True)
+class Loop:
+    """A force-deflection loop.
+
+    Attributes:
+        axis, mount: whose it is.
+        outline: the whole loop [mm, kN], (n, 2).
+        plot: its plot; None if it has no view of its own, as for the next two.
+        time: instants of trail and cursor [s], (m,).
+        points: deflection and force at these instants [mm, kN], (m, 2).
+    """
+
+    axis: str
+    mount: str
+    outline: Array
+    plot: Plot | None = None
+    time: Array = field(default_factory=lambda: np.zeros(0))
+    points: Array = field(default_factory=lambda: np.zeros((0, 2)))
+
+    @property
+    def trail(self) -> float | None:
+        """How long the trail behind the cursor may be [s]; None for the whole past."""
+        if self.time.size <= MOST_TRAIL_ROWS:
+            return None
+        return float((self.time[_SHORT_TRAIL:] - self.time[:-_SHORT_TRAIL]).min())
+
+
 def loop_path(axis: str, mount: str) -> str:
     """Return the entity of a mount's loop in an axis."""
     return entity("loops", axis, mount)
@@ -79,25 +109,61 @@ def frame_width(plots: int) -> float:
     return HEIGHT * float(np.clip(wide / high, 0.8, 3.0))
 
 
-def log_loops(rec: Any, response: Response, selection: Selection) -> None:
-    """Log a loop for every mount and axis with a force; frame, trail and cursor for those that have a view."""
+def loops_of(response: Response, selection: Selection) -> list[Loop]:
+    """Return a loop for every mount and axis with a force, those of an axis in the order of their rank."""
     mounts = {mount.name: mount for mount in response.scene.mounts}
+    loops = []
     for number, axis in enumerate(AXES):
-        shown, others = selection.shown(axis), {}
+        shown = selection.shown(axis)
         for name in selection.ranked[axis]:
             mount = response.mounts[name]
-            loop = np.column_stack([mount.deflection[:, number] * 1e3, mount.force[:, number] * 1e-3])
-            rows = rows_of_line(response.time, loop, _tolerance(loop, _FINE), limit=MOST_TRAIL_ROWS)
-            if name in shown:
-                plot = _plot(loop, mounts[name], axis, frame_width(len(shown)))
-                _log_frame(rec, loop_path(axis, name), plot, mounts[name], axis)
-                data = child(loop_path(axis, name), "data")
-                rec.log(data, plot.transform(), _whole({name: loop[rows]}, selection), static=True)
-                _log_trail(rec, data, response.time, loop, selection.colors[name])
-            else:
-                others[name] = loop[rows]
+            values = np.column_stack([mount.deflection[:, number] * 1e3, mount.force[:, number] * 1e-3])
+            line = rows_of_line(response.time, values, _tolerance(values, _FINE), limit=response.time.size)
+            outline = line[rows_of_extremes(values[line], MOST_TRAIL_ROWS)]
+            if name not in shown:
+                loops.append(Loop(axis=axis, mount=name, outline=values[outline]))
+                continue
+            rows = _trail_rows(response.time, values, line)
+            loops.append(
+                Loop(
+                    axis=axis,
+                    mount=name,
+                    outline=values[outline],
+                    plot=_plot(values, mounts[name], axis, frame_width(len(shown))),
+                    time=response.time[rows],
+                    points=values[rows],
+                )
+            )
+    return loops
+
+
+def log_loops(rec: Any, response: Response, selection: Selection, loops: list[Loop]) -> None:
+    """Log all loops; frame, trail and cursor of those that have a view."""
+    mounts = {mount.name: mount for mount in response.scene.mounts}
+    for axis in selection.axes:
+        others = [loop for loop in loops if loop.axis == axis and loop.plot is None]
         if others:
-            rec.log(entity("loops", axis, "others"), _whole(others, selection), static=True)
+            rec.log(entity("loops", axis, "others"), _outlines(others, selection), static=True)
+    for loop in loops:
+        if loop.plot is not None:
+            path = loop_path(loop.axis, loop.mount)
+            _log_frame(rec, path, loop.plot, mounts[loop.mount], loop.axis)
+            rec.log(child(path, "data"), loop.plot.transform(), _outlines([loop], selection), static=True)
+            _log_trail(rec, child(path, "data"), loop, selection.colors[loop.mount])
+
+
+def _trail_rows(time: Array, values: Array, line: Rows) -> Rows:
+    """Return the rows of trail and cursor.
+
+    A long sweep has more cycles than can be drawn: loops are then exact around the largest deflection, and elsewhere
+    only their turning points are kept.
+    """
+    rows = np.union1d(line, rows_of_steps(time, values, _tolerance(values, _COARSE), limit=time.size))
+    if rows.size <= MOST_ROWS:
+        return rows
+    middle = int(np.abs(values[rows, 0]).argmax())
+    exact = rows[max(0, middle - MOST_ROWS // 2) : middle + MOST_ROWS // 2]
+    return np.union1d(exact, rows[rows_of_extremes(values[rows], 2 * MOST_TRAIL_ROWS)])
 
 
 def _tolerance(loop: Array, share: float) -> Array:
@@ -153,30 +219,27 @@ def _log_frame(rec: Any, path: str, plot: Plot, mount: SceneMount, axis: str) ->
     rec.log(path, frame, numbers, static=True)
 
 
-def _whole(loops: dict[str, Array], selection: Selection) -> Any:
+def _outlines(loops: list[Loop], selection: Selection) -> Any:
     """Return whole loops [mm, kN] as dim lines."""
     import rerun as rr
 
     return rr.LineStrips2D(
-        list(loops.values()),
-        colors=[[*selection.colors[name], 105] for name in loops],
-        labels=list(loops),
+        [loop.outline for loop in loops],
+        colors=[[*selection.colors[loop.mount], 105] for loop in loops],
+        labels=[loop.mount for loop in loops],
         show_labels=False,
         radii=rr.Radius.ui_points(0.75),
     )
 
 
-def _log_trail(rec: Any, path: str, time: Array, loop: Array, color: tuple[int, int, int]) -> None:
+def _log_trail(rec: Any, path: str, loop: Loop, color: tuple[int, int, int]) -> None:
     """Log the cursor [mm, kN], and the trail as one segment a row, at the same rows so that it reaches the cursor."""
     import rerun as rr
 
-    steps = rows_of_steps(time, loop, _tolerance(loop, _COARSE))
-    rows = np.union1d(steps, rows_of_line(time, loop, _tolerance(loop, _FINE)))
-    rows = rows[rows_of_extremes(loop[rows], MOST_TRAIL_ROWS)]
     width = rr.Radius.ui_points(1.5)
     rec.log(child(path, "trail"), rr.LineStrips2D.from_fields(colors=color, radii=width), static=True)
-    segments = np.stack([loop[rows[:-1]], loop[rows[1:]]], axis=1)
-    rec.send_columns(child(path, "trail"), at(time[rows[1:]]), rr.LineStrips2D.columns(strips=segments))
+    segments = np.stack([loop.points[:-1], loop.points[1:]], axis=1)
+    rec.send_columns(child(path, "trail"), at(loop.time[1:]), rr.LineStrips2D.columns(strips=segments))
     spot = rr.Points2D.from_fields(colors=(255, 255, 255), radii=rr.Radius.ui_points(4.5), draw_order=50.0)
     rec.log(child(path, "cursor"), spot, static=True)
-    rec.send_columns(child(path, "cursor"), at(time[rows]), rr.Points2D.columns(positions=loop[rows]))
+    rec.send_columns(child(path, "cursor"), at(loop.time), rr.Points2D.columns(positions=loop.points))

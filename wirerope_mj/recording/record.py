@@ -10,7 +10,7 @@ from wirerope_mj.recording.blueprint import blueprint_of
 from wirerope_mj.recording.documents import log_documents
 from wirerope_mj.recording.events import log_events
 from wirerope_mj.recording.histories import log_histories
-from wirerope_mj.recording.loops import log_loops
+from wirerope_mj.recording.loops import log_loops, loops_of
 from wirerope_mj.recording.paths import APPLICATION, FILE
 from wirerope_mj.recording.poses import frames_of
 from wirerope_mj.recording.scene import log_scene
@@ -68,15 +68,18 @@ def _write(
     import rerun as rr
 
     selection, frames = select(response), frames_of(response)
+    loops = loops_of(response, selection)
     with rr.RecordingStream(APPLICATION, recording_id=uuid.uuid4()) as rec:
         rec.set_log_time_enabled(False)
         rec.save(path)
         # Before the data: a viewer that streams the file shows the right layout from its first moment.
-        rec.send_blueprint(blueprint_of(response, selection, frames, tab=tab), make_active=True, make_default=True)
+        rec.send_blueprint(
+            blueprint_of(response, selection, frames, loops, tab=tab), make_active=True, make_default=True
+        )
         rec.send_recording_name(title or response.scene.name)
         log_documents(rec, response, selection, title=title, scenario_text=scenario_text, verdicts=verdicts)
         log_events(rec, response, selection)
         log_scene(rec, response, selection, frames)
         log_histories(rec, response, selection)
-        log_loops(rec, response, selection)
+        log_loops(rec, response, selection, loops)
         log_state(rec, response)
