@@ -1,1 +1,37 @@
-"""Shock and vibration of equipment and floors on wire-rope isolators."""
+"""Shock and vibration of equipment and floors on wire-rope isolators.
+
+Laws and isolators, MuJoCo models whose mounts have hysteresis, base motions, simulation, and the view of a run in rerun.
+"""
+
+from wirerope_mj.bench import cyclic_test as cyclic_test
+from wirerope_mj.errors import ConvergenceError as ConvergenceError
+from wirerope_mj.errors import ModelError as ModelError
+from wirerope_mj.errors import RecordError as RecordError
+from wirerope_mj.errors import SimulationError as SimulationError
+from wirerope_mj.errors import WireRopeError as WireRopeError
+from wirerope_mj.excitation import HalfSine as HalfSine
+from wirerope_mj.excitation import Sawtooth as Sawtooth
+from wirerope_mj.excitation import Sine as Sine
+from wirerope_mj.excitation import Sweep as Sweep
+from wirerope_mj.excitation import Trapezoid as Trapezoid
+from wirerope_mj.excitation import VelocityStep as VelocityStep
+from wirerope_mj.excitation import load_record as load_record
+from wirerope_mj.isolator import Isolator as Isolator
+from wirerope_mj.isolator import load_isolator as load_isolator
+from wirerope_mj.laws import AsymmetricBoucWen as AsymmetricBoucWen
+from wirerope_mj.laws import BoucWen as BoucWen
+from wirerope_mj.laws import KelvinVoigt as KelvinVoigt
+from wirerope_mj.laws import Loop as Loop
+from wirerope_mj.laws import Ozdemir as Ozdemir
+from wirerope_mj.laws import SymmetricBoucWen as SymmetricBoucWen
+from wirerope_mj.recording import record_rerun as record_rerun
+from wirerope_mj.response import Peak as Peak
+from wirerope_mj.response import Response as Response
+from wirerope_mj.response import State as State
+from wirerope_mj.response import load_response as load_response
+from wirerope_mj.simulation import simulate as simulate
+from wirerope_mj.statics import equilibrium as equilibrium
+from wirerope_mj.system import Mount as Mount
+from wirerope_mj.system import System as System
+from wirerope_mj.system import load_system as load_system
+from wirerope_mj.units import STANDARD_GRAVITY as STANDARD_GRAVITY

@@ -115,8 +115,9 @@ class _Loading:
                     continue
                 qpos, load = trial, trial_load
                 self._accelerations(qpos)
-                self.rest_deflection = self._deflections()
-                self.rest_states = self._states_at(self.rest_deflection)
+                deflections = self._deflections()
+                self.rest_states = self._states_at(deflections)
+                self.rest_deflection = deflections
             return self._result(qpos, residual)
 
     def _newton(self, qpos: Array, tolerance: float) -> tuple[Array, float]:

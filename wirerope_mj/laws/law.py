@@ -99,8 +99,9 @@ class Law(ABC):
     ) -> Loop:
         del time  # a rate-independent law does not know it
         force, history, work = follow_path(self.kernel, self.kernel_parameters(), path, states, self.n_states)
-        if not np.isfinite(force).all():
-            first = path[np.argmin(np.isfinite(force))]
+        finite = np.isfinite(force) & np.isfinite(work)
+        if not finite.all():
+            first = path[np.argmin(finite)]
             raise ValueError(f"the force of {self} leaves the finite numbers at a deflection of {first:.6g} m.")
         z = history[:, 0] if self.n_states else np.zeros(path.size)
         return Loop(deflection=path, force=force, hysteretic_state=z, work=work)

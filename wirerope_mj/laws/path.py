@@ -65,8 +65,11 @@ def advance(law, p, i, x0, x1, z, j, n_states, slopes, trial):
         for stage in range(7):
             work_error += _ERROR[stage] * slopes[stage, n_states]
         error = max(error, abs(work_error) / (TOLERANCE * abs(slopes[0, n_states]) + TOLERANCE * abs(gain) + 1e-300))
-        if not np.isfinite(error):
-            return np.nan
+        if not np.isfinite(error):  # the trial left the finite numbers: shorter, unless the path itself does
+            if step < 1e-9 * length:
+                return np.nan
+            step *= 0.2
+            continue
         # Below 1e-9 of the segment a failing step can only be a kink at z = 0: its contribution is below rounding.
         if error <= 1.0 or step < 1e-9 * length:
             done = length if step >= length - done else done + step

@@ -128,12 +128,12 @@ def load_response(folder: str | Path) -> Response:
     try:
         import pyarrow.parquet as pq
 
-        schema = pq.read_schema(path)
-        content = json.loads((schema.metadata or {})[_KEY])
+        file = pq.read_metadata(path)
+        content = json.loads((file.metadata or {})[_KEY])
         if content["format"] != FORMAT:
             raise RecordError(f"{path}: format {content['format']} is not {FORMAT}; use the version that wrote it.")
         return build_response(
-            names=list(schema.names), column_reader=lambda names: FileSamples(names, path), content=content, path=path
+            names=list(file.schema.names), column_reader=lambda names: FileSamples(names, path), content=content, path=path
         )
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise RecordError(f"{path}: this is not a response of wirerope_mj ({error.__class__.__name__}: {error}).") from None

@@ -28,11 +28,12 @@ STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What stepping leaves behind: final state, peaks and the callback that made the forces."""
+    """What stepping leaves behind: final state, peaks, the callback that made the forces, and whether bodies touched."""
 
     final_state: State
     peaks: Peaks
     callback: Kind
+    touches: bool
 
 
 def run(
@@ -69,7 +70,7 @@ def run(
     jumps = _velocity_jumps(motion, assembly.drive)
     dofs = list(assembly.driven_dofs)
     warnings_before = _warning_counts(data)
-    sample = 0
+    sample, touches = 0, False
     with installed(model, data, callback) as kind:
         for piece, accelerations in stage_accelerations(grid, motion):
             start, stop, steps = grid.start[piece], grid.stop[piece], int(grid.steps[piece])
@@ -87,6 +88,7 @@ def run(
                 sink(sample, values)
                 sample += 1
                 steps -= 1
+                touches |= data.ncon > 0
             if steps:
                 mujoco.mj_step(model, data, nstep=steps)
             if piece % CHECK_EVERY == 0:
@@ -103,7 +105,7 @@ def run(
         _check(system, data, warnings_before)
     if progress is not None and grid.stop.size:
         progress(float(grid.stop[-1]))
-    return Run(final_state=final, peaks=_peaks(system, user), callback=kind)
+    return Run(final_state=final, peaks=_peaks(system, user), callback=kind, touches=touches)
 
 
 def _finish(model: mujoco.MjModel, data: mujoco.MjData, user: Array, motion: BaseMotion) -> None:
