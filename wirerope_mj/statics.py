@@ -89,7 +89,7 @@ class _Loading:
         self.data = mujoco.MjData(self.model)
         self.gravity = self.model.opt.gravity.copy()
         self.free = np.setdiff1d(np.arange(self.model.nv), system.assembly.driven_dofs)
-        n_states = system.assembly.user.n_states
+        n_states = system.assembly.tables.user.n_states
         self.rest_deflection = np.zeros((len(system.mounts), 3))
         self.rest_states = np.zeros(n_states)
         self.laws = [
@@ -127,10 +127,10 @@ class _Loading:
         for _ in range(ITERATIONS):
             if norm <= tolerance:
                 break
-            step = np.linalg.lstsq(self._jacobian(qpos, value), -value, rcond=None)[0]
+            step = np.asarray(np.linalg.lstsq(self._jacobian(qpos, value), -value, rcond=None)[0], dtype=np.float64)
             scale = min(1.0, 0.1 / max(float(np.abs(step).max()), 1e-12))  # 0.1 m or rad is more than any mount travels
             for _halving in range(12):
-                trial = self._moved(qpos, scale * step)
+                trial = self._moved(qpos, np.asarray(scale * step))
                 trial_value = self._accelerations(trial)
                 trial_norm = float(np.abs(trial_value).max(initial=0.0))
                 if trial_norm < norm:
@@ -192,7 +192,7 @@ class _Loading:
     def _result(self, qpos: Array, residual: float) -> Equilibrium:
         model, data, assembly = self.model, self.data, self.system.assembly
         self._accelerations(qpos)
-        first = assembly.userdata + assembly.user.mounts
+        first = assembly.userdata + assembly.tables.user.mounts
         n_mounts = len(self.system.mounts)
         record = data.userdata[first : first + at.MOUNT_VALUES * n_mounts].reshape(n_mounts, 2, 3).copy()
         mounts = {
@@ -201,9 +201,7 @@ class _Loading:
         size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_INTEGRATION)
         values = np.empty(size)
         mujoco.mj_getState(model, data, values, mujoco.mjtState.mjSTATE_INTEGRATION)
-        return Equilibrium(
-            state=State(values=values, time=0.0), mounts=mounts, history=self.history, residual=residual
-        )
+        return Equilibrium(state=State(values=values, time=0.0), mounts=mounts, history=self.history, residual=residual)
 
     def _diagnosis(self, load: float, residual: float) -> str:
         weak = []
@@ -223,7 +221,9 @@ class _Loading:
             )
             if self.history == "relaxed":
                 what = f"mount {name!r} has no elastic part along its axis: relaxed, with z = 0, it carries nothing"
-            return f"there is no equilibrium: {what}. Use a stiffer isolator, more mounts, or a law with an elastic part."
+            return (
+                f"there is no equilibrium: {what}. Use a stiffer isolator, more mounts, or a law with an elastic part."
+            )
         return (
             f"no equilibrium was found beyond {100 * load:.3g} % of the weight (accelerations of {residual:.3g} m/s^2 are "
             "left). Check that every direction has a mount with stiffness, and that the payload cannot tip over."

@@ -10,7 +10,7 @@ from numba import njit, types
 from wirerope_mj.control import layout as at
 from wirerope_mj.control.mounts import apply_mounts, copy_rates, drive_base
 from wirerope_mj.control.observer import observe
-from wirerope_mj.control.pointers import float64_array, int64_array
+from wirerope_mj.control.pointers import float64_array, int64_array, member
 from wirerope_mj.control.structs import DATA_FIELDS, offsets
 
 ACCELERATION_STAGE = 3
@@ -29,9 +29,9 @@ class Callbacks(NamedTuple):
 def _find_system(m, nu, dynprm, numeric):  # type: ignore[no-untyped-def]
     """Return whether the model at address `m` has a state actuator, where, its dynprm, and numeric_data."""
     n = int64_array(m + nu)[0]
-    prm = float64_array(int64_array(m + dynprm)[0])
+    prm = member(m, dynprm)
     found = n > 0 and prm[10 * (n - 1)] == at.MAGIC
-    return found, 10 * (n - 1), prm, float64_array(int64_array(m + numeric)[0])
+    return found, 10 * (n - 1), prm, member(m, numeric)
 
 
 @njit(cache=True, error_model="numpy")
@@ -40,21 +40,21 @@ def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
     if not found:
         return
     lay, q, w, a = int(prm[p + 1]), int(prm[p + 2]), int(prm[p + 3]), int(prm[p + 4])
-    u = float64_array(int64_array(d + field[0])[0])
+    u = member(d, field[0])
     drive_base(
         numeric, lay, u, w, float64_array(d + time)[0],
-        float64_array(int64_array(d + field[1])[0]),
-        float64_array(int64_array(d + field[2])[0]),
-        float64_array(int64_array(d + field[3])[0]),
+        member(d, field[1]),
+        member(d, field[2]),
+        member(d, field[3]),
     )  # fmt: skip
     apply_mounts(
-        numeric, lay, numeric, q, u, w, float64_array(int64_array(d + field[4])[0]), a,
-        float64_array(int64_array(d + field[5])[0]),
-        float64_array(int64_array(d + field[6])[0]),
-        float64_array(int64_array(d + field[7])[0]),
-        float64_array(int64_array(d + field[8])[0]),
-        float64_array(int64_array(d + field[9])[0]),
-        float64_array(int64_array(d + field[10])[0]),
+        numeric, lay, numeric, q, u, w, member(d, field[4]), a,
+        member(d, field[5]),
+        member(d, field[6]),
+        member(d, field[7]),
+        member(d, field[8]),
+        member(d, field[9]),
+        member(d, field[10]),
     )  # fmt: skip
 
 
@@ -63,8 +63,8 @@ def _act_dyn(m, d, actuator, system, userdata, act_dot):  # type: ignore[no-unty
     found, p, prm, numeric = _find_system(m, system[0], system[1], system[2])
     if found and p == 10 * actuator:
         lay, w, a = int(prm[p + 1]), int(prm[p + 3]), int(prm[p + 4])
-        u = float64_array(int64_array(d + userdata)[0])
-        return copy_rates(numeric, lay, u, w, float64_array(int64_array(d + act_dot)[0]), a)
+        u = member(d, userdata)
+        return copy_rates(numeric, lay, u, w, member(d, act_dot), a)
     return 0.0
 
 
@@ -75,28 +75,30 @@ def _sensor(m, d, system, field, time):  # type: ignore[no-untyped-def]
         return
     lay, w, a = int(prm[p + 1]), int(prm[p + 3]), int(prm[p + 4])
     observe(
-        numeric, lay, float64_array(int64_array(d + field[0])[0]), w, float64_array(int64_array(d + field[1])[0]), a,
+        numeric, lay, member(d, field[0]), w, member(d, field[1]), a,
         float64_array(d + time)[0],
-        float64_array(int64_array(d + field[2])[0]),
-        float64_array(int64_array(d + field[3])[0]),
-        float64_array(int64_array(d + field[4])[0]),
-        float64_array(int64_array(d + field[5])[0]),
-        float64_array(int64_array(d + field[6])[0]),
-        float64_array(int64_array(d + field[7])[0]),
-        float64_array(int64_array(d + field[8])[0]),
-        float64_array(int64_array(d + field[9])[0]),
-        float64_array(int64_array(d + field[10])[0]),
-        float64_array(int64_array(d + field[11])[0]),
-        float64_array(int64_array(d + field[12])[0]),
+        member(d, field[2]),
+        member(d, field[3]),
+        member(d, field[4]),
+        member(d, field[5]),
+        member(d, field[6]),
+        member(d, field[7]),
+        member(d, field[8]),
+        member(d, field[9]),
+        member(d, field[10]),
+        member(d, field[11]),
+        member(d, field[12]),
     )  # fmt: skip
 
 
 CONTROL_FIELDS = (
-    "userdata qfrc_applied qfrc_bias qfrc_passive act site_xpos site_xmat subtree_com cvel xipos xfrc_applied".split()
-)
+    "userdata", "qfrc_applied", "qfrc_bias", "qfrc_passive", "act", "site_xpos", "site_xmat", "subtree_com", "cvel", "xipos",
+    "xfrc_applied",
+)  # fmt: skip
 SENSOR_FIELDS = (
-    "userdata act sensordata site_xpos site_xquat xipos xquat subtree_com cvel cdof cdof_dot qvel qacc".split()
-)
+    "userdata", "act", "sensordata", "site_xpos", "site_xquat", "xipos", "xquat", "subtree_com", "cvel", "cdof", "cdof_dot",
+    "qvel", "qacc",
+)  # fmt: skip
 
 
 @cache

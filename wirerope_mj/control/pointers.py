@@ -26,3 +26,9 @@ def float64_array(address):  # type: ignore[no-untyped-def]
 def int64_array(address):  # type: ignore[no-untyped-def]
     """Return the int64 array that starts at `address`."""
     return carray(_as_pointer(address), (ANY_SIZE,), types.int64)
+
+
+@njit(cache=True, error_model="numpy")
+def member(struct, offset):  # type: ignore[no-untyped-def]
+    """Return the float64 array that the pointer at `offset` in a struct leads to."""
+    return float64_array(int64_array(struct + offset)[0])

@@ -10,9 +10,9 @@ from mujoco.introspect.ast_nodes import AnonymousStructDecl, AnonymousUnionDecl,
 
 MODEL_FIELDS = ("actuator_dynprm", "numeric_data")
 DATA_FIELDS = (
-    "qpos qvel act qfrc_applied xfrc_applied qacc act_dot userdata sensordata xquat xipos site_xpos site_xmat site_xquat "
-    "subtree_com cdof cvel cdof_dot qfrc_bias qfrc_passive"
-).split()
+    "qvel", "act", "qfrc_applied", "xfrc_applied", "qacc", "act_dot", "userdata", "sensordata", "xquat", "xipos",
+    "site_xpos", "site_xmat", "site_xquat", "subtree_com", "cdof", "cvel", "cdof_dot", "qfrc_bias", "qfrc_passive",
+)  # fmt: skip
 
 _SCALARS = {
     "mjtNum": 8, "mjtSize": 8, "size_t": 8, "uintptr_t": 8, "uint64_t": 8, "int64_t": 8, "double": 8,

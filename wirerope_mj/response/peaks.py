@@ -31,7 +31,14 @@ class Peak:
 
     def to_list(self) -> list[float]:
         """Return the peak as 17 numbers."""
-        parts = [np.array([self.value, self.time]), self.vector, self.minimum, self.minimum_time, self.maximum, self.maximum_time]
+        parts = [
+            np.array([self.value, self.time]),
+            self.vector,
+            self.minimum,
+            self.minimum_time,
+            self.maximum,
+            self.maximum_time,
+        ]
         return np.concatenate(parts).tolist()
 
     @classmethod

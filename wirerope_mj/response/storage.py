@@ -133,10 +133,15 @@ def load_response(folder: str | Path) -> Response:
         if content["format"] != FORMAT:
             raise RecordError(f"{path}: format {content['format']} is not {FORMAT}; use the version that wrote it.")
         return build_response(
-            names=list(file.schema.names), column_reader=lambda names: FileSamples(names, path), content=content, path=path
+            names=list(file.schema.names),
+            column_reader=lambda names: FileSamples(names, path),
+            content=content,
+            path=path,
         )
     except (OSError, KeyError, ValueError, TypeError) as error:
-        raise RecordError(f"{path}: this is not a response of wirerope_mj ({error.__class__.__name__}: {error}).") from None
+        raise RecordError(
+            f"{path}: this is not a response of wirerope_mj ({error.__class__.__name__}: {error})."
+        ) from None
 
 
 def build_response(

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from wirerope_mj.control.layout import CORNER, JUMP, MAX_STEPS, SMOOTH
 from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.response.peaks import Peak
 
 Array = npt.NDArray[np.float64]
 
@@ -97,18 +98,53 @@ def _cut(breaks: Array, sampled: npt.NDArray[np.bool_], event: Array, timestep: 
     )
 
 
-def stage_accelerations(grid: Grid, motion: BaseMotion) -> Iterator[tuple[int, Array]]:
-    """Yield every piece's number and the base accelerations at its half steps, (2 steps + 1, 3), one-sided at corners."""
-    for first in range(0, grid.start.size, BLOCK):
-        block = slice(first, first + BLOCK)
-        points = 2 * grid.steps[block] + 1
-        ends = np.cumsum(points)
-        which = np.repeat(np.arange(points.size), points)
-        place = (np.arange(which.size) - (ends - points)[which]) / (points - 1)[which]
-        start, stop = grid.start[block], grid.stop[block]
-        low = start + np.where(grid.event[block] != SMOOTH, SAME_TIME, 0.0)
-        high = stop - np.where(grid.corner_after[block], SAME_TIME, 0.0)
-        times = np.clip(start[which] + (stop - start)[which] * place, low[which], high[which])
-        accelerations = motion.acceleration(times)
-        for piece in range(points.size):
-            yield first + piece, accelerations[ends[piece] - points[piece] : ends[piece]]
+class StageTables:
+    """Base accelerations at the half steps of every piece, evaluated block by block, and their extremes so far.
+
+    Attributes:
+        peak: Peak of the base acceleration, both limits of a jump included; a step grid would miss the left one.
+    """
+
+    def __init__(self, grid: Grid, motion: BaseMotion) -> None:
+        self._grid, self._motion = grid, motion
+        nothing = np.zeros(3)
+        self.peak = Peak(
+            value=0.0, time=0.0, vector=nothing,
+            minimum=nothing, minimum_time=nothing, maximum=nothing, maximum_time=nothing,
+        )  # fmt: skip
+
+    def __iter__(self) -> Iterator[tuple[int, Array]]:
+        """Yield every piece's number and its accelerations [m/s^2], (2 steps + 1, 3), one-sided at corners."""
+        grid = self._grid
+        for first in range(0, grid.start.size, BLOCK):
+            block = slice(first, first + BLOCK)
+            points = 2 * grid.steps[block] + 1
+            ends = np.cumsum(points)
+            which = np.repeat(np.arange(points.size), points)
+            place = (np.arange(which.size) - (ends - points)[which]) / (points - 1)[which]
+            start, stop = grid.start[block], grid.stop[block]
+            low = start + np.where(grid.event[block] != SMOOTH, SAME_TIME, 0.0)
+            high = stop - np.where(grid.corner_after[block], SAME_TIME, 0.0)
+            times = np.clip(start[which] + (stop - start)[which] * place, low[which], high[which])
+            accelerations = self._motion.acceleration(times)
+            self.peak = _larger(self.peak, times, accelerations)
+            for piece in range(points.size):
+                yield first + piece, accelerations[ends[piece] - points[piece] : ends[piece]]
+
+
+def _larger(peak: Peak, times: Array, vectors: Array) -> Peak:
+    """Return the peak of what `peak` has seen and of `vectors` (n, 3) at `times` (n,)."""
+    norms = np.linalg.norm(vectors, axis=1)
+    at, low, high = int(np.argmax(norms)), np.argmin(vectors, axis=0), np.argmax(vectors, axis=0)
+    axes = np.arange(3)
+    lower, higher = vectors[low, axes] < peak.minimum, vectors[high, axes] > peak.maximum
+    grows = bool(norms[at] > peak.value)
+    return Peak(
+        value=float(norms[at]) if grows else peak.value,
+        time=float(times[at]) if grows else peak.time,
+        vector=vectors[at].copy() if grows else peak.vector,
+        minimum=np.where(lower, vectors[low, axes], peak.minimum),
+        minimum_time=np.where(lower, times[low], peak.minimum_time),
+        maximum=np.where(higher, vectors[high, axes], peak.maximum),
+        maximum_time=np.where(higher, times[high], peak.maximum_time),
+    )

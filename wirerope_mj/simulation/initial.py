@@ -60,12 +60,12 @@ def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:
     joints = [int(model.dof_jntid[dof]) for dof in dofs]
     addresses = model.jnt_qposadr[joints]
     q, v = data.qpos[addresses] - model.qpos0[addresses], data.qvel[dofs]
-    dq, dv = assembly.drive @ displacement - q, assembly.drive @ velocity - v
+    dq, dv = assembly.tables.drive @ displacement - q, assembly.tables.drive @ velocity - v
     moved = np.abs(dq).max() > SAME_MOTION * max(np.abs(q).max(), 1e-3)
     moved |= np.abs(dv).max() > SAME_MOTION * max(np.abs(v).max(), 1e-3)
     if not moved:
         return state
-    to_world = np.linalg.pinv(assembly.drive)
+    to_world = np.linalg.pinv(assembly.tables.drive)
     _carry(system, data, to_world @ dq, to_world @ dv)
     values = np.empty_like(state.values)
     mujoco.mj_getState(model, data, values, STATE)

@@ -15,7 +15,7 @@ from wirerope_mj.errors import SimulationError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response.peaks import BodyPeaks, MountPeaks, Peak, Peaks, PointPeaks
 from wirerope_mj.response.response import State
-from wirerope_mj.simulation.grid import SAME_TIME, Grid, stage_accelerations
+from wirerope_mj.simulation.grid import SAME_TIME, Grid, StageTables
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
@@ -64,15 +64,16 @@ def run(
     mujoco.mj_setState(model, data, initial.values, STATE)
     assembly = system.assembly
     w = assembly.userdata
-    user = data.userdata[w : w + assembly.user.size]
+    user = data.userdata[w : w + assembly.tables.user.size]
     user[at.OBSERVING], user[at.HISTORY], user[at.EVENT] = 1.0, 0.0, at.SMOOTH
     values = data.sensordata[assembly.sensor :]
-    jumps = _velocity_jumps(motion, assembly.drive)
+    jumps = _velocity_jumps(motion, assembly.tables.drive)
     dofs = list(assembly.driven_dofs)
     warnings_before = _warning_counts(data)
     sample, touches = 0, False
+    tables = StageTables(grid, motion)
     with installed(model, data, callback) as kind:
-        for piece, accelerations in stage_accelerations(grid, motion):
+        for piece, accelerations in tables:
             start, stop, steps = grid.start[piece], grid.stop[piece], int(grid.steps[piece])
             event = grid.event[piece]
             if event == at.JUMP:
@@ -105,7 +106,7 @@ def run(
         _check(system, data, warnings_before)
     if progress is not None and grid.stop.size:
         progress(float(grid.stop[-1]))
-    return Run(final_state=final, peaks=_peaks(system, user), callback=kind, touches=touches)
+    return Run(final_state=final, peaks=_peaks(system, user, tables.peak), callback=kind, touches=touches)
 
 
 def _finish(model: mujoco.MjModel, data: mujoco.MjData, user: Array, motion: BaseMotion) -> None:
@@ -118,10 +119,10 @@ def _finish(model: mujoco.MjModel, data: mujoco.MjData, user: Array, motion: Bas
 def _state(model: mujoco.MjModel, data: mujoco.MjData, user: Array) -> State:
     """Return the integration state without what belongs to this run alone."""
     kept = user[: at.STAGES + 3 * (2 * at.MAX_STEPS + 1)].copy()
-    user[:kept.size] = 0.0
+    user[: kept.size] = 0.0
     values = np.empty(mujoco.mj_stateSize(model, STATE))
     mujoco.mj_getState(model, data, values, STATE)
-    user[:kept.size] = kept
+    user[: kept.size] = kept
     return State(values=values, time=float(data.time))
 
 
@@ -168,16 +169,17 @@ def _culprit(system: System, data: mujoco.MjData) -> str:
     return f"body {model.body(body).name!r}"
 
 
-def _peaks(system: System, user: Array) -> Peaks:
-    """Return the peaks from the tracker's memory."""
+def _peaks(system: System, user: Array, base: Peak) -> Peaks:
+    """Return the peaks from the tracker's memory; what is fixed to the base has the base's own."""
     model, assembly = system.model, system.assembly
-    first = assembly.user.channels
-    memory = user[first : first + at.CHANNEL_MEMORY * assembly.user.n_channels].reshape(-1, at.CHANNEL_MEMORY)
-    channels = iter([_peak(row) for row in memory])
-    bodies = {model.body(body).name: BodyPeaks(acceleration=next(channels)) for body in assembly.bodies}
+    first = assembly.tables.user.channels
+    memory = user[first : first + at.CHANNEL_MEMORY * assembly.tables.user.n_channels].reshape(-1, at.CHANNEL_MEMORY)
+    rigid = set(assembly.tables.base_channels)
+    channels = iter([base if number in rigid else _peak(row) for number, row in enumerate(memory)])
+    bodies = {model.body(body).name: BodyPeaks(acceleration=next(channels)) for body in assembly.subjects.bodies}
     points = {
         point_name(model, site): PointPeaks(acceleration=next(channels), relative_displacement=next(channels))
-        for site in assembly.points
+        for site in assembly.subjects.points
     }
     mounts = {name: MountPeaks(deflection=next(channels), force=next(channels)) for name in system.mounts}
     return Peaks(bodies=bodies, points=points, mounts=mounts)

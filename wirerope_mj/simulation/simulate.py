@@ -5,7 +5,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-import mujoco
 import numpy as np
 import numpy.typing as npt
 
@@ -107,7 +106,7 @@ def _check_arguments(*, duration: float, sample_rate: float, accuracy: float, ti
 
 def _check_direction(system: System, motion: BaseMotion) -> None:
     """Raise ModelError if the motion has a component that no driven slide of the base can follow."""
-    drive = system.assembly.drive
+    drive = system.assembly.tables.drive
     reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span
     for direction in motion.directions:
         missing = direction - reach @ direction
@@ -128,8 +127,8 @@ class _Recorder:
         self._system, self._motion, self._times = system, motion, grid.sample_times
         model, assembly = system.model, system.assembly
         self.plan = ColumnPlan(
-            bodies=[model.body(body).name for body in assembly.bodies],
-            points=[point_name(model, site) for site in assembly.points],
+            bodies=[model.body(body).name for body in assembly.subjects.bodies],
+            points=[point_name(model, site) for site in assembly.subjects.points],
             mounts=[(name, _state_names(system, name)) for name in system.mounts],
         )
         self._names = self.plan.names

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.system.assembly import Assembly, assemble
-from wirerope_mj.system.declared import base_body, declared_mounts
+from wirerope_mj.system.declared import DeclaredMount, base_body, declared_mounts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +111,7 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
             base_body=model.body(model.site_bodyid[d.base_site]).name,
             position=data.site_xpos[d.base_site].copy(),
             axes=data.site_xmat[d.base_site].reshape(3, 3).copy(),
-            states=assembly.state_offsets[d.name],
+            states=assembly.tables.states[d.name],
         )
         for d in declared
     }
@@ -138,7 +138,7 @@ def _read(source: str | Path) -> tuple[str, Path | None]:
         raise ModelError(f"{path}: the model cannot be read ({error.__class__.__name__}: {error}).") from None
 
 
-def _check_payloads(model: mujoco.MjModel, declared: list, base: int) -> None:  # type: ignore[type-arg]
+def _check_payloads(model: mujoco.MjModel, declared: list[DeclaredMount], base: int) -> None:
     for mount in declared:
         body = int(model.site_bodyid[mount.payload_site])
         site = model.site(mount.payload_site).name

@@ -1,0 +1,161 @@
+"""The tables that the callback reads: mounts, axes, drive, bodies, points, the tree, and what the peak tracker follows."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.control import layout as at
+from wirerope_mj.errors import ModelError
+from wirerope_mj.system.declared import DeclaredMount
+
+Array = npt.NDArray[np.float64]
+
+DRIVE_ARMATURE = 1e10
+"""Inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Subjects:
+    """What of a compiled model takes part: ids of the base (0: the world), its driven slides, observed bodies and points."""
+
+    base: int
+    driven: tuple[int, ...]
+    bodies: tuple[int, ...]
+    points: tuple[int, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tables:
+    """The callback's tables as numbers, and what the rest of the library needs to know of them.
+
+    Attributes:
+        layout: header and tables, as `wirerope_mj.control.layout` describes them, (n,).
+        parameters: parameters of all laws, (n_p,).
+        user: places in userdata.
+        drive: slide accelerations from base acceleration, (n_driven, 3).
+        channels: places of the tracked 3-vectors among the system's sensor values, (n_channels,).
+        base_channels: numbers of the channels with the acceleration of what is fixed to the driven base.
+        states: per mount where the states of roll, shear and axial stand among the internal states.
+    """
+
+    layout: Array
+    parameters: Array
+    user: at.UserData
+    drive: Array
+    channels: npt.NDArray[np.int64]
+    base_channels: tuple[int, ...]
+    states: dict[str, tuple[slice, slice, slice]]
+
+
+def make_tables(model: mujoco.MjModel, declared: list[DeclaredMount], on: Subjects, sensor: int) -> Tables:
+    """Return the tables of a model; `sensor` is the address of the system's first sensor value."""
+    axes, parameters, states = _axis_rows(declared)
+    n_states = int(sum(row[3] for row in axes))
+    drive = _drive_rows(model, on.driven)
+    channels = _channels(on, states)
+    parts = [
+        [_mount_row(model, mount, on) for mount in declared],
+        axes,
+        [
+            [model.jnt_dofadr[joint], DRIVE_ARMATURE + model.body_subtreemass[on.base], *row]
+            for joint, row in zip(on.driven, drive, strict=True)
+        ],
+        [[body, model.body_rootid[body]] for body in on.bodies],
+        _point_rows(model, on),
+        list(zip(model.body_parentid, model.body_dofadr, model.body_dofnum, strict=True)),
+        channels,
+    ]
+    flat = [np.array(part, dtype=np.float64).ravel() for part in parts]
+    starts = at.HEADER + np.concatenate([[0], np.cumsum([part.size for part in flat])])
+    header = np.zeros(at.HEADER)
+    counts = (len(declared), len(on.driven), len(on.bodies), len(on.points), model.nbody, n_states, len(channels))
+    header[: len(counts)] = counts
+    header[at.MOUNTS : at.CHANNELS + 1] = starts[:-1]
+    header[at.SENSOR] = sensor
+    return Tables(
+        layout=np.concatenate([header, *flat]),
+        parameters=np.concatenate([*parameters, []]),
+        user=at.UserData(n_mounts=len(declared), n_states=n_states, n_tree=int(model.nbody), n_channels=len(channels)),
+        drive=drive,
+        channels=np.array(channels, dtype=np.int64),
+        base_channels=_base_channels(model, on),
+        states=states,
+    )
+
+
+def _mount_row(model: mujoco.MjModel, mount: DeclaredMount, on: Subjects) -> list[float]:
+    sites = (mount.payload_site, mount.base_site)
+    bodies = [int(model.site_bodyid[site]) for site in sites]
+    # What pushes back on the world, or on a base whose only freedom is the drive, moves nothing.
+    driven_only = on.base and model.body_dofnum[on.base] == len(on.driven)
+    moved = model.body_weldid[bodies[1]] not in ({0, on.base} if driven_only else {0})
+    return [*sites, *bodies, *(model.body_rootid[body] for body in bodies), float(moved)]
+
+
+def _axis_rows(
+    declared: list[DeclaredMount],
+) -> tuple[list[list[int]], list[Array], dict[str, tuple[slice, slice, slice]]]:
+    """Return the axes table, the laws' parameters in its order, and every mount's states."""
+    rows: list[list[int]] = []
+    parameters: list[Array] = []
+    states: dict[str, tuple[slice, slice, slice]] = {}
+    n_states = n_parameters = 0
+    for mount in declared:
+        slices = []
+        for law in mount.isolator.axes.values():
+            size = law.n_states if law is not None else 0
+            slices.append(slice(n_states, n_states + size))
+            rows.append([law.kernel if law is not None else -1, n_parameters, n_states, size])
+            if law is not None:
+                parameters.append(law.kernel_parameters())
+                n_parameters += parameters[-1].size
+            n_states += size
+        states[mount.name] = (slices[0], slices[1], slices[2])
+    return rows, parameters, states
+
+
+def _drive_rows(model: mujoco.MjModel, driven: tuple[int, ...]) -> Array:
+    """Return the map from base acceleration (3,) to slide accelerations, (n_driven, 3)."""
+    if not driven:
+        return np.zeros((0, 3))
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    axes = data.xaxis[list(driven)]  # (n_driven, 3)
+    if np.linalg.matrix_rank(axes, tol=1e-9) < len(driven):
+        names = [model.joint(joint).name for joint in driven]
+        raise ModelError(f"the slides {names} of the base do not have independent directions.")
+    return np.linalg.pinv(axes).T
+
+
+def _point_rows(model: mujoco.MjModel, on: Subjects) -> list[list[float]]:
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    bodies = model.site_bodyid
+    return [
+        [site, bodies[site], model.body_rootid[bodies[site]], on.base, *(data.site_xpos[site] - data.xipos[on.base])]
+        for site in on.points
+    ]
+
+
+def _channels(on: Subjects, states: dict[str, tuple[slice, slice, slice]]) -> list[int]:
+    """Return the places of body accelerations, point accelerations and displacements, mount deflections and forces."""
+    places = [at.KINEMATICS * i + at.ACCELERATION for i in range(len(on.bodies))]
+    first = at.KINEMATICS * len(on.bodies)
+    for i in range(len(on.points)):
+        places += [first + at.POINT_VALUES * i + part for part in (at.ACCELERATION, at.RELATIVE)]
+    first += at.POINT_VALUES * len(on.points)
+    for roll, _, axial in states.values():
+        places += [first, first + 3]
+        first += at.MOUNT_VALUES + axial.stop - roll.start
+    return places
+
+
+def _base_channels(model: mujoco.MjModel, on: Subjects) -> tuple[int, ...]:
+    if not on.base:
+        return ()
+    fixed = [i for i, body in enumerate(on.bodies) if model.body_weldid[body] == on.base]
+    n = len(on.bodies)
+    fixed += [n + 2 * i for i, site in enumerate(on.points) if model.body_weldid[model.site_bodyid[site]] == on.base]
+    return tuple(fixed)
