@@ -1,0 +1,76 @@
+"""MJCF texts and systems that several tests use."""
+
+import textwrap
+
+import numpy as np
+
+import wirerope_mj as wr
+
+
+def tuples(mounts):
+    """Return the <custom> elements of `mounts`: (name, payload site, base site, isolator) each."""
+    isolators = dict.fromkeys(isolator for *_, isolator in mounts)
+    lines = [f'<text name="isolator/{name}" data="{name}.toml"/>' for name in isolators]
+    for name, payload, base, isolator in mounts:
+        lines.append(
+            f'<tuple name="mount/{name}"><element objtype="site" objname="{payload}"/>'
+            f'<element objtype="site" objname="{base}"/><element objtype="text" objname="isolator/{isolator}"/></tuple>'
+        )
+    return "\n".join(lines)
+
+
+def mjcf(world, mounts, *, gravity=0.0, custom="", other=""):
+    """Return MJCF text of the bodies `world` and the mounts; gravity [m/s^2] points down."""
+    return textwrap.dedent(f"""\
+        <mujoco>
+        <option gravity="0 0 {-gravity!r}"/>
+        <default><geom contype="0" conaffinity="0"/></default>
+        <worldbody>{world}</worldbody>
+        <custom>{custom}{tuples(mounts)}</custom>
+        {other}
+        </mujoco>""")
+
+
+def deck(sites, *, slides="xyz", inside=""):
+    """Return a driven deck with slides and `sites` {name: extra attributes}."""
+    axes = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"}
+    joints = "".join(f'<joint name="deck_{s}" type="slide" axis="{axes[s]}"/>' for s in slides)
+    points = "".join(f'<site name="{name}" {attributes}/>' for name, attributes in sites.items())
+    return f'<body name="deck">{joints}<geom size=".1" mass="5"/>{points}{inside}</body>'
+
+
+def sdof_text(*, mass=3.5, gravity=0.0):
+    """Return a mass on one vertical mount "m1", with isolator "a", on a driven deck; both have one vertical slide."""
+    world = (
+        deck({"b": 'pos="0 0 .2"'}, slides="z") + '<body name="mass" pos="0 0 .3"><joint name="mass_z" type="slide" '
+        f'axis="0 0 1"/><geom size=".1" mass="{mass}"/><site name="p" pos="0 0 -.1"/></body>'
+    )
+    return mjcf(world, [("m1", "p", "b", "a")], gravity=gravity)
+
+
+def sdof(law, *, mass=3.5, gravity=0.0):
+    """Return the system of `sdof_text` with `law` along its axis."""
+    isolators = {"a": wr.Isolator(name="a", axial=law)}
+    return wr.load_system(sdof_text(mass=mass, gravity=gravity), isolators=isolators)
+
+
+def hysteresis(*, alpha, z_max, n=1.2, share=0.7):
+    """Return alpha, beta, gamma, n of a Bouc-Wen law with a given bound z_max [N]; `share` of it is beta's."""
+    total = alpha / z_max**n
+    return {"alpha": alpha, "beta": share * total, "gamma": (1.0 - share) * total, "n": n}
+
+
+def quiet(direction="z"):
+    """Return a motion that begins long after every test has ended: the base rests."""
+    return wr.HalfSine(peak=1.0, duration=0.011, direction=direction, start=1e3)
+
+
+def rotation(quaternion):
+    """Return rotation matrices (..., 3, 3) of unit quaternions (..., 4), w first."""
+    w, x, y, z = np.moveaxis(np.asarray(quaternion), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
