@@ -11,6 +11,7 @@ import numpy.typing as npt
 from wirerope_mj.control import installed
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import ConvergenceError
+from wirerope_mj.laws import BoucWen, Ozdemir
 from wirerope_mj.laws.path import advance
 from wirerope_mj.response.response import State
 from wirerope_mj.system import System
@@ -111,6 +112,7 @@ class _Loading:
                 if residual > ACCEPTED * scale:
                     step /= 2.0
                     if step < SMALLEST_LOAD_STEP:
+                        self._accelerations(qpos)  # back to the last load that was carried
                         raise ConvergenceError(self._diagnosis(trial_load, residual))
                     continue
                 qpos, load = trial, trial_load
@@ -204,27 +206,29 @@ class _Loading:
         return Equilibrium(state=State(values=values, time=0.0), mounts=mounts, history=self.history, residual=residual)
 
     def _diagnosis(self, load: float, residual: float) -> str:
-        weak = []
-        for name, mount in self.system.mounts.items():
+        """Return words for why the weight cannot be carried; `load` is the share of it that failed."""
+        carried = self._axial_forces() / max(load, SMALLEST_LOAD_STEP)  # what would rest on each under the whole weight
+        for (name, mount), axial in zip(self.system.mounts.items(), carried, strict=True):
             law = mount.isolator.axes["axial"]
-            bound = getattr(law, "z_max", np.inf)
-            elastic = getattr(law, "k", None)
-            if elastic == 0.0 and np.isfinite(bound):
-                share = self.system.payload_weight() / len(self.system.mounts)
-                if bound < share or self.history == "relaxed":
-                    weak.append((name, bound, share))
-        if weak:
-            name, bound, share = weak[0]
-            what = (
-                f"mount {name!r} carries at most z_max = {bound:.4g} N along its axis (its law has no elastic part), but "
-                f"about {share:.4g} N rest on it"
-            )
+            if not isinstance(law, BoucWen | Ozdemir) or law.k != 0.0:
+                continue
             if self.history == "relaxed":
-                what = f"mount {name!r} has no elastic part along its axis: relaxed, with z = 0, it carries nothing"
-            return (
-                f"there is no equilibrium: {what}. Use a stiffer isolator, more mounts, or a law with an elastic part."
-            )
+                return (
+                    f"there is no relaxed equilibrium: the axial law of mount {name!r} has no elastic part, so that with "
+                    "z = 0 it carries nothing. Use a law with an elastic part."
+                )
+            if abs(axial) > law.z_max:
+                return (
+                    f"there is no equilibrium: mount {name!r} carries at most z_max = {law.z_max:.4g} N along its axis (its "
+                    f"law has no elastic part), but about {abs(axial):.4g} N would rest on it. Use a stiffer isolator, more "
+                    "mounts, or a law with an elastic part."
+                )
         return (
             f"no equilibrium was found beyond {100 * load:.3g} % of the weight (accelerations of {residual:.3g} m/s^2 are "
             "left). Check that every direction has a mount with stiffness, and that the payload cannot tip over."
         )
+
+    def _axial_forces(self) -> Array:
+        first = self.system.assembly.userdata + self.system.assembly.tables.user.mounts
+        n_mounts = len(self.system.mounts)
+        return self.data.userdata[first : first + at.MOUNT_VALUES * n_mounts].reshape(n_mounts, 2, 3)[:, 1, 2]

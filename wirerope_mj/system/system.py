@@ -68,13 +68,6 @@ class System:
     isolators: dict[str, Isolator]
     assembly: Assembly = field(repr=False)
 
-    def payload_weight(self) -> float:
-        """Return the weight of everything that does not move with the base [N]."""
-        gravity = float(np.linalg.norm(self.model.opt.gravity))
-        fixed = {self.model.body(self.base).id, 0} if self.base else {0}
-        moving = [b for b in range(self.model.nbody) if int(self.model.body_rootid[b]) not in fixed]
-        return gravity * float(self.model.body_mass[moving].sum())
-
 
 def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None = None) -> System:
     """Return the system that an MJCF model and its isolators describe.
