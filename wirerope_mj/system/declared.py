@@ -27,6 +27,21 @@ class DeclaredMount:
     isolator: Isolator
 
 
+def check_names(spec: mujoco.MjSpec) -> None:
+    """Raise ModelError if a mount's tuple names a site or a text that the model does not have, and say which it has."""
+    existing = {
+        int(mujoco.mjtObj.mjOBJ_SITE): ("site", sorted(site.name for site in spec.sites if site.name)),
+        int(mujoco.mjtObj.mjOBJ_TEXT): ("text", sorted(text.name for text in spec.texts)),
+    }
+    for element in spec.tuples:
+        if MOUNT not in element.name:
+            continue
+        for kind, name in zip(element.objtype, element.objname, strict=True):
+            word, names = existing.get(int(kind), ("", [name]))
+            if name not in names:
+                raise ModelError(f"tuple {element.name!r}: {word} {name!r} is not in the model. Its {word}s: {names}.")
+
+
 def declared_mounts(
     spec: mujoco.MjSpec, model: mujoco.MjModel, *, folder: Path | None, isolators: Mapping[str, Isolator]
 ) -> list[DeclaredMount]:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.system.assembly import Assembly, assemble
-from wirerope_mj.system.declared import DeclaredMount, base_body, declared_mounts
+from wirerope_mj.system.declared import DeclaredMount, base_body, check_names, declared_mounts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,6 +82,7 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
     text, path = _read(source)
     try:
         spec = mujoco.MjSpec.from_file(str(path)) if path else mujoco.MjSpec.from_string(text)
+        check_names(spec)
         plain = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
         where = f"{path}: " if path else ""
