@@ -169,7 +169,8 @@ def coarsest(steps: tuple[int, ...], error: Callable[[int], float]) -> tuple[int
     reached = np.inf
     for step in steps:
         try:
-            reached = error(step)
+            with np.errstate(over="ignore", invalid="ignore"):
+                reached = error(step)
         except wr.SimulationError:  # too coarse to stay bounded
             continue
         if reached <= TARGET:
