@@ -1,0 +1,252 @@
+"""Where systems rest: signs, balance of forces and moments, stops, and that a simulation from there stays there."""
+
+import mujoco
+import numpy as np
+import pytest
+from house import deck, hysteresis, mjcf, quiet, sdof, sdof_text
+
+import wirerope_mj as wr
+from wirerope_mj.control import installed
+from wirerope_mj.resources import models_folder
+
+G = wr.STANDARD_GRAVITY
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+MODELS = ("sdof_shaker", "shock_table", "cabinet", "floating_floor")
+
+
+@pytest.fixture(scope="module")
+def systems():
+    """Return the systems of the house's models by name."""
+    return {name: wr.load_system(models_folder() / f"{name}.xml") for name in MODELS}
+
+
+def at_rest(system, e):
+    """Return MuJoCo's data in the state of the equilibrium `e`, everything computed."""
+    model = system.model.__copy__()
+    data = mujoco.MjData(model)
+    mujoco.mj_setState(model, data, e.state.values, STATE)
+    with installed(model, data):
+        mujoco.mj_forward(model, data)
+    return model, data
+
+
+def loads(system, e):
+    """Return the world forces of the mounts on the payload (n, 3), where they act (n, 3), mass and centre of the payload."""
+    model, data = at_rest(system, e)
+    force, place = [], []
+    for name, mount in system.mounts.items():
+        axes = data.site(mount.base_site).xmat.reshape(3, 3)
+        force.append(-axes @ e.mounts[name].force)
+        place.append(data.site(mount.payload_site).xpos.copy())
+    base = model.body(system.base).id
+    moving = [b for b in range(1, model.nbody) if model.body_rootid[b] != base]
+    mass = model.body_mass[moving]
+    centre = mass @ data.xipos[moving] / mass.sum()
+    return np.array(force), np.array(place), mass.sum(), centre
+
+
+def test_the_floating_floor_hangs_in_balance(systems):
+    system = systems["floating_floor"]
+    e = wr.equilibrium(system)
+    force, place, mass, centre = loads(system, e)
+    weight = mass * G
+    assert mass == pytest.approx(3300.0, abs=1.0)
+    assert system.payload_weight() == pytest.approx(weight, rel=1e-12)
+    upright = [name for name, mount in system.mounts.items() if mount.axes[2, 2] > 0.99 and mount.isolator.axial]
+    assert len(upright) >= 12
+    for name in upright:
+        assert e.mounts[name].deflection[2] < 0.0
+        assert e.mounts[name].force[2] < 0.0
+    # 1e-6 is what an engineer's check sums allow; Newton's method ends at 1e-11 g and reaches 1e-14.
+    total = force.sum(axis=0) - [0.0, 0.0, weight]
+    moment = np.cross(place - centre, force).sum(axis=0)
+    print("force", np.abs(total).max() / weight, "moment", np.abs(moment).max() / weight / 6.0, "residual", e.residual)
+    assert np.abs(total).max() < 1e-6 * weight
+    assert np.abs(moment).max() < 1e-6 * weight * 6.0
+    assert e.residual < 1e-8 * G
+
+
+def test_the_equilibrium_lies_on_the_virgin_path_of_every_mount(systems):
+    system = systems["floating_floor"]
+    e = wr.equilibrium(system)
+    for name in ("m01", "m16"):
+        law = system.mounts[name].isolator.axial
+        loop = law.trace([0.0, e.mounts[name].deflection[2]])
+        # Loaded monotonely, so that one straight trace ends at the same force; both integrate the law to 1e-9 or better.
+        assert e.mounts[name].force[2] == pytest.approx(loop.force[-1], rel=1e-7)
+
+
+def test_relaxed_mounts_hang_lower_and_carry_the_weight_without_z(systems):
+    system = systems["floating_floor"]
+    virgin, relaxed = wr.equilibrium(system), wr.equilibrium(system, history="relaxed")
+    force, place, mass, centre = loads(system, relaxed)
+    assert relaxed.history == "relaxed"
+    assert np.abs(force.sum(axis=0) - [0.0, 0.0, mass * G]).max() < 1e-6 * mass * G
+    assert np.abs(np.cross(place - centre, force).sum(axis=0)).max() < 1e-6 * mass * G * 6.0
+    sag = [np.mean([e.mounts[f"m{i:02d}"].deflection[2] for i in range(1, 17)]) for e in (virgin, relaxed)]
+    assert sag[1] < sag[0] < 0.0
+    _, data = at_rest(system, relaxed)
+    assert np.abs(data.act).max() == 0.0
+
+
+def test_one_mass_sags_by_the_law():
+    law = wr.BoucWen(**hysteresis(alpha=5e4, z_max=30.0), k=2e4)
+    e = wr.equilibrium(sdof(law, mass=3.5, gravity=G))
+    assert e.mounts["m1"].force == pytest.approx([0.0, 0.0, -3.5 * G], rel=1e-9)
+    assert law.trace([0.0, e.mounts["m1"].deflection[2]]).force[-1] == pytest.approx(-3.5 * G, rel=1e-8)
+    relaxed = wr.equilibrium(sdof(law, mass=3.5, gravity=G), history="relaxed")
+    assert relaxed.mounts["m1"].deflection[2] == pytest.approx(-3.5 * G / 2e4, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_a_simulation_from_the_equilibrium_stays_there(systems, name):
+    system = systems[name]
+    r = wr.simulate(system, quiet(), duration=1.0, timestep=1e-3 if name != "sdof_shaker" else 5e-4)
+    largest = {body: peaks.acceleration.value / G for body, peaks in r.peaks.bodies.items()}
+    print(name, "largest acceleration [g]", max(largest.values()))
+    assert max(largest.values()) < 1e-6, largest
+    e = wr.equilibrium(system)
+    for mount, load in e.mounts.items():
+        np.testing.assert_allclose(r.mounts[mount].deflection[-1], load.deflection, atol=1e-8)
+
+
+def floor_on_stops():
+    """Return a 400 kg plate that its four soft mounts let down onto four bump stops."""
+    corners = [(0.8, 0.5), (0.8, -0.5), (-0.6, 0.5), (-0.6, -0.5)]
+    pads = "".join(
+        f'<geom name="pad{i}" type="box" size=".1 .1 .01" pos="{x} {y} -.01"/>' for i, (x, y) in enumerate(corners)
+    )
+    stops = "".join(
+        f'<geom name="stop{i}" type="sphere" size=".04" mass="0" pos="{x} {y} -.05"/>'
+        for i, (x, y) in enumerate(corners)
+    )
+    sites = {f"d{i}": f'pos="{x} {y} .05"' for i, (x, y) in enumerate(corners)}
+    own = "".join(f'<site name="p{i}" pos="{x} {y} -.05"/>' for i, (x, y) in enumerate(corners))
+    plate = '<inertial pos="0 0 0" mass="400" diaginertia="40 80 110"/>'
+    world = deck(sites, inside=pads) + f'<body name="plate" pos="0 0 .1"><freejoint/>{plate}{stops}{own}</body>'
+    pairs = "".join(
+        f'<pair geom1="stop{i}" geom2="pad{i}" condim="1" solref="-9000 -40" solimp=".001 .001 .001"/>'
+        for i in range(4)
+    )
+    text = mjcf(
+        world, [(f"m{i}", f"p{i}", f"d{i}", "a") for i in range(4)], gravity=G, other=f"<contact>{pairs}</contact>"
+    )
+    law = wr.BoucWen(**hysteresis(alpha=4e4, z_max=200.0), k=2e4)
+    return wr.load_system(text, isolators={"a": wr.Isolator(name="a", roll=law, shear=law, axial=law)})
+
+
+def test_a_floor_on_its_bump_stops_carries_its_weight():
+    system = floor_on_stops()
+    e = wr.equilibrium(system)
+    model, data = at_rest(system, e)
+    assert data.ncon == 4
+    wrench = np.zeros(6)
+    contact, moment = 0.0, np.zeros(3)
+    for i in range(data.ncon):
+        mujoco.mj_contactForce(model, data, i, wrench)
+        contact += wrench[0]
+        moment += np.cross(data.contact[i].pos - data.body("plate").xipos, [0.0, 0.0, wrench[0]])
+    force, place, mass, centre = loads(system, e)
+    weight = mass * G
+    moment += np.cross(place - centre, force).sum(axis=0)
+    error = (contact + force[:, 2].sum()) / weight - 1.0
+    print("on its stops: force error", error, "moment", np.abs(moment).max() / weight, "share", contact / weight)
+    assert 0.3 < contact / weight < 0.9
+    assert abs(error) < 1e-5
+    assert np.abs(moment).max() < 1e-5 * weight
+    r = wr.simulate(system, quiet(), duration=0.5, timestep=5e-4)
+    # The contact's own solver iterates to a tolerance; 1e-5 of the weight is far below any load cell.
+    assert r.peaks.bodies["plate"].acceleration.value < 1e-5 * G
+
+
+def test_a_plate_dropped_onto_its_stops_comes_to_rest_with_its_weight_on_them():
+    system = floor_on_stops()
+    r = wr.simulate(system, quiet(), duration=3.0, timestep=5e-4, initial="unloaded")
+    model = system.model.__copy__()
+    data = mujoco.MjData(model)
+    mujoco.mj_setState(model, data, r.final_state.values, STATE)
+    with installed(model, data):
+        mujoco.mj_forward(model, data)
+    wrench, contact = np.zeros(6), 0.0
+    for i in range(data.ncon):
+        mujoco.mj_contactForce(model, data, i, wrench)
+        contact += wrench[0]
+    carried = contact - sum(m.force[-1, 2] for m in r.mounts.values())
+    left = 400.0 * r.bodies["plate"].acceleration[-1, 2]
+    # Whatever still rings is in the acceleration: the balance holds at any instant, to the contact solver's 1e-5.
+    assert carried - left == pytest.approx(400.0 * G, rel=1e-5)
+    assert abs(left) < 0.05 * 400.0 * G
+
+
+def test_a_mount_without_elastic_part_below_its_load_has_no_equilibrium():
+    law = wr.BoucWen(**hysteresis(alpha=5e4, z_max=30.0))
+    system = sdof(law, mass=3.5, gravity=G)  # 34.3 N
+    with pytest.raises(wr.ConvergenceError, match=r"'m1'.*z_max = 30 N.*34\.32 N"):
+        wr.equilibrium(system)
+    with pytest.raises(wr.ConvergenceError, match="no elastic part"):
+        wr.equilibrium(sdof(wr.BoucWen(**hysteresis(alpha=5e4, z_max=60.0)), gravity=G), history="relaxed")
+    assert wr.equilibrium(sdof(wr.BoucWen(**hysteresis(alpha=5e4, z_max=36.0)), gravity=G)).mounts["m1"].force[2] < 0.0
+
+
+def test_the_history_must_be_known():
+    with pytest.raises(ValueError, match=r"`history` must be 'virgin' or 'relaxed', got 'old'"):
+        wr.equilibrium(sdof(wr.KelvinVoigt(k=1e4, c=1.0)), history="old")
+
+
+def test_a_mass_hanging_from_a_ceiling_stretches_its_mount():
+    law = wr.BoucWen(**hysteresis(alpha=5e4, z_max=30.0), k=2e4)
+    # The base's bar is above, the payload's below: z of the base site points down.
+    world = deck({"b": 'pos="0 0 1.2" zaxis="0 0 -1"'}) + (
+        '<body name="mass" pos="0 0 1"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="3.5"/>'
+        '<site name="p" pos="0 0 .2"/></body>'
+    )
+    system = wr.load_system(
+        mjcf(world, [("c", "p", "b", "a")], gravity=G), isolators={"a": wr.Isolator(name="a", axial=law)}
+    )
+    e = wr.equilibrium(system)
+    assert e.mounts["c"].deflection[2] > 0.0
+    assert e.mounts["c"].force[2] == pytest.approx(3.5 * G, rel=1e-9)
+    # A base that jumps up pulls the hanging mass behind it: the mount stretches further.
+    shock = wr.HalfSine(peak=5 * G, duration=0.01, direction="z")
+    assert wr.simulate(system, shock, duration=0.02, timestep=1e-4).mounts["c"].force[:, 2].max() > 4.0 * G
+
+
+def test_a_mass_on_a_wall_mount_hangs_in_roll_and_is_pushed_in_axial_direction():
+    # z of the base site points from the wall along -x to the mass, x down, so that gravity is positive roll, and y along -y.
+    frame = 'pos="1 0 1" xyaxes="0 0 -1 0 -1 0"'
+    world = deck({"b": frame}) + (
+        '<body name="mass" pos=".8 0 1"><joint type="slide" axis="0 0 1"/><joint type="slide" axis="1 0 0"/>'
+        '<joint type="slide" axis="0 1 0"/><geom size=".1" mass="3.5"/><site name="p" pos=".2 0 0"/></body>'
+    )
+    law = wr.KelvinVoigt(k=2e4, c=20.0)
+    isolator = wr.Isolator(name="a", roll=law, shear=wr.KelvinVoigt(k=3e4, c=20.0), axial=wr.KelvinVoigt(k=5e4, c=20.0))
+    system = wr.load_system(mjcf(world, [("w", "p", "b", "a")], gravity=G), isolators={"a": isolator})
+    np.testing.assert_allclose(system.mounts["w"].axes[:, 2], [-1.0, 0.0, 0.0], atol=1e-12)
+    e = wr.equilibrium(system)
+    np.testing.assert_allclose(e.mounts["w"].force, [3.5 * G, 0.0, 0.0], atol=1e-8)
+    np.testing.assert_allclose(e.mounts["w"].deflection, [3.5 * G / 2e4, 0.0, 0.0], atol=1e-12)
+    # The wall strikes towards the mass (-x): compression, negative. Along +y the mass lags towards -y: positive shear.
+    shock = wr.HalfSine(peak=-5 * G, duration=0.01, direction="x") + wr.HalfSine(
+        peak=5 * G, duration=0.01, direction="y"
+    )
+    r = wr.simulate(system, shock, duration=0.008, timestep=1e-4)
+    assert r.mounts["w"].force[-1, 2] < -3.5 * G
+    assert r.mounts["w"].force[-1, 1] > 3.5 * G
+    assert r.bodies["mass"].acceleration[-1, 0] < 0.0 < r.bodies["mass"].acceleration[-1, 1]
+
+
+def test_an_attached_model_brings_its_mounts_under_its_prefix():
+    law = wr.KelvinVoigt(k=2e4, c=20.0)
+    room = '<mujoco><option gravity="0 0 -9.80665"/><worldbody/></mujoco>'
+    parent = mujoco.MjSpec.from_string(room)
+    for prefix, x in (("A-", 0.0), ("B-", 2.0)):
+        child = mujoco.MjSpec.from_string(sdof_text(mass=3.5, gravity=G))
+        parent.attach(child, prefix=prefix, frame=parent.worldbody.add_frame(pos=[x, 0.0, 0.0]))
+    parent.add_tuple(name="base", objtype=[mujoco.mjtObj.mjOBJ_BODY], objname=["A-deck"], objprm=[0.0])
+    parent.compile()
+    system = wr.load_system(parent.to_xml(), isolators={"a": wr.Isolator(name="a", axial=law)})
+    assert list(system.mounts) == ["A-m1", "B-m1"]
+    assert system.mounts["B-m1"].payload_site == "B-p"
+    assert system.mounts["B-m1"].payload_body == "B-mass"
+    assert system.base == "A-deck"
+    assert set(system.isolators) == {"a"}
