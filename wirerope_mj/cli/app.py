@@ -1,0 +1,139 @@
+"""Commands of `wirerope`, and how their errors become one message and an exit code."""
+
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+from cyclopts.exceptions import CycloptsError
+
+from wirerope_mj.cli.isolators import print_isolator, print_isolators
+from wirerope_mj.cli.run import list_scenarios, run_command
+from wirerope_mj.errors import WireRopeError
+
+BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
+"""Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers."""
+
+app = App(
+    name="wirerope",
+    version=version("wirerope-mj"),
+    help="Shock and vibration of equipment and floors on wire-rope isolators.",
+)
+# The scenario's own options are not known before its file is read: everything behind its name is handed on as it is.
+run_app = App(name="run", help_flags=[], version_flags=[])
+app.command(run_app)
+
+
+@run_app.default
+def run(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
+    """Simulate a scenario into one folder and print its peaks against the limits.
+
+    wirerope run SCENARIO [OPTIONS] [--out FOLDER] [--force]
+
+    SCENARIO is the path of a scenario file or the name of one that ships with the package; `wirerope run --list` shows
+    those, and `wirerope run SCENARIO --help` the options of one. The folder is runs/NAME-DATE-TIME unless --out names
+    another; a run that is there is replaced only with --force.
+    """
+    if not tokens or tokens[0] in ("--help", "-h"):
+        app.help_print(["run"])
+        return 0 if tokens else BAD_INPUT
+    if tokens[0] == "--list":
+        list_scenarios()
+        return 0
+    if tokens[0].startswith("-"):
+        raise ValueError(f"the scenario comes first: wirerope run SCENARIO {' '.join(tokens)}")
+    run_command(tokens[0], tokens[1:])
+    return 0
+
+
+@app.command
+def show(folder: Path, *, web: Annotated[bool, Parameter(negative=())] = False) -> int:
+    """Open a run in the rerun viewer.
+
+    Args:
+        folder: folder of a run, or a .rrd file.
+        web: show it in a browser of this machine instead of a window.
+    """
+    from wirerope_mj.recording import show as show_recording
+
+    show_recording(folder, web=web)
+    return 0
+
+
+@app.command
+def replay(folder: Path) -> int:
+    """Simulate a run again from its folder alone and say whether the numbers agree: exit code 0, or 1 if they do not.
+
+    Args:
+        folder: folder of a run.
+    """
+    from wirerope_mj.runfolder import replay as replay_run
+
+    result = replay_run(folder, progress=sys.stderr.isatty())
+    if result.identical:
+        print(f"{folder}: every sample and every peak is bit-identical.")
+    else:
+        where = f" in {result.column}" if result.column else ": only the peaks between samples differ"
+        word = "rounding, as of another processor" if result.agrees else "the numbers do not agree"
+        print(f"{folder}: largest difference {result.largest_difference:.3g} of the column's peak{where}; {word}.")
+    return 0 if result.agrees else DIFFERENT
+
+
+isolators_app = App(name="isolators", help="Show the isolators of the catalogue, or fit one from a data sheet.")
+app.command(isolators_app)
+
+
+@isolators_app.default
+def isolators(name: str | None = None, *, out: Path | None = None) -> int:
+    """Show the catalogue, or one isolator: its parameters, what its loops measure, and their picture.
+
+    `wirerope isolators fit DATASHEET OUT` makes an isolator file from a vendor's data sheet.
+
+    Args:
+        name: isolator of the catalogue, or the path of an isolator file; without it the whole catalogue.
+        out: where the picture of the loops is written (.png, .svg, .pdf).
+    """
+    if name is None:
+        if out is not None:
+            raise ValueError("`--out` writes the picture of one isolator; name it: wirerope isolators NAME --out FILE")
+        print_isolators()
+    else:
+        print_isolator(name, out)
+    return 0
+
+
+@isolators_app.command
+def fit(datasheet: Path, out: Path) -> int:
+    """Fit an isolator from a vendor's data sheet and print every figure beside what the fit gives.
+
+    Args:
+        datasheet: TOML file with the vendor's figures.
+        out: isolator file to write.
+    """
+    from wirerope_mj.identification.datasheet import compare, fit_datasheet, print_table
+
+    isolator = fit_datasheet(datasheet)
+    isolator.save(out)
+    print_table(compare(datasheet, isolator))
+    print(f"written: {out}")
+    return 0
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code; an error is one message on standard error."""
+    try:
+        code = app(
+            list(sys.argv[1:] if arguments is None else arguments),
+            exit_on_error=False,
+            print_error=False,
+            result_action="return_value",
+        )
+        return code if isinstance(code, int) else 0
+    except KeyboardInterrupt:
+        print("wirerope: interrupted; nothing was left behind.", file=sys.stderr)
+        return INTERRUPTED
+    except (WireRopeError, ValueError, OSError, CycloptsError) as error:
+        print(f"wirerope: {error}", file=sys.stderr)
+        return BAD_INPUT

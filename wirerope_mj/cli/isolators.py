@@ -1,0 +1,97 @@
+"""`wirerope isolators`: the catalogue as a table, and one isolator with its loops."""
+
+from pathlib import Path
+
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from wirerope_mj.bench import cyclic_test
+from wirerope_mj.cli.tables import console
+from wirerope_mj.isolator import AXES, Isolator, find_isolator, load_isolator
+from wirerope_mj.resources import catalogue_folder
+
+_SHARES = (0.25, 0.5, 1.0)
+_UNRATED = 0.002
+"""Deflection at which an axis without rated travel is measured [m]: small for every mount."""
+
+
+def print_isolators() -> None:
+    """Print what the isolators of the catalogue are rated for."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("isolator", no_wrap=True)
+    table.add_column("name")
+    for name in ("load\n[N]", "compr.\n[mm]", "tension\n[mm]", "shear\n[mm]", "roll\n[mm]"):
+        table.add_column(escape(name), justify="right")
+    table.add_column("kind")
+    for path in sorted(catalogue_folder().glob("*.toml")):
+        isolator = load_isolator(path)
+        travel = isolator.limits.travel
+        rated = [_number(v, 1e3) for v in (travel.compression, travel.tension, travel.shear, travel.roll)]
+        table.add_row(
+            path.stem, isolator.name, _number(isolator.limits.static_load, 1.0), *rated, isolator.provenance.kind
+        )
+    console().print(table, "- not rated: not judged. `wirerope isolators NAME` shows one.")
+
+
+def print_isolator(name: str, out: Path | None) -> None:
+    """Print parameters of an isolator and what its steady loops measure; write their picture to `out` if it is given."""
+    given = Path(name)
+    path = given if given.is_file() else find_isolator(name, beside=catalogue_folder())
+    isolator = load_isolator(path)
+    screen = console()
+    screen.print(
+        f"[bold]{escape(isolator.name)}[/]  {escape(f'{isolator.provenance.kind}: {isolator.provenance.source}')}"
+    )
+    for axis in AXES:
+        law = isolator.axes[axis]
+        if law is None:
+            screen.print(f"  {axis}: no force")
+            continue
+        values = law.to_dict()
+        words = ", ".join(f"{key} = {value:.6g}" for key, value in values.items() if isinstance(value, float))
+        screen.print(f"  {axis}: {values['law']}: {words}")
+    for sentence in isolator.provenance.assumed:
+        screen.print(f"  assumed: {escape(sentence)}")
+    screen.print(_measures(isolator))
+    if out is not None:
+        from wirerope_mj.plots.loops import save_loops
+
+        _check_ending(out)
+        save_loops(isolator, out)
+        screen.print(f"written: {out}", soft_wrap=True)
+
+
+def _measures(isolator: Isolator) -> Table:
+    """Return what steady loops about zero at 25, 50 and 100 % of the rated travel measure."""
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("axis")
+    for name in (
+        "amplitude [mm]",
+        "of rated [%]",
+        "secant stiffness [kN/m]",
+        "energy per cycle [J]",
+        "damping ratio [%]",
+    ):
+        table.add_column(escape(name), justify="right")
+    for axis in AXES:
+        law = isolator.axes[axis]
+        if law is None:
+            continue
+        rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
+        for share in _SHARES:
+            amplitude = share * (rated or _UNRATED)
+            loop = cyclic_test(law, amplitude)[0]
+            values = (1e-3 * loop.secant_stiffness, loop.dissipated_energy, 100.0 * loop.damping_ratio)
+            part = "-" if rated is None else f"{100 * share:.0f}"
+            table.add_row(axis, f"{1e3 * amplitude:.3g}", part, *[f"{value:.4g}" for value in values])
+    return table
+
+
+def _check_ending(out: Path) -> None:
+    if out.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise ValueError(f"`--out` must end with .png, .svg or .pdf, got {str(out)!r}.")
+
+
+def _number(value: float | None, scale: float) -> str:
+    return "-" if value is None else f"{scale * value:.4g}"

@@ -1,0 +1,100 @@
+"""What a run prints: peaks against limits, and where the files are."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from rich import box
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+from wirerope_mj.response import Response
+from wirerope_mj.scenario import Scenario
+from wirerope_mj.verdicts import RATINGS, MountPeak, body_peaks, mount_peaks, verdict_lines
+
+WIDTH = 120
+"""Width of tables where there is no terminal to fit them into [characters]."""
+
+_NEAR = 0.9  # share of the rated travel from which it is coloured as a warning
+
+
+def console() -> Console:
+    """Return where tables are printed: as wide as the terminal, or as `WIDTH`."""
+    plain = Console(highlight=False)
+    return plain if plain.is_terminal else Console(highlight=False, width=WIDTH)
+
+
+def print_run(scenario: Scenario, response: Response, folder: Path, *, seconds: float) -> None:
+    """Print peaks against limits, how they were computed, and where the files are."""
+    out = console()
+    out.print(f"\n[bold]{scenario.name}[/]  {scenario.motion.description}")
+    out.print(_accelerations(response))
+    if response.scene.mounts:
+        out.print(_mounts(response))
+    for line in verdict_lines(response):
+        out.print(f"  {line}")
+    out.print(f"\n  {_numerics(response)}; {seconds:.1f} s in all")
+    files = sorted(path for path in folder.iterdir() if path.is_file())
+    out.print(f"  written to {folder}/", soft_wrap=True)
+    out.print(f"  {', '.join(path.name for path in files)}, {_folders(folder)}", soft_wrap=True)
+    out.print(f"  [bold]wirerope show {folder}[/] opens the view", soft_wrap=True)
+
+
+def _folders(folder: Path) -> str:
+    return ", ".join(f"{path.name}/" for path in sorted(folder.iterdir()) if path.is_dir())
+
+
+def _accelerations(response: Response) -> Table:
+    title = "Peak accelerations, not judged: the model states no limits"
+    table = _table(title, "", ("peak [g]", "x [g]", "y [g]", "z [g]", "at [ms]"))
+    for row in body_peaks(response):
+        name = row.name if row.kind == "body" else f"{row.name} ({row.kind})"
+        parts = [f"{value:.2f}" for value in row.axes]
+        table.add_row(name, f"[bold]{row.value:.2f}[/]", *parts, f"{1e3 * row.time:.1f}")
+    return table
+
+
+def _mounts(response: Response) -> Table:
+    units = ("axial [mm]", "shear [mm]", "roll [mm]", "axial [kN]", "shear [kN]", "roll [kN]")
+    shares = ("compr. [%]", "tension [%]", "shear [%]", "roll [%]")
+    title = "Peaks of the mounts and their share of the rated travel, largest first; - is not rated, so not judged"
+    table = _table(title, "mount", [name.replace(" ", "\n") for name in (*units, *shares)])
+    table.add_column("verdict", no_wrap=True)
+    for row in mount_peaks(response):
+        force = [f"{1e-3 * value:.2f}" for value in reversed(row.force)]
+        deflection = [_range(row, 2), _largest(row, 1), _largest(row, 0)]
+        table.add_row(row.name, *deflection, *force, *[_percent(row.shares[name]) for name in RATINGS], row.verdict)
+    return table
+
+
+def _table(title: str, first: str, numbers: Sequence[str]) -> Table:
+    """Return a table of one column of names and columns of numbers; brackets in headings are no markup."""
+    table = Table(box=box.SIMPLE_HEAD, title=title, title_justify="left", pad_edge=False, padding=(0, 1))
+    table.add_column(escape(first), no_wrap=True)
+    for name in numbers:
+        table.add_column(escape(name), justify="right", no_wrap=True)
+    return table
+
+
+def _range(row: MountPeak, axis: int) -> str:
+    return f"{1e3 * row.lowest[axis]:+.1f} {1e3 * row.highest[axis]:+.1f}"
+
+
+def _largest(row: MountPeak, axis: int) -> str:
+    return f"{1e3 * max(row.highest[axis], -row.lowest[axis]):.1f}"
+
+
+def _percent(share: float | None) -> str:
+    if share is None:
+        return "[dim]-[/]"
+    style = "bold red" if share > 1.0 else "yellow" if share > _NEAR else "default"
+    return f"[{style}]{100.0 * share:.0f}[/]"
+
+
+def _numerics(response: Response) -> str:
+    numerics = response.numerics
+    words = f"{numerics.steps} steps of at most {1e3 * numerics.timestep:.4g} ms, {numerics.callback} callback"
+    if math.isfinite(numerics.error_estimate):
+        return f"{words}, estimated error {numerics.error_estimate:.1e} of the peaks"
+    return f"{words}, step given: no error estimated"

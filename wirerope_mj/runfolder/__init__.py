@@ -1,0 +1,16 @@
+"""Runs: a scenario simulated into one folder that is complete in itself, and run again from it.
+
+```text
+scenario.toml      every resolved input, and the versions that computed it
+model/             the MJCF, and every file that it refers to
+inputs/            the records that the base motion was read from, if any
+response.parquet   the response, float64
+summary.json       peaks, limits, verdicts, how it was computed
+run.rrd            the view
+histories.png, loops.png
+```
+"""
+
+from wirerope_mj.runfolder.replay import Replay as Replay
+from wirerope_mj.runfolder.replay import replay as replay
+from wirerope_mj.runfolder.write import run_scenario as run_scenario

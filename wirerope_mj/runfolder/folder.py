@@ -1,0 +1,69 @@
+"""A folder that appears whole or not at all."""
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from wirerope_mj.errors import RecordError
+
+SCENARIO, SUMMARY = "scenario.toml", "summary.json"
+
+
+def check_target(folder: Path, *, force: bool) -> None:
+    """Raise RecordError unless a run may be written as `folder`: nothing is there, or a run that `force` replaces."""
+    if not folder.exists() and not folder.is_symlink():
+        return
+    if not folder.is_dir():
+        raise RecordError(f"{folder}: this is a file; a run is a folder. Choose another place.")
+    if not any(folder.iterdir()):
+        return
+    if not (folder / SCENARIO).is_file() or not (folder / SUMMARY).is_file():
+        raise RecordError(
+            f"{folder}: this folder exists and is not a run; nothing in it was touched. Choose another one."
+        )
+    if not force:
+        raise RecordError(
+            f"{folder}: there is a run already. Replace it with --force (`force=True`), or choose another one."
+        )
+
+
+@contextmanager
+def written_whole(folder: Path, *, force: bool) -> Iterator[Path]:
+    """Yield a new folder beside `folder` that becomes it when the block ends well, and is removed when it does not."""
+    check_target(folder, force=force)
+    folder = folder.resolve()
+    missing = [parent for parent in folder.parents if not parent.exists()]
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        beside = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=".part", dir=folder.parent))
+    except OSError as error:
+        raise RecordError(f"{folder}: cannot write here ({error.strerror}).") from None
+    try:
+        beside.chmod(0o755)  # mkdtemp makes folders that nobody else may read
+        yield beside
+        check_target(folder, force=force)
+        _put(beside, folder)
+    except BaseException:
+        shutil.rmtree(beside, ignore_errors=True)
+        for parent in missing:
+            if parent.is_dir() and not any(parent.iterdir()):
+                parent.rmdir()
+        raise
+
+
+def _put(beside: Path, folder: Path) -> None:
+    """Rename `beside` to `folder`; what was there is removed only after the new one stands."""
+    if not folder.exists():
+        os.rename(beside, folder)
+        return
+    old = beside.with_suffix(".old")
+    os.rename(folder, old)
+    try:
+        os.rename(beside, folder)
+    except BaseException:
+        os.rename(old, folder)
+        raise
+    shutil.rmtree(old)

@@ -1,0 +1,118 @@
+"""A copy of a system's model that loads by itself."""
+
+import re
+import shutil
+from pathlib import Path, PurePosixPath
+from xml.etree import ElementTree
+
+from wirerope_mj.errors import ModelError
+from wirerope_mj.isolator import Isolator
+from wirerope_mj.system import System
+
+
+def write_model(system: System, folder: Path) -> Path:
+    """Write the MJCF of `system` and all it refers to into `folder`, and return the path of the copied model.
+
+    Isolators are written as the system holds them, under the relative names that the model's texts give. A text that
+    points out of the model's folder is pointed at the copy. Files that the MJCF names (`include`, meshes, textures,
+    height fields, models to attach) are copied if they lie beside or below the model file.
+
+    Raises:
+        ModelError: a file of the model lies outside its folder.
+    """
+    target = folder / (system.path.name if system.path else "model.xml")
+    folder.mkdir(parents=True, exist_ok=True)
+    text, places = system.mjcf, _isolator_places(system)
+    for name, (data, place) in places.items():
+        text = text if data == place else _repointed(text, name, place)
+    target.write_text(text, encoding="utf-8")
+    if system.path is not None:
+        _copy_assets(system.path, system.path.parent, folder)
+    for name, (_, place) in places.items():
+        path = folder / _with_ending(place)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _isolator_of(system, name).save(path)
+    return target
+
+
+def missing_isolators(system: System, folder: Path) -> list[str]:
+    """Return the isolator files that the model's texts name and that are not in `folder`."""
+    return [place for _, place in _isolator_texts(system) if not (folder / _with_ending(place)).is_file()]
+
+
+def _isolator_texts(system: System) -> list[tuple[str, str]]:
+    """Return name and content of every text of the model that names an isolator in use."""
+    model, found = system.model, []
+    for number in range(model.ntext):
+        start = model.name_textadr[number]
+        name = model.names[start : model.names.index(b"\0", start)].decode()
+        data = model.text_data[model.text_adr[number] :][: model.text_size[number]].split(b"\0")[0].decode()
+        if "isolator/" in name and name.split("isolator/", 1)[-1] in system.isolators:
+            found.append((name, data))
+    return found
+
+
+def _isolator_places(system: System) -> dict[str, tuple[str, str]]:
+    """Return, by name of the text, what it says and where the copy of the isolator lies in the folder."""
+    places: dict[str, tuple[str, str]] = {}
+    taken: dict[str, Isolator] = {}
+    for name, data in _isolator_texts(system):
+        isolator = _isolator_of(system, name)
+        path = PurePosixPath(data)
+        inside = not path.is_absolute() and ".." not in path.parts
+        place = data if inside else f"isolators/{path.name}"
+        number = 1
+        while taken.setdefault(place, isolator) != isolator:  # two devices in memory behind one file name
+            number += 1
+            place = f"isolators/{path.stem}-{number}.toml"
+        places[name] = (data, place)
+    return places
+
+
+def _isolator_of(system: System, text_name: str) -> Isolator:
+    key = text_name.split("isolator/", 1)[-1]
+    if any(mount.isolator != system.isolators[key] for mount in system.mounts.values() if mount.isolator_name == key):
+        raise ModelError(f"two different isolators are both called {key!r} in this model; a run must tell them apart.")
+    return system.isolators[key]
+
+
+def _with_ending(place: str) -> str:
+    return place if place.endswith(".toml") else f"{place}.toml"
+
+
+def _repointed(text: str, name: str, place: str) -> str:
+    """Return the MJCF with the text `name` saying `place`."""
+
+    def point(match: re.Match[str]) -> str:
+        return re.sub(r"""(\bdata\s*=\s*)(["']).*?\2""", lambda m: f'{m[1]}"{place}"', match[0])
+
+    pattern = rf"""<text\b(?=[^>]*\bname\s*=\s*["']{re.escape(name)}["'])[^>]*>"""
+    changed, count = re.subn(pattern, point, text)
+    if count != 1:
+        raise ModelError(
+            f"the text {name!r} names an isolator file outside the model's folder and does not stand in the model file "
+            "itself, so that no copy of the model can point at its own file. Place the isolator beside the model."
+        )
+    return changed
+
+
+def _copy_assets(model: Path, root: Path, folder: Path) -> None:
+    """Copy every file that an MJCF file names, and what included or attached files name in turn."""
+    tree = ElementTree.parse(model).getroot()
+    places = [model.parent, root]
+    for compiler in tree.iter("compiler"):
+        for key in ("meshdir", "texturedir", "assetdir"):
+            places += [root / compiler.get(key, ""), model.parent / compiler.get(key, "")]
+    for element in tree.iter():
+        files = [value for key, value in element.attrib.items() if key.startswith("file")]
+        for name in files:
+            source = next((place / name for place in places if (place / name).is_file()), None)
+            if source is None:
+                continue  # a built-in texture, or a decoder's name: MuJoCo has compiled the model without it
+            if not source.resolve().is_relative_to(root.resolve()):
+                raise ModelError(f"{model}: {name!r} lies outside the model's folder; a run must hold all it needs.")
+            copy = folder / source.resolve().relative_to(root.resolve())
+            copy.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(source, copy)
+            if source.suffix == ".xml":
+                _copy_assets(source, root, folder)

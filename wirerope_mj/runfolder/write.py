@@ -1,0 +1,169 @@
+"""A scenario simulated into one folder."""
+
+import json
+import math
+import shutil
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import tomli_w
+
+from wirerope_mj.errors import ModelError
+from wirerope_mj.response import Response, load_response
+from wirerope_mj.runfolder.folder import SCENARIO, SUMMARY, check_target, written_whole
+from wirerope_mj.runfolder.model_files import write_model
+from wirerope_mj.scenario import Scenario
+from wirerope_mj.simulation import simulate
+from wirerope_mj.system import load_system
+from wirerope_mj.verdicts import summary, verdict_lines
+
+FORMAT = 1
+
+STREAM_SAMPLES = 10_000
+"""Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
+
+_PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk")
+_ARGUMENTS = ("duration", "initial", "timestep", "accuracy", "sample_rate", "callback")
+
+
+def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False, progress: bool = False) -> Response:
+    """Simulate a scenario, write the run as `folder`, whole or not at all, and return its response.
+
+    Args:
+        scenario: what to simulate.
+        folder: the run's folder; it must not exist, or be empty, or be a run that `force` replaces.
+        force: whether a run that is there is replaced.
+        progress: whether a progress bar is shown on standard error.
+
+    Raises:
+        RecordError: the folder exists and must not be replaced.
+        ModelError: the scenario's model or its arguments are not what they must be.
+        SimulationError, ConvergenceError: the simulation cannot start, or ended before its time.
+    """
+    target = Path(folder)
+    check_target(target, force=force)
+    arguments = _checked_arguments(scenario)
+    system = load_system(scenario.model_source(), isolators=scenario.isolators)
+    with written_whole(target, force=force) as beside:
+        started = perf_counter()
+        model = write_model(system, beside / "model")
+        long = arguments["duration"] * arguments.get("sample_rate", 1000.0) > STREAM_SAMPLES
+        response = simulate(system, scenario.motion, **arguments, out=beside if long else None, progress=progress)
+        seconds = perf_counter() - started
+        if not long:
+            response.save(beside)
+        text = _scenario_text(scenario, response, beside, model=f"model/{model.name}", arguments=arguments)
+        (beside / SCENARIO).write_text(text, encoding="utf-8")
+        (beside / SUMMARY).write_text(_summary_text(scenario, response, seconds), encoding="utf-8")
+        _write_pictures(scenario, response, beside)
+        del response  # a streamed response reads a file that is about to be renamed
+    return load_response(target)
+
+
+def _checked_arguments(scenario: Scenario) -> dict[str, Any]:
+    arguments = dict(scenario.simulate)
+    for name in arguments:
+        if name not in _ARGUMENTS:
+            raise ModelError(
+                f"scenario {scenario.name!r}: `simulate` takes {', '.join(_ARGUMENTS)} here, got {name!r}; "
+                "the run's folder decides the rest."
+            )
+    if "duration" not in arguments:
+        raise ModelError(f"scenario {scenario.name!r}: `simulate` must say the duration [s].")
+    if not isinstance(arguments.get("initial", "settled"), str):
+        raise ModelError(
+            f"scenario {scenario.name!r}: `initial` must be 'settled' or 'unloaded', so that a file can say it."
+        )
+    return arguments
+
+
+def _scenario_text(
+    scenario: Scenario, response: Response, folder: Path, *, model: str, arguments: dict[str, Any]
+) -> str:
+    """Return the scenario with every input resolved, as TOML; files of the motion are copied into `folder`."""
+    numerics = response.numerics
+    resolved = {
+        "duration": float(arguments["duration"]),
+        "initial": arguments.get("initial", "settled"),
+        "timestep": numerics.timestep,
+        "sample_rate": float(arguments.get("sample_rate", 1000.0)),
+        "callback": numerics.callback,
+    }
+    if not math.isnan(numerics.accuracy):
+        resolved["accuracy"] = numerics.accuracy
+    content = {
+        "format": FORMAT,
+        "name": scenario.name,
+        "question": scenario.question.strip(),
+        "written": datetime.now(UTC).replace(microsecond=0),
+        "options": {name: _plain(value) for name, value in scenario.options.items() if value is not None},
+        "model": {"file": model},
+        "simulate": resolved,
+        "motion": {"description": scenario.motion.description}
+        | scenario.motion.to_dict(files=_copy_records(scenario, folder)),
+        "versions": {name: version(name) for name in _PACKAGES},
+    }
+    return tomli_w.dumps(content, multiline_strings=True)
+
+
+def _copy_records(scenario: Scenario, folder: Path) -> dict[Path, str]:
+    """Copy the files that the motion was read from and return what to call them, relative to the run's folder."""
+    names: dict[Path, str] = {}
+    for path in scenario.motion.files:
+        name, number = f"inputs/{path.name}", 1
+        while name in names.values():
+            number += 1
+            name = f"inputs/{path.stem}-{number}{path.suffix}"
+        (folder / "inputs").mkdir(exist_ok=True)
+        shutil.copyfile(path, folder / name)
+        names[path] = name
+    return names
+
+
+def _summary_text(scenario: Scenario, response: Response, seconds: float) -> str:
+    numerics = response.numerics
+    content = {
+        "format": FORMAT,
+        "name": scenario.name,
+        "motion": scenario.motion.description,
+        **summary(response),
+        "numerics": {
+            "timestep_s": numerics.timestep,
+            "steps": numerics.steps,
+            "samples": int(response.time.size),
+            "callback": numerics.callback,
+            "accuracy": None if math.isnan(numerics.accuracy) else numerics.accuracy,
+            "estimated_error": numerics.error_estimate if math.isfinite(numerics.error_estimate) else None,
+            "seconds": round(seconds, 3),
+            "versions": numerics.versions,
+        },
+    }
+    return json.dumps(content, indent=2, allow_nan=False) + "\n"
+
+
+def _write_pictures(scenario: Scenario, response: Response, folder: Path) -> None:
+    # Here, because matplotlib and rerun take longer to import than a small simulation takes.
+    from wirerope_mj.plots.histories import save_histories, save_mount_loops
+    from wirerope_mj.recording import record_rerun
+
+    title, text = scenario.name.replace("_", " ").capitalize(), _scenario_markdown(scenario)
+    record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=verdict_lines(response))
+    save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
+    if response.scene.mounts:
+        save_mount_loops(
+            response, folder / "loops.png", title=f"{title}: loops of the mount that uses most of its travel"
+        )
+
+
+def _scenario_markdown(scenario: Scenario) -> str:
+    options = ", ".join(f"{name} = {value}" for name, value in scenario.options.items())
+    parts = [scenario.question.strip(), f"**Base motion:** {scenario.motion.description}"]
+    parts += [f"**Options:** {options}"] if options else []
+    return "\n\n".join(parts)
+
+
+def _plain(value: Any) -> Any:
+    return value if isinstance(value, bool | int | float | str) else str(value)

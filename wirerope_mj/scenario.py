@@ -1,0 +1,144 @@
+"""A scenario: a question, the model and the base motion that answer it, and the file that makes them from options."""
+
+import inspect
+import traceback
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.errors import ModelError, WireRopeError
+from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.isolator import Isolator
+from wirerope_mj.resources import models_folder, scenarios_folder
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What is asked, and everything that a simulation of it needs.
+
+    Attributes:
+        question: what the run should answer.
+        model: MJCF file, or MJCF text. A relative path starts at the scenario file's folder (without a file at the
+            current one), then at the models that ship with the package; `.xml` may be left out.
+        motion: base motion.
+        simulate: arguments of `wirerope_mj.simulate` besides system and motion; `duration` must be among them.
+        isolators: isolators in memory by the name that follows `isolator/` in the model; they go before files.
+        name: names the run.
+        options: values of the options that made it, by name.
+        folder: where a relative model path starts.
+    """
+
+    question: str
+    model: str | Path
+    motion: BaseMotion
+    simulate: Mapping[str, Any]
+    isolators: Mapping[str, Isolator] | None = None
+    name: str = "scenario"
+    options: Mapping[str, Any] = field(default_factory=dict)
+    folder: Path | None = None
+
+    def model_source(self) -> str | Path:
+        """Return the MJCF text, or the path of the model file; ModelError names where it was looked for."""
+        if isinstance(self.model, str) and self.model.lstrip().startswith("<"):
+            return self.model
+        wanted = Path(self.model) if str(self.model).endswith(".xml") else Path(f"{self.model}.xml")
+        places = [(self.folder or Path()) / wanted, models_folder() / wanted]
+        for place in places:
+            if place.is_file():
+                return place
+        shipped = ", ".join(sorted(path.name for path in models_folder().glob("*.xml")))
+        raise ModelError(
+            f"scenario {self.name!r}: there is no model {str(self.model)!r}; looked for "
+            f"{' and '.join(str(place) for place in dict.fromkeys(places))}. The package ships {shipped}."
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScenarioFile:
+    """A file with one function `scenario(*, ...) -> Scenario`, whose keyword arguments are the options."""
+
+    name: str
+    path: Path
+    function: Callable[..., Scenario]
+
+    @property
+    def question(self) -> str:
+        """First line of the file's docstring."""
+        return (self.function.__doc__ or "").strip().split("\n", 1)[0]
+
+    @property
+    def defaults(self) -> dict[str, Any]:
+        """Options and their default values."""
+        return {name: option.default for name, option in inspect.signature(self.function).parameters.items()}
+
+    def make(self, **options: Any) -> Scenario:
+        """Return the scenario of some options; the others have their defaults.
+
+        Raises:
+            ModelError: an option is unknown, or the function does not return a Scenario, or fails; says in which line.
+        """
+        values = self.defaults
+        for option in options:
+            if option not in values:
+                raise ModelError(f"{self.path}: no option {option!r}; the options are {', '.join(values)}.")
+        values |= options
+        made = _guarded(self.path, lambda: self.function(**values))
+        if not isinstance(made, Scenario):
+            raise ModelError(f"{self.path}: `scenario` must return a wirerope_mj.Scenario, got {made!r}.")
+        return replace(made, name=self.name, options=values, folder=self.path.parent)
+
+
+def shipped_scenarios() -> dict[str, Path]:
+    """Return the scenarios that ship with the package, by name."""
+    return {path.stem: path for path in sorted(scenarios_folder().glob("*.py"))}
+
+
+def load_scenario(name_or_path: str | Path) -> ScenarioFile:
+    """Return the scenario file at a path, or the shipped one of that name.
+
+    Raises:
+        ModelError: there is no such scenario, or the file has no function `scenario` with keyword options only.
+    """
+    shipped = shipped_scenarios()
+    path = Path(name_or_path)
+    if not path.is_file():
+        if str(name_or_path) not in shipped:
+            raise ModelError(
+                f"there is no scenario {str(name_or_path)!r}. The package ships {', '.join(shipped) or 'none'}; "
+                "anything else must be the path of a Python file."
+            )
+        path = shipped[str(name_or_path)]
+    spec = spec_from_file_location(path.stem, path.resolve())
+    if path.suffix != ".py" or spec is None or spec.loader is None:
+        raise ModelError(f"{path}: a scenario is a Python file; its name ends with .py.")
+    module, loader = module_from_spec(spec), spec.loader
+    _guarded(path, lambda: loader.exec_module(module))
+    function = getattr(module, "scenario", None)
+    if not inspect.isfunction(function):
+        raise ModelError(f"{path}: there is no function `scenario` here.")
+    for name, option in inspect.signature(function).parameters.items():
+        if option.kind is not option.KEYWORD_ONLY or option.default is option.empty:
+            raise ModelError(f"{path}: `{name}` of `scenario` must be a keyword-only argument with a default.")
+    # The question stands above the file; of the function's own docstring, the options are for the reader of --help.
+    _, arguments, options = (inspect.getdoc(function) or "").partition("Args:")
+    function.__doc__ = f"{(inspect.getdoc(module) or '').strip()}\n\n{arguments}{options}".strip()
+    return ScenarioFile(name=path.stem, path=path.resolve(), function=function)
+
+
+def _guarded(path: Path, action: Callable[[], Any]) -> Any:
+    """Return what `action` returns; ModelError with file and line if the scenario's own code fails."""
+    try:
+        return action()
+    except (WireRopeError, ValueError) as error:
+        raise ModelError(f"{path}{_line_in(path, error)}: {error}") from error
+    except Exception as error:
+        raise ModelError(f"{path}{_line_in(path, error)}: {type(error).__name__}: {error}") from error
+
+
+def _line_in(path: Path, error: Exception) -> str:
+    """Return words for the last line of the file that an error passed through."""
+    lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if Path(f.filename) == path.resolve()]
+    lines += [error.lineno] if isinstance(error, SyntaxError) and error.lineno else []
+    return f", line {lines[-1]}" if lines else ""
