@@ -261,3 +261,31 @@ def test_user_data_and_actuators_of_the_model_stay_its_own():
     b = wr.simulate(sdof(LAW), SHOCK, duration=0.02, timestep=1e-4, initial="unloaded")
     assert system.model.actuator(0).name == "own"
     np.testing.assert_allclose(a.mounts["m1"].force, b.mounts["m1"].force, rtol=0, atol=1e-9)
+
+
+def test_threads_share_the_native_callback():
+    from concurrent.futures import ThreadPoolExecutor
+
+    laws = [wr.KelvinVoigt(k=k, c=10.0) for k in (1e4, 2e4, 3e4, 4e4)]
+    every = [sdof(law) for law in laws]
+
+    def one(system):
+        return everything(wr.simulate(system, SHOCK, duration=0.2, timestep=1e-4, initial="unloaded")).tobytes()
+
+    alone = [one(system) for system in every]
+    with ThreadPoolExecutor(2) as pool:
+        together = list(pool.map(one, every))
+    assert together == alone
+    assert [get() for get in INSTALLED] == [None] * 4
+
+
+def test_two_kinds_of_callback_cannot_step_at_once():
+    from wirerope_mj.control import installed
+
+    system = sdof(LAW)
+    with (
+        installed(system.model, mujoco.MjData(system.model)),
+        pytest.raises(wr.SimulationError, match="another thread is stepping with the native callback"),
+    ):
+        wr.simulate(system, SHOCK, duration=0.02, timestep=1e-4, initial="unloaded", callback="python")
+    assert [get() for get in INSTALLED] == [None] * 4
