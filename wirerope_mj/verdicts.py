@@ -114,12 +114,9 @@ def verdict_lines(response: Response) -> list[str]:
         axis = max(RATINGS, key=lambda name: worst.shares[name] or 0.0)
         lines.append(f"{worst.name} uses most of its rated travel: {100 * (worst.share or 0.0):.0f} % in {axis}.")
         names = ", ".join(f"{row.name} ({row.verdict})" for row in over)
-        lines.append(
-            f"Rated travel exceeded by {names}." if over else f"All {len(judged)} rated mounts stay within it."
-        )
-    unjudged = (
-        [f"tension of {len(judged)} mounts"] if judged and all(r.shares["tension"] is None for r in judged) else []
-    )
+        lines.append(f"Rated travel exceeded: {names}." if over else "No mount exceeds a rated travel.")
+    untensioned = bool(judged) and all(row.shares["tension"] is None for row in judged)
+    unjudged = ["tension of every mount"] if untensioned else []
     unjudged += [row.name for row in mounts if row.share is None]
     if unjudged:
         lines.append(f"Not judged, because no travel is rated: {', '.join(unjudged)}.")

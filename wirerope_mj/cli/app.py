@@ -4,6 +4,8 @@ import sys
 from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
+from signal import SIGTERM, default_int_handler, signal
+from threading import current_thread, main_thread
 from typing import Annotated
 
 from cyclopts import App, Parameter
@@ -20,9 +22,10 @@ app = App(
     name="wirerope",
     version=version("wirerope-mj"),
     help="Shock and vibration of equipment and floors on wire-rope isolators.",
+    suppress_keyboard_interrupt=False,  # `main` says that nothing was left behind
 )
 # The scenario's own options are not known before its file is read: everything behind its name is handed on as it is.
-run_app = App(name="run", help_flags=[], version_flags=[])
+run_app = App(name="run", help_flags=[], version_flags=[], suppress_keyboard_interrupt=False)
 app.command(run_app)
 
 
@@ -123,6 +126,8 @@ def fit(datasheet: Path, out: Path) -> int:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; an error is one message on standard error."""
+    if current_thread() is main_thread():  # a batch system ends a job as Ctrl-C does: nothing may be left behind
+        signal(SIGTERM, default_int_handler)
     try:
         code = app(
             list(sys.argv[1:] if arguments is None else arguments),

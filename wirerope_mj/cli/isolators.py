@@ -36,6 +36,8 @@ def print_isolators() -> None:
 
 def print_isolator(name: str, out: Path | None) -> None:
     """Print parameters of an isolator and what its steady loops measure; write their picture to `out` if it is given."""
+    if out is not None:
+        _check_place(out)
     given = Path(name)
     path = given if given.is_file() else find_isolator(name, beside=catalogue_folder())
     isolator = load_isolator(path)
@@ -57,7 +59,6 @@ def print_isolator(name: str, out: Path | None) -> None:
     if out is not None:
         from wirerope_mj.plots.loops import save_loops
 
-        _check_ending(out)
         save_loops(isolator, out)
         screen.print(f"written: {out}", soft_wrap=True)
 
@@ -88,9 +89,12 @@ def _measures(isolator: Isolator) -> Table:
     return table
 
 
-def _check_ending(out: Path) -> None:
+def _check_place(out: Path) -> None:
+    """Raise ValueError unless a picture can be written as `out`."""
     if out.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise ValueError(f"`--out` must end with .png, .svg or .pdf, got {str(out)!r}.")
+    if not out.resolve().parent.is_dir():
+        raise ValueError(f"`--out`: there is no folder {str(out.resolve().parent)!r}.")
 
 
 def _number(value: float | None, scale: float) -> str:

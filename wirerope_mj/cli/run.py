@@ -49,7 +49,7 @@ def _app_of(scenario: ScenarioFile) -> App:
     command.__signature__ = inspect.Signature([*options, *where])  # type: ignore[attr-defined]
     command.__annotations__ = {option.name: option.annotation for option in [*options, *where]}
     command.__doc__ = scenario.function.__doc__
-    app = App(name=f"wirerope run {scenario.name}", version_flags=[])
+    app = App(name=f"wirerope run {scenario.name}", version_flags=[], suppress_keyboard_interrupt=False)
     app.default(command)
     return app
 

@@ -9,6 +9,7 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from wirerope_mj.excitation import Sweep
 from wirerope_mj.response import Response
 from wirerope_mj.scenario import Scenario
 from wirerope_mj.verdicts import RATINGS, MountPeak, body_peaks, mount_peaks, verdict_lines
@@ -29,7 +30,7 @@ def print_run(scenario: Scenario, response: Response, folder: Path, *, seconds: 
     """Print peaks against limits, how they were computed, and where the files are."""
     out = console()
     out.print(f"\n[bold]{scenario.name}[/]  {scenario.motion.description}")
-    out.print(_accelerations(response))
+    out.print(_accelerations(scenario, response))
     if response.scene.mounts:
         out.print(_mounts(response))
     for line in verdict_lines(response):
@@ -45,13 +46,16 @@ def _folders(folder: Path) -> str:
     return ", ".join(f"{path.name}/" for path in sorted(folder.iterdir()) if path.is_dir())
 
 
-def _accelerations(response: Response) -> Table:
+def _accelerations(scenario: Scenario, response: Response) -> Table:
+    sweep = scenario.motion if isinstance(scenario.motion, Sweep) else None
+    frequency = ("at [Hz]",) if sweep is not None else ()
     title = "Peak accelerations, not judged: the model states no limits"
-    table = _table(title, "", ("peak [g]", "x [g]", "y [g]", "z [g]", "at [ms]"))
+    table = _table(title, "", ("peak [g]", "x [g]", "y [g]", "z [g]", "at [s]", *frequency))
     for row in body_peaks(response):
         name = row.name if row.kind == "body" else f"{row.name} ({row.kind})"
-        parts = [f"{value:.2f}" for value in row.axes]
-        table.add_row(name, f"[bold]{row.value:.2f}[/]", *parts, f"{1e3 * row.time:.1f}")
+        cells = [f"[bold]{row.value:.2f}[/]", *[f"{value:.2f}" for value in row.axes], f"{row.time:.4f}"]
+        cells += [f"{sweep.frequency([row.time])[0]:.2f}"] if sweep is not None else []
+        table.add_row(escape(name), *cells)
     return table
 
 
@@ -64,7 +68,9 @@ def _mounts(response: Response) -> Table:
     for row in mount_peaks(response):
         force = [f"{1e-3 * value:.2f}" for value in reversed(row.force)]
         deflection = [_range(row, 2), _largest(row, 1), _largest(row, 0)]
-        table.add_row(row.name, *deflection, *force, *[_percent(row.shares[name]) for name in RATINGS], row.verdict)
+        table.add_row(
+            escape(row.name), *deflection, *force, *[_percent(row.shares[name]) for name in RATINGS], row.verdict
+        )
     return table
 
 

@@ -12,6 +12,8 @@ from wirerope_mj.units import STANDARD_GRAVITY
 from wirerope_mj.verdicts import AXES, MountPeak, body_peaks, mount_peaks
 
 _MOST = 3  # lines of bodies or mounts in one panel: more cannot be told apart
+_LONG = 10_000  # samples from which loops are drawn around the largest deflection only
+_AROUND = 300  # samples before and after it
 _BASE, _LINES, _RATED = "0.55", ("#08519c", "#d95f0e", "#31a354"), "#b30000"
 
 
@@ -46,14 +48,24 @@ def save_histories(response: Response, path: str | Path, *, title: str = "") -> 
 
 
 def save_mount_loops(response: Response, path: str | Path, *, title: str = "") -> None:
-    """Write a picture of the force-deflection loops of the mount that uses most of its travel."""
+    """Write a picture of the force-deflection loops of the mount that uses most of its travel.
+
+    Of a long response only what surrounds the largest deflection is drawn: thousands of loops would be one blot.
+    """
     row = mount_peaks(response)[0]
-    mount = response.mounts[row.name]
-    figure = Figure(figsize=(13.0, 4.4), layout="constrained", dpi=110)
-    figure.suptitle(f"{title} ({row.name}, {row.isolator})", fontsize=12, fontweight="bold")
-    for axis, panel in enumerate(figure.subplots(1, 3)):
-        panel.plot(1e3 * mount.deflection[:, axis], 1e-3 * mount.force[:, axis], color=_LINES[0], lw=0.8)
-        panel.plot(1e3 * mount.deflection[0, axis], 1e-3 * mount.force[0, axis], "o", color="0.2", ms=5, label="start")
+    mount, part = response.mounts[row.name], slice(None)
+    where = ""
+    if response.time.size > _LONG:
+        middle = int(np.searchsorted(response.time, response.peaks.mounts[row.name].deflection.time))
+        part = slice(max(middle - _AROUND, 0), middle + _AROUND)
+        where = f", {response.time[part][0]:.5g} to {response.time[part][-1]:.5g} s"
+    deflection, force = 1e3 * mount.deflection[part], 1e-3 * mount.force[part]
+    axes = [axis for axis in range(len(AXES)) if force[:, axis].any()] or [AXES.index("axial")]
+    figure = Figure(figsize=(1.0 + 4.4 * len(axes), 4.6), layout="constrained", dpi=110)
+    figure.suptitle(f"{title}\n{row.name}, {row.isolator}{where}", fontsize=12, fontweight="bold")
+    for axis, panel in zip(axes, np.atleast_1d(figure.subplots(1, len(axes))), strict=True):
+        panel.plot(deflection[:, axis], force[:, axis], color=_LINES[0], lw=0.8)
+        panel.plot(deflection[0, axis], force[0, axis], "o", color="0.2", ms=5, label="start")
         panel.set_title(AXES[axis])
         panel.set_xlabel("deflection [mm]")
         panel.set_ylabel("force [kN]")

@@ -11,6 +11,6 @@ histories.png, loops.png
 ```
 """
 
-from wirerope_mj.runfolder.replay import Replay as Replay
-from wirerope_mj.runfolder.replay import replay as replay
+from wirerope_mj.runfolder.repeat import Replay as Replay
+from wirerope_mj.runfolder.repeat import replay as replay
 from wirerope_mj.runfolder.write import run_scenario as run_scenario

@@ -96,23 +96,27 @@ def _repointed(text: str, name: str, place: str) -> str:
     return changed
 
 
-def _copy_assets(model: Path, root: Path, folder: Path) -> None:
-    """Copy every file that an MJCF file names, and what included or attached files name in turn."""
+def _copy_assets(model: Path, root: Path, folder: Path, searched: tuple[Path, ...] = ()) -> None:
+    """Copy every file that an MJCF file names, and what included or attached files name in turn.
+
+    Args:
+        model: the MJCF file.
+        root: folder of the main model file, below which every file must lie.
+        folder: where the copies go.
+        searched: folders in which the file that included this one looks for assets.
+    """
     tree = ElementTree.parse(model).getroot()
-    places = [model.parent, root]
-    for compiler in tree.iter("compiler"):
-        for key in ("meshdir", "texturedir", "assetdir"):
-            places += [root / compiler.get(key, ""), model.parent / compiler.get(key, "")]
-    for element in tree.iter():
-        files = [value for key, value in element.attrib.items() if key.startswith("file")]
-        for name in files:
-            source = next((place / name for place in places if (place / name).is_file()), None)
-            if source is None:
-                continue  # a built-in texture, or a decoder's name: MuJoCo has compiled the model without it
-            if not source.resolve().is_relative_to(root.resolve()):
-                raise ModelError(f"{model}: {name!r} lies outside the model's folder; a run must hold all it needs.")
-            copy = folder / source.resolve().relative_to(root.resolve())
-            copy.parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(source, copy)
-            if source.suffix == ".xml":
-                _copy_assets(source, root, folder)
+    keys = ("assetdir", "meshdir", "texturedir")
+    stated = [compiler.get(key, "") for compiler in tree.iter("compiler") for key in keys]
+    places = (model.parent, root, *searched, *(base / name for name in stated for base in (root, model.parent)))
+    for name in [value for element in tree.iter() for key, value in element.attrib.items() if key.startswith("file")]:
+        source = next((place / name for place in places if (place / name).is_file()), None)
+        if source is None:
+            continue  # not a file that MuJoCo needs: it has compiled the model
+        if not source.resolve().is_relative_to(root.resolve()):
+            raise ModelError(f"{model}: {name!r} lies outside the model's folder; a run must hold all it needs.")
+        copy = folder / source.resolve().relative_to(root.resolve())
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, copy)
+        if source.suffix == ".xml":
+            _copy_assets(source, root, folder, places)

@@ -3,6 +3,7 @@
 import json
 import math
 import shutil
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -24,6 +25,9 @@ FORMAT = 1
 
 STREAM_SAMPLES = 10_000
 """Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
+
+SAMPLE_RATE = 1000.0
+"""What `simulate` takes where the scenario says nothing [Hz]."""
 
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk")
 _ARGUMENTS = ("duration", "initial", "timestep", "accuracy", "sample_rate", "callback")
@@ -50,7 +54,7 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
     with written_whole(target, force=force) as beside:
         started = perf_counter()
         model = write_model(system, beside / "model")
-        long = arguments["duration"] * arguments.get("sample_rate", 1000.0) > STREAM_SAMPLES
+        long = is_streamed(arguments)
         response = simulate(system, scenario.motion, **arguments, out=beside if long else None, progress=progress)
         seconds = perf_counter() - started
         if not long:
@@ -61,6 +65,11 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
         _write_pictures(scenario, response, beside)
         del response  # a streamed response reads a file that is about to be renamed
     return load_response(target)
+
+
+def is_streamed(arguments: Mapping[str, Any]) -> bool:
+    """Return whether a simulation with these arguments writes its samples to a file while it goes on."""
+    return bool(arguments["duration"] * arguments.get("sample_rate", SAMPLE_RATE) > STREAM_SAMPLES)
 
 
 def _checked_arguments(scenario: Scenario) -> dict[str, Any]:
@@ -89,7 +98,7 @@ def _scenario_text(
         "duration": float(arguments["duration"]),
         "initial": arguments.get("initial", "settled"),
         "timestep": numerics.timestep,
-        "sample_rate": float(arguments.get("sample_rate", 1000.0)),
+        "sample_rate": float(arguments.get("sample_rate", SAMPLE_RATE)),
         "callback": numerics.callback,
     }
     if not math.isnan(numerics.accuracy):
@@ -153,9 +162,7 @@ def _write_pictures(scenario: Scenario, response: Response, folder: Path) -> Non
     record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=verdict_lines(response))
     save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
     if response.scene.mounts:
-        save_mount_loops(
-            response, folder / "loops.png", title=f"{title}: loops of the mount that uses most of its travel"
-        )
+        save_mount_loops(response, folder / "loops.png", title=title)
 
 
 def _scenario_markdown(scenario: Scenario) -> str:

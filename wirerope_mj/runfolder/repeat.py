@@ -14,7 +14,7 @@ from wirerope_mj.excitation.restore import motion_from_dict
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.runfolder.folder import SCENARIO
 from wirerope_mj.runfolder.model_files import missing_isolators
-from wirerope_mj.runfolder.write import FORMAT, STREAM_SAMPLES
+from wirerope_mj.runfolder.write import FORMAT, is_streamed
 from wirerope_mj.simulation import simulate
 from wirerope_mj.system import System, load_system
 
@@ -57,7 +57,7 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
     system, motion = _inputs(folder, content)
     arguments = {key: value for key, value in content["simulate"].items() if key != "accuracy"}
     stored = load_response(folder)
-    long = arguments["duration"] * arguments["sample_rate"] > STREAM_SAMPLES
+    long = is_streamed(arguments)
     with tempfile.TemporaryDirectory() as place:
         again = simulate(system, motion, **arguments, out=place if long else None, progress=progress)
         difference, column = _difference(stored, again)
