@@ -308,7 +308,8 @@ def test_a_deck_whose_slides_are_turned_moves_along_the_world():
         '<joint name="w" type="slide" axis="0 0 -1"/>'
     )
     world = (
-        f'<body name="deck" euler="0 0 30">{slides}<geom size=".1" mass="5"/><site name="b" pos="0 0 .2" euler="0 0 -30"/></body>'
+        f'<body name="deck" euler="0 0 30">{slides}<geom size=".1" mass="5"/>'
+        '<site name="b" pos="0 0 .2" euler="0 0 -30"/></body>'
         '<body name="mass" pos="0 0 .3"><joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>'
         '<joint type="slide" axis="0 0 1"/><geom size=".1" mass="3.5"/><site name="p" pos="0 0 -.1"/></body>'
     )
@@ -332,7 +333,8 @@ def test_points_on_a_chain_of_joints_accelerate_as_their_positions_say():
         '<body name="box" pos="0 0 .3"><freejoint/><geom size=".2" mass="9"/><site name="p" pos=".05 0 -.1"/>'
         '<body name="arm" pos=".1 0 .2"><joint type="ball" damping=".02"/><geom pos="0 0 .2" size=".05" mass="1"/>'
         '<body name="rod" pos="0 0 .3"><joint axis="0 1 0"/><joint axis="1 0 0" pos="0 .02 0"/>'
-        '<geom pos=".1 .1 .2" size=".04" mass=".5"/><body name="ring" pos="0 0 .1"><joint type="slide" axis="1 0 1" stiffness="80"/>'
+        '<geom pos=".1 .1 .2" size=".04" mass=".5"/><body name="ring" pos="0 0 .1">'
+        '<joint type="slide" axis="1 0 1" stiffness="80"/>'
         '<geom size=".03" mass=".2"/><site name="point/ring" pos=".02 .01 .03"/></body></body></body></body>'
     )
     law = wr.KelvinVoigt(k=2e4, c=60.0)
@@ -343,6 +345,7 @@ def test_points_on_a_chain_of_joints_accelerate_as_their_positions_say():
     motion = wr.Sine(frequency=9.0, acceleration=30.0, direction=(1.0, 2.0, 2.0))
     h = 1e-4
     r = wr.simulate(system, motion, duration=0.4, timestep=h, initial="unloaded", sample_rate=1 / h)
+    pairs = {"velocity": "position", "acceleration": "velocity", "angular_acceleration": "angular_velocity"}
     for name, part in (*r.bodies.items(), ("point/ring", r.points["ring"])):
         for lower, upper in (
             ("position", "velocity"),
