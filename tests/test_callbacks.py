@@ -155,7 +155,7 @@ def test_an_interrupt_leaves_no_callback_behind(tmp_path, monkeypatch):
     def interrupted(*_args, **_kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(module, "_check", interrupted)
+    monkeypatch.setattr(module.Stepper, "check", interrupted)
     with pytest.raises(KeyboardInterrupt):
         wr.simulate(sdof(LAW), SHOCK, duration=0.02, timestep=1e-4, initial="unloaded", out=tmp_path)
     assert [get() for get in INSTALLED] == [None] * 4

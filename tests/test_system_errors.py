@@ -207,9 +207,6 @@ def test_a_blow_up_ends_the_run_with_words_and_leaves_no_file(tmp_path):
     assert not list(out.glob("*"))
 
 
-@pytest.mark.xfail(
-    strict=True, reason="looked at only every 64 pieces, when everything is NaN: the first body is named"
-)
 def test_a_blow_up_says_when_and_which_body():
     with pytest.raises(wr.SimulationError, match="for body 'mass'") as caught:
         blow_up()
