@@ -3,7 +3,6 @@
 import math
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -11,22 +10,17 @@ import numpy.typing as npt
 from wirerope_mj.control.install import Kind
 from wirerope_mj.errors import ModelError, SimulationError
 from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.response.columns import ColumnPlan
-from wirerope_mj.response.response import MemorySamples, Numerics, Response, State
-from wirerope_mj.response.storage import FILE, SampleWriter, build_response, load_response, response_metadata
-from wirerope_mj.simulation.grid import Grid, time_grid
+from wirerope_mj.response.response import Numerics, Response, State
+from wirerope_mj.simulation.grid import time_grid
 from wirerope_mj.simulation.initial import initial_state
 from wirerope_mj.simulation.progress import progress_bar
-from wirerope_mj.simulation.run import Run, point_name, run
-from wirerope_mj.simulation.scene import scene_of
+from wirerope_mj.simulation.recorder import Recorder
+from wirerope_mj.simulation.run import run
 from wirerope_mj.simulation.stability import stable_step
 from wirerope_mj.simulation.timestep import choose_timestep
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
-
-STREAM_ROWS = 4096
-"""Samples that are kept in memory before a block is written to disk."""
 
 
 def simulate(
@@ -79,7 +73,7 @@ def simulate(
         )
         timestep, error = chosen.timestep, chosen.error
     grid = time_grid(start=start.time, duration=duration, sample_rate=sample_rate, timestep=timestep, motion=motion)
-    recorder = _Recorder(system, motion, grid, Path(out) if out is not None else None)
+    recorder = Recorder(system, motion, grid, Path(out) if out is not None else None)
     try:
         with progress_bar(grid, enabled=progress) as update:
             done = run(system, motion, grid, start, callback=callback, sink=recorder.add, progress=update)
@@ -118,68 +112,3 @@ def _check_direction(system: System, motion: BaseMotion) -> None:
                 f"the motion moves along {' and '.join(axes)}, but {base} has no driven slide there. "
                 f"Its slides: {joints or 'none'}. Add one to the model, or change the motion's direction."
             )
-
-
-class _Recorder:
-    """Takes the samples of a run, in memory or to a file, and makes the response of them."""
-
-    def __init__(self, system: System, motion: BaseMotion, grid: Grid, out: Path | None) -> None:
-        self._system, self._motion, self._times = system, motion, grid.sample_times
-        model, assembly = system.model, system.assembly
-        self.plan = ColumnPlan(
-            bodies=[model.body(body).name for body in assembly.subjects.bodies],
-            points=[point_name(model, site) for site in assembly.subjects.points],
-            mounts=[(name, _state_names(system, name)) for name in system.mounts],
-        )
-        self._names = self.plan.names
-        self._writer = SampleWriter(out / FILE, self._names) if out is not None else None
-        rows = min(STREAM_ROWS, self._times.size) if out is not None else self._times.size
-        self._block = np.empty((rows, len(self._names)))
-        self._written = 0
-
-    def add(self, sample: int, values: Array) -> None:
-        row = sample - self._written
-        self._block[row, self.plan.first_sensor :] = values[: len(self._names) - self.plan.first_sensor]
-        if self._writer is not None and row == self._block.shape[0] - 1:
-            self._writer.write(self._with_base(row + 1))
-            self._written += row + 1
-
-    def _with_base(self, rows: int) -> Array:
-        times = self._times[self._written : self._written + rows]
-        self._block[:rows, 0] = times
-        for column, part in enumerate((self._motion.displacement, self._motion.velocity, self._motion.acceleration)):
-            self._block[:rows, 1 + 3 * column : 4 + 3 * column] = part(times)
-        return self._block[:rows]
-
-    def finish(self, start: State, done: Run, numerics: Numerics) -> Response:
-        content = self._metadata(start, done, numerics)
-        rest = self._with_base(self._times.size - self._written)
-        if self._writer is None:
-            return build_response(
-                names=self._names, column_reader=lambda names: MemorySamples(names, rest), content=content, path=None
-            )
-        if rest.size:
-            self._writer.write(rest)
-        self._writer.close(content)
-        return load_response(self._writer.path.parent)
-
-    def _metadata(self, start: State, done: Run, numerics: Numerics) -> dict[str, Any]:
-        return response_metadata(
-            plan=self.plan,
-            peaks=done.peaks,
-            scene=scene_of(self._system),
-            motion=self._motion.to_dict(),
-            events=self._motion.events,
-            numerics=numerics,
-            initial_state=start,
-            final_state=done.final_state,
-        )
-
-    def discard(self) -> None:
-        if self._writer is not None:
-            self._writer.discard()
-
-
-def _state_names(system: System, mount: str) -> tuple[str, ...]:
-    axes = system.mounts[mount].isolator.axes
-    return tuple(f"{axis}.{state}" for axis, law in axes.items() if law is not None for state in law.state_names)
