@@ -88,6 +88,14 @@ def test_relaxed_mounts_hang_lower_and_carry_the_weight_without_z(systems):
     assert np.abs(data.act).max() == 0.0
 
 
+def test_a_simulation_from_the_relaxed_equilibrium_stays_there(systems):
+    system = systems["floating_floor"]
+    relaxed = wr.equilibrium(system, history="relaxed")
+    r = wr.simulate(system, quiet(), duration=0.3, timestep=1e-3, initial=relaxed.state)
+    assert max(peaks.acceleration.value for peaks in r.peaks.bodies.values()) < 1e-6 * G
+    assert not r.mounts["m01"].hysteretic_state[0].any()
+
+
 def test_one_mass_sags_by_the_law():
     law = wr.BoucWen(**hysteresis(alpha=5e4, z_max=30.0), k=2e4)
     e = wr.equilibrium(sdof(law, mass=3.5, gravity=G))
