@@ -82,7 +82,7 @@ def test_a_mount_beyond_its_travel_is_said_to_exceed_it(tmp_path):
     assert row.share > 1.0
     assert row.verdict == "exceeds compression"
     content = json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))
-    assert any("exceeded: m1 (exceeds compression)" in line for line in content["verdicts"])
+    assert any("exceeded in compression by m1" in line for line in content["verdicts"])
 
 
 def test_replay_is_bit_identical_from_the_folder_alone(table, tmp_path, monkeypatch):

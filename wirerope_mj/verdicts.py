@@ -107,14 +107,14 @@ def verdict_lines(response: Response) -> list[str]:
     """Return the verdicts in a few sentences: what the worst mount uses, and what is not judged."""
     mounts = mount_peaks(response)
     judged = [row for row in mounts if row.share is not None]
-    over = [row for row in judged if row.verdict != "within"]
     lines = []
     if judged:
         worst = judged[0]
         axis = max(RATINGS, key=lambda name: worst.shares[name] or 0.0)
         lines.append(f"{worst.name} uses most of its rated travel: {100 * (worst.share or 0.0):.0f} % in {axis}.")
-        names = ", ".join(f"{row.name} ({row.verdict})" for row in over)
-        lines.append(f"Rated travel exceeded: {names}." if over else "No mount exceeds a rated travel.")
+        over = {rating: [row.name for row in judged if (row.shares[rating] or 0.0) > 1.0] for rating in RATINGS}
+        words = [f"in {rating} by {', '.join(names)}" for rating, names in over.items() if names]
+        lines.append(f"Rated travel exceeded {'; '.join(words)}." if words else "No mount exceeds a rated travel.")
     untensioned = bool(judged) and all(row.shares["tension"] is None for row in judged)
     unjudged = ["tension of every mount"] if untensioned else []
     unjudged += [row.name for row in mounts if row.share is None]

@@ -17,6 +17,7 @@ from wirerope_mj.verdicts import RATINGS, MountPeak, body_peaks, mount_peaks, ve
 WIDTH = 120
 """Width of tables where there is no terminal to fit them into [characters]."""
 
+_ROOMY = 100  # characters below which columns move together
 _NEAR = 0.9  # share of the rated travel from which it is coloured as a warning
 
 
@@ -32,7 +33,9 @@ def print_run(scenario: Scenario, response: Response, folder: Path, *, seconds: 
     out.print(f"\n[bold]{scenario.name}[/]  {scenario.motion.description}")
     out.print(_accelerations(scenario, response))
     if response.scene.mounts:
+        out.print()
         out.print(_mounts(response))
+        out.print()
     for line in verdict_lines(response):
         out.print(f"  {line}")
     out.print(f"\n  {_numerics(response)}; {seconds:.1f} s in all")
@@ -60,23 +63,26 @@ def _accelerations(scenario: Scenario, response: Response) -> Table:
 
 
 def _mounts(response: Response) -> Table:
+    rows = mount_peaks(response)
+    ratings = [name for name in RATINGS if any(row.shares[name] is not None for row in rows)]
     units = ("axial [mm]", "shear [mm]", "roll [mm]", "axial [kN]", "shear [kN]", "roll [kN]")
-    shares = ("compr. [%]", "tension [%]", "shear [%]", "roll [%]")
-    title = "Peaks of the mounts and their share of the rated travel, largest first; - is not rated, so not judged"
+    shares = [f"{name.replace('compression', 'compr.')} [%]" for name in ratings]
+    title = "Peaks of the mounts, and their share of the rated travel [%]"
     table = _table(title, "mount", [name.replace(" ", "\n") for name in (*units, *shares)])
     table.add_column("verdict", no_wrap=True)
-    for row in mount_peaks(response):
-        force = [f"{1e-3 * value:.2f}" for value in reversed(row.force)]
+    for row in rows:
         deflection = [_range(row, 2), _largest(row, 1), _largest(row, 0)]
+        force = [f"{1e-3 * value:.2f}" for value in reversed(row.force)]
         table.add_row(
-            escape(row.name), *deflection, *force, *[_percent(row.shares[name]) for name in RATINGS], row.verdict
+            escape(row.name), *deflection, *force, *[_percent(row.shares[name]) for name in ratings], _short(row)
         )
     return table
 
 
 def _table(title: str, first: str, numbers: Sequence[str]) -> Table:
     """Return a table of one column of names and columns of numbers; brackets in headings are no markup."""
-    table = Table(box=box.SIMPLE_HEAD, title=title, title_justify="left", pad_edge=False, padding=(0, 1))
+    table = Table(box=box.SIMPLE_HEAD, title=escape(title), title_style="bold", title_justify="left", show_edge=False)
+    table.padding = (0, 1, 0, 0) if console().width >= _ROOMY else 0
     table.add_column(escape(first), no_wrap=True)
     for name in numbers:
         table.add_column(escape(name), justify="right", no_wrap=True)
@@ -94,7 +100,7 @@ def _largest(row: MountPeak, axis: int) -> str:
 def _percent(share: float | None) -> str:
     if share is None:
         return "[dim]-[/]"
-    style = "bold red" if share > 1.0 else "yellow" if share > _NEAR else "default"
+    style = "bold red" if share > 1.0 else "yellow" if share > _NEAR else "none"
     return f"[{style}]{100.0 * share:.0f}[/]"
 
 
@@ -102,5 +108,13 @@ def _numerics(response: Response) -> str:
     numerics = response.numerics
     words = f"{numerics.steps} steps of at most {1e3 * numerics.timestep:.4g} ms, {numerics.callback} callback"
     if math.isfinite(numerics.error_estimate):
-        return f"{words}, estimated error {numerics.error_estimate:.1e} of the peaks"
+        missed = (
+            "" if numerics.error_estimate <= numerics.accuracy else f", above the {numerics.accuracy:.0e} asked for"
+        )
+        return f"{words}, estimated error {numerics.error_estimate:.1e} of the peaks{missed}"
     return f"{words}, step given: no error estimated"
+
+
+def _short(row: MountPeak) -> str:
+    """Return the verdict in a word; the coloured shares say in which direction."""
+    return "exceeded" if row.verdict.startswith("exceeds") else row.verdict

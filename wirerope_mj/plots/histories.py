@@ -93,4 +93,5 @@ def _rated(response: Response, panel: Any, row: MountPeak) -> None:
     below, above = ("compression", "tension") if axis == "axial" else (axis, axis)
     for limit, sign in ((below, -1.0), (above, 1.0)):
         if limit in travel:
-            panel.axhline(sign * 1e3 * travel[limit], color=_RATED, ls="--", lw=1.0, label=f"rated {limit}, {row.name}")
+            label = f"rated {limit}, {row.name}" if (limit, sign) != (below, 1.0) else None
+            panel.axhline(sign * 1e3 * travel[limit], color=_RATED, ls="--", lw=1.0, label=label)

@@ -82,6 +82,9 @@ def _checked_arguments(scenario: Scenario) -> dict[str, Any]:
             )
     if "duration" not in arguments:
         raise ModelError(f"scenario {scenario.name!r}: `simulate` must say the duration [s].")
+    for name in ("duration", "sample_rate"):
+        if not isinstance(arguments.get(name, SAMPLE_RATE), int | float):
+            raise ModelError(f"scenario {scenario.name!r}: `{name}` must be a number, got {arguments[name]!r}.")
     if not isinstance(arguments.get("initial", "settled"), str):
         raise ModelError(
             f"scenario {scenario.name!r}: `initial` must be 'settled' or 'unloaded', so that a file can say it."
