@@ -11,7 +11,7 @@ from wirerope_mj.resources import scenarios_folder
 
 PACKAGE = Path(wirerope_mj.__file__).parent
 LAYERS = (
-    ("errors", "units", "resources"),
+    ("errors", "units", "resources", "state"),
     ("laws", "excitation", "spectra"),
     ("isolator", "bench"),
     ("identification",),
@@ -66,10 +66,7 @@ def test_every_room_has_its_place():
     assert set(ROOMS) <= set(LEVEL), f"give {set(ROOMS) - set(LEVEL)} a place in the house"
 
 
-UPWARD = pytest.mark.xfail(strict=True, reason="statics takes State from response, a room above it")
-
-
-@pytest.mark.parametrize("room", [pytest.param(room, marks=UPWARD if room == "statics" else ()) for room in ROOMS])
+@pytest.mark.parametrize("room", ROOMS)
 def test_imports_point_down(room):
     wrong = []
     for file, name in imports_of(room):

@@ -27,11 +27,11 @@ from wirerope_mj.laws import SymmetricBoucWen as SymmetricBoucWen
 from wirerope_mj.recording import record_rerun as record_rerun
 from wirerope_mj.response import Peak as Peak
 from wirerope_mj.response import Response as Response
-from wirerope_mj.response import State as State
 from wirerope_mj.response import load_response as load_response
 from wirerope_mj.runfolder import run_scenario as run_scenario
 from wirerope_mj.scenario import Scenario as Scenario
 from wirerope_mj.simulation import simulate as simulate
+from wirerope_mj.state import State as State
 from wirerope_mj.statics import equilibrium as equilibrium
 from wirerope_mj.system import Mount as Mount
 from wirerope_mj.system import System as System

@@ -13,7 +13,7 @@ from wirerope_mj.control import layout as at
 from wirerope_mj.errors import ConvergenceError
 from wirerope_mj.laws import BoucWen, Ozdemir
 from wirerope_mj.laws.path import advance
-from wirerope_mj.response.response import State
+from wirerope_mj.state import State
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]

@@ -4,6 +4,5 @@ from wirerope_mj.response.peaks import Peak as Peak
 from wirerope_mj.response.peaks import Peaks as Peaks
 from wirerope_mj.response.response import Numerics as Numerics
 from wirerope_mj.response.response import Response as Response
-from wirerope_mj.response.response import State as State
 from wirerope_mj.response.scene import Scene as Scene
 from wirerope_mj.response.storage import load_response as load_response

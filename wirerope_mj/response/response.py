@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from wirerope_mj.response.peaks import Peaks
 from wirerope_mj.response.scene import Scene
+from wirerope_mj.state import State
 
 Array = npt.NDArray[np.float64]
 
@@ -133,14 +134,6 @@ class BaseResponse:
     displacement: Array
     velocity: Array
     acceleration: Array
-
-
-@dataclass(frozen=True, kw_only=True)
-class State:
-    """MuJoCo's integration state of a system (mjSTATE_INTEGRATION), (n,), and its instant [s]."""
-
-    values: Array
-    time: float
 
 
 @dataclass(frozen=True, kw_only=True)

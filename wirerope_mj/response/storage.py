@@ -14,8 +14,9 @@ import numpy.typing as npt
 from wirerope_mj.errors import RecordError
 from wirerope_mj.response.columns import ColumnPlan
 from wirerope_mj.response.peaks import Peaks
-from wirerope_mj.response.response import Numerics, Response, State
+from wirerope_mj.response.response import Numerics, Response
 from wirerope_mj.response.scene import Scene, scene_from_dict, scene_to_dict
+from wirerope_mj.state import State
 
 Array = npt.NDArray[np.float64]
 FILE = "response.parquet"

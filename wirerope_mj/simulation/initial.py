@@ -5,9 +5,9 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.response.response import State
 from wirerope_mj.simulation.grid import SAME_TIME
 from wirerope_mj.simulation.stepper import STATE
+from wirerope_mj.state import State
 from wirerope_mj.statics import equilibrium
 from wirerope_mj.system import System
 

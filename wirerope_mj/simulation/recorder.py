@@ -8,11 +8,12 @@ import numpy.typing as npt
 
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response.columns import ColumnPlan
-from wirerope_mj.response.response import MemorySamples, Numerics, Response, State
+from wirerope_mj.response.response import MemorySamples, Numerics, Response
 from wirerope_mj.response.storage import FILE, SampleWriter, build_response, load_response, response_metadata
 from wirerope_mj.simulation.grid import Grid
 from wirerope_mj.simulation.run import Run, point_name
 from wirerope_mj.simulation.scene import scene_of
+from wirerope_mj.state import State
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]

@@ -12,9 +12,9 @@ from wirerope_mj.control import layout as at
 from wirerope_mj.control.install import Kind
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response.peaks import BodyPeaks, MountPeaks, Peak, Peaks, PointPeaks
-from wirerope_mj.response.response import State
 from wirerope_mj.simulation.grid import Grid, StageTables
 from wirerope_mj.simulation.stepper import Stepper
+from wirerope_mj.state import State
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]

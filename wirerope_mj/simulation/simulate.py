@@ -10,7 +10,7 @@ import numpy.typing as npt
 from wirerope_mj.control.install import Kind
 from wirerope_mj.errors import ModelError, SimulationError
 from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.response.response import Numerics, Response, State
+from wirerope_mj.response.response import Numerics, Response
 from wirerope_mj.simulation.grid import time_grid
 from wirerope_mj.simulation.initial import initial_state
 from wirerope_mj.simulation.progress import progress_bar
@@ -18,6 +18,7 @@ from wirerope_mj.simulation.recorder import Recorder
 from wirerope_mj.simulation.run import run
 from wirerope_mj.simulation.stability import stable_step
 from wirerope_mj.simulation.timestep import choose_timestep
+from wirerope_mj.state import State
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]

@@ -9,8 +9,8 @@ import numpy.typing as npt
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import SimulationError
 from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.response.response import State
 from wirerope_mj.simulation.grid import SAME_TIME, Grid
+from wirerope_mj.state import State
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]

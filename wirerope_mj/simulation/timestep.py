@@ -8,11 +8,11 @@ import numpy.typing as npt
 from wirerope_mj.errors import SimulationError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response.peaks import Peaks
-from wirerope_mj.response.response import State
 from wirerope_mj.simulation.grid import time_grid
 from wirerope_mj.simulation.initial import moving_with_base
 from wirerope_mj.simulation.run import run
 from wirerope_mj.simulation.stability import eigenvalues
+from wirerope_mj.state import State
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
