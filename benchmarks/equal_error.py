@@ -23,7 +23,7 @@ import wirerope_mj as wr
 from wirerope_mj.control import installed
 from wirerope_mj.control import layout as at
 from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.simulation.run import STATE
+from wirerope_mj.simulation.stepper import STATE
 
 Array = npt.NDArray[np.float64]
 
