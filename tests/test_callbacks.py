@@ -291,9 +291,6 @@ def test_two_kinds_of_callback_cannot_step_at_once():
     assert [get() for get in INSTALLED] == [None] * 4
 
 
-@pytest.mark.xfail(
-    strict=True, reason="the base's integration error, above 1e-6 at this step, is taken for another motion"
-)
 def test_a_restart_at_a_coarse_step_goes_on_identically():
     soft = sdof(wr.BoucWen(**hysteresis(alpha=1e4, z_max=60.0), k=5e3))
     settings = {"timestep": 1e-3, "initial": "unloaded"}

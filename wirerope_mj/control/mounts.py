@@ -9,13 +9,12 @@ so that a rotating base is seen as the mount sees it. The restoring force R F ac
 and angular momentum.
 """
 
-from numba import njit
-
 from wirerope_mj.control import layout as at
+from wirerope_mj.jit import njit
 from wirerope_mj.laws.kernels import evaluate
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def drive_base(lay, i, u, w, time, qfrc_applied, qfrc_bias, qfrc_passive):
     """Give the base's slides the acceleration that stands in the stage table for this instant."""
     n_points = int(u[w + at.STAGE_POINTS])
@@ -35,7 +34,7 @@ def drive_base(lay, i, u, w, time, qfrc_applied, qfrc_bias, qfrc_passive):
         j += at.DRIVEN_COLUMNS
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def point_velocity(cvel, body, subtree_com, root, px, py, pz):
     """Return the velocity [m/s] of the point p that moves with `body`."""
     b, r = 6 * body, 3 * root
@@ -48,7 +47,7 @@ def point_velocity(cvel, body, subtree_com, root, px, py, pz):
     )
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def add_force(xfrc, body, xipos, px, py, pz, fx, fy, fz):
     """Add the force f acting at the point p to the wrench about the body's centre of mass."""
     x, b = 6 * body, 3 * body
@@ -61,7 +60,7 @@ def add_force(xfrc, body, xipos, px, py, pz, fx, fy, fz):
     xfrc[x + 5] += rx * fy - ry * fx
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, subtree_com, cvel, xipos, xfrc):
     """Write every mount's deflection, force and state rates to userdata and its wrenches to `xfrc`.
 
@@ -105,7 +104,7 @@ def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, subtree_com
         m += at.MOUNT_COLUMNS
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def copy_rates(lay, i, u, w, act_dot, a):
     """Hand the state rates from userdata to MuJoCo's activation rates and return the first of them.
 

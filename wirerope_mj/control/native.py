@@ -5,13 +5,14 @@ from functools import cache
 from typing import NamedTuple
 
 import numba
-from numba import njit, types
+from numba import types
 
 from wirerope_mj.control import layout as at
 from wirerope_mj.control.mounts import apply_mounts, copy_rates, drive_base
 from wirerope_mj.control.observer import observe
 from wirerope_mj.control.pointers import float64_array, int64_array, member
 from wirerope_mj.control.structs import DATA_FIELDS, offsets
+from wirerope_mj.jit import njit
 
 ACCELERATION_STAGE = 3
 """mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last."""
@@ -25,7 +26,7 @@ class Callbacks(NamedTuple):
     sensor: object
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def _find_system(m, nu, dynprm, numeric):  # type: ignore[no-untyped-def]
     """Return whether the model at address `m` has a state actuator, where, its dynprm, and numeric_data."""
     n = int64_array(m + nu)[0]
@@ -34,7 +35,7 @@ def _find_system(m, nu, dynprm, numeric):  # type: ignore[no-untyped-def]
     return found, 10 * (n - 1), prm, member(m, numeric)
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
     found, p, prm, numeric = _find_system(m, system[0], system[1], system[2])
     if not found:
@@ -58,7 +59,7 @@ def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def _act_dyn(m, d, actuator, system, userdata, act_dot):  # type: ignore[no-untyped-def]
     found, p, prm, numeric = _find_system(m, system[0], system[1], system[2])
     if found and p == 10 * actuator:
@@ -68,7 +69,7 @@ def _act_dyn(m, d, actuator, system, userdata, act_dot):  # type: ignore[no-unty
     return 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def _sensor(m, d, system, field, time):  # type: ignore[no-untyped-def]
     found, p, prm, numeric = _find_system(m, system[0], system[1], system[2])
     if not found:

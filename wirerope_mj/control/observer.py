@@ -7,12 +7,11 @@ around an extreme; a parabola is never drawn across a corner of the base motion.
 
 import math
 
-from numba import njit
-
 from wirerope_mj.control import layout as at
+from wirerope_mj.jit import njit
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def body_accelerations(lay, i, out, w, cdof, cdof_dot, qvel, qacc):
     """Write the spatial coordinate acceleration of every body, rotation first, about its tree's centre of mass."""
     tree = i + int(lay[i + at.TREE])
@@ -28,7 +27,7 @@ def body_accelerations(lay, i, out, w, cdof, cdof_dot, qvel, qacc):
             out[w + 6 * body + c] = total
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def kinematics(out, o, point, p, quaternion, k, body, root, subtree_com, cvel, cacc, w):
     """Write position, orientation, velocity, angular velocity, acceleration and angular acceleration of a point."""
     rx, ry, rz = (
@@ -53,7 +52,7 @@ def kinematics(out, o, point, p, quaternion, k, body, root, subtree_com, cvel, c
     out[o + 15] = cacc[g + 5] + ax * ry - ay * rx + wx * vy - wy * vx
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def parabola_extreme(t0, y0, t1, y1, t2, y2):
     """Return instant and value of the extreme of the parabola through three points whose middle one is extreme."""
     left, right = (y1 - y0) / (t1 - t0), (y2 - y1) / (t2 - t1)
@@ -64,7 +63,7 @@ def parabola_extreme(t0, y0, t1, y1, t2, y2):
     return time, y0 + (time - t0) * (left + curvature * (time - t1))
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def track_component(u, m, c, history, t0, t1, t2, y2):
     """Update the extremes of one component with its newest value `y2`."""
     if history == 0:
@@ -87,13 +86,13 @@ def track_component(u, m, c, history, t0, t1, t2, y2):
             u[m + at.LOW + c], u[m + at.LOW_TIME + c] = value, time
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def norm_at(u, m, place):
     """Return the norm of one of the channel's remembered vectors."""
     return math.sqrt(u[m + place] ** 2 + u[m + place + 1] ** 2 + u[m + place + 2] ** 2)
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def track_norm(u, m, history, t0, t1, t2, s, j):
     """Update the peak of the norm with the newest vector `s[j:j + 3]`."""
     y2 = math.sqrt(s[j] ** 2 + s[j + 1] ** 2 + s[j + 2] ** 2)
@@ -116,7 +115,7 @@ def track_norm(u, m, history, t0, t1, t2, s, j):
             u[m + at.PEAK_VECTOR + c] = v0 + (time - t0) * (left + curvature * (time - t1))
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def track_peaks(lay, i, u, w, time, s, first):
     """Update all channels with the values of this step; `s[first:]` are the system's sensor values."""
     event, history = u[w + at.EVENT], int(u[w + at.HISTORY])
@@ -148,7 +147,7 @@ def track_peaks(lay, i, u, w, time, s, first):
     u[w + at.EVENT] = at.SMOOTH
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def observe(
     lay, i, u, w, act, a, time, s, site_xpos, site_xquat, xipos, xquat, subtree_com, cvel, cdof, cdof_dot, qvel, qacc
 ):

@@ -1,8 +1,10 @@
 """Numba's way to the memory behind an address."""
 
-from numba import carray, njit, types
+from numba import carray, types
 from numba.core import cgutils
 from numba.extending import intrinsic
+
+from wirerope_mj.jit import njit
 
 ANY_SIZE = 1 << 40
 """Nominal length of an array behind a pointer: the kernels index by the model's own tables."""
@@ -16,19 +18,19 @@ def _as_pointer(typing_context, address):  # type: ignore[no-untyped-def]
     return types.voidptr(types.intp), codegen
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def float64_array(address):  # type: ignore[no-untyped-def]
     """Return the float64 array that starts at `address`."""
     return carray(_as_pointer(address), (ANY_SIZE,), types.float64)
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def int64_array(address):  # type: ignore[no-untyped-def]
     """Return the int64 array that starts at `address`."""
     return carray(_as_pointer(address), (ANY_SIZE,), types.int64)
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def member(struct, offset):  # type: ignore[no-untyped-def]
     """Return the float64 array that the pointer at `offset` in a struct leads to."""
     return float64_array(int64_array(struct + offset)[0])

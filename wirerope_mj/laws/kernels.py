@@ -11,7 +11,8 @@ states' rates to `zdot[k:]` and returns the force [N]. With JIT disabled the ker
 import math
 
 import numpy as np
-from numba import njit
+
+from wirerope_mj.jit import njit
 
 BOUC_WEN = 0
 ASYMMETRIC_BOUC_WEN = 1
@@ -19,7 +20,7 @@ SYMMETRIC_BOUC_WEN = 2
 KELVIN_VOIGT = 3
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def bouc_wen_rate(alpha, beta, gamma, n, v, z):
     """Return zdot = alpha v - [gamma + beta sgn(v) sgn(z)] |z|^n v [N/s], thesis (3.7); no |z|^(n-1), so n < 1 is safe."""
     size = abs(z)
@@ -34,40 +35,40 @@ def bouc_wen_rate(alpha, beta, gamma, n, v, z):
     return (alpha - (gamma - beta) * power) * v
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def polynomial(k1, k2, k3, x):
     """Return Ni's odd polynomial F1 = k1 x + k2 sgn(x) x^2 + k3 x^3 [N], thesis (3.16)."""
     return x * (k1 + k2 * abs(x) + k3 * x * x)
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def bouc_wen(p, i, x, v, z, j, zdot, k):
     """Return F = k x + z [N], thesis (3.4) with g = k x; p = alpha, beta, gamma, n, k."""
     zdot[k] = bouc_wen_rate(p[i], p[i + 1], p[i + 2], p[i + 3], v, z[j])
     return p[i + 4] * x + z[j]
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k):
     """Return F = exp(lambda x) [z + F1(x)] [N], thesis (3.15); p = alpha, beta, gamma, n, k1, k2, k3, lambda."""
     zdot[k] = bouc_wen_rate(p[i], p[i + 1], p[i + 2], p[i + 3], v, z[j])
     return math.exp(p[i + 7] * x) * (z[j] + polynomial(p[i + 4], p[i + 5], p[i + 6], x))
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def symmetric_bouc_wen(p, i, x, v, z, j, zdot, k):
     """Return F = z + F1(x) [N], Ni's law for shear and roll; p = alpha, beta, gamma, n, k1, k2, k3."""
     zdot[k] = bouc_wen_rate(p[i], p[i + 1], p[i + 2], p[i + 3], v, z[j])
     return z[j] + polynomial(p[i + 4], p[i + 5], p[i + 6], x)
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def kelvin_voigt(p, i, x, v, z, j, zdot, k):
     """Return F = k x + c v [N]; p = k, c."""
     return p[i] * x + p[i + 1] * v
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def evaluate(law, p, i, x, v, z, j, zdot, k):
     """Return the force [N] of the law with this number and write the rates of its states."""
     if law == ASYMMETRIC_BOUC_WEN:

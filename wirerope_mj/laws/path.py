@@ -6,8 +6,8 @@ dz/dl = zdot(v = s) and dW/dl = s F with l = |x - x0|. It is integrated by the a
 """
 
 import numpy as np
-from numba import njit
 
+from wirerope_mj.jit import njit
 from wirerope_mj.laws.kernels import evaluate
 
 _C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
@@ -28,7 +28,7 @@ TOLERANCE = 1e-11
 """Relative error allowed in one step of the path integration: a thousand steps stay well below 1e-8."""
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def advance(law, p, i, x0, x1, z, j, n_states, slopes, trial):
     """Carry `z[j:j + n_states]` in place from deflection `x0` to `x1` and return the work done on the law [J].
 
@@ -80,7 +80,7 @@ def advance(law, p, i, x0, x1, z, j, n_states, slopes, trial):
     return work
 
 
-@njit(cache=True, error_model="numpy")
+@njit
 def follow_path(law, p, deflection, z, n_states):
     """Return force (n_t,), states (n_t, n_states) and cumulated work (n_t,) along `deflection`, entered with states `z`."""
     n_t = deflection.size

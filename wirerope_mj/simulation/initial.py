@@ -5,8 +5,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.simulation.grid import SAME_TIME
-from wirerope_mj.simulation.stepper import STATE
+from wirerope_mj.simulation.stepper import STATE, velocity_jump
 from wirerope_mj.state import State
 from wirerope_mj.statics import equilibrium
 from wirerope_mj.system import System
@@ -53,9 +52,7 @@ def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:
     mujoco.mj_setState(model, data, state.values, STATE)
     now = np.array([state.time])
     displacement, velocity = motion.displacement(now)[0], motion.velocity(now)[0]
-    for instant, jump in motion.velocity_jumps:
-        if abs(instant - state.time) <= SAME_TIME:
-            velocity = velocity - jump  # the simulation itself applies a jump at its start
+    velocity = velocity - velocity_jump(motion, state.time)  # the simulation itself applies a jump at its start
     dofs = list(assembly.driven_dofs)
     joints = [int(model.dof_jntid[dof]) for dof in dofs]
     addresses = model.jnt_qposadr[joints]

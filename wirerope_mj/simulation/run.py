@@ -62,12 +62,13 @@ def run(
     sample, touches = 0, False
     tables = StageTables(grid, motion)
     with installed(stepper.model, data, callback) as kind:
-        for piece, accelerations in tables:
+        for base in tables:
+            piece = base.number
             if piece % CHECK_EVERY == 0:
                 stepper.check()
                 if progress is not None:
                     progress(float(grid.start[piece]))
-            stepper.begin(piece, accelerations)
+            stepper.begin(base)
             steps = int(grid.steps[piece])
             if grid.sampled[piece]:
                 mujoco.mj_step(stepper.model, data)

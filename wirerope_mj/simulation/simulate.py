@@ -8,9 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.control.install import Kind
-from wirerope_mj.errors import ModelError, SimulationError
+from wirerope_mj.errors import ModelError, RecordError, SimulationError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response.response import Numerics, Response
+from wirerope_mj.response.storage import FILE
 from wirerope_mj.simulation.grid import time_grid
 from wirerope_mj.simulation.initial import initial_state
 from wirerope_mj.simulation.progress import progress_bar
@@ -55,11 +56,14 @@ def simulate(
     Raises:
         ValueError: an argument is out of range.
         ModelError: the motion needs a slide that the base does not have.
+        RecordError: `out` already holds a response, which an open `Response` may be reading.
         SimulationError: the step is too large, or the engine reported that the state is not valid any more.
         ConvergenceError: there is no equilibrium to start from.
     """
     _check_arguments(duration=duration, sample_rate=sample_rate, accuracy=accuracy, timestep=timestep)
     _check_direction(system, motion)
+    if out is not None and (Path(out) / FILE).exists():
+        raise RecordError(f"{out}: a response stands here already; give another `out`, or remove {FILE}.")
     start = initial_state(system, motion, initial)
     limit = stable_step(system)
     if timestep is not None and timestep > limit:

@@ -36,7 +36,7 @@ def eigenvalues(system: System) -> npt.NDArray[np.complex128]:
     """Return the eigenvalues [1/s] of the linear system of unloaded mounts without the driven base, (2 n,)."""
     model = system.model
     data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
+    mujoco.mj_fwdPosition(model, data)
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
     free = np.setdiff1d(np.arange(model.nv), system.assembly.driven_dofs)

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import SimulationError
 from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.simulation.grid import SAME_TIME, Grid
+from wirerope_mj.simulation.grid import SAME_TIME, Grid, Piece
 from wirerope_mj.state import State
 from wirerope_mj.system import System
 
@@ -28,24 +28,22 @@ class Stepper:
         assembly = system.assembly
         self.user = self.data.userdata[assembly.userdata : assembly.userdata + assembly.tables.user.size]
         self.user[at.OBSERVING], self.user[at.HISTORY], self.user[at.EVENT] = 1.0, 0.0, at.SMOOTH
-        self._jumps = [(time, assembly.tables.drive @ jump) for time, jump in motion.velocity_jumps]
-        self._since_check: list[tuple[int, Array]] = []
+        self._dofs = assembly.driven_dofs
+        self._places = self.model.jnt_qposadr[list(assembly.subjects.driven)]
+        self._since_check: list[Piece] = []
         self._checked = _integration_state(self.model, self.data)
 
-    def begin(self, piece: int, accelerations: Array) -> None:
-        """Prepare the steps of a piece, whose base accelerations at the half steps are given."""
-        self._since_check.append((piece, accelerations))
-        grid, user, data = self.grid, self.user, self.data
+    def begin(self, base: Piece) -> None:
+        """Prepare the steps of a piece: the base stands and moves exactly as its motion says, jumps included."""
+        self._since_check.append(base)
+        grid, user, piece, accelerations = self.grid, self.user, base.number, base.accelerations
         start, length = grid.start[piece], grid.stop[piece] - grid.start[piece]
-        if grid.event[piece] == at.JUMP:
-            for time, jump in self._jumps:
-                if abs(time - start) <= SAME_TIME:
-                    data.qvel[self.system.assembly.driven_dofs] += jump
+        self._place_base(base.displacement, base.velocity)
         user[at.EVENT] = grid.event[piece]
         user[at.STAGE_POINTS], user[at.STAGE_START] = accelerations.shape[0], start
         user[at.STAGE_RATE] = 2.0 * grid.steps[piece] / length
         user[at.STAGES : at.STAGES + accelerations.size] = accelerations.ravel()
-        data.time = start  # so that rounding does not add up over the steps
+        self.data.time = start  # so that rounding does not add up over the steps
         self.model.opt.timestep = length / grid.steps[piece]
 
     def finish(self) -> State:
@@ -54,15 +52,23 @@ class Stepper:
         model, data, user = self.model, self.data, self.user
         if self.grid.stop.size:
             data.time = self.grid.stop[-1]
+            last = np.array([data.time])
+            velocity = self.motion.velocity(last)[0] - velocity_jump(self.motion, float(data.time))
+            self._place_base(self.motion.displacement(last)[0], velocity)
         # A state does not carry what belongs to this run alone: stage table and tracker.
-        kept = user[: at.STAGES + 3 * (2 * at.MAX_STEPS + 1)].copy()
-        user[: kept.size] = 0.0
+        kept = user.copy()
+        user[:] = 0.0
         final = State(values=_integration_state(model, data), time=float(data.time))
-        user[: kept.size] = kept
+        user[:] = kept
         user[at.STAGE_POINTS], user[at.STAGE_START], user[at.STAGE_RATE] = 1.0, data.time, 0.0
         user[at.STAGES : at.STAGES + 3] = self.motion.acceleration(np.array([max(data.time - SAME_TIME, 0.0)]))[0]
         mujoco.mj_forward(model, data)
         return final
+
+    def _place_base(self, displacement: Array, velocity: Array) -> None:
+        drive = self.system.assembly.tables.drive
+        self.data.qpos[self._places] = self.model.qpos0[self._places] + drive @ displacement
+        self.data.qvel[self._dofs] = drive @ velocity
 
     def check(self) -> None:
         """Raise SimulationError if one of MuJoCo's warning counters rose since the last check."""
@@ -74,9 +80,9 @@ class Stepper:
         # Once a number is not finite all are: only a second look, step by step, shows where it began.
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, self._checked, STATE)
-        for piece, accelerations in pieces:
-            self.begin(piece, accelerations)
-            for _ in range(int(self.grid.steps[piece])):
+        for piece in pieces:
+            self.begin(piece)
+            for _ in range(int(self.grid.steps[piece.number])):
                 mujoco.mj_step(self.model, self.data)
                 for kind, warning in enumerate(self.data.warning):
                     if warning.number:
@@ -88,6 +94,12 @@ class Stepper:
         acceleration = np.nan_to_num(np.abs(self.data.qacc), nan=np.inf, posinf=np.inf)
         body = self.model.body(self.model.dof_bodyid[int(np.argmax(acceleration))]).name
         return f"at t = {self.data.time:.6g} s MuJoCo reported {warning.removeprefix('mjWARN_')} for body {body!r}: {remedy}."
+
+
+def velocity_jump(motion: BaseMotion, time: float) -> Array:
+    """Return the jump of the base's velocity at an instant [m/s], (3,); `motion.velocity` already contains it."""
+    jumps = [jump for instant, jump in motion.velocity_jumps if abs(instant - time) <= SAME_TIME]
+    return np.sum([np.zeros(3), *jumps], axis=0)
 
 
 def _integration_state(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
