@@ -32,5 +32,8 @@ def scenario(
         model="floating_floor.xml",
         motion=sweep,
         # Eight samples in the shortest period: peaks are taken from every step, not from the samples.
-        simulate={"duration": duration or sweep.duration, "sample_rate": 8.0 * max(start_hz, stop_hz)},
+        simulate={
+            "duration": sweep.duration if duration is None else duration,
+            "sample_rate": 8.0 * max(start_hz, stop_hz),
+        },
     )

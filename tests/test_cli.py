@@ -1,5 +1,6 @@
 import os
 import re
+import shlex
 import signal
 import subprocess
 import sys
@@ -162,3 +163,16 @@ def test_show_without_a_run_is_an_error_of_the_recording(tmp_path):
 
     with pytest.raises(RecordError, match="no such recording"):
         show(tmp_path)
+
+
+def test_a_reader_that_has_seen_enough_is_no_error(tmp_path):
+    command = shlex.join([*WIREROPE, "isolators"])
+    done = subprocess.run(
+        ["bash", "-c", f"set -o pipefail; {command} | head -1"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0
+    assert done.stderr == ""

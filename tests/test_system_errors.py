@@ -218,6 +218,6 @@ def test_a_blow_up_says_when_and_which_body():
 def test_an_accuracy_that_cannot_be_reached():
     law = wr.BoucWen(**hysteresis(alpha=1e5, z_max=60.0, n=1.0), k=2e4)
     with pytest.raises(
-        wr.SimulationError, match=r"no step down to .* keeps samples and peaks within 1e-15.*lower `accuracy`"
+        wr.SimulationError, match=r"no step down to .* keeps samples and peaks within 1e-15.*larger `accuracy`"
     ):
         wr.simulate(sdof(law), SHOCK, duration=0.005, initial="unloaded", accuracy=1e-15, sample_rate=200.0)

@@ -16,7 +16,12 @@ from wirerope_mj.excitation import Sweep as Sweep
 from wirerope_mj.excitation import Trapezoid as Trapezoid
 from wirerope_mj.excitation import VelocityStep as VelocityStep
 from wirerope_mj.excitation import load_record as load_record
+from wirerope_mj.isolator import Geometry as Geometry
 from wirerope_mj.isolator import Isolator as Isolator
+from wirerope_mj.isolator import Limits as Limits
+from wirerope_mj.isolator import Provenance as Provenance
+from wirerope_mj.isolator import Spread as Spread
+from wirerope_mj.isolator import Travel as Travel
 from wirerope_mj.isolator import load_isolator as load_isolator
 from wirerope_mj.laws import AsymmetricBoucWen as AsymmetricBoucWen
 from wirerope_mj.laws import BoucWen as BoucWen

@@ -1,5 +1,6 @@
 """Commands of `wirerope`, and how their errors become one message and an exit code."""
 
+import os
 import sys
 from collections.abc import Sequence
 from importlib.metadata import version
@@ -135,7 +136,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             print_error=False,
             result_action="return_value",
         )
+        sys.stdout.flush()
         return code if isinstance(code, int) else 0
+    except (
+        BrokenPipeError
+    ):  # the reader, `head` for instance, has seen enough; the interpreter must not flush into it again
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except KeyboardInterrupt:
         print("wirerope: interrupted; nothing was left behind.", file=sys.stderr)
         return INTERRUPTED

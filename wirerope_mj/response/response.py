@@ -202,7 +202,7 @@ class Response:
         return self.numerics.error_estimate
 
     def save(self, folder: str | Path) -> None:
-        """Write the response into `folder` (made if it is missing) as `response.parquet`, whole or not at all."""
+        """Write `response.parquet` into `folder` (made if missing), whole or not at all; one that is there is replaced."""
         from wirerope_mj.response.storage import save_response
 
         save_response(self, Path(folder))

@@ -66,10 +66,13 @@ def choose_timestep(
     windows = _windows(system, motion, start, duration)
     step = min(1.0 / sample_rate, limit, duration)
 
+    failures: list[str] = []
+
     def pilots(step: float) -> list[_Pilot] | None:
         try:
             return [_pilot(system, motion, start, window, sample_rate, step) for window in windows]
-        except SimulationError:  # the step was too large for a part of the motion
+        except SimulationError as failure:  # the step was too large for a part of the motion
+            failures.append(str(failure))
             return None
 
     wanted = accuracy if len(windows) == 1 else WINDOWED * accuracy
@@ -89,9 +92,11 @@ def choose_timestep(
         if touches and halving == HALVINGS_IN_CONTACT:
             return ChosenStep(timestep=step, error=error)
         step, coarse = step / 2.0, fine
+    if coarse is None:
+        raise SimulationError(f"the run fails at every step down to {step:.3g} s: {failures[-1]}")
     raise SimulationError(
         f"no step down to {step:.3g} s keeps samples and peaks within {accuracy:.3g} of the peaks; the last error was "
-        f"{error:.3g}. Ask for a lower `accuracy`, or give the `timestep`."
+        f"{error:.3g}. Ask for less (a larger `accuracy`), or give the `timestep`."
     )
 
 
