@@ -18,7 +18,7 @@ from wirerope_mj.simulation.progress import progress_bar
 from wirerope_mj.simulation.recorder import Recorder
 from wirerope_mj.simulation.run import run
 from wirerope_mj.simulation.stability import stable_step
-from wirerope_mj.simulation.timestep import choose_timestep
+from wirerope_mj.simulation.timestep import ChosenStep, choose_timestep
 from wirerope_mj.state import State
 from wirerope_mj.system import System
 
@@ -65,27 +65,21 @@ def simulate(
     if out is not None and (Path(out) / FILE).exists():
         raise RecordError(f"{out}: a response stands here already; give another `out`, or remove {FILE}.")
     start = initial_state(system, motion, initial)
-    limit = stable_step(system)
-    if timestep is not None and timestep > limit:
-        raise SimulationError(
-            f"a step of {timestep:.4g} s is too large for the stiffest mount: RK4 is stable up to {limit:.4g} s here. "
-            "Give a smaller `timestep`, or None to have it chosen."
-        )
-    error = math.nan
     if timestep is None:
-        chosen = choose_timestep(
-            system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy, limit=limit
-        )
-        timestep, error = chosen.timestep, chosen.error
-    grid = time_grid(start=start.time, duration=duration, sample_rate=sample_rate, timestep=timestep, motion=motion)
+        step = choose_timestep(system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy)
+    else:
+        step = _given_step(system, timestep)
+    grid = time_grid(
+        start=start.time, duration=duration, sample_rate=sample_rate, timestep=step.timestep, motion=motion
+    )
     recorder = Recorder(system, motion, grid, Path(out) if out is not None else None)
     try:
         with progress_bar(grid, enabled=progress) as update:
             done = run(system, motion, grid, start, callback=callback, sink=recorder.add, progress=update)
         numerics = Numerics(
             timestep=grid.largest_step,
-            accuracy=accuracy if not math.isnan(error) else math.nan,
-            error_estimate=error,
+            accuracy=accuracy if timestep is None else math.nan,
+            error_estimate=step.error,
             steps=int(grid.steps.sum()),
             callback=done.callback,
             versions={name: version(name) for name in ("wirerope-mj", "mujoco", "numpy", "numba")},
@@ -101,6 +95,17 @@ def _check_arguments(*, duration: float, sample_rate: float, accuracy: float, ti
     for name, value in named.items():
         if value is not None and not (math.isfinite(value) and value > 0.0):
             raise ValueError(f"`{name}` must be a positive number, got {value}.")
+
+
+def _given_step(system: System, timestep: float) -> ChosenStep:
+    """Return the step that was asked for, or raise SimulationError if RK4 is not stable with it."""
+    limit = stable_step(system)
+    if timestep > limit:
+        raise SimulationError(
+            f"a step of {timestep:.4g} s is too large for the stiffest mount: RK4 is stable up to {limit:.4g} s here. "
+            "Give a smaller `timestep`, or None to have it chosen."
+        )
+    return ChosenStep(timestep=timestep, error=math.nan)
 
 
 def _check_direction(system: System, motion: BaseMotion) -> None:

@@ -11,7 +11,7 @@ from wirerope_mj.response.peaks import Peaks
 from wirerope_mj.simulation.grid import time_grid
 from wirerope_mj.simulation.initial import moving_with_base
 from wirerope_mj.simulation.run import run
-from wirerope_mj.simulation.stability import eigenvalues
+from wirerope_mj.simulation.stability import eigenvalues, stable_step
 from wirerope_mj.state import State
 from wirerope_mj.system import System
 
@@ -55,7 +55,6 @@ def choose_timestep(
     duration: float,
     sample_rate: float,
     accuracy: float,
-    limit: float,
 ) -> ChosenStep:
     """Return the largest step of a halving series whose pilots keep samples and refined peaks within `accuracy`.
 
@@ -64,7 +63,7 @@ def choose_timestep(
     what was.
     """
     windows = _windows(system, motion, start, duration)
-    step = min(1.0 / sample_rate, limit, duration)
+    step = min(1.0 / sample_rate, stable_step(system), duration)
 
     failures: list[str] = []
 
