@@ -11,7 +11,7 @@ from wirerope_mj.response.scene import SceneMount
 MOST_LOOPS = 9
 """Loops of the governing axis that get a view of their own: three rows of three are the smallest that can be read."""
 
-MOST_OTHER_LOOPS = 6
+MOST_OTHER_LOOPS = 4
 """The same for the other axes; each costs some 40 kilobytes of the file."""
 
 MOST_BODIES = 3
