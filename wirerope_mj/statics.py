@@ -101,7 +101,7 @@ class _Loading:
         ]
 
     def solve(self) -> Equilibrium:
-        scale = max(float(np.linalg.norm(self.gravity)), 1e-9)
+        scale = max(float(np.linalg.norm(self.gravity)), 1.0)  # without gravity rounding is still that of the forces
         with installed(self.model, self.data):
             qpos, load, step = self.model.qpos0.copy(), 0.0, 1.0 / LOAD_STEPS
             residual = 0.0
