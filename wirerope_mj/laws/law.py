@@ -104,7 +104,7 @@ class Law(ABC):
             first = path[np.argmin(finite)]
             raise ValueError(f"the force of {self} leaves the finite numbers at a deflection of {first:.6g} m.")
         z = history[:, 0] if self.n_states else np.zeros(path.size)
-        return Loop(deflection=path, force=force, hysteretic_state=z, work=work)
+        return Loop(deflection=path, force=force, hysteretic_state=z, work=work, internal_states=history)
 
 
 def require_not_negative(law: Law, *names: str) -> None:

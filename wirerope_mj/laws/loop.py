@@ -1,6 +1,6 @@
 """A force-deflection loop and its measures."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,7 @@ class Loop:
             where the loop comes from a law.
         cycles: cycles run before this one was kept; 0 for a plain trace.
         closure: distance between the last force and the first over the force range; NaN for a plain trace.
+        internal_states: the law's internal states, (n_t, n_states); no columns where they are not known.
     """
 
     deflection: npt.NDArray[np.float64]
@@ -26,6 +27,7 @@ class Loop:
     work: npt.NDArray[np.float64]
     cycles: int = 0
     closure: float = float("nan")
+    internal_states: npt.NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
 
     @property
     def dissipated_energy(self) -> float:
