@@ -1,0 +1,135 @@
+"""Every law by its name: one parameter set in the size of a mount, and a strategy for hypothesis in units of one.
+
+A law that joins LAWS without an entry here fails `test_every_law_is_tested`.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from hypothesis import strategies as st
+
+from wirerope_mj.laws import LAWS, Law
+
+PARAMETERS = {
+    "bouc-wen": {"alpha": 1e5, "beta": 75.0, "gamma": 30.0, "n": 1.2, "k": 2e4},
+    "ozdemir": {"alpha": 1e5, "beta": 300.0, "n": 1.0, "k": 2e4},
+    "asymmetric-bouc-wen": {
+        "alpha": 1e5, "beta": 150.0, "gamma": 30.0, "n": 1.0, "k1": 8e4, "k2": 1e5, "k3": 2e7, "b": 2.0, "c": 6.0,
+    },
+    "symmetric-bouc-wen": {"alpha": 1e5, "beta": 0.6, "gamma": -0.2, "n": 2.0, "k1": 8e4, "k2": 1e5, "k3": 2e7},
+    "kelvin-voigt": {"k": 1e5, "c": 300.0},
+    "enhanced-dry-friction": {"k": 5e4, "d": 300.0, "u_c": 3e-3},
+    "masing": {"stiffness": [6e4, 4e4, 3e4], "slip_force": [60.0, 100.0, 200.0], "k": 2e4},
+    "tinker-cutchins": {
+        "k1": 8e4, "k2": 2e5, "k3": 2e7, "c": 200.0, "n": 1.5, "f0": 40.0, "f1": 2e3, "f2": 1e5, "smoothing": 0.02,
+    },
+    "equivalent-viscous": {"k1": 8e4, "k2": 2e5, "k3": 2e7, "energy": 2.0, "amplitude": 0.01, "frequency": 12.0},
+    "zener": {"k0": 5e4, "k1": 5e4, "c": 800.0},
+    "vaiana-rosati": {
+        "kb": 3e4, "f0": 150.0, "alpha": 300.0, "b1": 20.0, "b2": 60.0, "g1": 15.0, "g2": 300.0, "g3": 0.0,
+        "f0_minus": 100.0, "alpha_minus": 450.0,
+    },
+    "bouc-wen-baber-noori": {
+        "alpha": 1e5, "beta": 250.0, "gamma": 100.0, "n": 1.0, "k": 4e4, "delta_alpha": 200.0, "delta_nu": 0.1,
+        "delta_eta": 0.05, "zeta": 0.6, "q": 0.1, "p": 1.0, "psi": 60.0, "delta_psi": 5.0, "lam": 0.5,
+    },
+}  # fmt: skip
+"""In SI units, for a mass of about 20 kg that moves by about 10 mm; the keys are those of an isolator file."""
+
+
+def example(name: str, **changes: object) -> Law:
+    """Return the law of PARAMETERS with this name, some of its parameters changed."""
+    return LAWS[name](**{**PARAMETERS[name], **changes})
+
+
+def _laws(name: str, **parameters: st.SearchStrategy) -> st.SearchStrategy[Law]:
+    """Return laws with this name and drawn parameters."""
+    return st.fixed_dictionaries(parameters).map(lambda drawn: LAWS[name](**drawn))
+
+
+positive, small, any_sign = st.floats(0.2, 5.0), st.floats(0.0, 1.0), st.floats(-0.9, 1.0)
+sharpness = st.one_of(st.sampled_from([1.0, 2.0]), st.floats(0.2, 3.0))
+
+
+@st.composite
+def _bouc_wen(draw, name, **more):
+    """Return laws with a bounded hysteretic force, sharpness from far below to above 1."""
+    beta = draw(st.floats(0.05, 2.0))
+    parameters = {"alpha": draw(positive), "beta": beta, "gamma": draw(any_sign) * beta, "n": draw(sharpness)}
+    return LAWS[name](**parameters, **{key: draw(value) for key, value in more.items()})
+
+
+@st.composite
+def _masing(draw):
+    """Return one to six Jenkin elements with yield deflections from far below to above the paths' size."""
+    n = draw(st.integers(1, 6))
+    stiffness = draw(st.lists(positive, min_size=n, max_size=n))
+    slip = draw(st.lists(st.floats(0.05, 5.0), min_size=n, max_size=n))
+    return LAWS["masing"](stiffness=stiffness, slip_force=slip, k=draw(small))
+
+
+POLYNOMIAL = {"k1": small, "k2": small, "k3": small}
+STRATEGIES = {
+    "bouc-wen": _bouc_wen("bouc-wen", k=small),
+    "ozdemir": _laws("ozdemir", alpha=positive, beta=st.floats(0.05, 2.0), n=sharpness, k=small),
+    "asymmetric-bouc-wen": _bouc_wen(
+        "asymmetric-bouc-wen", **POLYNOMIAL, b=st.floats(0.5, 2.0), c=st.floats(-0.5, 0.5)
+    ),
+    "symmetric-bouc-wen": _bouc_wen("symmetric-bouc-wen", **POLYNOMIAL),
+    "kelvin-voigt": _laws("kelvin-voigt", k=positive, c=positive),
+    "enhanced-dry-friction": _laws("enhanced-dry-friction", k=small, d=positive, u_c=st.floats(0.1, 3.0)),
+    "masing": _masing(),
+    # k2^2 <= 9/2 k1 k3 keeps the energy of the polynomial from becoming negative.
+    "tinker-cutchins": _laws(
+        "tinker-cutchins", k1=st.floats(0.5, 2.0), k2=st.floats(-1.0, 1.0), k3=st.floats(0.5, 1.0), c=small,
+        n=st.floats(0.5, 3.0), f0=small, f1=small, f2=small, smoothing=st.floats(0.01, 1.0),
+    ),
+    "equivalent-viscous": _laws(
+        "equivalent-viscous", k1=st.floats(0.5, 2.0), k2=st.floats(-1.0, 1.0), k3=st.floats(0.5, 1.0), energy=positive,
+        amplitude=positive, frequency=positive,
+    ),
+    "zener": _laws("zener", k0=positive, k1=positive, c=positive),
+    "vaiana-rosati": _laws(
+        "vaiana-rosati", kb=small, f0=positive, alpha=positive, b1=small, b2=small, g1=small, g2=small, g3=st.just(0.0)
+    ),
+    "bouc-wen-baber-noori": _laws(
+        "bouc-wen-baber-noori", alpha=st.floats(2.0, 5.0), beta=st.floats(0.3, 2.0), gamma=st.floats(-0.2, 1.0),
+        n=sharpness, k=small, delta_alpha=st.floats(0.0, 0.01), delta_nu=st.floats(0.0, 0.1),
+        delta_eta=st.floats(0.0, 0.1), zeta=st.floats(0.0, 0.9), q=st.floats(0.0, 0.3), p=small,
+        psi=st.floats(0.1, 1.0), delta_psi=st.floats(0.0, 0.05), lam=st.floats(0.1, 1.0),
+    ),
+}  # fmt: skip
+
+MIRRORED = {
+    "asymmetric-bouc-wen": lambda law: replace(law, c=-law.c),
+    "tinker-cutchins": lambda law: replace(law, k2=-law.k2),
+    "equivalent-viscous": lambda law: replace(law, k2=-law.k2),
+}
+"""The law that answers the mirrored path with the mirrored force; a law that is not named here is odd itself."""
+
+SLOWED = {
+    "kelvin-voigt": lambda law, s: replace(law, c=law.c * s),
+    "zener": lambda law, s: replace(law, c=law.c * s),
+    "tinker-cutchins": lambda law, s: replace(law, c=law.c * s**law.n, smoothing=law.smoothing / s),
+    "equivalent-viscous": lambda law, s: replace(law, frequency=law.frequency / s),
+}
+"""The law that draws, s times slower, the loop of `law`: the stated rate dependence. The others do not know the rate."""
+
+turning_points = st.lists(st.floats(-3.0, 3.0), min_size=2, max_size=10)
+
+
+def path_through(points, *, per_segment):
+    """Return samples of a path from 0 through the turning points, `per_segment` to each stretch."""
+    ends = [0.0, *points]
+    return np.concatenate([[0.0], *(np.linspace(a, b, per_segment + 1)[1:] for a, b in zip(ends, points, strict=False))])
+
+
+def smooth_path(points, *, per_segment, duration=1.0):
+    """Return deflection, time and rate of half cosines from 0 through the turning points, each in `duration`."""
+    phase = np.linspace(0.0, np.pi, per_segment + 1)[1:]
+    x, v = [np.zeros(1)], [np.zeros(1)]
+    for a, b in zip([0.0, *points], points, strict=False):
+        x.append(0.5 * (a + b) - 0.5 * (b - a) * np.cos(phase))
+        v.append(0.5 * (b - a) * np.sin(phase) * np.pi / duration)
+    x, v = np.concatenate(x), np.concatenate(v)
+    return x, np.arange(x.size) * duration / per_segment, v
