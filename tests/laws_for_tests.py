@@ -121,7 +121,9 @@ turning_points = st.lists(st.floats(-3.0, 3.0), min_size=2, max_size=10)
 def path_through(points, *, per_segment):
     """Return samples of a path from 0 through the turning points, `per_segment` to each stretch."""
     ends = [0.0, *points]
-    return np.concatenate([[0.0], *(np.linspace(a, b, per_segment + 1)[1:] for a, b in zip(ends, points, strict=False))])
+    return np.concatenate(
+        [[0.0], *(np.linspace(a, b, per_segment + 1)[1:] for a, b in zip(ends, points, strict=False))]
+    )
 
 
 def smooth_path(points, *, per_segment, duration=1.0):

@@ -21,9 +21,7 @@ def prescribed(law):
     """
     held = '<joint type="slide" axis="0 0 1" armature="1e12"/><geom size=".1" mass="1"/><site name="p"/>'
     world = deck({"b": ""}, slides="z") + f'<body name="wall"><body name="held">{held}</body></body>'
-    return wr.load_system(
-        mjcf(world, [("m1", "p", "b", "a")]), isolators={"a": wr.Isolator(name="a", axial=law)}
-    )
+    return wr.load_system(mjcf(world, [("m1", "p", "b", "a")]), isolators={"a": wr.Isolator(name="a", axial=law)})
 
 
 def cycles(law, amplitude, *, count, frequency=1.0, per_cycle=PER_CYCLE):
@@ -64,7 +62,6 @@ def test_every_law_draws_in_mujoco_the_loop_of_its_trace(name):
     )
     m = native.mounts["m1"]
     x, force = m.deflection[:, 2], m.force[:, 2]
-    rate = native.bodies["mass"].velocity[:, 2] - native.base.velocity[:, 2]
     trace = law.trace(x, time=native.time)
     error = np.abs(force - trace.force).max() / np.abs(force).max()
     z_error = np.abs(m.hysteretic_state[:, 2] - trace.hysteretic_state).max() / np.abs(force).max()
