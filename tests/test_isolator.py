@@ -108,7 +108,7 @@ WRONG = [
     ("name", 3, r"f\.toml: `name` must be a string"),
     ("colour", "red", r"f\.toml: `colour` is not known; the file takes name, roll, shear, axial, limits"),
     ("axial", 3, r"f\.toml: \[axial\] must be a table, got 3"),
-    ("axial/law", None, r"\[axial\] `law` is missing; the laws are .*bouc-wen, kelvin-voigt, ozdemir"),
+    ("axial/law", None, r"\[axial\] `law` is missing; the laws are .*bouc-wen, .*kelvin-voigt, .*ozdemir"),
     ("axial/law", "hooke", r"\[axial\] there is no law 'hooke'; the laws are asymmetric-bouc-wen, bouc-wen"),
     ("axial/law", 1, r"\[axial\] there is no law 1; the laws are"),
     ("axial/beta", None, r"\[axial\] `beta` is missing; law bouc-wen takes alpha, beta, gamma, n, k"),

@@ -25,10 +25,17 @@ from wirerope_mj.isolator import Travel as Travel
 from wirerope_mj.isolator import load_isolator as load_isolator
 from wirerope_mj.laws import AsymmetricBoucWen as AsymmetricBoucWen
 from wirerope_mj.laws import BoucWen as BoucWen
+from wirerope_mj.laws import BoucWenBaberNoori as BoucWenBaberNoori
+from wirerope_mj.laws import EnhancedDryFriction as EnhancedDryFriction
+from wirerope_mj.laws import EquivalentViscous as EquivalentViscous
 from wirerope_mj.laws import KelvinVoigt as KelvinVoigt
 from wirerope_mj.laws import Loop as Loop
+from wirerope_mj.laws import Masing as Masing
 from wirerope_mj.laws import Ozdemir as Ozdemir
 from wirerope_mj.laws import SymmetricBoucWen as SymmetricBoucWen
+from wirerope_mj.laws import TinkerCutchins as TinkerCutchins
+from wirerope_mj.laws import VaianaRosati as VaianaRosati
+from wirerope_mj.laws import Zener as Zener
 from wirerope_mj.recording import record_rerun as record_rerun
 from wirerope_mj.response import Peak as Peak
 from wirerope_mj.response import Response as Response

@@ -1,14 +1,26 @@
 """Restoring-force laws of isolator axes: engine-free, one jitted kernel each."""
 
+from wirerope_mj.laws.baber_noori import BoucWenBaberNoori as BoucWenBaberNoori
 from wirerope_mj.laws.bouc_wen import BoucWen as BoucWen
 from wirerope_mj.laws.bouc_wen import Ozdemir as Ozdemir
-from wirerope_mj.laws.kelvin_voigt import KelvinVoigt as KelvinVoigt
+from wirerope_mj.laws.friction import EnhancedDryFriction as EnhancedDryFriction
+from wirerope_mj.laws.friction import Masing as Masing
+from wirerope_mj.laws.hysteresis import Normalised as Normalised
 from wirerope_mj.laws.law import Law as Law
 from wirerope_mj.laws.loop import Loop as Loop
 from wirerope_mj.laws.ni import AsymmetricBoucWen as AsymmetricBoucWen
 from wirerope_mj.laws.ni import SymmetricBoucWen as SymmetricBoucWen
+from wirerope_mj.laws.semi_empirical import EquivalentViscous as EquivalentViscous
+from wirerope_mj.laws.semi_empirical import TinkerCutchins as TinkerCutchins
+from wirerope_mj.laws.vaiana_rosati import VaianaRosati as VaianaRosati
+from wirerope_mj.laws.viscoelastic import KelvinVoigt as KelvinVoigt
+from wirerope_mj.laws.viscoelastic import Zener as Zener
 
 LAWS: dict[str, type[Law]] = {
-    law.name: law for law in (BoucWen, Ozdemir, AsymmetricBoucWen, SymmetricBoucWen, KelvinVoigt)
-}
+    law.name: law
+    for law in (
+        BoucWen, Ozdemir, AsymmetricBoucWen, SymmetricBoucWen, BoucWenBaberNoori, VaianaRosati, EnhancedDryFriction, Masing,
+        TinkerCutchins, EquivalentViscous, KelvinVoigt, Zener,
+    )
+}  # fmt: skip
 """The laws by the name that an isolator file calls them."""

@@ -1,13 +1,13 @@
 """Bouc-Wen law of the thesis and Ozdemir's reduction of it."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.laws import kernels
-from wirerope_mj.laws.hysteresis import Hysteresis
+from wirerope_mj.laws.hysteresis import Hysteresis, Normalised
 from wirerope_mj.laws.law import require_not_negative
 
 
@@ -55,6 +55,14 @@ class Ozdemir(Hysteresis):
     beta: float
     n: float
     k: float = 0.0
+
+    @classmethod
+    def from_normalised(cls, *, z_max: float, x_y: float, sigma: float = 1.0, n: float, **others: Any) -> Self:
+        """Return the law from the normalised form, whose sigma can only be 1."""
+        if sigma != 1.0:
+            raise ValueError(f"`sigma` must be 1, got {sigma}: Ozdemir's law has no gamma.")
+        form = Normalised(z_max=z_max, x_y=x_y, sigma=sigma, n=n)
+        return cls(alpha=form.z_max / form.x_y, beta=form.z_max ** (1.0 - n) / form.x_y, n=n, **others)
 
     def _validate(self) -> None:
         super()._validate()

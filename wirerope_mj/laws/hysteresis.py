@@ -1,9 +1,37 @@
 """What all laws with a Bouc-Wen hysteretic force have in common."""
 
 import math
-from typing import ClassVar
+from dataclasses import dataclass
+from typing import Any, Self
 
 from wirerope_mj.laws.law import Law
+
+
+@dataclass(frozen=True, kw_only=True)
+class Normalised:
+    """Bouc-Wen's parameters in a form whose shape does not depend on units.
+
+        dw/dx = (1 / x_y) {1 - [sigma sgn(xdot w) + 1 - sigma] |w|^n},   w = z / z_max
+
+    Source: Ikhouane and Rodellar's form of the law; beta of the thesis multiplies the dissipative term.
+
+    Attributes:
+        z_max: bound of z, (alpha / (beta + gamma))^(1/n) [N].
+        x_y: yield deflection z_max / alpha [m].
+        sigma: beta / (beta + gamma) [-]; with 1/2 the unloading branch leaves with the slope alpha.
+        n: sharpness of the transition [-].
+    """
+
+    z_max: float
+    x_y: float
+    sigma: float
+    n: float
+
+    def __post_init__(self) -> None:
+        for name in ("z_max", "x_y", "sigma", "n"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and value > 0.0):
+                raise ValueError(f"`{name}` must be finite and > 0, got {value}.")
 
 
 class Hysteresis(Law):
@@ -17,12 +45,28 @@ class Hysteresis(Law):
     the force is infinite at a finite deflection.
     """
 
-    state_names: ClassVar[tuple[str, ...]] = ("z",)
-
     # Each law declares its parameters itself, in the order in which they are written; these are what all of them have.
     alpha: float
     beta: float
     n: float
+
+    @classmethod
+    def from_normalised(cls, *, z_max: float, x_y: float, sigma: float, n: float, **others: Any) -> Self:
+        """Return the law with alpha, beta and gamma from the normalised form; `others` are its further parameters.
+
+        alpha = z_max / x_y, beta = sigma alpha / z_max^n, gamma = (1 - sigma) alpha / z_max^n.
+        """
+        form = Normalised(z_max=z_max, x_y=x_y, sigma=sigma, n=n)
+        alpha = form.z_max / form.x_y
+        total = alpha / form.z_max**n
+        return cls(**{"alpha": alpha, "beta": sigma * total, "gamma": (1.0 - sigma) * total, "n": n, **others})
+
+    @property
+    def normalised(self) -> Normalised:
+        """The normalised form; ValueError if z is not bounded."""
+        if self._total <= 0.0:
+            raise ValueError(f"`beta` + `gamma` must be > 0 for a normalised form, got {self._total}: z has no bound.")
+        return Normalised(z_max=self.z_max, x_y=self.z_max / self.alpha, sigma=self.beta / self._total, n=self.n)
 
     def _validate(self) -> None:
         for name in ("alpha", "beta", "n"):
@@ -33,6 +77,11 @@ class Hysteresis(Law):
     def _total(self) -> float:
         """Sum of beta and gamma: what bends the loading branch."""
         return self.beta + getattr(self, "gamma", 0.0)
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The hysteretic force z."""
+        return ("z",)
 
     @property
     def damping_coefficient(self) -> float:
@@ -54,3 +103,13 @@ class Hysteresis(Law):
             return math.inf
         share = math.pi / self.n
         return (self.alpha / -self._total) ** (1.0 / self.n) / self.alpha * share / math.sin(share)
+
+    @property
+    def largest_force(self) -> float:
+        """z_max if there is no elastic part beside z, else infinite [N]."""
+        return self.z_max if self._without_elastic_part else math.inf
+
+    @property
+    def _without_elastic_part(self) -> bool:
+        """Whether z is all of the force."""
+        return getattr(self, "k", 1.0) == 0.0

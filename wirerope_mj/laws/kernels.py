@@ -18,6 +18,12 @@ BOUC_WEN = 0
 ASYMMETRIC_BOUC_WEN = 1
 SYMMETRIC_BOUC_WEN = 2
 KELVIN_VOIGT = 3
+ZENER = 4
+TINKER_CUTCHINS = 5
+MASING = 6
+VAIANA_ROSATI = 7
+BABER_NOORI = 8
+BIAXIAL = 9
 
 
 @njit
@@ -69,6 +75,123 @@ def kelvin_voigt(p, i, x, v, z, j, zdot, k):
 
 
 @njit
+def zener(p, i, x, v, z, j, zdot, k):
+    """Return F = k0 x + z [N] with zdot = k1 v - r z; p = k0, k1, r = k1 / c."""
+    zdot[k] = p[i + 1] * v - p[i + 2] * z[j]
+    return p[i] * x + z[j]
+
+
+@njit
+def tinker_cutchins(p, i, x, v, z, j, zdot, k):
+    """Return k1 x + k2 x^2 + k3 x^3 + c |v|^n sgn(v) + Fc(x) tanh(v/s) [N]; p = k1, k2, k3, c, n, f0, f1, f2, s."""
+    n, s = p[i + 4], p[i + 8]
+    if n == 1.0:
+        damping = p[i + 3] * v
+    elif n > 1.0:
+        damping = p[i + 3] * abs(v) ** (n - 1.0) * v
+    else:  # |v|^n has an infinite slope at rest: smoothed over the same velocity as the friction
+        damping = p[i + 3] * (v * v + s * s) ** (0.5 * (n - 1.0)) * v
+    friction = (p[i + 5] + p[i + 6] * abs(x) + p[i + 7] * x * x) * math.tanh(v / s)
+    return x * (p[i] + x * (p[i + 1] + x * p[i + 2])) + damping + friction
+
+
+@njit
+def masing(p, i, x, v, z, j, zdot, k):
+    """Return F = k x + sum of z_e clipped to +-h_e [N]; p = k, number of elements, stiffnesses c_e, slip forces h_e.
+
+    The states grow elastically, beyond h_e too; who integrates them removes the overshoot after every step.
+    """
+    n = int(p[i + 1])
+    force = p[i] * x
+    for e in range(n):
+        slip = p[i + 2 + n + e]
+        zdot[k + e] = p[i + 2 + e] * v
+        force += min(max(z[j + e], -slip), slip)
+    return force
+
+
+@njit
+def limit_curve(p, i, x):
+    """Return fe(x) + kb x [N] and its slope; p = kb, f0, alpha, b1, b2, g1, g2, g3."""
+    growth = p[i + 3] * math.expm1(p[i + 4] * x)
+    bend = math.tanh(0.5 * p[i + 6] * (x - p[i + 7]))
+    force = growth + 2.0 * p[i + 5] * bend + p[i] * x
+    return force, p[i + 4] * (growth + p[i + 3]) + p[i + 5] * p[i + 6] * (1.0 - bend * bend) + p[i]
+
+
+@njit
+def vaiana_rosati(p, i, x, v, z, j, zdot, k):
+    """Return F = m(x) - m(0) + z [N], m the mean of the upper and the lower limit curve, half of 2 h apart.
+
+    p = the eight parameters for v > 0, the eight for v < 0, m(0). dz/dx = h' + alpha (h - y) upwards and -h' + alpha (h + y)
+    downwards with y = z - m(0), the distance from the mean.
+    """
+    upper, upper_slope = limit_curve(p, i, x)
+    lower, lower_slope = limit_curve(p, i + 8, x)
+    upper, lower = upper + p[i + 1], lower - p[i + 9]
+    half, half_slope = 0.5 * (upper - lower), 0.5 * (upper_slope - lower_slope)
+    y = z[j] - p[i + 16]
+    if v >= 0.0:
+        zdot[k] = (half_slope + p[i + 2] * (half - y)) * v
+    else:
+        zdot[k] = (-half_slope + p[i + 10] * (half + y)) * v
+    return 0.5 * (upper + lower) + y
+
+
+@njit
+def baber_noori(p, i, x, v, z, j, zdot, k):
+    """Return F = k x + z [N] with wear and pinching; states z and its work e [J].
+
+    p = alpha, beta, gamma, n, k, delta_alpha, delta_nu, delta_eta, zeta, q, p, psi, delta_psi, lam.
+    """
+    force, e = z[j], z[j + 1]
+    alpha = max(p[i] - p[i + 5] * e, 0.0)
+    nu, eta = 1.0 + p[i + 6] * e, 1.0 + p[i + 7] * e
+    beta, gamma, n = nu * p[i + 1], nu * p[i + 2], p[i + 3]
+    slip = p[i + 8] * -math.expm1(-p[i + 10] * e)
+    pinch = 1.0
+    if slip > 0.0 and v != 0.0:
+        bound = (alpha / (beta + gamma)) ** (1.0 / n)
+        width = (p[i + 11] + p[i + 12] * e) * (p[i + 13] + slip)
+        distance = ((force if v > 0.0 else -force) - p[i + 9] * bound) / width
+        pinch = 1.0 - slip * math.exp(-distance * distance)
+    zdot[k] = pinch / eta * bouc_wen_rate(alpha, beta, gamma, n, v, force)
+    zdot[k + 1] = force * v
+    return p[i + 4] * x + force
+
+
+@njit
+def biaxial_rates(p, i, vx, vy, z, j, zdot, k):
+    """Write the rates of two coupled hysteretic forces; p = sigma, n, bounds z_m (2), yield deflections x_y (2).
+
+    With w = z / z_m and u = v / x_y:  wdot = u - w |w|^(n-2) [sigma |u.w| + (1 - sigma) u.w].
+    """
+    sigma, n = p[i], p[i + 1]
+    wx, wy = z[j] / p[i + 2], z[j + 1] / p[i + 3]
+    ux, uy = vx / p[i + 4], vy / p[i + 5]
+    size = math.sqrt(wx * wx + wy * wy)
+    if size > 0.0:
+        wx, wy = wx / size, wy / size
+        along = ux * wx + uy * wy
+        pull = size**n * (sigma * abs(along) + (1.0 - sigma) * along)
+        ux, uy = ux - pull * wx, uy - pull * wy
+    zdot[k], zdot[k + 1] = p[i + 2] * ux, p[i + 3] * uy
+
+
+@njit
+def biaxial(p, i, x, v, z, j, zdot, k):
+    """Return the force along a straight line in the plane [N], x the distance from its start, two coupled states.
+
+    p = those of `biaxial_rates`, k1, k2, k3 of both axes, start (2) and direction (2) of the line.
+    """
+    ex, ey = p[i + 14], p[i + 15]
+    biaxial_rates(p, i, v * ex, v * ey, z, j, zdot, k)
+    fx = z[j] + polynomial(p[i + 6], p[i + 7], p[i + 8], p[i + 12] + x * ex)
+    fy = z[j + 1] + polynomial(p[i + 9], p[i + 10], p[i + 11], p[i + 13] + x * ey)
+    return ex * fx + ey * fy
+
+
+@njit
 def evaluate(law, p, i, x, v, z, j, zdot, k):
     """Return the force [N] of the law with this number and write the rates of its states."""
     if law == ASYMMETRIC_BOUC_WEN:
@@ -79,4 +202,16 @@ def evaluate(law, p, i, x, v, z, j, zdot, k):
         return bouc_wen(p, i, x, v, z, j, zdot, k)
     if law == KELVIN_VOIGT:
         return kelvin_voigt(p, i, x, v, z, j, zdot, k)
+    if law == ZENER:
+        return zener(p, i, x, v, z, j, zdot, k)
+    if law == TINKER_CUTCHINS:
+        return tinker_cutchins(p, i, x, v, z, j, zdot, k)
+    if law == MASING:
+        return masing(p, i, x, v, z, j, zdot, k)
+    if law == VAIANA_ROSATI:
+        return vaiana_rosati(p, i, x, v, z, j, zdot, k)
+    if law == BABER_NOORI:
+        return baber_noori(p, i, x, v, z, j, zdot, k)
+    if law == BIAXIAL:
+        return biaxial(p, i, x, v, z, j, zdot, k)
     return np.nan

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.laws.loop import Loop
-from wirerope_mj.laws.path import follow_path
+from wirerope_mj.laws.path import follow_path, follow_time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,20 +17,21 @@ class Law(ABC):
     """Restoring-force law of one isolator axis: force [N] from deflection [m], its rate [m/s] and internal states.
 
     Subclasses are frozen parameter sets. `name` is the word for the law in an isolator file, `kernel` its number in
-    `wirerope_mj.laws.kernels`.
+    `wirerope_mj.laws.kernels`. States whose names begin with "z" are forces; their sum is the hysteretic state.
     """
 
     name: ClassVar[str]
     kernel: ClassVar[int]
-    state_names: ClassVar[tuple[str, ...]] = ()
     rate_independent: ClassVar[bool] = True
+    travel_rule: ClassVar[str] = "its force becomes infinite"
 
     def __post_init__(self) -> None:
         for key, value in asdict(self).items():
-            if isinstance(value, bool) or not isinstance(value, int | float):
-                raise ValueError(f"`{key}` must be a number, got {value!r}.")
-            if not math.isfinite(value):
-                raise ValueError(f"`{key}` must be finite, got {value}.")
+            for number in value if isinstance(value, tuple) else (value,):
+                if isinstance(number, bool) or not isinstance(number, int | float):
+                    raise ValueError(f"`{key}` must be a number, got {number!r}.")
+                if not math.isfinite(number):
+                    raise ValueError(f"`{key}` must be finite, got {number}.")
         self._validate()
 
     @abstractmethod
@@ -49,12 +50,27 @@ class Law(ABC):
     @property
     @abstractmethod
     def damping_coefficient(self) -> float:
-        """Largest derivative of the force by the deflection rate [N s/m]; 0 for a rate-independent law."""
+        """Derivative of the force by the deflection rate in the unloaded state [N s/m]; 0 for a rate-independent law."""
+
+    @property
+    def relaxation_rate(self) -> float:
+        """Rate at which internal states decay at rest [1/s]; 0 for a rate-independent law."""
+        return 0.0
 
     @property
     def finite_travel(self) -> float:
-        """Deflection at which the force becomes infinite [m]; infinite for a law that is defined everywhere."""
+        """Deflection up to which the law holds [m], for the reason in `travel_rule`; infinite if it holds everywhere."""
         return math.inf
+
+    @property
+    def largest_force(self) -> float:
+        """What a law without an elastic part carries at most [N]; infinite for every other."""
+        return math.inf
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the internal states."""
+        return ()
 
     @property
     def n_states(self) -> int:
@@ -63,23 +79,28 @@ class Law(ABC):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the law as it stands in an isolator file."""
-        return {"law": self.name, **asdict(self)}
+        values = {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(self).items()}
+        return {"law": self.name, **values}
 
     def trace(
         self,
         deflection: npt.ArrayLike,
         *,
         time: npt.ArrayLike | None = None,
+        rate: npt.ArrayLike | None = None,
         initial_states: npt.ArrayLike | None = None,
     ) -> Loop:
         """Return the loop that the law draws along a path of deflections, entered unloaded.
 
-        Between samples the deflection runs monotonely, so that the result of a rate-independent law depends on the
-        turning points alone, neither on time nor on the number of samples.
+        Between samples the deflection of a rate-independent law runs monotonely, so that the result depends on the turning
+        points alone, neither on time nor on the number of samples; that of a law that depends on the rate is the cubic
+        through deflections and rates. States and work follow a closed form where there is one, else they are integrated
+        to 1e-11 a step.
 
         Args:
             deflection: path [m], (n_t,), at least two finite samples.
             time: strictly increasing instants [s], (n_t,); required by laws whose force depends on the rate.
+            rate: deflection rate at the samples [m/s], (n_t,); by second-order differences if it is not given.
             initial_states: internal states at the first sample, (n_states,); zero by default.
 
         Raises:
@@ -87,24 +108,65 @@ class Law(ABC):
                 finite numbers along the path.
         """
         path = np.asarray(deflection, dtype=np.float64)
-        if path.ndim != 1 or path.size < 2 or not np.isfinite(path).all():
-            raise ValueError(f"`deflection` must be a series of at least 2 finite numbers, got shape {path.shape}.")
+        self._check_path(path)
         states = np.zeros(self.n_states) if initial_states is None else np.array(initial_states, dtype=np.float64)
-        if states.shape != (self.n_states,):
-            raise ValueError(f"`initial_states` must have shape ({self.n_states},), got {states.shape}.")
-        return self._trace(path, time, states)
-
-    def _trace(
-        self, path: npt.NDArray[np.float64], time: npt.ArrayLike | None, states: npt.NDArray[np.float64]
-    ) -> Loop:
-        del time  # a rate-independent law does not know it
-        force, history, work = follow_path(self.kernel, self.kernel_parameters(), path, states, self.n_states)
+        if states.shape != (self.n_states,) or not np.isfinite(states).all():
+            raise ValueError(f"`initial_states` must be {self.n_states} finite numbers, got {initial_states!r}.")
+        if self.rate_independent:
+            force, history, work = follow_path(self.kernel, self.kernel_parameters(), path, states, self.n_states)
+        else:
+            instants = _instants(self, path, time)
+            rates = _rates(path, instants, rate)
+            force, history, work = follow_time(
+                self.kernel, self.kernel_parameters(), instants, path, rates, states, self.n_states
+            )
         finite = np.isfinite(force) & np.isfinite(work)
         if not finite.all():
-            first = path[np.argmin(finite)]
-            raise ValueError(f"the force of {self} leaves the finite numbers at a deflection of {first:.6g} m.")
-        z = history[:, 0] if self.n_states else np.zeros(path.size)
+            last = max(int(np.argmin(finite)) - 1, 0)
+            where = self._last_finite(path[last], path[last + 1], history[last])
+            raise ValueError(f"the force of {self} leaves the finite numbers at a deflection of {where:.6g} m.")
+        forces = [i for i, name in enumerate(self.state_names) if name.startswith("z")]
+        z = history[:, forces].sum(axis=1)
         return Loop(deflection=path, force=force, hysteretic_state=z, work=work, internal_states=history)
+
+    def _last_finite(self, start: float, stop: float, states: npt.NDArray[np.float64]) -> float:
+        """Return how far a rate-independent law leads from `start` towards `stop` with a finite force [m]."""
+        if not self.rate_independent:
+            return stop
+        low, high = 0.0, 1.0
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            path = np.array([start, start + middle * (stop - start)])
+            force, _, work = follow_path(self.kernel, self.kernel_parameters(), path, states.copy(), self.n_states)
+            low, high = (middle, high) if np.isfinite([force[1], work[1]]).all() else (low, middle)
+        return start + low * (stop - start)
+
+    def _check_path(self, path: npt.NDArray[np.float64]) -> None:
+        """Raise ValueError if a path is not a finite series, or leads to where the law does not hold."""
+        if path.ndim != 1 or path.size < 2 or not np.isfinite(path).all():
+            raise ValueError(f"`deflection` must be a series of at least 2 finite numbers, got shape {path.shape}.")
+
+
+def _instants(law: Law, path: npt.NDArray[np.float64], time: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
+    """Return `time` as an array (n_t,) [s], or raise ValueError if it does not fit the path."""
+    if time is None:
+        raise ValueError(f"`time` must be given: the force of {law.name} depends on the deflection rate.")
+    instants = np.asarray(time, dtype=np.float64)
+    if instants.shape != path.shape or not np.isfinite(instants).all() or (np.diff(instants) <= 0.0).any():
+        raise ValueError(f"`time` must be strictly increasing and of shape {path.shape}, got shape {instants.shape}.")
+    return instants
+
+
+def _rates(
+    path: npt.NDArray[np.float64], instants: npt.NDArray[np.float64], rate: npt.ArrayLike | None
+) -> npt.NDArray[np.float64]:
+    """Return `rate` as an array (n_t,) [m/s], by differences that are exact for a parabola if it is not given."""
+    if rate is None:
+        return np.gradient(path, instants, edge_order=2 if path.size > 2 else 1)
+    rates = np.asarray(rate, dtype=np.float64)
+    if rates.shape != path.shape or not np.isfinite(rates).all():
+        raise ValueError(f"`rate` must be finite and of shape {path.shape}, got shape {rates.shape}.")
+    return rates
 
 
 def require_not_negative(law: Law, *names: str) -> None:
@@ -112,3 +174,10 @@ def require_not_negative(law: Law, *names: str) -> None:
     for name in names:
         if getattr(law, name) < 0.0:
             raise ValueError(f"`{name}` must be >= 0, got {getattr(law, name)}.")
+
+
+def require_positive(law: Law, *names: str) -> None:
+    """Raise ValueError unless the named parameters of `law` are > 0."""
+    for name in names:
+        if getattr(law, name) <= 0.0:
+            raise ValueError(f"`{name}` must be > 0, got {getattr(law, name)}.")
