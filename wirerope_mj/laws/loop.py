@@ -97,7 +97,7 @@ class Loop:
 
     @property
     def tangents_at_reversal(self) -> ReversalTangents:
-        """Slopes dF/dx just after the turning points [N/m]: on the way down from the largest, up from the smallest deflection.
+        """Slopes dF/dx just after the turning points [N/m]: on the way down from the largest, up from the smallest.
 
         t = lim dF/dx for x -> x_turn on the branch that leaves it, estimated by `tangent_at_start`. For the Bouc-Wen law
         t = k + alpha + (beta - gamma) |z|^n (thesis, table 3.2). NaN where the path ends at the turning point. A
