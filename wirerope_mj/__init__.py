@@ -4,6 +4,8 @@ Laws and isolators, MuJoCo models whose mounts have hysteresis, base motions, si
 """
 
 from wirerope_mj.bench import cyclic_test as cyclic_test
+from wirerope_mj.bench import read_cyclic_test as read_cyclic_test
+from wirerope_mj.bench import write_cyclic_test as write_cyclic_test
 from wirerope_mj.errors import ConvergenceError as ConvergenceError
 from wirerope_mj.errors import ModelError as ModelError
 from wirerope_mj.errors import RecordError as RecordError

@@ -3,7 +3,9 @@
 import numpy as np
 import numpy.typing as npt
 
-_DEGREE = 3  # a parabola bends too little for a loop that saturates within a tenth of its range, a quartic rings with noise
+_DEGREE = (
+    3  # a parabola bends too little for a loop that saturates within a tenth of its range, a quartic rings with noise
+)
 _FEWEST = _DEGREE + 4  # samples: three more than coefficients, else a lucky residual looks like a good fit
 _GROWTH = 1.25  # from one span to the next
 _WIDEST = 0.5  # share of the curve: beyond its middle it says nothing of its beginning
