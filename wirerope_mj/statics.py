@@ -11,13 +11,16 @@ import numpy.typing as npt
 from wirerope_mj.control import installed
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import ConvergenceError
-from wirerope_mj.laws import BoucWen, Ozdemir
+from wirerope_mj.laws.kernels import BIAXIAL
 from wirerope_mj.laws.path import advance
 from wirerope_mj.state import State
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
 History = Literal["virgin", "relaxed"]
+
+AXIAL = 2
+"""Place of the axial axis; a coupling is between the other two."""
 
 LOAD_STEPS = 20
 """Steps in which gravity grows from 0 to g: each is short enough for Newton's method to start from the last."""
@@ -93,11 +96,17 @@ class _Loading:
         n_states = system.assembly.tables.user.n_states
         self.rest_deflection = np.zeros((len(system.mounts), 3))
         self.rest_states = np.zeros(n_states)
+        # What depends on the rate has no memory of a slow path: its states stay zero.
         self.laws = [
             (row, axis, law.kernel, law.kernel_parameters(), states.start, law.n_states)
             for row, mount in enumerate(system.mounts.values())
             for axis, (law, states) in enumerate(zip(mount.isolator.axes.values(), mount.states, strict=True))
-            if law is not None and law.n_states
+            if law is not None and law.rate_independent and (axis == AXIAL or mount.isolator.coupling is None)
+        ]
+        self.planes = [
+            (row, mount.isolator.coupled, mount.states[0].start)
+            for row, mount in enumerate(system.mounts.values())
+            if mount.isolator.coupled is not None
         ]
 
     def solve(self) -> Equilibrium:
@@ -189,6 +198,9 @@ class _Loading:
             slopes, trial = np.empty((7, n_states + 1)), np.empty(n_states + 1)
             x0, x1 = self.rest_deflection[row, axis], deflection[row, axis]
             advance(kernel, parameters, 0, x0, x1, states, first, n_states, slopes, trial)
+        for row, coupled, first in self.planes:
+            line, length = coupled.line_parameters(self.rest_deflection[row, :2], deflection[row, :2])
+            advance(BIAXIAL, line, 0, 0.0, length, states, first, 2, np.empty((7, 3)), np.empty(3))
         return states
 
     def _result(self, qpos: Array, residual: float) -> Equilibrium:
@@ -210,16 +222,16 @@ class _Loading:
         carried = self._axial_forces() / max(load, SMALLEST_LOAD_STEP)  # what would rest on each under the whole weight
         for (name, mount), axial in zip(self.system.mounts.items(), carried, strict=True):
             law = mount.isolator.axes["axial"]
-            if not isinstance(law, BoucWen | Ozdemir) or law.k != 0.0:
+            if law is None or law.largest_force == np.inf:
                 continue
             if self.history == "relaxed":
                 return (
                     f"there is no relaxed equilibrium: the axial law of mount {name!r} has no elastic part, so that with "
                     "z = 0 it carries nothing. Use a law with an elastic part."
                 )
-            if abs(axial) > law.z_max:
+            if abs(axial) > law.largest_force:
                 return (
-                    f"there is no equilibrium: mount {name!r} carries at most z_max = {law.z_max:.4g} N along its axis (its "
+                    f"there is no equilibrium: mount {name!r} carries at most {law.largest_force:.4g} N along its axis (its "
                     f"law has no elastic part), but about {abs(axial):.4g} N would rest on it. Use a stiffer isolator, more "
                     "mounts, or a law with an elastic part."
                 )

@@ -20,11 +20,13 @@ PARAMETERS = "wirerope/parameters"
 
 # header of the layout
 N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
-MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR = range(7, 15)
+MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING = range(7, 16)
 HEADER = 16
 
 # columns of the tables
-MOUNT_COLUMNS = 7  # payload site, base site, payload body, base body, payload root, base root, base takes the reaction
+MOUNT_COLUMNS = (
+    8  # payload site, base site, payload body, base body, payload root, base root, base takes the reaction, coupling
+)
 AXIS_COLUMNS = 4  # law number (-1: none), first parameter, first state, number of states; three rows per mount
 DRIVEN_COLUMNS = 5  # dof, effective mass, row of the map from base acceleration to slide acceleration
 BODY_COLUMNS = 2  # body, root

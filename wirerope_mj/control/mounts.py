@@ -11,7 +11,7 @@ and angular momentum.
 
 from wirerope_mj.control import layout as at
 from wirerope_mj.jit import njit
-from wirerope_mj.laws.kernels import evaluate
+from wirerope_mj.laws.kernels import MASING, biaxial_rates, evaluate, hold_slip
 
 
 @njit
@@ -97,11 +97,30 @@ def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, subtree_com
                 fx, fy, fz = fx + force * ex, fy + force * ey, fz + force * ez
             u[record + c], u[record + 3 + c] = deflection, force
             axis += at.AXIS_COLUMNS
+        if (
+            lay[m + 7] >= 0.0
+        ):  # roll and shear share one hysteretic force, a vector: its rates replace those of the axes
+            state = int(lay[axis - 3 * at.AXIS_COLUMNS + 2])
+            roll = site_xmat[r] * ux + site_xmat[r + 3] * uy + site_xmat[r + 6] * uz
+            shear = site_xmat[r + 1] * ux + site_xmat[r + 4] * uy + site_xmat[r + 7] * uz
+            biaxial_rates(par, q + int(lay[m + 7]), roll, shear, act, a + state, u, rates + state)
         add_force(xfrc, payload, xipos, px, py, pz, -fx, -fy, -fz)
         if lay[m + 6] != 0.0:
             add_force(xfrc, base, xipos, px, py, pz, fx, fy, fz)
         record += 6
         m += at.MOUNT_COLUMNS
+
+
+@njit
+def remove_overshoot(lay, i, par, q, act, a):
+    """Take out of the states what the last step carried beyond a slider's slip force."""
+    left = int(lay[i + at.N_SLIPPING])
+    axis = i + int(lay[i + at.AXES])
+    while left > 0:
+        if lay[axis] == MASING:
+            hold_slip(par, q + int(lay[axis + 1]), act, a + int(lay[axis + 2]))
+            left -= 1
+        axis += at.AXIS_COLUMNS
 
 
 @njit

@@ -8,7 +8,7 @@ import numba
 from numba import types
 
 from wirerope_mj.control import layout as at
-from wirerope_mj.control.mounts import apply_mounts, copy_rates, drive_base
+from wirerope_mj.control.mounts import apply_mounts, copy_rates, drive_base, remove_overshoot
 from wirerope_mj.control.observer import observe
 from wirerope_mj.control.pointers import float64_array, int64_array, member
 from wirerope_mj.control.structs import DATA_FIELDS, offsets
@@ -74,7 +74,8 @@ def _sensor(m, d, system, field, time):  # type: ignore[no-untyped-def]
     found, p, prm, numeric = _find_system(m, system[0], system[1], system[2])
     if not found:
         return
-    lay, w, a = int(prm[p + 1]), int(prm[p + 3]), int(prm[p + 4])
+    lay, q, w, a = int(prm[p + 1]), int(prm[p + 2]), int(prm[p + 3]), int(prm[p + 4])
+    remove_overshoot(numeric, lay, numeric, q, member(d, field[1]), a)
     observe(
         numeric, lay, member(d, field[0]), w, member(d, field[1]), a,
         float64_array(d + time)[0],

@@ -5,7 +5,7 @@ from typing import Any
 import mujoco
 
 from wirerope_mj.control import layout as at
-from wirerope_mj.control.mounts import apply_mounts, copy_rates, drive_base
+from wirerope_mj.control.mounts import apply_mounts, copy_rates, drive_base, remove_overshoot
 from wirerope_mj.control.native import ACCELERATION_STAGE, Callbacks
 from wirerope_mj.control.observer import observe
 from wirerope_mj.control.structs import DATA_FIELDS
@@ -56,6 +56,7 @@ def python_callbacks() -> Callbacks:
         v = views(model, data)
         if not v.is_system or stage != ACCELERATION_STAGE:
             return
+        remove_overshoot(v.numeric, v.layout, v.numeric, v.parameters, v.d_act, v.states)
         observe(
             v.numeric, v.layout, v.d_userdata, v.userdata, v.d_act, v.states, data.time, v.d_sensordata,
             v.d_site_xpos, v.d_site_xquat, v.d_xipos, v.d_xquat, v.d_subtree_com, v.d_cvel, v.d_cdof, v.d_cdof_dot,

@@ -7,7 +7,10 @@ from typing import Any
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Spread
 from wirerope_mj.isolator.tables import AXES, read_tables, write_toml
-from wirerope_mj.laws import Law
+from wirerope_mj.laws import BiaxialBoucWen, Law
+
+BIAXIAL = "biaxial"
+"""The coupling of roll and shear."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,7 +22,8 @@ class Isolator:
         roll: law across the bars (x); None = no force on this axis, as for the next two.
         shear: law along the bars (y).
         axial: law from the base's bar to the payload's bar (z), deflection positive in tension.
-        coupling: between the axes; only None, independent axes, is defined.
+        coupling: None for independent axes, or "biaxial": roll and shear share one hysteretic force, see
+            `wirerope_mj.laws.BiaxialBoucWen`.
         limits: rated static load and travel.
         geometry: unloaded envelope, for drawing.
         provenance: where the parameters come from.
@@ -30,7 +34,7 @@ class Isolator:
     roll: Law | None = None
     shear: Law | None = None
     axial: Law | None = None
-    coupling: None = None
+    coupling: str | None = None
     limits: Limits = Limits()
     geometry: Geometry | None = None
     provenance: Provenance = Provenance()
@@ -44,29 +48,37 @@ class Isolator:
                 raise ValueError(f"`{axis}` must be a law or None, got {law!r}.")
         if not any(self.axes.values()):
             raise ValueError(f"the isolator must have a law on at least one axis of {', '.join(AXES)}.")
-        if self.coupling is not None:
-            raise ValueError(
-                f"`coupling` must be None: the axes of an isolator are independent, got {self.coupling!r}."
-            )
+        if self.coupling not in (None, BIAXIAL):
+            raise ValueError(f"`coupling` must be {BIAXIAL!r} or None (independent axes), got {self.coupling!r}.")
+        if self.coupling and (self.roll is None or self.shear is None):
+            raise ValueError(f"`coupling` {BIAXIAL!r} needs a law on both axes, roll and shear.")
         for name, kind in (("limits", Limits), ("provenance", Provenance)):
             if not isinstance(getattr(self, name), kind):
                 raise ValueError(f"`{name}` must be a {kind.__name__}, got {getattr(self, name)!r}.")
-        self._require_finite_force()
+        _ = self.coupled  # raises if the two laws cannot be coupled
+        self._require_travel()
 
-    def _require_finite_force(self) -> None:
-        """Raise ValueError if a law's force becomes infinite within its axis' rated travel."""
+    def _require_travel(self) -> None:
+        """Raise ValueError if a law does not hold as far as its axis' rated travel."""
         for axis, law in self.axes.items():
             rated = max((travel for travel in self.rated_travel(axis) if travel is not None), default=0.0)
             if law is not None and law.finite_travel <= rated:
                 raise ValueError(
-                    f"[{axis}] the force of {law.name} becomes infinite at a deflection of {law.finite_travel:.6g} m, "
-                    f"inside the rated travel of {rated:.6g} m."
+                    f"[{axis}] {law.name} holds up to a deflection of {law.finite_travel:.6g} m, where {law.travel_rule}; "
+                    f"that is inside the rated travel of {rated:.6g} m."
                 )
 
     @property
     def axes(self) -> dict[str, Law | None]:
         """The laws by axis in the order roll (x), shear (y), axial (z)."""
         return {"roll": self.roll, "shear": self.shear, "axial": self.axial}
+
+    @property
+    def coupled(self) -> BiaxialBoucWen | None:
+        """The laws of roll and shear as one, or None if the axes are independent."""
+        if self.coupling is None or self.roll is None or self.shear is None:
+            return None
+        return BiaxialBoucWen(roll=self.roll, shear=self.shear)
 
     def rated_travel(self, axis: str) -> tuple[float | None, float | None]:
         """Return how far the axis may deflect below and above zero [m], both positive; None = not judged."""
@@ -85,6 +97,8 @@ class Isolator:
     def to_dict(self) -> dict[str, Any]:
         """Return the isolator as it stands in its file."""
         content: dict[str, Any] = {"name": self.name}
+        if self.coupling is not None:
+            content["coupling"] = self.coupling
         content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
         for name in ("limits", "geometry", "provenance", "spread"):
             part = getattr(self, name)

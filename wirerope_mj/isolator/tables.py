@@ -18,13 +18,14 @@ from wirerope_mj.laws import LAWS, Law
 AXES = ("roll", "shear", "axial")
 """Axes of an isolator in the order x (across the bars), y (along the bars), z (axial)."""
 
+_KEYS = ("name", "coupling")
 _TABLES = (*AXES, "limits", "geometry", "provenance", "spread")
 
 
 def read_tables(content: dict[str, Any], where: str) -> dict[str, Any]:
     """Return the arguments of an Isolator from the content of a file; ModelError names where, table, key and rule."""
-    _require_keys(content, ("name",), ("name", *_TABLES), f"{where}:", "the file")
-    arguments: dict[str, Any] = {"name": content["name"]}
+    _require_keys(content, ("name",), (*_KEYS, *_TABLES), f"{where}:", "the file")
+    arguments: dict[str, Any] = {key: content[key] for key in _KEYS if key in content}
     for name in _TABLES:
         if name not in content:
             continue

@@ -1,6 +1,7 @@
 """Restoring-force laws of isolator axes: engine-free, one jitted kernel each."""
 
 from wirerope_mj.laws.baber_noori import BoucWenBaberNoori as BoucWenBaberNoori
+from wirerope_mj.laws.biaxial import BiaxialBoucWen as BiaxialBoucWen
 from wirerope_mj.laws.bouc_wen import BoucWen as BoucWen
 from wirerope_mj.laws.bouc_wen import Ozdemir as Ozdemir
 from wirerope_mj.laws.friction import EnhancedDryFriction as EnhancedDryFriction

@@ -111,6 +111,15 @@ def masing(p, i, x, v, z, j, zdot, k):
 
 
 @njit
+def hold_slip(p, i, z, j):
+    """Clip the states of Masing's law to the slip forces, in place."""
+    n = int(p[i + 1])
+    for e in range(n):
+        slip = p[i + 2 + n + e]
+        z[j + e] = min(max(z[j + e], -slip), slip)
+
+
+@njit
 def limit_curve(p, i, x):
     """Return fe(x) + kb x [N] and its slope; p = kb, f0, alpha, b1, b2, g1, g2, g3."""
     growth = p[i + 3] * math.expm1(p[i + 4] * x)

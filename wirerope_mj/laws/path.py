@@ -12,7 +12,7 @@ import numpy as np
 
 from wirerope_mj.jit import njit
 from wirerope_mj.laws.exact import advance_exactly, has_closed_form
-from wirerope_mj.laws.kernels import BIAXIAL, KELVIN_VOIGT, TINKER_CUTCHINS, ZENER, evaluate
+from wirerope_mj.laws.kernels import BIAXIAL, KELVIN_VOIGT, TINKER_CUTCHINS, ZENER, evaluate, polynomial
 
 _C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
 _A = np.array(
@@ -192,3 +192,26 @@ def shifted(cubic, t):
     """Return the coefficients of the cubic about the instant t."""
     a, b, c, d = cubic
     return a + t * (b + t * (c + t * d)), b + t * (2.0 * c + t * 3.0 * d), c + 3.0 * d * t, d
+
+
+@njit
+def follow_plane(p, path):
+    """Return force (n_t, 2), states (n_t, 2) and cumulated work (n_t,) of the biaxial kernel along straight lines.
+
+    `p` holds the kernel's parameters; start and direction of the line are written to it.
+    """
+    n_t = path.shape[0]
+    force, states, work, z = np.empty((n_t, 2)), np.empty((n_t, 2)), np.zeros(n_t), np.zeros(2)
+    slopes, trial = np.empty((7, 3)), np.empty(3)
+    for t in range(n_t):
+        if t > 0:
+            dx, dy = path[t, 0] - path[t - 1, 0], path[t, 1] - path[t - 1, 1]
+            length = math.sqrt(dx * dx + dy * dy)
+            work[t] = work[t - 1]
+            if length > 0.0:
+                p[12], p[13], p[14], p[15] = path[t - 1, 0], path[t - 1, 1], dx / length, dy / length
+                work[t] += integrate(BIAXIAL, p, 0, (0.0, 1.0, 0.0, 0.0), length, z, 0, 2, slopes, trial)
+        states[t] = z
+        force[t, 0] = z[0] + polynomial(p[6], p[7], p[8], path[t, 0])
+        force[t, 1] = z[1] + polynomial(p[9], p[10], p[11], path[t, 1])
+    return force, states, work

@@ -29,8 +29,10 @@ class VaianaRosati(Law):
 
     With the same parameters both ways it is kb x + fe(x) beside Bouc-Wen's z with n = 1, gamma = 0, beta = alpha and the slope
     alpha f0: passive if kb, b1 b2 and g1 g2 are not negative. Different parameters describe measured loops but not a passive
-    law: the unloaded state need not be the one to which small vibrations lead, so that work can be drawn from it once. Where the two curves cross, the law ends (`finite_travel`). Source: N. Vaiana, public slides on the
-    Vaiana-Rosati model, analytical and differential form (2023).
+    law: the unloaded state need not be the one to which small vibrations lead, so that work can be drawn from it once. Where
+    the two curves cross, the law ends (`finite_travel`).
+
+    Source: N. Vaiana, public slides on the Vaiana-Rosati model, analytical and differential form (2023).
     """
 
     name: ClassVar[str] = "vaiana-rosati"

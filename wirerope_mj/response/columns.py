@@ -68,7 +68,7 @@ class ColumnPlan:
             points[name] = PointResponse(samples, column)
             column += sum(len(cs) for _, cs in _POINT)
         for name, states in self.mounts:
-            z = tuple(states.index(f"{axis}.z") if f"{axis}.z" in states else -1 for axis in _MOUNT_AXES)
-            mounts[name] = MountResponse(samples, column, (z[0], z[1], z[2]), states)
+            z = [[i for i, s in enumerate(states) if s.startswith(f"{axis}.z")] for axis in _MOUNT_AXES]
+            mounts[name] = MountResponse(samples, column, z, states)
             column += 6 + len(states)
         return base, bodies, points, mounts

@@ -94,7 +94,7 @@ class PointResponse(BodyResponse):
 class MountResponse(_Columns):
     """Deflection, force and internal states of a mount in its axes roll, shear, axial."""
 
-    hysteretic: tuple[int, int, int]  # place of z of roll, shear, axial among the states; -1 without one
+    hysteretic: list[list[int]]  # places of the hysteretic forces of roll, shear, axial among the states
     state_names: tuple[str, ...]
 
     @cached_property
@@ -109,13 +109,9 @@ class MountResponse(_Columns):
 
     @cached_property
     def hysteretic_state(self) -> Array:
-        """Hysteretic state z [N], (n_t, 3); zero for an axis without one."""
+        """Hysteretic state z [N], (n_t, 3): the sum of an axis' hysteretic forces, zero for an axis without one."""
         states = self._part(6, len(self.state_names))
-        z = np.zeros((states.shape[0], 3))
-        for axis, place in enumerate(self.hysteretic):
-            if place >= 0:
-                z[:, axis] = states[:, place]
-        return z
+        return np.stack([states[:, places].sum(axis=1) for places in self.hysteretic], axis=1)
 
     @cached_property
     def internal_states(self) -> dict[str, Array]:

@@ -48,5 +48,7 @@ def eigenvalues(system: System) -> npt.NDArray[np.complex128]:
 
 def stable_step(system: System) -> float:
     """Return the largest step [s] with which RK4 is stable on the unloaded mounts."""
-    fastest = float(np.abs(eigenvalues(system)).max(initial=0.0))
+    laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values() if law is not None]
+    decay = max((law.relaxation_rate for law in laws), default=0.0)
+    fastest = max(float(np.abs(eigenvalues(system)).max(initial=0.0)), decay)
     return RK4_LIMIT / fastest if fastest > 0.0 else np.inf

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import ModelError
+from wirerope_mj.laws.kernels import MASING
 from wirerope_mj.system.declared import DeclaredMount
 
 Array = npt.NDArray[np.float64]
@@ -52,11 +53,12 @@ class Tables:
 def make_tables(model: mujoco.MjModel, declared: list[DeclaredMount], on: Subjects, sensor: int) -> Tables:
     """Return the tables of a model; `sensor` is the address of the system's first sensor value."""
     axes, parameters, states = _axis_rows(declared)
+    couplings = _couplings(declared, parameters)
     n_states = int(sum(row[3] for row in axes))
     drive = _drive_rows(model, on.driven)
     channels = _channels(on, states)
     parts = [
-        [_mount_row(model, mount, on) for mount in declared],
+        [[*_mount_row(model, mount, on), coupling] for mount, coupling in zip(declared, couplings, strict=True)],
         axes,
         [
             [model.jnt_dofadr[joint], DRIVE_ARMATURE + model.body_subtreemass[on.base], *row]
@@ -74,6 +76,7 @@ def make_tables(model: mujoco.MjModel, declared: list[DeclaredMount], on: Subjec
     header[: len(counts)] = counts
     header[at.MOUNTS : at.CHANNELS + 1] = starts[:-1]
     header[at.SENSOR] = sensor
+    header[at.N_SLIPPING] = sum(row[0] == MASING for row in axes)
     return Tables(
         layout=np.concatenate([header, *flat]),
         parameters=np.concatenate([*parameters, []]),
@@ -114,6 +117,17 @@ def _axis_rows(
             n_states += size
         states[mount.name] = (slices[0], slices[1], slices[2])
     return rows, parameters, states
+
+
+def _couplings(declared: list[DeclaredMount], parameters: list[Array]) -> list[int]:
+    """Append the parameters of couplings to those of the laws and return where each mount's begin, -1 without one."""
+    places = []
+    for mount in declared:
+        coupled = mount.isolator.coupled
+        places.append(-1 if coupled is None else sum(part.size for part in parameters))
+        if coupled is not None:
+            parameters.append(coupled.rate_parameters())
+    return places
 
 
 def _drive_rows(model: mujoco.MjModel, driven: tuple[int, ...]) -> Array:
