@@ -11,6 +11,7 @@ from wirerope_mj.laws import Loop
 
 _BINS = 20  # pieces of the common span in which a gap is averaged before its size counts, so that noise is no gap
 _POINTS = 20  # in each of them
+_ROUNDING = 1e-12  # share of force range times amplitude: below it an area is rounding
 
 
 def hardening_overlap(loops: Sequence[Loop]) -> float:
@@ -38,8 +39,9 @@ def hardening_overlap(loops: Sequence[Loop]) -> float:
     Raises:
         ValueError: fewer than two loops, loops that do not share a side in tension, or a largest loop without an area.
     """
-    if len(loops) < 2:
-        raise ValueError(f"`loops` must hold at least 2 loops of different amplitudes, got {len(loops)}.")
+    amplitudes = {loop.amplitude for loop in loops}
+    if len(amplitudes) < 2:
+        raise ValueError(f"`loops` must hold at least 2 different amplitudes, got {len(amplitudes)}.")
     *smaller, largest = sorted(loops, key=lambda loop: loop.amplitude)
     gap = thickness = 0.0
     for loop in smaller:
@@ -55,7 +57,7 @@ def hardening_overlap(loops: Sequence[Loop]) -> float:
         bins = (_force_on(loop, x, rising=True) - up).reshape(_BINS, _POINTS).mean(axis=1)
         gap += float(np.abs(bins).mean()) * (stop - start)
         thickness += float((up - _force_on(largest, x, rising=False)).mean()) * (stop - start)
-    if thickness <= 0.0:
+    if thickness <= _ROUNDING * float(np.ptp(largest.force)) * largest.amplitude:
         raise ValueError(
             "`loops`: the largest has no area in tension, so that there is nothing to measure a gap against."
         )

@@ -188,14 +188,14 @@ def _loop(header: Header, samples: _Samples) -> Loop:
         )
     gap, steps = abs(float(x[-1] - x[0])), np.abs(np.diff(x))
     legs = _legs(x, _LEG * extent)
-    if legs > 3 or (gap > _LEG * extent and gap > 2.0 * steps.max()):
+    if legs > 3 or (gap > _LEG * extent and gap > 1.5 * steps.max()):
         found = f"its deflection runs to and fro {legs} times" if legs > 3 else "its last sample is far from its first"
         raise RecordError(
             f"{place}: loop {samples.label} is not one cycle: {found}. "
             'Number the cycles in a column "loop"; each ends where it began.'
         )
     loop = Loop.from_samples(x, force)
-    if gap <= 0.5 * max(steps[0], steps[-1]):
+    if gap <= 0.5 * min(steps[0], steps[-1]):
         return loop
     return replace(Loop.from_samples(np.append(x, x[0]), np.append(force, force[0])), closure=loop.closure)
 

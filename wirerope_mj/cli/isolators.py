@@ -9,6 +9,7 @@ from rich.table import Table
 from wirerope_mj.bench import cyclic_test
 from wirerope_mj.cli.tables import console
 from wirerope_mj.isolator import AXES, Isolator, find_isolator, load_isolator
+from wirerope_mj.laws import Law
 from wirerope_mj.resources import catalogue_folder
 
 _SHARES = (0.25, 0.5, 1.0)
@@ -37,7 +38,7 @@ def print_isolators() -> None:
 def print_isolator(name: str, out: Path | None) -> None:
     """Print parameters of an isolator and what its steady loops measure; write their picture to `out` if it is given."""
     if out is not None:
-        _check_place(out)
+        check_place(out)
     given = Path(name)
     path = given if given.is_file() else find_isolator(name, beside=catalogue_folder())
     isolator = load_isolator(path)
@@ -50,9 +51,7 @@ def print_isolator(name: str, out: Path | None) -> None:
         if law is None:
             screen.print(f"  {axis}: no force")
             continue
-        values = law.to_dict()
-        words = ", ".join(f"{key} = {value:.6g}" for key, value in values.items() if isinstance(value, float))
-        screen.print(f"  {axis}: {values['law']}: {words}")
+        screen.print(f"  {axis}: {escape(describe(law))}")
     for sentence in isolator.provenance.assumed:
         screen.print(f"  assumed: {escape(sentence)}")
     screen.print(_measures(isolator))
@@ -89,7 +88,20 @@ def _measures(isolator: Isolator) -> Table:
     return table
 
 
-def _check_place(out: Path) -> None:
+def describe(law: Law) -> str:
+    """Return a law's name and parameters in words."""
+    values = law.to_dict()
+    words = [
+        f"{key} = [{', '.join(f'{number:.6g}' for number in value)}]"
+        if isinstance(value, list)
+        else f"{key} = {value:.6g}"
+        for key, value in values.items()
+        if key != "law"
+    ]
+    return f"{values['law']}: {', '.join(words)}"
+
+
+def check_place(out: Path) -> None:
     """Raise ValueError unless a picture can be written as `out`."""
     if out.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise ValueError(f"`--out` must end with .png, .svg or .pdf, got {str(out)!r}.")

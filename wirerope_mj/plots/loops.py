@@ -1,20 +1,24 @@
-"""Force-deflection loops of an isolator as a picture."""
+"""Force-deflection loops as a picture: of an isolator with its ratings, or of any cyclic tests."""
 
+import os
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
 from wirerope_mj.bench import cyclic_test
 from wirerope_mj.isolator import Isolator
-from wirerope_mj.laws import Law
+from wirerope_mj.laws import Law, Loop
 
 _SHARES = (0.25, 0.5, 1.0)
 _UNRATED_SHARE = 0.05  # of the height, where no travel is rated: small enough for every mount
 _UNRATED = 0.005  # [m], where not even the height is known
-_COLOURS = ("#9ecae1", "#4292c6", "#08519c")
 _RATED = "#d95f0e"
+_MOST_LABELS = 8  # in a legend: more would hide the loops
+_WEAK = 100.0  # [N], below which forces are read in N
 
 
 def loops_figure(isolator: Isolator, *, frequency: float = 5.0) -> Figure:
@@ -27,21 +31,43 @@ def loops_figure(isolator: Isolator, *, frequency: float = 5.0) -> Figure:
         isolator: what to draw.
         frequency: of the test [Hz]; without effect on a rate-independent law.
     """
-    panels = _panels(isolator)
-    figure = Figure(figsize=(5.6 * len(panels), 4.8), layout="constrained", dpi=120)
-    figure.suptitle(isolator.name, fontsize=13, fontweight="bold")
-    for place, (title, axis, law) in enumerate(panels):
-        _draw(figure.add_subplot(1, len(panels), place + 1), isolator, title, axis, law, frequency)
+    panels = distinct_axes(isolator)
+    figure, places = _figure(isolator.name, len(panels))
+    for panel, (title, axis, law) in zip(places, panels, strict=True):
+        loops = cyclic_test(law, np.multiply(_SHARES, largest_amplitude(isolator, axis)), frequency=frequency)
+        _draw_loops(panel, loops, kilo=True)
+        _draw_ratings(panel, isolator, axis, law)
+        _dress(panel, axis, title if law.rate_independent else f"{title}, {frequency:g} Hz")
     return figure
 
 
 def save_loops(isolator: Isolator, path: str | Path, *, frequency: float = 5.0) -> None:
     """Write the picture of `loops_figure`; the file's ending says in which format."""
-    loops_figure(isolator, frequency=frequency).savefig(path)
+    _save(loops_figure(isolator, frequency=frequency), Path(path))
 
 
-def _panels(isolator: Isolator) -> list[tuple[str, str, Law]]:
-    """Return title, axis and law of each panel; roll and shear are one if they are the same in law and rating."""
+def cyclic_tests_figure(tests: Mapping[str, Sequence[Loop]], *, title: str) -> Figure:
+    """Return a figure with one panel for each test: its loops in deepening blue, as they were run or measured.
+
+    Args:
+        tests: loops by the title of their panel; one that begins with "axial" says that tension is positive.
+        title: of the figure.
+    """
+    figure, places = _figure(title, len(tests))
+    for panel, (name, loops) in zip(places, tests.items(), strict=True):
+        kilo = max(float(np.abs(loop.force).max()) for loop in loops) >= _WEAK
+        _draw_loops(panel, sorted(loops, key=lambda loop: loop.amplitude), kilo=kilo)
+        _dress(panel, name.split()[0].rstrip(","), name, unit="kN" if kilo else "N")
+    return figure
+
+
+def save_cyclic_tests(tests: Mapping[str, Sequence[Loop]], path: str | Path, *, title: str) -> None:
+    """Write the picture of `cyclic_tests_figure`; the file's ending says in which format."""
+    _save(cyclic_tests_figure(tests, title=title), Path(path))
+
+
+def distinct_axes(isolator: Isolator) -> list[tuple[str, str, Law]]:
+    """Return title, axis and law of each axis with a force; roll and shear are one if they are the same in law and rating."""
     present = [(axis, law) for axis, law in isolator.axes.items() if law is not None]
     same = isolator.roll is not None and isolator.roll == isolator.shear
     if same and isolator.rated_travel("roll") == isolator.rated_travel("shear"):
@@ -49,29 +75,60 @@ def _panels(isolator: Isolator) -> list[tuple[str, str, Law]]:
     return [(axis, axis, law) for axis, law in present]
 
 
-def _draw(panel: Any, isolator: Isolator, title: str, axis: str, law: Law, frequency: float) -> None:
-    """Draw the loops of one axis."""
-    below, above = isolator.rated_travel(axis)
-    rated = max((travel for travel in (below, above) if travel is not None), default=None)
+def largest_amplitude(isolator: Isolator, axis: str) -> float:
+    """Return the amplitude of the largest loop worth drawing [m]: the rated travel, or 5 % of the height, or 5 mm."""
+    rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
     height = isolator.geometry.height if isolator.geometry is not None else None
-    largest = rated or (_UNRATED if height is None else _UNRATED_SHARE * height)
-    for share, colour in zip(_SHARES, _COLOURS, strict=True):
-        loop = cyclic_test(law, share * largest, frequency=frequency)[0]
-        label = f"±{_tidy(1e3 * share * largest)} mm, ζ = {100.0 * loop.damping_ratio:.1f} %"
-        panel.plot(1e3 * loop.deflection, loop.force / 1e3, color=colour, lw=1.6, label=label)
-    if law.rate_independent:
-        _draw_virgin(panel, law, largest, (below, above))
-    if axis == "axial" and isolator.limits.static_load is not None and below is not None:
-        _draw_load(panel, law, isolator.limits.static_load, below)
-    panel.set_title(title if law.rate_independent else f"{title}, {frequency:g} Hz")
+    return rated or (_UNRATED if height is None else _UNRATED_SHARE * height)
+
+
+def _save(figure: Figure, path: Path) -> None:
+    """Write a picture beside its target first, then rename it, so that no half picture is ever seen."""
+    beside = path.with_name(f".{path.name}.part")
+    try:
+        figure.savefig(beside, format=path.suffix[1:])
+        os.replace(beside, path)
+    except BaseException:
+        beside.unlink(missing_ok=True)
+        raise
+
+
+def _figure(title: str, panels: int) -> tuple[Figure, list[Any]]:
+    figure = Figure(figsize=(5.6 * panels, 4.8), layout="constrained", dpi=120)
+    figure.suptitle(title, fontsize=13, fontweight="bold")
+    return figure, [figure.add_subplot(1, panels, place + 1) for place in range(panels)]
+
+
+def _draw_loops(panel: Any, loops: Sequence[Loop], *, kilo: bool) -> None:
+    """Draw loops from light to dark blue, each with its amplitude and damping ratio."""
+    shades = matplotlib.colormaps["Blues"](np.linspace(0.4, 0.95, len(loops)))
+    labelled = set(np.linspace(0, len(loops) - 1, min(len(loops), _MOST_LABELS)).round().astype(int))
+    for index, (loop, colour) in enumerate(zip(loops, shades, strict=True)):
+        label = f"±{_tidy(1e3 * loop.amplitude)} mm, ζ = {100.0 * loop.damping_ratio:.1f} %"
+        force = loop.force / 1e3 if kilo else loop.force
+        panel.plot(1e3 * loop.deflection, force, color=colour, lw=1.6, label=label if index in labelled else None)
+
+
+def _dress(panel: Any, axis: str, title: str, *, unit: str = "kN") -> None:
+    """Give a panel its title, axes, zero lines and legend."""
+    panel.set_title(title)
     panel.set_xlabel("deflection [mm], tension positive" if axis == "axial" else "deflection [mm]")
-    panel.set_ylabel("force [kN]")
-    panel.axhline(0.0, color="0.6", lw=0.6, zorder=0)
-    panel.axvline(0.0, color="0.6", lw=0.6, zorder=0)
+    panel.set_ylabel(f"force [{unit}]")
+    panel.axhline(0.0, color="0.6", lw=0.6, zorder=1)
+    panel.axvline(0.0, color="0.6", lw=0.6, zorder=1)
     panel.grid(color="0.92", zorder=0)
     panel.set_axisbelow(True)
     panel.margins(0.08)
     panel.legend(fontsize=8, loc="upper left", framealpha=0.9)
+
+
+def _draw_ratings(panel: Any, isolator: Isolator, axis: str, law: Law) -> None:
+    """Draw the first loading with the rated travel and the rated static load on it."""
+    below, above = isolator.rated_travel(axis)
+    if law.rate_independent:
+        _draw_virgin(panel, law, largest_amplitude(isolator, axis), (below, above))
+    if axis == "axial" and isolator.limits.static_load is not None and below is not None:
+        _draw_load(panel, law, isolator.limits.static_load, below)
 
 
 def _draw_virgin(panel: Any, law: Law, largest: float, rated: tuple[float | None, float | None]) -> None:
@@ -97,5 +154,5 @@ def _draw_load(panel: Any, law: Law, load: float, travel: float) -> None:
 
 
 def _tidy(value: float) -> str:
-    """Return a number to three digits without an exponent."""
-    return f"{value:.3g}"
+    """Return a number to three digits, or whole, without an exponent."""
+    return f"{value:.3g}" if value < 1000.0 else f"{value:.0f}"

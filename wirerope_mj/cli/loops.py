@@ -1,0 +1,183 @@
+"""`wirerope loops`: a cyclic test of an isolator or a law: its measures as a table, its loops as a picture and as a file."""
+
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from wirerope_mj.bench import cyclic_test, hardening_overlap, softening_to_hardening, write_cyclic_test
+from wirerope_mj.cli.isolators import check_place, describe
+from wirerope_mj.cli.tables import console
+from wirerope_mj.isolator import Isolator, find_isolator, load_isolator
+from wirerope_mj.laws import Law, Loop
+from wirerope_mj.resources import catalogue_folder
+
+_SHARES = (0.05, 0.1, 0.25, 0.5, 1.0)
+"""Default amplitudes as shares of the rated travel: enough to see where softening ends."""
+
+_COLUMNS = (
+    "amplitude\n[mm]",
+    "secant\nstiffness\n[kN/m]",
+    "energy\nper cycle\n[J]",
+    "damping\nratio\n[%]",
+    "tangent after\nlargest defl.\n[kN/m]",
+    "tangent after\nsmallest defl.\n[kN/m]",
+    "cycles\nto close",
+)
+
+
+def print_loops(
+    source: str,
+    amplitudes: Sequence[float] | None,
+    *,
+    operating_point: float,
+    axis: str | None,
+    frequency: float,
+    cycles: int | None,
+    out: Path | None,
+    csv: Path | None,
+) -> None:
+    """Test an isolator or a law cyclically, print what its loops measure, draw them, and write them if asked.
+
+    Args:
+        source: isolator of the catalogue, or the path of an isolator file or of a law file.
+        amplitudes: of the tests [m]; None: shares of the rated travel.
+        operating_point: mean deflection [m].
+        axis: the only axis to test; None: every axis with a force.
+        frequency: of the tests [Hz].
+        cycles: to run; None: until the loops close.
+        out: the picture; None: NAME-loops.png in the current folder.
+        csv: file for the loops of one axis.
+    """
+    isolator, stem, rated = _load(source, axis)
+    picture = Path(f"{stem}-loops.png") if out is None else out
+    check_place(picture)
+    laws = _chosen(isolator, axis)
+    if csv is not None:
+        _check_csv(csv, laws)
+    if amplitudes is None and not rated:
+        raise ValueError(f"{source} is a law without a rated travel: say at which `--amplitudes` [mm] to test it.")
+    for size in amplitudes or ():
+        if not 0.0 < size < math.inf:
+            raise ValueError(f"`--amplitudes` [mm] must be finite and > 0, got {1e3 * size:g}.")
+    tests = {}
+    for title, (where, law) in laws.items():
+        sizes = amplitudes if amplitudes is not None else _default_amplitudes(isolator, where)
+        tests[title] = cyclic_test(law, sizes, operating_point=operating_point, frequency=frequency, cycles=cycles)
+    _print(isolator, {title: law for title, (_, law) in laws.items()}, tests, operating_point, frequency)
+    _write(isolator, laws, tests, frequency, picture, csv)
+
+
+def _load(source: str, axis: str | None) -> tuple[Isolator, str, bool]:
+    """Return the isolator, a name for its files, and whether it may have ratings; a law file is an isolator of one axis."""
+    given = Path(source)
+    path = given if given.is_file() else find_isolator(source, beside=catalogue_folder())
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        return load_isolator(path), path.stem, True  # says what is wrong with the file
+    if "law" in content:
+        law = Isolator.from_dict({"name": path.stem, axis or "axial": content}, where=str(path))
+        return law, path.stem, False
+    return load_isolator(path), path.stem, True
+
+
+def _chosen(isolator: Isolator, axis: str | None) -> dict[str, tuple[str, Law]]:
+    """Return axis and law by title of what is tested."""
+    from wirerope_mj.plots.loops import distinct_axes
+
+    if axis is None:
+        return {title: (where, law) for title, where, law in distinct_axes(isolator)}
+    law = isolator.axes[axis]
+    if law is None:
+        present = ", ".join(name for name, other in isolator.axes.items() if other is not None)
+        raise ValueError(f"`--axis {axis}`: {isolator.name} has no force on this axis, only on {present}.")
+    return {axis: (axis, law)}
+
+
+def _check_csv(csv: Path, laws: Mapping[str, tuple[str, Law]]) -> None:
+    """Raise ValueError unless the loops can be written as `csv`."""
+    if len(laws) > 1:
+        raise ValueError(f"`--csv` holds the loops of one axis: name it with --axis; here are {', '.join(laws)}.")
+    if not csv.resolve().parent.is_dir():
+        raise ValueError(f"`--csv`: there is no folder {str(csv.resolve().parent)!r}.")
+
+
+def _default_amplitudes(isolator: Isolator, axis: str) -> list[float]:
+    from wirerope_mj.plots.loops import largest_amplitude
+
+    return [share * largest_amplitude(isolator, axis) for share in _SHARES]
+
+
+def _print(
+    isolator: Isolator,
+    laws: Mapping[str, Law],
+    tests: Mapping[str, list[Loop]],
+    operating_point: float,
+    frequency: float,
+) -> None:
+    """Print parameters, measures of every loop, and those of all loops of an axis."""
+    screen = console()
+    about = "" if operating_point == 0.0 else f", about {1e3 * operating_point:.4g} mm"
+    rate = "" if all(law.rate_independent for law in laws.values()) else f", at {frequency:g} Hz"
+    screen.print(f"[bold]{escape(isolator.name)}[/]{about}{rate}")
+    for title, law in laws.items():
+        screen.print(f"  {title}: {escape(describe(law))}")
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("axis")
+    for name in _COLUMNS:
+        table.add_column(escape(name), justify="right")
+    for title, loops in tests.items():
+        for loop in loops:
+            table.add_row(title, *_row(loop, laws[title]))
+    screen.print(table)
+    for title, loops in tests.items():
+        for sentence in _sentences(loops):
+            screen.print(f"  {title}: {sentence}", soft_wrap=True)
+
+
+def _row(loop: Loop, law: Law) -> list[str]:
+    """Return a loop's measures in words; a rate-dependent force turns round smoothly and has no tangent to state."""
+    values = (1e3 * loop.amplitude, loop.secant_stiffness / 1e3, loop.dissipated_energy, 100.0 * loop.damping_ratio)
+    tangents = [f"{slope / 1e3:.4g}" if law.rate_independent else "-" for slope in loop.tangents_at_reversal]
+    closed = f"{loop.cycles}" if loop.closure <= 1e-10 else f"{loop.cycles}, open by {loop.closure:.1g}"
+    return [*[f"{value:.4g}" for value in values], *tangents, closed]
+
+
+def _sentences(loops: Sequence[Loop]) -> list[str]:
+    """Return what the loops of an axis show together, as far as their number allows."""
+    sentences = []
+    amplitudes = {loop.amplitude for loop in loops}
+    if len(amplitudes) >= 2 and max(loop.damping_ratio for loop in loops) > 1e-9:
+        overlap = hardening_overlap(loops)
+        sentences.append(f"hardening overlap {overlap:.3f} (0: all amplitudes load along one path in tension)")
+    if len(amplitudes) >= 3:
+        sentences.append(softening_to_hardening(loops).message)
+    return sentences
+
+
+def _write(
+    isolator: Isolator,
+    laws: Mapping[str, tuple[str, Law]],
+    tests: Mapping[str, list[Loop]],
+    frequency: float,
+    picture: Path,
+    csv: Path | None,
+) -> None:
+    """Write picture and file and say where they are."""
+    from wirerope_mj.plots.loops import save_cyclic_tests
+
+    titled = {
+        title if law.rate_independent else f"{title}, {frequency:g} Hz": tests[title]
+        for title, (_, law) in laws.items()
+    }
+    save_cyclic_tests(titled, picture, title=isolator.name)
+    screen = console()
+    screen.print(f"written: {escape(str(picture))}", soft_wrap=True)
+    if csv is not None:
+        write_cyclic_test(next(iter(tests.values())), csv, frequency=frequency)
+        screen.print(f"written: {escape(str(csv))}", soft_wrap=True)
