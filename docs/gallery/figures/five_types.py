@@ -53,7 +53,7 @@ TYPES = (
         condition="β + γ > 0 and β − γ < 0",
         behaviour="softening, unloading flatter than α",
         reads="Loading softens to {loading:.3f} N/m, and unloading begins at {unloading:.3f} N/m, below α = 1 N/m: the "
-        "loop is slender, and it bulges where the force passes through zero. "
+        "loop is slender, and steepest where the force passes through zero. "
         "The signs alone would admit β < 0 here; such a loop would generate energy, and the library refuses it.",
     ),
     LoopType(

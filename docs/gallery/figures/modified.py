@@ -166,8 +166,8 @@ def _force(n: Mapping[str, float]) -> Figure:
         "compression.",
         shown=f"z + F₁ ends at ±{n['tip_plain']:.1f} N, F = F₂ (z + F₁) at {n['tip_tension']:.1f} N in tension and "
         f"{written(n['tip_compression'], '.1f')} N in compression, {ratio:.2f} times less: that is F₂(4 mm)/F₂(−4 mm). On "
-        f"first loading the tangent grows from {n['tangent_2'] / 1e3:.0f} to {n['tangent_4'] / 1e3:.0f} kN/m between 2 and 4 mm "
-        f"of tension and falls from {n['tangent_-2'] / 1e3:.0f} to {n['tangent_-4'] / 1e3:.0f} kN/m between 2 and 4 mm of "
+        f"first loading the tangent grows from {n['tangent_2'] / 1e3:.0f} to {n['tangent_4'] / 1e3:.0f} kN/m between 2 and "
+        f"4 mm of tension and falls from {n['tangent_-2'] / 1e3:.0f} to {n['tangent_-4'] / 1e3:.0f} kN/m between 2 and 4 mm of "
         f"compression. The area changes from {n['area_plain']:.3f} to {n['area']:.3f} J, since F₂ widens the loop in "
         "tension by more than it narrows it in compression.",
         parameters=SAME,

@@ -201,7 +201,9 @@ def measure_alpha_and_n() -> dict[str, float]:
     for n in (*EXPONENTS, STEEPEST):
         numbers[f"bound_{n:g}"] = wr.BoucWen(alpha=1.0, beta=0.5, gamma=-0.4, n=n).z_max
         numbers[f"width_{n:g}"] = transition_width(n)
-        numbers[f"n_area_{n:g}"] = loop(n=n, beta=0.5, gamma=-0.4).dissipated_energy
+        one = loop(n=n, beta=0.5, gamma=-0.4)
+        numbers[f"n_area_{n:g}"] = one.dissipated_energy
+        numbers[f"unloading_{n:g}"] = one.tangents_at_reversal.after_largest
     # Elastic up to z_max and plastic beyond: a parallelogram of height 2 z_max and length 2 (A - x_y), here x_y = z_max.
     bound = numbers[f"bound_{STEEPEST:g}"]
     return numbers | {"ideal_area": 4.0 * bound * (AMPLITUDE - bound)}
@@ -224,8 +226,8 @@ def _alpha_and_n() -> Figure:
         f"z_max = (α/(β+γ))^(1/n) is {n['bound_1']:.3g}, {n['bound_2']:.3g}, {n['bound_10']:.3g} and "
         f"{n[f'bound_{STEEPEST:g}']:.3g} N for n = 1, 2, 10 and {STEEPEST:g}. The thesis puts its limit at one: that is 1 in "
         "the unit of z, one newton here and one kilonewton in kN, so n must not be varied without looking at the units. "
-        "The steep start of unloading at n = 2 and 10 belongs to this β and γ: near the bound its slope is "
-        "2αβ/(β+γ) = 10 α.",
+        "The steep start of unloading at n = 2 and 10 belongs to this β and γ: at the bound its slope is "
+        f"2αβ/(β+γ) = 10 α, and it is {n['unloading_10']:.2f} N/m at n = 10.",
         parameters="β = 0.5 and γ = −0.4 as in the thesis, n = 1 in (a, b) and α = 1 N/m in (c, d). The values that vary, "
         "and the amplitude of 2 m, are our own.",
         numbers=n,

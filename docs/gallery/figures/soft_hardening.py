@@ -27,6 +27,7 @@ SYMMETRIC = wr.SymmetricBoucWen(alpha=2e5, beta=1200.0, gamma=300.0, n=1.0, k1=5
 LOOPS = (0.5e-3, 1.5e-3, 2.5e-3, 4e-3)  # [m]
 SECANTS = np.linspace(0.05e-3, 5e-3, 67)  # [m]
 OVERLAP = (1e-3, 2e-3, 3e-3, 4e-3)  # [m]
+HARDENING_STIFFNESS = 1e5  # [N/m] of figure 3.9; with n = 1 it scales the force and does not touch the overlap
 MM = 1e3
 
 # beta and gamma [1/mm] of the five types, and a sixth that hardens first and softens then.
@@ -72,8 +73,9 @@ def _soft_hardening() -> Figure:
         shown=f"The secant stiffness of Ni's symmetric law falls from {n['first_stiffness'] / 1e3:.0f} kN/m at "
         f"{MM * SECANTS[0]:g} mm to {n['least_stiffness'] / 1e3:.1f} kN/m at {MM * n['least_amplitude']:.2f} mm and rises "
         f"to {n['last_stiffness'] / 1e3:.0f} kN/m at {MM * SECANTS[-1]:g} mm. {n['plain_found']:.0f} of the "
-        f"{len(PLAIN)} Bouc-Wen laws beside it have such a minimum; the one with γ = −0.2 1/mm hardens first and softens then. None can "
-        "have it: 1/K is a convex function of the n-th power of the peak force, so K may have a maximum but no minimum.",
+        f"{len(PLAIN)} Bouc-Wen laws beside it have such a minimum; the one with γ = −0.2 1/mm hardens first and softens "
+        "then. None can have it: 1/K is a convex function of the n-th power of the peak force, so K may have a maximum "
+        "but no minimum.",
         parameters="Our own: α = 200 kN/m, β = 1200 1/m, γ = 300 1/m, n = 1, k₁ = 50 kN/m, k₂ = 0, k₃ = 4 GN/m³, those of a "
         "small isolator in shear or roll. The Bouc-Wen laws have n = 1 and begin as stiff as it.",
         numbers=n,
@@ -124,11 +126,12 @@ def _relative_secants(law: wr.BoucWen | wr.SymmetricBoucWen) -> tuple[npt.NDArra
 
 def overlap_loops() -> tuple[list[wr.Loop], list[wr.Loop]]:
     """Return the loops of Ni's asymmetric law and those of the hardening Bouc-Wen law of figure 3.4, at half the amplitudes."""
-    hardening = wr.BoucWen(alpha=LAW_4_STIFFNESS, beta=800.0, gamma=-1000.0, n=1.0)
-    return wr.cyclic_test(modified.LAW, OVERLAP), wr.cyclic_test(hardening, np.array(OVERLAP) / 2.0)
-
-
-LAW_4_STIFFNESS = 1e5  # [N/m]; with n = 1 it scales the force and does not touch the overlap
+    hardening = wr.BoucWen(alpha=HARDENING_STIFFNESS, beta=800.0, gamma=-1000.0, n=1.0)
+    # Fine enough for the straight lines between samples to be 1e-4 of the gaps between the paths.
+    return (
+        wr.cyclic_test(modified.LAW, OVERLAP, points_per_cycle=2000),
+        wr.cyclic_test(hardening, np.array(OVERLAP) / 2.0, points_per_cycle=2000),
+    )
 
 
 def loading_gap(smaller: wr.Loop, larger: wr.Loop, x: float) -> float:
