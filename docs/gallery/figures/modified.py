@@ -115,7 +115,7 @@ def _draw_parts() -> Picture:
             label = r"$\pm z_{max}$" if side > 0.0 else None
             panel.axhline(side * LAW.z_max, color=GUIDE, ls=":", lw=1.3, label=label)
     inscribe(over_x, "over deflection", "deflection x [mm], tension positive", "z, F₁ [N]")
-    inscribe(over_t, "over time, x = 4 sin t", "time t [s]", "z, F₁ [N]")
+    inscribe(over_t, "over time, x = 4 sin t mm", "time t [s]", "z, F₁ [N]")
     explain(over_x)
     over_t.set_ylim(top=1.35 * over_t.get_ylim()[1])
     explain(over_t, place="upper center", columns=3)
@@ -152,7 +152,7 @@ def _draw_modulation() -> Picture:
         panel.axhline(1.0, color=GUIDE, ls=":", lw=1.3)
         panel.set_ylim(0.0, 2.0)
     inscribe(over_x, "over deflection", "deflection x [mm], tension positive", "F₂ [-]")
-    inscribe(over_t, "over time, x = 4 sin t", "time t [s]", "F₂ [-]")
+    inscribe(over_t, "over time, x = 4 sin t mm", "time t [s]", "F₂ [-]")
     return picture
 
 
