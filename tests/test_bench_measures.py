@@ -76,20 +76,28 @@ def test_tangents_survive_noise_of_a_thousandth(beta, gamma, n, points):
         measured([loop], seed=seed, points_per_cycle=points, **noise)[0].tangents_at_reversal for seed in range(20)
     ]
     after = table_3_2(law, loop.hysteretic_state.max())[1]
-    # Scatter of a fit that sees some tens of samples: a few percent each, under 3 % in the mean of 40.
-    np.testing.assert_allclose(noisy, after, rtol=0.15)
-    assert np.mean(noisy) == pytest.approx(after, rel=0.03)
+    # 1 to 2 % of scatter as `tangent_at_start` states it, five of them; the mean of 40 has what the cubic misses.
+    np.testing.assert_allclose(noisy, after, rtol=0.1)
+    assert np.mean(noisy) == pytest.approx(after, rel=0.015)
+
+
+def test_dense_samples_closer_than_their_own_noise_do_not_flatten_the_tangent():
+    loop = cyclic_test(BoucWen(alpha=1.0, beta=0.8, gamma=-1.0, n=1, k=0.3), 2.0, points_per_cycle=4000)[0]
+    noisy = measured([loop] * 10, seed=1, points_per_cycle=4000, deflection_noise=0.02)
+    # A fit within the noise sees no slope at all: off by 100 %. One that is not sees 1 % of noise with 4000 samples.
+    tangents = [one.tangents_at_reversal for one in noisy]
+    np.testing.assert_allclose(tangents, loop.tangents_at_reversal.after_largest, rtol=0.1)
 
 
 def test_slope_jump_of_a_noisy_loop_recovers_beta():
     law = BoucWen(alpha=1.0, beta=0.8, gamma=0.2, n=1)
     loop = cyclic_test(law, 1.0)[0]
-    jumps = [
+    noisy = [
         measured([loop], seed=seed, points_per_cycle=400, force_noise=1e-3, deflection_noise=1e-3)[0]
         for seed in range(20)
     ]
-    beta = np.mean([one.slope_jumps_at_reversal for one in jumps]) / (2.0 * loop.force.max())
-    assert beta == pytest.approx(0.8, rel=0.03)  # two tangents, a percent each
+    beta = np.mean([one.slope_jumps_at_reversal for one in noisy]) / (2.0 * loop.force.max())
+    assert beta == pytest.approx(0.8, rel=0.02)  # two tangents, a percent each
 
 
 def test_overlap_of_dry_friction_is_its_closed_form():
@@ -140,9 +148,10 @@ def test_overlap_is_measured_about_the_operating_point():
 
 def test_noise_adds_little_to_the_overlap():
     loops = cyclic_test(NI, [2e-3, 3e-3, 4e-3])
-    noisy = measured(loops, seed=3, points_per_cycle=400, force_noise=2.0, deflection_noise=2e-6)
-    # 2 N in a loop 200 N thick, averaged over the ten samples or so of a bin: 0.003, and 1.1 times that as a mean size.
-    assert abs(hardening_overlap(noisy) - hardening_overlap(loops)) < 0.015
+    noisy = [measured(loops, seed=seed, force_noise=5.0, points_per_cycle=400) for seed in range(8)]
+    excess = np.mean([hardening_overlap(one) for one in noisy]) - hardening_overlap(loops)
+    # 5 N in loops some 200 N thick: 0.8 5 sqrt(2) / 200 = 0.028 sample by sample, less than half of it in bins.
+    assert 0.0 < excess < 0.016
 
 
 def test_loops_without_area_or_of_one_amplitude_have_no_overlap():

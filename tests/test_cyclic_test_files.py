@@ -120,6 +120,8 @@ def test_a_cycle_that_lacks_its_last_sample_is_closed(tmp_path, turn):
     (loop,) = wr.read_cyclic_test(write(tmp_path, *lines))
     assert loop.deflection.size == 13
     assert loop.deflection[-1] == loop.deflection[0]
+    force = [float(line.split(",")[3]) for line in lines]
+    assert loop.closure == pytest.approx(abs(force[-1] - force[0]) / np.ptp(force), rel=1e-9)  # as the file ended
     area = np.pi * np.sin(0.3) * np.sin(np.pi / 6) / (np.pi / 6)
     assert loop.dissipated_energy == pytest.approx(area, rel=1e-5)  # six decimals in the file
 
