@@ -97,7 +97,8 @@ def _draw_pair() -> Picture:
             loops.plot(one.deflection, one.force, style, color=colour, lw=1.6, label=label)
         show_direction(loops, one.deflection, one.force, colour, at=(0.08, 0.58) if style == "-" else ())
     inscribe(loops, "loops of ±1 m and ±2 m", "deflection x [m]", "hysteretic force z [N]")
-    explain(loops, place="lower right")
+    loops.set_ylim(top=1.35)  # room for the legend above the largest loop
+    explain(loops)
     force, area = pair_differences()
     differences.plot(PAIR_AMPLITUDES, 100.0 * area, color=COLOURS[3], lw=1.6, label="loop area")
     differences.plot(PAIR_AMPLITUDES, 100.0 * force, color=COLOURS[2], lw=1.6, label="peak force")
