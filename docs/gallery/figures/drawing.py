@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure as Picture
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 BLUES = ("#9ecae1", "#4292c6", "#2171b5", "#08306b")
 """Growing amplitudes."""
@@ -20,8 +21,7 @@ _DPI = 110
 
 def canvas(columns: int, *, rows: int = 1, height: float = 3.7) -> tuple[Picture, list[Any]]:
     """Return a picture of `rows` x `columns` panels, each row `height` inches high, and its panels."""
-    picture = Picture(figsize=(_WIDTH, rows * height), layout="constrained", dpi=_DPI)
-    picture.get_layout_engine().set(w_pad=0.06, h_pad=0.06)
+    picture = Picture(figsize=(_WIDTH, rows * height), layout=ConstrainedLayoutEngine(w_pad=0.06, h_pad=0.06), dpi=_DPI)
     panels = [picture.add_subplot(rows, columns, place + 1) for place in range(rows * columns)]
     for panel in panels:
         panel.grid(color="0.92")

@@ -161,14 +161,15 @@ def _draw_slopes(panel: Any, kind: LoopType, numbers: Mapping[str, float]) -> No
         z, slope = slopes_over_force(largest, rising=rising)
         panel.plot(z, slope, color=colour, lw=1.6, label=name)
         sign = 1.0 if rising else -1.0
-        show_direction(panel, z, slope, colour, at=np.searchsorted(sign * z, [-0.5 * peak, 0.6 * peak]) / z.size)
+        heads = np.searchsorted(sign * z, [-0.5 * peak, 0.6 * peak]) / z.size
+        show_direction(panel, z, slope, colour, at=heads.tolist())
         top = max(top, float(slope.max()))
     panel.axhline(kind.law.alpha, color=GUIDE, ls=":", lw=1.2, label="α")
     for side in (-1.0, 1.0):
         panel.plot([side * peak] * 2, [numbers["loading"], numbers["unloading"]], "--", color=GUIDE, lw=1.2)
     middle = (numbers["loading"] + numbers["unloading"]) / 2.0
-    beside = {"xytext": (4, 0), "textcoords": "offset points", "ha": "left", "va": "center", "rotation": 90}
-    note(panel, f"2β|z| = {numbers['jump']:.2f}", (peak, middle), **beside)
+    jump = f"2β|z| = {numbers['jump']:.2f}"
+    note(panel, jump, (peak, middle), xytext=(4, 0), textcoords="offset points", va="center", rotation=90)
     inscribe(panel, f"tangent over force, ±{numbers['amplitude']:g} m", "hysteretic force z [N]", "dz/dx [N/m]")
     panel.set_xlim(-1.25 * peak, 1.25 * peak)
     panel.set_ylim(0.0, 1.22 * top)
