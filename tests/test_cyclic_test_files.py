@@ -101,6 +101,13 @@ def test_comments_units_other_words_and_other_columns_are_understood(tmp_path):
     assert loop.dissipated_energy == pytest.approx(area, rel=1e-12)
 
 
+def test_quoted_cells_and_an_empty_last_column_are_understood(tmp_path):
+    lines = ["\t".join(f'"{cell}"' for cell in row.split(",")) + "\t" for row in rows()]
+    header = '"loop"\t"time [s]"\t"deflection [mm]"\t"force [kN]"\tremark'
+    (loop,) = wr.read_cyclic_test(write(tmp_path, *lines, header=header))
+    assert loop.deflection.max() == pytest.approx(1e-3, rel=1e-12)
+
+
 def test_rows_of_one_amplitude_are_a_loop(tmp_path):
     lines = rows("1.0") + rows("2.0", scale=2.0)
     loops = wr.read_cyclic_test(write(tmp_path, *lines, header="amplitude [mm],time [s],deflection [mm],force [kN]"))

@@ -75,8 +75,8 @@ def _lines(path: Path) -> list[tuple[int, str]]:
         raise RecordError(f"{path}: no such file. A cyclic test is a CSV file with the columns {_EXAMPLE}.") from None
     except OSError as error:
         raise RecordError(f"{path}: cannot be read ({error.strerror}).") from None
-    rows = [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1)]
-    said = [(number, line) for number, line in rows if line and not line.startswith("#")]
+    rows = enumerate(text.splitlines(), start=1)
+    said = [(number, line) for number, line in rows if line.strip() and not line.lstrip().startswith("#")]
     if not said:
         raise RecordError(f"{path}: the file is empty. Expected a header such as {_EXAMPLE} and rows of numbers.")
     return said
@@ -146,10 +146,10 @@ def _rows(header: Header, lines: list[tuple[int, str]]) -> Iterator[tuple[int, s
         where = f"{header.path}, line {number}"
         if "[" in text:
             raise RecordError(
-                f'{where}: "{text}" looks like a second header after that in line {header.line}. '
+                f'{where}: "{text.strip()}" looks like a second header after that in line {header.line}. '
                 "A file has one header and one unit for each quantity: convert the rows, or use two files."
             )
-        cells = [cell.strip() for cell in text.split(header.delimiter)]
+        cells = [cell.strip().strip('"').strip() for cell in text.split(header.delimiter)]
         if len(cells) != len(header.names):
             hint = " Decimals are written with a point." if len(cells) == 2 * len(header.names) else ""
             raise RecordError(f"{where}: {len(cells)} cells where the header has {len(header.names)} columns.{hint}")
