@@ -4,6 +4,7 @@ import copy
 import math
 import os
 import tomllib
+from dataclasses import replace
 
 import pytest
 import tomli_w
@@ -106,7 +107,7 @@ def test_rated_travel_is_given_below_and_above_zero():
 WRONG = [
     ("name", None, r"f\.toml: `name` is missing"),
     ("name", 3, r"f\.toml: `name` must be a string"),
-    ("colour", "red", r"f\.toml: `colour` is not known; the file takes name, roll, shear, axial, limits"),
+    ("colour", "red", r"f\.toml: `colour` is not known; the file takes name, coupling, roll, shear, axial"),
     ("axial", 3, r"f\.toml: \[axial\] must be a table, got 3"),
     ("axial/law", None, r"\[axial\] `law` is missing; the laws are .*bouc-wen, .*kelvin-voigt, .*ozdemir"),
     ("axial/law", "hooke", r"\[axial\] there is no law 'hooke'; the laws are asymmetric-bouc-wen, bouc-wen"),
@@ -161,16 +162,58 @@ def test_law_that_blows_up_within_the_rated_travel_is_refused():
     axial = {"law": "bouc-wen", "alpha": 1, "beta": 0.8, "gamma": -1.8, "n": 2}
     content = {"name": "a", "axial": axial, "limits": {"travel": {"compression": 1.5, "tension": 1.6}}}
     with pytest.raises(
-        ModelError, match=r"\[axial\].*infinite at a deflection of 1\.5708 m, inside the rated travel of 1\.6 m"
+        ModelError, match=r"\[axial\] bouc-wen holds up to a deflection of 1\.5708 m.*infinite.*rated travel of 1\.6 m"
     ):
         Isolator.from_dict(content, where="f.toml")
     content["limits"]["travel"]["tension"] = 1.5
     assert Isolator.from_dict(content).axial.finite_travel == pytest.approx(math.pi / 2.0)
+    del content["limits"]["travel"]["tension"]
+    with pytest.raises(ModelError, match=r"up to a deflection of 1\.5708 m.*needs a rated travel on both sides"):
+        Isolator.from_dict(content)
 
 
-def test_coupling_between_axes_is_not_taken_silently():
-    with pytest.raises(ValueError, match="`coupling` must be None"):
-        Isolator(name="a", axial=KelvinVoigt(k=1, c=0), coupling={"roll": "shear"})
+COUPLED = BoucWen(alpha=2e4, beta=70.0, gamma=30.0, n=1.0, k=5e3)
+
+
+def test_coupling_is_saved_and_loaded(tmp_path):
+    isolator = Isolator(name="a", roll=COUPLED, shear=COUPLED, coupling="biaxial")
+    isolator.save(tmp_path / "a.toml")
+    assert load_isolator(tmp_path / "a.toml") == isolator
+    assert isolator.coupled.roll == COUPLED
+    assert Isolator(name="a", roll=COUPLED, shear=COUPLED).coupled is None
+
+
+@pytest.mark.parametrize(
+    ("laws", "coupling", "words"),
+    [
+        ({"axial": KelvinVoigt(k=1, c=0)}, {"roll": "shear"}, r"`coupling` must be 'biaxial' or None"),
+        ({"roll": COUPLED}, "biaxial", "needs a law on both axes"),
+        ({"roll": COUPLED, "shear": KelvinVoigt(k=1, c=0)}, "biaxial", "`shear` must be a Bouc-Wen law"),
+        (
+            {"roll": COUPLED, "shear": replace(COUPLED, n=2.0)},
+            "biaxial",
+            "must have the same n to be coupled, got 1 and 2",
+        ),
+        (
+            {"roll": COUPLED, "shear": replace(COUPLED, beta=80.0)},
+            "biaxial",
+            r"must have the same sigma .*got 0\.7 and",
+        ),
+        (
+            {"roll": COUPLED, "shear": replace(COUPLED, gamma=-70.0)},
+            "biaxial",
+            r"`shear` must have `beta` \+ `gamma` > 0",
+        ),
+        (
+            {"roll": replace(COUPLED, beta=30.0, gamma=70.0), "shear": replace(COUPLED, beta=60.0, gamma=140.0)},
+            "biaxial",
+            "must have the same z_max.* not be passive",
+        ),
+    ],
+)
+def test_coupling_that_cannot_be_is_refused(laws, coupling, words):
+    with pytest.raises(ValueError, match=words):
+        Isolator(name="a", coupling=coupling, **laws)
 
 
 def test_what_is_not_a_law_is_refused():

@@ -1,5 +1,6 @@
 """The isolator itself."""
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -61,12 +62,14 @@ class Isolator:
     def _require_travel(self) -> None:
         """Raise ValueError if a law does not hold as far as its axis' rated travel."""
         for axis, law in self.axes.items():
-            rated = max((travel for travel in self.rated_travel(axis) if travel is not None), default=0.0)
-            if law is not None and law.finite_travel <= rated:
-                raise ValueError(
-                    f"[{axis}] {law.name} holds up to a deflection of {law.finite_travel:.6g} m, where {law.travel_rule}; "
-                    f"that is inside the rated travel of {rated:.6g} m."
-                )
+            if law is None or law.finite_travel == math.inf:
+                continue
+            ends = f"[{axis}] {law.name} holds up to a deflection of {law.finite_travel:.6g} m, where {law.travel_rule}"
+            for rated in self.rated_travel(axis):
+                if rated is None:
+                    raise ValueError(f"{ends}: such a law needs a rated travel on both sides, less than that.")
+                if law.finite_travel <= rated:
+                    raise ValueError(f"{ends}; that is inside the rated travel of {rated:.6g} m.")
 
     @property
     def axes(self) -> dict[str, Law | None]:

@@ -58,7 +58,7 @@ def integrate(law, p, i, cubic, length, z, j, n_states, slopes, trial):
     `cubic` holds the coefficients from the constant upwards; `slopes` (7, n_states + 1) and `trial` (n_states + 1,) are
     scratch arrays. Returns NaN if the state leaves the finite numbers.
     """
-    work, done, step, landing = 0.0, 0.0, length, 0
+    work, power, done, step, landing = 0.0, 0.0, 0.0, length, 0
     while done < length:
         step = min(step, length - done)
         for stage in range(7):
@@ -72,10 +72,10 @@ def integrate(law, p, i, cubic, length, z, j, n_states, slopes, trial):
             x = cubic[0] + t * (cubic[1] + t * (cubic[2] + t * cubic[3]))
             v = cubic[1] + t * (2.0 * cubic[2] + t * 3.0 * cubic[3])
             slopes[stage, n_states] = v * evaluate(law, p, i, x, v, trial, 0, slopes[stage], 0)
-        error, gain, power = 0.0, 0.0, 0.0
+        error, gain = 0.0, 0.0
         for stage in range(7):
             gain += _A[6, stage] * slopes[stage, n_states] if stage < 6 else 0.0
-            power = max(power, abs(slopes[stage, n_states]))
+            power = max(power, abs(slopes[stage, n_states]))  # of the segment: where the force is zero, rounding is not
         for c in range(n_states + 1):
             difference = 0.0
             for stage in range(7):

@@ -17,6 +17,9 @@ Array = npt.NDArray[np.float64]
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
+_NEAR = 0.8
+"""Share of a law's finite travel from which on a step that fails is put down to it."""
+
 
 class Stepper:
     """A copy of a system's model with its data, taken from piece to piece of a grid."""
@@ -83,10 +86,11 @@ class Stepper:
         for piece in pieces:
             self.begin(piece)
             for _ in range(int(self.grid.steps[piece.number])):
+                deflections = self._deflections()
                 mujoco.mj_step(self.model, self.data)
                 for kind, warning in enumerate(self.data.warning):
                     if warning.number:
-                        raise SimulationError(self._words(mujoco.mjtWarning(kind).name))
+                        raise SimulationError(self._words(mujoco.mjtWarning(kind).name) + self._beyond(deflections))
         raise SimulationError("MuJoCo reported a warning in the last forward pass; use a smaller `timestep`.")
 
     def _words(self, warning: str) -> str:
@@ -94,6 +98,22 @@ class Stepper:
         acceleration = np.nan_to_num(np.abs(self.data.qacc), nan=np.inf, posinf=np.inf)
         body = self.model.body(self.model.dof_bodyid[int(np.argmax(acceleration))]).name
         return f"at t = {self.data.time:.6g} s MuJoCo reported {warning.removeprefix('mjWARN_')} for body {body!r}: {remedy}."
+
+    def _deflections(self) -> Array:
+        """Return the deflections of the last forward pass, (n_mounts, 3)."""
+        first, n_mounts = self.system.assembly.tables.user.mounts, len(self.system.mounts)
+        return self.user[first : first + 6 * n_mounts].reshape(n_mounts, 6)[:, :3].copy()
+
+    def _beyond(self, deflections: Array) -> str:
+        """Return words for a mount that was near or beyond the end of its law, "" if there is none."""
+        for (name, mount), row in zip(self.system.mounts.items(), deflections, strict=True):
+            for (axis, law), deflection in zip(mount.isolator.axes.items(), row, strict=True):
+                if law is not None and abs(deflection) > _NEAR * law.finite_travel:
+                    return (
+                        f" Mount {name!r} stood at {deflection:.4g} m on its {axis} axis, whose law holds up to "
+                        f"{law.finite_travel:.4g} m, where {law.travel_rule}."
+                    )
+        return ""
 
 
 def velocity_jump(motion: BaseMotion, time: float) -> Array:
