@@ -90,7 +90,8 @@ STRATEGIES = {
     ),
     "zener": _laws("zener", k0=positive, k1=positive, c=positive),
     "vaiana-rosati": _laws(
-        "vaiana-rosati", kb=small, f0=positive, alpha=positive, b1=small, b2=small, g1=small, g2=small, g3=st.just(0.0)
+        "vaiana-rosati", kb=small, f0=positive, alpha=positive, b1=small, b2=small, g1=small, g2=small,
+        f0_minus=st.none() | positive, alpha_minus=st.none() | positive,
     ),
     "bouc-wen-baber-noori": _laws(
         "bouc-wen-baber-noori", alpha=st.floats(2.0, 5.0), beta=st.floats(0.3, 2.0), gamma=st.floats(-0.2, 1.0),
@@ -100,13 +101,6 @@ STRATEGIES = {
     ),
 }  # fmt: skip
 
-MIRRORED = {
-    "asymmetric-bouc-wen": lambda law: replace(law, c=-law.c),
-    "tinker-cutchins": lambda law: replace(law, k2=-law.k2),
-    "equivalent-viscous": lambda law: replace(law, k2=-law.k2),
-}
-"""The law that answers the mirrored path with the mirrored force; a law that is not named here is odd itself."""
-
 SLOWED = {
     "kelvin-voigt": lambda law, s: replace(law, c=law.c * s),
     "zener": lambda law, s: replace(law, c=law.c * s),
@@ -115,7 +109,30 @@ SLOWED = {
 }
 """The law that draws, s times slower, the loop of `law`: the stated rate dependence. The others do not know the rate."""
 
-turning_points = st.lists(st.floats(-3.0, 3.0), min_size=2, max_size=10)
+
+def _swapped(law):
+    """Return Vaiana and Rosati's law with the curves of both directions exchanged and turned about the origin."""
+    both = [(name, f"{name}_minus") for name in ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")]
+    turned = {"b1", "b2", "g3"}
+    swap = {a: getattr(law, b) * (-1.0 if a in turned else 1.0) for a, b in both}
+    return replace(law, **swap, **{b: getattr(law, a) * (-1.0 if a in turned else 1.0) for a, b in both})
+
+
+MIRRORED = {
+    "asymmetric-bouc-wen": lambda law: replace(law, c=-law.c),
+    "tinker-cutchins": lambda law: replace(law, k2=-law.k2),
+    "equivalent-viscous": lambda law: replace(law, k2=-law.k2),
+    "vaiana-rosati": _swapped,
+}
+"""The law that answers the mirrored path with the mirrored force; a law that is not named here is odd itself."""
+
+
+def passive(law):
+    """Return whether no path from the unloaded state should gain work: only Vaiana and Rosati's law claims less."""
+    return law.name != "vaiana-rosati" or (law.f0, law.alpha) == (law.f0_minus, law.alpha_minus)
+
+
+turning_points = st.lists(st.floats(-3.0, 3.0).filter(lambda v: abs(v) > 0.05), min_size=2, max_size=10)
 
 
 def path_through(points, *, per_segment):

@@ -13,6 +13,9 @@ from wirerope_mj.laws import Law
 from wirerope_mj.resources import catalogue_folder
 
 _SHARES = (0.25, 0.5, 1.0)
+_FREQUENCY = 5.0
+"""Of the tests [Hz], table and picture alike; without effect on a rate-independent law."""
+
 _UNRATED = 0.002
 """Deflection at which an axis without rated travel is measured [m]: small for every mount."""
 
@@ -58,7 +61,7 @@ def print_isolator(name: str, out: Path | None) -> None:
     if out is not None:
         from wirerope_mj.plots.loops import save_loops
 
-        save_loops(isolator, out)
+        save_loops(isolator, out, frequency=_FREQUENCY)
         screen.print(f"written: {out}", soft_wrap=True)
 
 
@@ -81,7 +84,7 @@ def _measures(isolator: Isolator) -> Table:
         rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
         for share in _SHARES:
             amplitude = share * (rated or _UNRATED)
-            loop = cyclic_test(law, amplitude)[0]
+            loop = cyclic_test(law, amplitude, frequency=_FREQUENCY)[0]
             values = (1e-3 * loop.secant_stiffness, loop.dissipated_energy, 100.0 * loop.damping_ratio)
             part = "-" if rated is None else f"{100 * share:.0f}"
             table.add_row(axis, f"{1e3 * amplitude:.3g}", part, *[f"{value:.4g}" for value in values])

@@ -4,6 +4,7 @@ import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from rich import box
 from rich.markup import escape
@@ -12,8 +13,8 @@ from rich.table import Table
 from wirerope_mj.bench import cyclic_test, hardening_overlap, softening_to_hardening, write_cyclic_test
 from wirerope_mj.cli.isolators import check_place, describe
 from wirerope_mj.cli.tables import console
-from wirerope_mj.isolator import Isolator, find_isolator, load_isolator
-from wirerope_mj.laws import Law, Loop
+from wirerope_mj.isolator import Isolator, find_isolator, load_isolator, read_law
+from wirerope_mj.laws import Hysteresis, Law, Loop
 from wirerope_mj.resources import catalogue_folder
 
 _SHARES = (0.05, 0.1, 0.25, 0.5, 1.0)
@@ -81,8 +82,9 @@ def _load(source: str, axis: str | None) -> tuple[Isolator, str, bool]:
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
         return load_isolator(path), path.stem, True  # says what is wrong with the file
     if "law" in content:
-        law = Isolator.from_dict({"name": path.stem, axis or "axial": content}, where=str(path))
-        return law, path.stem, False
+        law = read_law(content, f"{path}:")
+        axes: dict[str, Any] = {axis or "axial": law}
+        return Isolator(name=path.stem, **axes), path.stem, False
     return load_isolator(path), path.stem, True
 
 
@@ -127,6 +129,12 @@ def _print(
     screen.print(f"[bold]{escape(isolator.name)}[/]{about}{rate}")
     for title, law in laws.items():
         screen.print(f"  {title}: {escape(describe(law))}")
+        if isinstance(law, Hysteresis) and law.z_max < math.inf:
+            form = law.normalised
+            words = (
+                f"z_max = {form.z_max:.6g} N, x_y = {1e3 * form.x_y:.6g} mm, sigma = {form.sigma:.6g}, n = {form.n:.6g}"
+            )
+            screen.print(f"  {title}, normalised: {words}")
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("axis")
     for name in _COLUMNS:

@@ -9,3 +9,4 @@ from wirerope_mj.isolator.parts import Provenance as Provenance
 from wirerope_mj.isolator.parts import Spread as Spread
 from wirerope_mj.isolator.parts import Travel as Travel
 from wirerope_mj.isolator.tables import AXES as AXES
+from wirerope_mj.isolator.tables import read_law as read_law

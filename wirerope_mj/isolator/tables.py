@@ -32,12 +32,12 @@ def read_tables(content: dict[str, Any], where: str) -> dict[str, Any]:
         table, place = content[name], f"{where}: [{name}]"
         if not isinstance(table, dict):
             raise ModelError(f"{place} must be a table, got {table!r}.")
-        arguments[name] = _read_law(table, place) if name in AXES else _PARTS[name](table, place)
+        arguments[name] = read_law(table, place) if name in AXES else _PARTS[name](table, place)
     return arguments
 
 
-def _read_law(table: dict[str, Any], place: str) -> Law:
-    """Return the law that an axis table describes."""
+def read_law(table: dict[str, Any], place: str) -> Law:
+    """Return the law that an axis table describes; ModelError names `place`, key and rule."""
     kind = LAWS.get(table["law"]) if isinstance(table.get("law"), str) else None
     if kind is None:
         known = ", ".join(sorted(LAWS))

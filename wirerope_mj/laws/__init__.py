@@ -6,6 +6,7 @@ from wirerope_mj.laws.bouc_wen import BoucWen as BoucWen
 from wirerope_mj.laws.bouc_wen import Ozdemir as Ozdemir
 from wirerope_mj.laws.friction import EnhancedDryFriction as EnhancedDryFriction
 from wirerope_mj.laws.friction import Masing as Masing
+from wirerope_mj.laws.hysteresis import Hysteresis as Hysteresis
 from wirerope_mj.laws.hysteresis import Normalised as Normalised
 from wirerope_mj.laws.law import Law as Law
 from wirerope_mj.laws.loop import Loop as Loop

@@ -211,6 +211,12 @@ def evaluate(law, p, i, x, v, z, j, zdot, k):
         return bouc_wen(p, i, x, v, z, j, zdot, k)
     if law == KELVIN_VOIGT:
         return kelvin_voigt(p, i, x, v, z, j, zdot, k)
+    return evaluate_rarer(law, p, i, x, v, z, j, zdot, k)
+
+
+@njit
+def evaluate_rarer(law, p, i, x, v, z, j, zdot, k):
+    """Do the same for the laws that few mounts have: inlined, they would slow down the others."""
     if law == ZENER:
         return zener(p, i, x, v, z, j, zdot, k)
     if law == TINKER_CUTCHINS:
