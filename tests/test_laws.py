@@ -295,3 +295,11 @@ def test_native_kernel_equals_plain_python(law):
 def test_every_law_is_known_by_its_name():
     assert all(LAWS[law.name] is law for law in LAWS.values())
     assert {"bouc-wen", "ozdemir", "asymmetric-bouc-wen", "symmetric-bouc-wen", "kelvin-voigt"} <= set(LAWS)
+
+
+def test_a_path_through_the_origin_is_not_stalled_by_rounding():
+    # Deflection, z and force pass through zero together: their errors relative to themselves are rounding there.
+    law = BoucWen(alpha=4e4, beta=48.52013902086025, gamma=20.7943452946544, n=1.2, k=2e4)
+    start = -1.1363570306954784e-08
+    path = law.trace([start, 8.863642964040963e-08], initial_states=[4e4 * start])
+    assert path.force[-1] == pytest.approx(6e4 * path.deflection[-1], rel=1e-6)
