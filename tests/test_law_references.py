@@ -317,3 +317,49 @@ def test_rate_by_differences_is_of_second_order():
         errors.append(np.abs(force - np.sin(time) - np.cos(time)).max())
     # Halving the step takes a quarter; the next order is 6 % of it at 100 samples a cycle.
     assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.1)
+
+
+PLANE_ROLL = {"z_max": 1.2, "x_y": 0.5, "sigma": 0.7}
+PLANE_SHEAR = {"z_max": 0.8, "x_y": 0.9, "sigma": 0.7}
+
+
+def plane(n, **elastic):
+    """Return a coupled law with different axes."""
+    roll, shear = (laws.BoucWen.from_normalised(**axis, n=n, **elastic) for axis in (PLANE_ROLL, PLANE_SHEAR))
+    return laws.BiaxialBoucWen(roll=roll, shear=shear)
+
+
+@pytest.mark.parametrize("n", [1.0, 2.0, 1.4])
+def test_coupled_law_is_its_differential_equation(n):
+    bound, yields = (np.array([axis[key] for axis in (PLANE_ROLL, PLANE_SHEAR)]) for key in ("z_max", "x_y"))
+    sigma, k = 0.7, 0.3
+    path = np.concatenate([[[0.0, 0.0]], RNG.uniform(-1.5, 1.5, (14, 2))])
+    w, work, states, works = np.zeros(2), 0.0, [np.zeros(2)], [0.0]
+    for start, stop in zip(path, path[1:], strict=False):
+        length, at = float(np.linalg.norm(stop - start)), 0.0
+        direction = (stop - start) / length
+        u = direction / yields
+        side = 1.0 if u @ w >= 0.0 else -1.0
+        while at < length:
+
+            def rates(at, y, u=u, side=side, start=start, direction=direction):
+                w = y[:2]
+                size = np.linalg.norm(w)
+                pull = (sigma * side + 1.0 - sigma) * (u @ w) * (size ** (n - 2.0) if size > 0.0 else 0.0)
+                return [*(u - w * pull), direction @ (bound * w + k * (start + at * direction))]
+
+            def turning(_at, y, u=u):
+                return u @ y[:2]
+
+            turning.terminal, turning.direction = True, 1.0
+            events = turning if side < 0.0 else None
+            run = solve_ivp(rates, (at, length), [*w, work], method="DOP853", rtol=1e-12, atol=1e-14, events=events)
+            assert run.success, run.message
+            at, w, work, side = run.t[-1], run.y[:2, -1], run.y[2, -1], 1.0
+        states.append(bound * w)
+        works.append(work)
+    trace = plane(n, k=k).trace(path)
+    # Both are held to 1e-11 and 1e-12 a step; near w = 0 the unit vector w / |w| turns within a short length.
+    np.testing.assert_allclose(trace.hysteretic_state, states, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(trace.force, k * path + states, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(trace.work, works, rtol=0, atol=1e-9)
