@@ -205,10 +205,12 @@ def test_vaiana_rosati_is_its_algebraic_form(different):
         shape, linear = (UP, UP_LINEAR) if s > 0.0 else (down, down_linear)
         return limit(u, **shape) + linear["kb"] * u + s * linear["f0"]
 
+    mean = 0.5 * (curve(0.0, 1.0) + curve(0.0, -1.0))  # the house's curves are shifted so that this is zero
+
     def force(u, u_p, f_p):
         s = math.copysign(1.0, u - u_p)
         decay = (UP_LINEAR if s > 0.0 else down_linear)["alpha"]
-        return curve(u, s) - (curve(u_p, s) - f_p) * math.exp(-decay * abs(u - u_p))
+        return curve(u, s) - mean - (curve(u_p, s) - mean - f_p) * math.exp(-decay * abs(u - u_p))
 
     for points in POINTS:
         path, start, f_start, done = path_through(points, per_segment=4), 0.0, 0.0, 0.0

@@ -75,7 +75,7 @@ def length_to_zero(alpha, b, n, y):
 
 
 @njit
-def approach(p, i, offset, x0, x1, z):
+def approach(p, i, x0, x1, z):
     """Return Vaiana and Rosati's z at x1 on the way from (x0, z); `p[i:]` as their kernel's."""
     side, s = (i, 1.0) if x1 >= x0 else (i + 8, -1.0)
     up0, _ = limit_curve(p, i, x0)
@@ -84,8 +84,8 @@ def approach(p, i, offset, x0, x1, z):
     low1, _ = limit_curve(p, i + 8, x1)
     half0 = 0.5 * (up0 + p[i + 1] - low0 + p[i + 9])
     half1 = 0.5 * (up1 + p[i + 1] - low1 + p[i + 9])
-    gap = s * half0 - (z - offset)
-    return offset + s * half1 - gap * math.exp(-p[side + 2] * abs(x1 - x0))
+    gap = s * half0 - z
+    return s * half1 - gap * math.exp(-p[side + 2] * abs(x1 - x0))
 
 
 @njit
@@ -125,13 +125,13 @@ def stretch(law, p, i, x0, s, length, b, z, j, trial, unused):
         for node in range(4):
             part = length * (panel + _NODES[node]) / count
             if law == VAIANA_ROSATI:
-                trial[0] = approach(p, i, p[i + 16], x0, x0 + s * part, start)
+                trial[0] = approach(p, i, x0, x0 + s * part, start)
             else:
                 trial[0] = s * branch(p[i], b, p[i + 3], s * start, part)
             inside += _WEIGHTS[node] * evaluate(law, p, i, x0 + s * part, 0.0, trial, 0, unused, 0)
         work += inside
     if law == VAIANA_ROSATI:
-        z[j] = approach(p, i, p[i + 16], x0, x0 + s * length, start)
+        z[j] = approach(p, i, x0, x0 + s * length, start)
     else:
         z[j] = s * branch(p[i], b, p[i + 3], s * start, length)
     return s * work * length / count

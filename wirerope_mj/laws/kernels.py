@@ -132,19 +132,18 @@ def limit_curve(p, i, x):
 def vaiana_rosati(p, i, x, v, z, j, zdot, k):
     """Return F = m(x) - m(0) + z [N], m the mean of the upper and the lower limit curve, half of 2 h apart.
 
-    p = the eight parameters for v > 0, the eight for v < 0, m(0). dz/dx = h' + alpha (h - y) upwards and -h' + alpha (h + y)
-    downwards with y = z - m(0), the distance from the mean.
+    p = the eight parameters for v > 0, the eight for v < 0, m(0). dz/dx = h' + alpha (h - z) upwards, -h' + alpha (h + z)
+    downwards.
     """
     upper, upper_slope = limit_curve(p, i, x)
     lower, lower_slope = limit_curve(p, i + 8, x)
     upper, lower = upper + p[i + 1], lower - p[i + 9]
     half, half_slope = 0.5 * (upper - lower), 0.5 * (upper_slope - lower_slope)
-    y = z[j] - p[i + 16]
     if v >= 0.0:
-        zdot[k] = (half_slope + p[i + 2] * (half - y)) * v
+        zdot[k] = (half_slope + p[i + 2] * (half - z[j])) * v
     else:
-        zdot[k] = (-half_slope + p[i + 10] * (half + y)) * v
-    return 0.5 * (upper + lower) + y
+        zdot[k] = (-half_slope + p[i + 10] * (half + z[j])) * v
+    return 0.5 * (upper + lower) - p[i + 16] + z[j]
 
 
 @njit

@@ -24,8 +24,8 @@ class VaianaRosati(Law):
 
     with any earlier point (x_P, F_P) of the branch, so that a branch is exact in one step. kb [N/m], f0 [N], alpha [1/m],
     b1 [N], b2 [1/m], g1 [N], g2 [1/m], g3 [m]; `..._minus` are those of the lower curve, the same where they are not given.
-    b1 and b2 harden one side, g1 to g3 bend both. The curves are shifted so that the unloaded isolator is free of force; z is
-    the distance from the mean of the two.
+    b1 and b2 harden one side, g1 to g3 bend both. Both curves are shifted by one force, so that their mean m is zero at x = 0
+    where the unloaded isolator stands; F = m(x) + z. With f0 = f0_minus and g3 = 0 that force is none.
 
     With the same parameters both ways it is kb x + fe(x) beside Bouc-Wen's z with n = 1, gamma = 0, beta = alpha and the slope
     alpha f0: passive if kb, b1 b2 and g1 g2 are not negative. Different parameters describe measured loops but not a passive
@@ -106,8 +106,8 @@ class VaianaRosati(Law):
     @property
     def initial_stiffness(self) -> float:
         """Larger of the tangents upwards and downwards at the unloaded state [N/m]."""
-        upper, lower, upper_slope, lower_slope = self._limits(0.0)
-        return max(upper_slope + self.alpha * upper, lower_slope - self._parameters[10] * lower)
+        _, _, upper_slope, lower_slope = self._limits(0.0)
+        return max(upper_slope + self.alpha * self.z_max, lower_slope + self._parameters[10] * self.z_max)
 
     @property
     def damping_coefficient(self) -> float:
