@@ -19,14 +19,16 @@ MASS = 20.0
 PER_CYCLE = 400
 
 
-def prescribed(law):
+def prescribed(law, amplitude):
     """Return a system whose mount deflects by minus the base's displacement: its payload weighs 1e12 kg.
 
     The payload hangs on a body that does not move, so that it does not share the base's initial velocity.
     """
     held = '<joint type="slide" axis="0 0 1" armature="1e12"/><geom size=".1" mass="1"/><site name="p"/>'
     world = deck({"b": ""}, slides="z") + f'<body name="wall"><body name="held">{held}</body></body>'
-    return wr.load_system(mjcf(world, [("m1", "p", "b", "a")]), isolators={"a": wr.Isolator(name="a", axial=law)})
+    limits = wr.Limits(travel=wr.Travel(compression=amplitude, tension=amplitude))  # some laws end beyond
+    isolator = wr.Isolator(name="a", axial=law, limits=limits)
+    return wr.load_system(mjcf(world, [("m1", "p", "b", "a")]), isolators={"a": isolator})
 
 
 def cycles(law, amplitude, *, count, frequency=1.0, per_cycle=PER_CYCLE):
@@ -35,7 +37,12 @@ def cycles(law, amplitude, *, count, frequency=1.0, per_cycle=PER_CYCLE):
     motion = wr.Sine(frequency=frequency, acceleration=amplitude * omega**2, direction="z")
     rate = frequency * per_cycle
     r = wr.simulate(
-        prescribed(law), motion, duration=count / frequency, timestep=1.0 / rate, sample_rate=rate, initial="unloaded"
+        prescribed(law, amplitude),
+        motion,
+        duration=count / frequency,
+        timestep=1.0 / rate,
+        sample_rate=rate,
+        initial="unloaded",
     )
     m, last = r.mounts["m1"], slice(-per_cycle - 1, None)
     x = m.deflection[last, 2]
