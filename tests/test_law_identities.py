@@ -148,9 +148,6 @@ def test_normalised_form_is_a_constructor_and_a_report():
         laws.BoucWen.from_normalised(z_max=1.0, x_y=0.0, sigma=0.5, n=1)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="a bounded law with n >= 8 is refused: a NaN in the error estimate is taken for 0"
-)
 def test_a_sharp_bouc_wen_law_tends_to_one_jenkin_element():
     c, h = 2.0, 0.8
     jenkin = laws.Masing(stiffness=[c], slip_force=[h])

@@ -115,7 +115,7 @@ def test_n_1_follows_the_exponentials_written_by_hand(parameters):
     [
         10.0,
         1e3,
-        pytest.param(1e5, marks=pytest.mark.xfail(strict=True, reason="panels end at 4096: the work errs by 2e-6")),
+        1e5,
     ],
 )
 def test_work_of_one_long_segment_is_exact(lengths):

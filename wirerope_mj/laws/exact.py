@@ -27,8 +27,11 @@ _WEIGHTS = np.array([0.17392742256872692, 0.32607257743127307, 0.326072577431273
 _PANELS_PER_LENGTH = 4.0
 """Panels in the length over which a law forgets by 1/e: four points in a quarter of it leave 1e-14 of the work."""
 
+_SETTLED = 40.0
+"""Such lengths after which the state stands at its bound but for rounding: exp(-40) = 4e-18."""
+
 _MOST_PANELS = 4096
-"""Beyond a thousand such lengths z stands at its bound and nothing is left to resolve."""
+"""What else bends the force, exponentials of the deflection, overflows before a thousand of its lengths."""
 
 
 @njit
@@ -104,37 +107,49 @@ def masing_increment(p, i, x0, x1, z, j):
 
 
 @njit
-def panels(law, p, i, length, b):
-    """Return into how many panels the work along a length is to be cut."""
+def rates(law, p, i, s, b):
+    """Return how fast the state and the rest of the force change over a length [1/m]."""
     if law == VAIANA_ROSATI:
-        rate = max(p[i + 2], p[i + 10]) + max(abs(p[i + 4]), abs(p[i + 12])) + max(abs(p[i + 6]), abs(p[i + 14]))
-    else:
-        rate = abs(b) if p[i + 3] == 1.0 else math.sqrt(p[i] * abs(b))
-        if law == ASYMMETRIC_BOUC_WEN:
-            rate += abs(p[i + 7])
-    wanted = _PANELS_PER_LENGTH * length * rate
-    return int(wanted) + 1 if wanted < _MOST_PANELS else _MOST_PANELS
+        bend = max(abs(p[i + 4]), abs(p[i + 12])) + max(abs(p[i + 6]), abs(p[i + 14]))
+        return (p[i + 2] if s > 0.0 else p[i + 10]), bend
+    state = abs(b) if p[i + 3] == 1.0 else math.sqrt(p[i] * abs(b))
+    return state, (abs(p[i + 7]) if law == ASYMMETRIC_BOUC_WEN else 0.0)
+
+
+@njit
+def after(law, p, i, x0, s, length, b, z):
+    """Return the state after a length on which one closed form holds."""
+    if law == VAIANA_ROSATI:
+        return approach(p, i, x0, x0 + s * length, z)
+    return s * branch(p[i], b, p[i + 3], s * z, length)
+
+
+@njit
+def work_between(law, p, i, x0, s, first, last, rate, b, z, trial, unused):
+    """Return the work done on the law between two lengths after (x0, z) [J], `rate` the fastest change between them."""
+    wanted = _PANELS_PER_LENGTH * (last - first) * rate
+    count = int(wanted) + 1 if wanted < _MOST_PANELS else _MOST_PANELS
+    work, width = 0.0, (last - first) / count
+    for panel in range(count):
+        for node in range(4):
+            length = first + width * (panel + _NODES[node])
+            trial[0] = after(law, p, i, x0, s, length, b, z)
+            work += _WEIGHTS[node] * evaluate(law, p, i, x0 + s * length, 0.0, trial, 0, unused, 0)
+    return s * work * width
 
 
 @njit
 def stretch(law, p, i, x0, s, length, b, z, j, trial, unused):
     """Carry the state over a length on which one closed form holds and return the work done on the law [J]."""
-    work, start, count = 0.0, z[j], panels(law, p, i, length, b)
-    for panel in range(count):
-        inside = 0.0
-        for node in range(4):
-            part = length * (panel + _NODES[node]) / count
-            if law == VAIANA_ROSATI:
-                trial[0] = approach(p, i, x0, x0 + s * part, start)
-            else:
-                trial[0] = s * branch(p[i], b, p[i + 3], s * start, part)
-            inside += _WEIGHTS[node] * evaluate(law, p, i, x0 + s * part, 0.0, trial, 0, unused, 0)
-        work += inside
-    if law == VAIANA_ROSATI:
-        z[j] = approach(p, i, x0, x0 + s * length, start)
-    else:
-        z[j] = s * branch(p[i], b, p[i + 3], s * start, length)
-    return s * work * length / count
+    state, bend = rates(law, p, i, s, b)
+    settled = length
+    if (b > 0.0 or law == VAIANA_ROSATI) and length * state > _SETTLED:
+        settled = _SETTLED / state
+    work = work_between(law, p, i, x0, s, 0.0, settled, state + bend, b, z[j], trial, unused)
+    if settled < length:
+        work += work_between(law, p, i, x0, s, settled, length, bend, b, z[j], trial, unused)
+    z[j] = after(law, p, i, x0, s, length, b, z[j])
+    return work
 
 
 @njit

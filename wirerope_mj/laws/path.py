@@ -83,7 +83,8 @@ def integrate(law, p, i, cubic, length, z, j, n_states, slopes, trial):
             scale = power * step
             if c < n_states:
                 scale = max(abs(z[j + c]), abs(trial[c]), abs(slopes[0, c]) * step)
-            error = max(error, abs(step * difference) / (TOLERANCE * scale + 1e-300))
+            share = abs(step * difference) / (TOLERANCE * scale + 1e-300)
+            error = max(error, share) if share >= 0.0 else math.inf  # max() would lose a NaN
         if not math.isfinite(error):  # the trial left the finite numbers: shorter, unless the path itself does
             if step < _SMALLEST * length:
                 return np.nan
