@@ -90,7 +90,7 @@ STRATEGIES = {
     ),
     "zener": _laws("zener", k0=positive, k1=positive, c=positive),
     "vaiana-rosati": _laws(
-        "vaiana-rosati", kb=small, f0=positive, alpha=positive, b1=small, b2=small, g1=small, g2=small,
+        "vaiana-rosati", kb=small, f0=positive, alpha=positive, b1=small, b2=small, g1=small, g2=small, g3=any_sign,
         f0_minus=st.none() | positive, alpha_minus=st.none() | positive,
     ),
     "bouc-wen-baber-noori": _laws(
