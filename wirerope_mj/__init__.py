@@ -18,6 +18,8 @@ from wirerope_mj.excitation import Sweep as Sweep
 from wirerope_mj.excitation import Trapezoid as Trapezoid
 from wirerope_mj.excitation import VelocityStep as VelocityStep
 from wirerope_mj.excitation import load_record as load_record
+from wirerope_mj.identification.identify import Identification as Identification
+from wirerope_mj.identification.identify import identify as identify
 from wirerope_mj.isolator import Geometry as Geometry
 from wirerope_mj.isolator import Isolator as Isolator
 from wirerope_mj.isolator import Limits as Limits

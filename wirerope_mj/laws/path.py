@@ -148,6 +148,33 @@ def follow_path(law, p, deflection, z, n_states):
 
 
 @njit
+def settle(law, p, turning, n_states, tolerance):
+    """Return the states (n_states,) at the start of a cycle of turning points once they repeat within `tolerance` [N].
+
+    After 200 cycles they are returned as they are; NaN if the law leaves the finite numbers.
+    """
+    z, before, last = np.zeros(n_states), np.zeros(n_states), 0.0
+    slopes, trial = np.empty((7, n_states + 1)), np.empty(n_states + 1)
+    for cycle in range(200):
+        before[:] = z
+        for t in range(1, turning.size):
+            if not advance(law, p, 0, turning[t - 1], turning[t], z, 0, n_states, slopes, trial) < np.inf:
+                z[:] = np.nan
+                return z
+        step = 0.0
+        for c in range(n_states):
+            step = max(step, abs(z[c] - before[c]))
+        if step <= tolerance:
+            break
+        # The memory of the start fades geometrically, slowly in small loops: two steps tell where it ends (Aitken).
+        change = z[0] - before[0]
+        if n_states == 1 and cycle % 3 == 2 and 0.0 < abs(change) < 0.999 * abs(last):
+            z[0] = before[0] + change / (1.0 - change / last)
+        last = change
+    return z
+
+
+@njit
 def reversals(x0, x1, v0, v1, h):
     """Return the cubic that joins positions and rates at the ends of a time h, and where inside it the rate is zero.
 

@@ -1,0 +1,239 @@
+"""Cyclic tests -> a law, with what the data could and could not fix."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.identification.certainty import Certainty, Parameter, certainty_of
+from wirerope_mj.identification.coordinates import FAMILIES, Coordinate, Family, masing_family
+from wirerope_mj.identification.measured import MeasuredLoop, prepare, scales_of
+from wirerope_mj.identification.residuals import Data, Residual, joined, loop_residual, rms
+from wirerope_mj.identification.search import Found, Search
+from wirerope_mj.identification.stages import Method, Stage, run_stages
+from wirerope_mj.identification.start import grid_starts
+from wirerope_mj.laws import AsymmetricBoucWen, Law, Loop, Masing
+
+Constraint = Literal["beta>gamma", "beta=gamma", "beta<gamma"]
+
+STARTS = 2
+"""Places of the grid from which a search begins: the best fit was in the valley of one of them in every case tried."""
+
+FIGURES = 3
+"""Figures that one loop fixes well: its secant stiffness, its area, and how its branches bend."""
+
+DEAD = 1e-9
+"""Change of the residual, for a change of 100 % of a parameter, that is rounding."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identification:
+    """A law found from cyclic tests.
+
+    Attributes:
+        law: the law.
+        parameters: what was searched for, by name, in normalised form: value, unit, standard error, whether at a bound.
+        residual: root mean square of force minus measured force, each loop's over its half force range [-].
+        residuals: the same for each loop, smallest amplitude first, (n_loops,).
+        converged: whether the search ended by itself.
+        message: how it ended.
+        open_combinations: what the data leave open, in words; empty if they fix everything.
+        certainty: covariance, correlation and singular values.
+        stages: what every stage of the winning start did.
+        evaluations: how often the residual was computed in all.
+        started: "given" or "grid": which start won.
+        loops: what was fitted, smallest first.
+    """
+
+    law: Law
+    parameters: dict[str, Parameter]
+    residual: float
+    residuals: npt.NDArray[np.float64]
+    converged: bool
+    message: str
+    open_combinations: tuple[str, ...]
+    certainty: Certainty
+    stages: tuple[Stage, ...]
+    evaluations: int
+    started: str
+    loops: tuple[MeasuredLoop, ...]
+
+
+def identify(
+    loops: Sequence[Loop],
+    *,
+    law: type[Law] = AsymmetricBoucWen,
+    extra_residuals: Sequence[Residual] = (),
+    start: Law | None = None,
+    fixed: Mapping[str, float] | None = None,
+    constraint: Constraint | None = None,
+    elements: int = 5,
+    method: Method = "three-stage",
+    data: Data = "loops",
+    weights: str = "range",
+    noise: float | None = None,
+    grid: bool = True,
+) -> Identification:
+    """Return the law of a class that fits closed cyclic loops best, and what they leave open.
+
+    The law is compared in its steady state along each loop's own path of deflections; the mean of each loop's force is free,
+    as the zero of a load cell drifts. Searches begin at `start` and at the best places of a grid, and the best end counts.
+    From `start` a search goes the thesis' way: stiffness from the mid-lines, then the hysteresis from the areas with the
+    stiffness fixed, then everything (Levenberg-Marquardt with bounds in each).
+
+    Args:
+        loops: closed cycles of at least one amplitude.
+        law: class of the law; any rate-independent one without wear.
+        extra_residuals: functions of a law that return further residuals, over their own noise relative to that of the loops;
+            dynamic measurements join the loops through them.
+        start: where to begin, beside the grid.
+        fixed: values of parameters that are not searched for, by name.
+        constraint: on Bouc-Wen's beta and gamma.
+        elements: Jenkin elements of a Masing law.
+        method: "three-stage", or from `start` in one stage "time" (forces) or "frequency" (their Fourier coefficients).
+        data: "loops", or "skeleton" for the forces at the turning points alone.
+        weights: "range": loops count alike; "equal": a newton counts alike.
+        noise: standard deviation of the force relative to `weights`, if it is known; None: what the fit leaves.
+        grid: whether the grid is tried.
+
+    Raises:
+        ValueError: the loops or the arguments cannot be used, there are too few amplitudes, or a free parameter does not move
+            the residual; names what and why.
+    """
+    measured = prepare(loops, weights=weights)
+    search = _search(measured, law, dict(fixed or {}), constraint, elements, start)
+    _require_amplitudes(measured, search, data)
+    full = joined(loop_residual(measured, data), extra_residuals)
+    found: Found | None = None
+    stages: tuple[Stage, ...] = ()
+    evaluations, started = 0, ""
+    candidates = [("given", search.family.read(start))] if start is not None else []
+    if grid or not candidates:
+        places = grid_starts(search.family, search.coordinates, measured, search.fixed, count=STARTS)
+        candidates += [("grid", values) for values in places]
+    failures: list[str] = []
+    for origin, values in candidates:
+        try:
+            _require_movement(search, full, values)
+        except ValueError as failure:
+            failures.append(str(failure))
+            continue
+        staged = method if origin == "given" and data == "loops" else "time"
+        one, its_stages = run_stages(search, measured, full, values, staged)
+        evaluations += sum(stage.evaluations for stage in its_stages)
+        if found is None or one.cost < found.cost * (1.0 - 1e-9):
+            found, stages, started = one, its_stages, origin
+    if found is None:
+        raise ValueError(failures[0] if failures else f"no {law.name} law could be evaluated on these loops.")
+    return _result(search, measured, found, stages, evaluations, started, noise)
+
+
+def family_of(law: type[Law], elements: int = 5) -> Family:
+    """Return how laws of a class are searched for, or raise ValueError if cyclic tests cannot fix them."""
+    if law is Masing:
+        if elements < 1:
+            raise ValueError(f"`elements` must be >= 1, got {elements}.")
+        return masing_family(elements)
+    if law not in FAMILIES:
+        kinds: list[type[Law]] = [*FAMILIES, Masing]
+        known = ", ".join(sorted(kind.name for kind in kinds))
+        raise ValueError(f"`law` must be one that cyclic tests can fix ({known}), got {getattr(law, 'name', law)!r}.")
+    return FAMILIES[law]
+
+
+def _search(
+    loops: Sequence[MeasuredLoop],
+    law: type[Law],
+    fixed: dict[str, float],
+    constraint: Constraint | None,
+    elements: int,
+    start: Law | None,
+) -> Search:
+    if not loops:
+        raise ValueError("`loops` must hold at least one closed loop.")
+    if start is not None and type(start) is not law:
+        raise ValueError(f"`start` must be a {law.name} law, got {start!r}.")
+    family = family_of(law, len(start.stiffness) if isinstance(start, Masing) else elements)
+    coordinates = family.coordinates(scales_of(loops))
+    names = [c.name for c in coordinates]
+    for name in fixed:
+        if name not in names:
+            raise ValueError(f"`fixed` names {name!r}, which {law.name} does not have; it has {', '.join(names)}.")
+    if constraint is not None:
+        if "sigma" not in names:
+            raise ValueError(f"`constraint` is between beta and gamma, and {law.name} does not have both.")
+        coordinates = [_constrained(c, constraint) if c.name == "sigma" else c for c in coordinates]
+        if constraint == "beta=gamma":
+            fixed["sigma"] = 0.5
+    return Search(family=family, coordinates=coordinates, fixed=fixed)
+
+
+def _constrained(sigma: Coordinate, constraint: Constraint) -> Coordinate:
+    """Return the coordinate sigma = beta / (beta + gamma) within the thesis' constraint."""
+    low, high = {"beta>gamma": (0.5, sigma.upper), "beta<gamma": (sigma.lower, 0.5)}.get(
+        constraint, (sigma.lower, sigma.upper)
+    )
+    return Coordinate(name=sigma.name, unit=sigma.unit, lower=low, upper=high)
+
+
+def _require_amplitudes(loops: Sequence[MeasuredLoop], search: Search, data: Data) -> None:
+    """Raise ValueError if there are too few different amplitudes for the free parameters."""
+    amplitudes = {round(loop.amplitude / loops[-1].amplitude, 2) for loop in loops}
+    needed = math.ceil(len(search.free) / FIGURES)
+    if data == "loops" and len(amplitudes) < needed:
+        raise ValueError(
+            f"{len(search.free)} parameters are free ({', '.join(c.name for c in search.free)}), and a loop fixes about "
+            f"{FIGURES}: {needed} different amplitudes are needed, {len(amplitudes)} given. Test more amplitudes, fix "
+            "parameters, or take a law with fewer."
+        )
+
+
+def _require_movement(search: Search, residual: Residual, values: Mapping[str, float]) -> None:
+    """Raise ValueError if a free parameter does not move the residual at the start."""
+    numbers = search.numbers(values)
+    before = residual(search.law(numbers))
+    _, high = search.bounds
+    for place, c in enumerate(search.free):
+        moved = numbers.copy()
+        moved[place] += 0.01 if numbers[place] + 0.01 < high[place] else -0.01
+        change = np.abs(residual(search.law(moved)) - before).max(initial=0.0) / 0.01
+        if not change > DEAD:
+            raise ValueError(
+                f"`{c.name}` does not move the residual at the start ({c.name} = {c.value(numbers[place]):.6g} {c.unit}): no "
+                "search can find it. Fix it, begin elsewhere, or test larger amplitudes."
+            )
+
+
+def _result(
+    search: Search,
+    loops: list[MeasuredLoop],
+    found: Found,
+    stages: tuple[Stage, ...],
+    evaluations: int,
+    started: str,
+    noise: float | None,
+) -> Identification:
+    law = search.law(found.numbers)
+    certainty = certainty_of(search, found, noise)
+    parts = [(loop.model_force(law) - loop.force) / (0.5 * float(np.ptp(loop.force))) for loop in loops]
+    residuals = np.array([rms(part - part.mean()) for part in parts])
+    bounded = [p.name for p in certainty.parameters.values() if p.at_bound]
+    words = f"ended from the {started} start: {found.message.rstrip('.')}"
+    words += f"; at its bound: {', '.join(bounded)}" if bounded else ""
+    return Identification(
+        law=law,
+        parameters=certainty.parameters,
+        residual=float(np.sqrt(np.mean(residuals**2))),
+        residuals=residuals,
+        converged=found.converged,
+        message=words,
+        open_combinations=certainty.open_combinations,
+        certainty=certainty,
+        stages=stages,
+        evaluations=evaluations,
+        started=started,
+        loops=tuple(loops),
+    )

@@ -1,0 +1,147 @@
+"""A measured loop made ready to be fitted: its deflection runs monotonely between its two turning points."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import isotonic_regression
+
+from wirerope_mj.identification.coordinates import Scales
+from wirerope_mj.laws import Law, Loop
+from wirerope_mj.laws.path import follow_path, settle
+
+Array = npt.NDArray[np.float64]
+
+STEADY = 1e-12
+"""Change of the hysteretic force over a cycle, relative to the force range, at which it is steady."""
+
+OPEN_ENDED = 0.2
+"""Share of the force range by which the ends of a measured cycle may differ: creep of the first cycles, and noise."""
+
+CLIPPED = 0.02
+"""Share of a loop's samples that may stand at exactly its largest or its smallest force."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredLoop:
+    """One closed cycle.
+
+    Attributes:
+        deflection: path [m], (n_t,), monotone between its turning points.
+        force: measured force [N], (n_t,).
+        weight: what a residual of this loop is divided by [N].
+    """
+
+    deflection: Array
+    force: Array
+    weight: float
+
+    @property
+    def amplitude(self) -> float:
+        """Half the range of the deflection [m]."""
+        return 0.5 * float(np.ptp(self.deflection))
+
+    def area(self, force: Array) -> float:
+        """Return the area that a force encloses on the loop's path [J]."""
+        return float(np.trapezoid(force, self.deflection))
+
+    def mid_line(self, force: Array, points: int) -> Array:
+        """Return the mean of a force on the way up and on the way down, at evenly spaced deflections, (points,)."""
+        x = np.linspace(self.deflection.min(), self.deflection.max(), points)
+        start = int(np.argmin(self.deflection))
+        path, values = np.roll(self.deflection[:-1], -start), np.roll(force[:-1], -start)
+        top = int(np.argmax(path))
+        up = np.interp(x, path[: top + 1], values[: top + 1])
+        down = np.interp(x, np.append(path[top:], path[0])[::-1], np.append(values[top:], values[0])[::-1])
+        return 0.5 * (up + down)
+
+    def thinned(self, samples: int) -> "MeasuredLoop":
+        """Return about `samples` of the loop's samples, its turning points among them."""
+        x = self.deflection
+        kept = np.unique(
+            np.concatenate([np.linspace(0, x.size - 1, samples).astype(int), [np.argmax(x), np.argmin(x)]])
+        )
+        return MeasuredLoop(deflection=x[kept], force=self.force[kept], weight=self.weight)
+
+    def model_force(self, law: Law) -> Array:
+        """Return the force of a law in its steady state on the loop's path [N], (n_t,); NaN where it is not finite."""
+        x = self.deflection
+        first, second = sorted((int(np.argmax(x)), int(np.argmin(x))))
+        parameters, turning = law.kernel_parameters(), np.array([x[0], x[first], x[second], x[-1]])
+        states = settle(law.kernel, parameters, turning, law.n_states, STEADY * float(np.ptp(self.force)))
+        return follow_path(law.kernel, parameters, x, states, law.n_states)[0]
+
+
+def prepare(loops: Sequence[Loop], *, weights: str = "range") -> list[MeasuredLoop]:
+    """Return loops ready to be fitted, smallest first.
+
+    Noise of the deflection would turn every sample into a reversal; the monotone path nearest to the samples of each branch
+    (isotonic regression) has none.
+
+    Args:
+        loops: closed cycles.
+        weights: "range" divides residuals by each loop's half force range, so that small loops count as much as large ones;
+            "equal" by that of the largest loop.
+
+    Raises:
+        ValueError: a loop is not a full cycle, its deflection does not move, or its force is clipped.
+    """
+    if weights not in ("range", "equal"):
+        raise ValueError(f"`weights` must be 'range' or 'equal', got {weights!r}.")
+    largest = max((0.5 * float(np.ptp(loop.force)) for loop in loops), default=0.0)
+    ready = []
+    for number, loop in enumerate(loops, start=1):
+        _check(loop, number)
+        size = 0.5 * float(np.ptp(loop.force)) if weights == "range" else largest
+        ready.append(MeasuredLoop(deflection=_monotone(loop.deflection), force=loop.force, weight=size))
+    return sorted(ready, key=lambda loop: float(np.ptp(loop.deflection)))
+
+
+def scales_of(loops: Sequence[MeasuredLoop]) -> Scales:
+    """Return the sizes of what was measured."""
+    return Scales(
+        deflection=max(float(np.ptp(loop.deflection)) / 2.0 for loop in loops),
+        force=max(float(np.ptp(loop.force)) / 2.0 for loop in loops),
+    )
+
+
+def _check(loop: Loop, number: int) -> None:
+    """Raise ValueError if a loop cannot be fitted."""
+    x, f = loop.deflection, loop.force
+    if x.size < 12:
+        raise ValueError(f"loop {number} has {x.size} samples; a loop needs 12 at least.")
+    if not (np.isfinite(x).all() and np.isfinite(f).all()):
+        raise ValueError(f"loop {number} holds numbers that are not finite.")
+    if np.ptp(x) == 0.0:
+        raise ValueError(f"loop {number}: the deflection is constant at {x[0]:.6g} m.")
+    # A cycle ends where it began; its steps there are as large as anywhere.
+    gap, step = abs(x[-1] - x[0]), float(np.abs(np.diff(x)).max())
+    if gap > 3.0 * step:
+        raise ValueError(
+            f"loop {number} is not a full cycle: it begins at {x[0]:.6g} m and ends at {x[-1]:.6g} m, of a range of "
+            f"{np.ptp(x):.6g} m."
+        )
+    if loop.closure > OPEN_ENDED:
+        raise ValueError(
+            f"loop {number} is not a full cycle: its force begins at {f[0]:.6g} N and ends at {f[-1]:.6g} N, "
+            f"{100 * loop.closure:.0f} % of its range apart."
+        )
+    for word, extreme in (("largest", f.max()), ("smallest", f.min())):
+        share = float((f == extreme).mean())
+        if share > CLIPPED and (f == extreme).sum() > 3:
+            raise ValueError(
+                f"loop {number}: {100 * share:.0f} % of the samples stand at exactly its {word} force, {extreme:.6g} N: the "
+                "load cell or its amplifier was saturated. Leave the loop out."
+            )
+
+
+def _monotone(x: Array) -> Array:
+    """Return the deflection with every branch between its turning points made monotone."""
+    start = int(np.argmin(x))
+    cyclic = np.roll(x[:-1], -start)
+    top = int(np.argmax(cyclic))
+    up = isotonic_regression(cyclic[: top + 1]).x
+    down = isotonic_regression(np.append(cyclic[top:], cyclic[0]), increasing=False).x
+    joined = np.roll(np.concatenate([up, down[1:-1]]), start)
+    return np.append(joined, joined[0])

@@ -1,0 +1,111 @@
+"""Nonlinear least squares in the coordinates of a law: which are free, and the search itself."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import least_squares
+
+from wirerope_mj.identification.coordinates import Coordinate, Family
+from wirerope_mj.identification.residuals import Residual
+from wirerope_mj.laws import Law
+
+Array = npt.NDArray[np.float64]
+
+STEP = 1e-6
+"""Step of the differences that make the Jacobian, in logarithms or scaled units: 1e5 times the traces' own error."""
+
+TOLERANCE = 1e-10
+"""Relative change of the cost, or of the numbers, below which a search has ended."""
+
+EVALUATIONS = 100
+"""Steps of one search; what needs more has lost its way."""
+
+REFUSED = 1e3
+"""Residual of a law that cannot be evaluated on the loops, in units of their force: far from any fit."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Search:
+    """A law's coordinates, some of them fixed.
+
+    Attributes:
+        family: how the law is made.
+        coordinates: all coordinates.
+        fixed: values of those that do not move.
+    """
+
+    family: Family
+    coordinates: Sequence[Coordinate]
+    fixed: Mapping[str, float]
+
+    @property
+    def free(self) -> list[Coordinate]:
+        """The coordinates that are searched for."""
+        return [c for c in self.coordinates if c.name not in self.fixed]
+
+    def numbers(self, values: Mapping[str, float]) -> Array:
+        """Return the numbers of the free coordinates, a little inside their bounds."""
+        low, high = self.bounds
+        inside = np.array([c.inside(values[c.name]) for c in self.free])
+        return np.clip(inside, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
+
+    def values(self, numbers: Array) -> dict[str, float]:
+        """Return the values of all coordinates."""
+        found = {c.name: float(c.value(number)) for c, number in zip(self.free, numbers, strict=True)}
+        return {c.name: found.get(c.name, self.fixed.get(c.name, 0.0)) for c in self.coordinates}
+
+    def law(self, numbers: Array) -> Law:
+        """Return the law of the numbers."""
+        return self.family.make(self.values(numbers))
+
+    @property
+    def bounds(self) -> tuple[Array, Array]:
+        """Lower and upper bounds of the numbers."""
+        return (
+            np.array([c.inside(c.lower) for c in self.free]),
+            np.array([c.inside(c.upper) for c in self.free]),
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Found:
+    """Where a search ended: numbers, residual and Jacobian there, evaluations made (Jacobians included) and why it ended."""
+
+    numbers: Array
+    residual: Array
+    jacobian: Array
+    evaluations: int
+    converged: bool
+    message: str
+
+    @property
+    def cost(self) -> float:
+        """Sum of the squares."""
+        return float(self.residual @ self.residual)
+
+
+def run_search(search: Search, residual: Residual, start: Mapping[str, float], *, most: int = EVALUATIONS) -> Found:
+    """Return where a trust-region Levenberg-Marquardt search with bounds ends (SciPy's `least_squares`, "trf")."""
+    made = 0
+    begin = search.numbers(start)
+    size = residual(search.law(begin)).size
+
+    def function(numbers: Array) -> Array:
+        nonlocal made
+        made += 1
+        try:
+            value = residual(search.law(numbers))
+        except (ValueError, OverflowError):
+            return np.full(size, REFUSED)
+        return np.where(np.isfinite(value), value, REFUSED)
+
+    found = least_squares(
+        function, begin, bounds=search.bounds, x_scale="jac", diff_step=STEP, max_nfev=most,
+        ftol=TOLERANCE, xtol=TOLERANCE, gtol=TOLERANCE,
+    )  # fmt: skip
+    return Found(
+        numbers=found.x, residual=found.fun, jacobian=found.jac, evaluations=made, converged=found.status > 0,
+        message=str(found.message),
+    )  # fmt: skip
