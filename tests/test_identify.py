@@ -93,7 +93,7 @@ def test_bad_input_is_refused():
         wr.identify(loops, law=wr.Zener)
     with pytest.raises(ValueError, match="`fixed` names 'beta', which bouc-wen does not have; it has z_max"):
         wr.identify(loops, law=wr.BoucWen, fixed={"beta": 1.0})
-    half = wr.Loop.from_samples(loops[0].deflection[:100], loops[0].force[:100])
+    half = wr.Loop.from_samples(loops[-1].deflection[:101], loops[-1].force[:101])
     with pytest.raises(ValueError, match="loop 1 is not a full cycle"):
         wr.identify([half, *loops[1:]], law=wr.BoucWen)
     still = wr.Loop.from_samples(np.full(100, 1e-3), loops[0].force[:100])
