@@ -9,7 +9,7 @@ from scipy.optimize import isotonic_regression
 
 from wirerope_mj.identification.coordinates import Scales
 from wirerope_mj.laws import Law, Loop
-from wirerope_mj.laws.path import follow_path, settle
+from wirerope_mj.laws.path import follow_force, settle
 
 Array = npt.NDArray[np.float64]
 
@@ -70,7 +70,7 @@ class MeasuredLoop:
         first, second = sorted((int(np.argmax(x)), int(np.argmin(x))))
         parameters, turning = law.kernel_parameters(), np.array([x[0], x[first], x[second], x[-1]])
         states = settle(law.kernel, parameters, turning, law.n_states, STEADY * float(np.ptp(self.force)))
-        return follow_path(law.kernel, parameters, x, states, law.n_states)[0]
+        return follow_force(law.kernel, parameters, x, states, law.n_states)
 
 
 def prepare(loops: Sequence[Loop], *, weights: str = "range") -> list[MeasuredLoop]:

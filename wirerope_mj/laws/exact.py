@@ -172,3 +172,22 @@ def advance_exactly(law, p, i, x0, x1, z, j, trial, unused):
         z[j] = 0.0
         x0, length = x0 + s * first, length - first
     return work + stretch(law, p, i, x0, s, length, p[i + 1] + p[i + 2], z, j, trial, unused)
+
+
+@njit
+def carry_exactly(law, p, i, x0, x1, z, j):
+    """Carry the states in `z[j:]` in place from deflection x0 to x1 as `advance_exactly` does, without summing the work."""
+    if law == MASING:
+        masing_increment(p, i, x0, x1, z, j)
+        return
+    s, length, b = 1.0 if x1 > x0 else -1.0, abs(x1 - x0), 0.0
+    if law != VAIANA_ROSATI:
+        b = p[i + 1] + p[i + 2]
+        if s * z[j] < 0.0:
+            unloading = p[i + 2] - p[i + 1]
+            first = length_to_zero(p[i], unloading, p[i + 3], s * z[j])
+            if first >= length:
+                b = unloading
+            else:
+                z[j], x0, length = 0.0, x0 + s * first, length - first
+    z[j] = after(law, p, i, x0, s, length, b, z[j])
