@@ -73,7 +73,7 @@ STRATEGIES = {
     "bouc-wen": _bouc_wen("bouc-wen", k=small),
     "ozdemir": _laws("ozdemir", alpha=positive, beta=st.floats(0.05, 2.0), n=sharpness, k=small),
     "asymmetric-bouc-wen": _bouc_wen(
-        "asymmetric-bouc-wen", **POLYNOMIAL, b=st.floats(0.5, 2.0), c=st.floats(-0.5, 0.5)
+        "asymmetric-bouc-wen", **POLYNOMIAL, b=st.floats(0.4, 2.5), c=st.floats(-1.5, 1.5)
     ),
     "symmetric-bouc-wen": _bouc_wen("symmetric-bouc-wen", **POLYNOMIAL),
     "kelvin-voigt": _laws("kelvin-voigt", k=positive, c=positive),

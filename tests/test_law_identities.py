@@ -323,47 +323,6 @@ def test_equivalent_viscous_law_has_the_energy_and_the_secant_of_its_loop(amplit
     assert trace.force[0] == pytest.approx(trace.work[-1] / (math.pi * amplitude), rel=1e-8)
 
 
-# Roll and shear as one
-
-
-@pytest.mark.parametrize("n", [1.0, 2.0, 1.4])
-def test_coupled_law_is_each_axis_own_law_along_that_axis(n):
-    roll = laws.BoucWen.from_normalised(z_max=1.2, x_y=0.5, sigma=0.7, n=n, k=0.3)
-    shear = laws.SymmetricBoucWen.from_normalised(z_max=0.8, x_y=0.9, sigma=0.7, n=n, k1=0.2, k2=0.1, k3=0.4)
-    law = laws.BiaxialBoucWen(roll=roll, shear=shear)
-    still = np.zeros_like(PATHS[0])
-    for axis, own in enumerate((roll, shear)):
-        trace = law.trace(np.stack([still, PATHS[0]] if axis else [PATHS[0], still], axis=1))
-        alone = own.trace(PATHS[0])
-        # Integrated in the plane to 1e-11 a step, in closed form along the axis.
-        np.testing.assert_allclose(trace.force[:, axis], alone.force, rtol=0, atol=1e-9)
-        np.testing.assert_allclose(trace.work, alone.work, rtol=0, atol=1e-9)
-        assert not trace.force[:, 1 - axis].any()
-
-
-def test_coupled_law_of_equal_axes_turns_with_its_path():
-    axis = laws.BoucWen(alpha=2.0, beta=0.9, gamma=0.4, n=1.3, k=0.5)
-    law, path = laws.BiaxialBoucWen(roll=axis, shear=axis), np.vstack([[0.0, 0.0], RNG.uniform(-1.5, 1.5, (20, 2))])
-    turn = np.array([[math.cos(0.7), -math.sin(0.7)], [math.sin(0.7), math.cos(0.7)]])
-    plain, turned = law.trace(path), law.trace(path @ turn.T)
-    # The adaptive steps are those of components, which turn.
-    np.testing.assert_allclose(turned.force, plain.force @ turn.T, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(turned.work, plain.work, rtol=0, atol=1e-9)
-    assert np.linalg.norm(plain.hysteretic_state, axis=1).max() <= axis.z_max * (1.0 + 1e-9)
-
-
-def test_a_saturated_coupled_force_turns_into_the_new_direction():
-    """From w = (1, 0) across: w stays on the unit circle and its angle grows by cos(angle) per yield deflection."""
-    z_max, x_y = 1.2, 0.5
-    axis = laws.BoucWen.from_normalised(z_max=z_max, x_y=x_y, sigma=0.6, n=2.0)
-    across = np.linspace(0.0, 3.0, 31)
-    path = np.concatenate([[[0.0, 0.0]], np.stack([np.full(31, 10.0), across], axis=1)])
-    z = laws.BiaxialBoucWen(roll=axis, shear=axis).trace(path).hysteretic_state[1:]
-    # 20 yield deflections leave tanh(20) = 1 of the bound.
-    np.testing.assert_allclose(z[:, 0], z_max / np.cosh(across / x_y), rtol=0, atol=1e-9)
-    np.testing.assert_allclose(z[:, 1], z_max * np.tanh(across / x_y), rtol=0, atol=1e-9)
-
-
 # Wear and pinching
 
 WORN = {"alpha": 2.0, "beta": 0.7, "gamma": 0.3, "n": 1.5, "k": 0.4}

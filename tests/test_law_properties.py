@@ -23,7 +23,7 @@ from laws_for_tests import (
     turning_points,
 )
 
-from wirerope_mj.laws import LAWS, BiaxialBoucWen, BoucWen
+from wirerope_mj.laws import LAWS
 
 NAMES = sorted(LAWS)
 FRESH_INTERPRETER = 120  # seconds for one that runs the kernels as plain Python on a busy machine
@@ -202,35 +202,3 @@ def test_a_law_is_written_and_read_by_its_parameters(name):
     assert content.pop("law") == name
     assert LAWS[name](**json.loads(json.dumps(content))) == law
     assert asdict(LAWS[name](**content)) == asdict(law)
-
-
-@st.composite
-def planes(draw):
-    """Return coupled laws; below sigma = 1/2 only axes of equal energy z_max x_y are passive."""
-    sigma, n = draw(st.floats(0.3, 1.2)), draw(st.floats(0.3, 3.0))
-    z, x = draw(st.tuples(st.floats(0.2, 3.0), st.floats(0.2, 3.0))), draw(st.floats(0.2, 3.0))
-    other = draw(st.floats(0.2, 3.0)) if sigma >= 0.5 else z[0] * x / z[1]
-    roll = BoucWen.from_normalised(z_max=z[0], x_y=x, sigma=sigma, n=n, k=draw(st.floats(0.0, 1.0)))
-    shear = BoucWen.from_normalised(z_max=z[1], x_y=other, sigma=sigma, n=n, k=draw(st.floats(0.0, 1.0)))
-    return BiaxialBoucWen(roll=roll, shear=shear)
-
-
-@given(
-    law=planes(),
-    points=st.lists(st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)), min_size=2, max_size=12),
-    small=st.booleans(),
-)
-@settings(max_examples=150, deadline=None)
-def test_coupled_law_is_bounded_odd_passive_and_does_not_know_its_sampling(law, points, small):
-    path = np.array([(0.0, 0.0), *points]) * (0.2 if small else 1.0)
-    loop = law.trace(path)
-    bounds = np.array([law.roll.z_max, law.shear.z_max])
-    # The bound is approached, and passed by 1e-11 of an adaptive step.
-    assert np.linalg.norm(loop.hysteretic_state / bounds, axis=1).max() <= 1.0 + 1e-9
-    mirrored = law.trace(-path)
-    np.testing.assert_allclose(mirrored.force, -loop.force, rtol=0, atol=1e-12 * size(law, loop.force))
-    fine = np.concatenate([path[:1], *(np.linspace(a, b, 8)[1:] for a, b in zip(path, path[1:], strict=False))])
-    finely = law.trace(fine)
-    # For n < 1 the slope of the loop at w = 0 is not smooth.
-    np.testing.assert_allclose(finely.force[::7], loop.force, rtol=0, atol=1e-8 * size(law, loop.force))
-    assert finely.work.min() >= -1e-9 * max(1.0, np.abs(finely.work).max())
