@@ -1,6 +1,8 @@
 """The virtual cyclic test rig: loops of a law, what they measure, what an acquisition would see of them, and their files."""
 
 from wirerope_mj.bench.acquisition import measured as measured
+from wirerope_mj.bench.cycles import read_cycles as read_cycles
+from wirerope_mj.bench.cycles import steady_loops as steady_loops
 from wirerope_mj.bench.files import write_cyclic_test as write_cyclic_test
 from wirerope_mj.bench.measures import Transition as Transition
 from wirerope_mj.bench.measures import hardening_overlap as hardening_overlap

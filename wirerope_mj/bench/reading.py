@@ -28,13 +28,12 @@ _NOMINAL = 2.0  # times that a loop may be larger or smaller than its stated amp
 
 
 @dataclass
-class _Samples:
-    """What the rows of one loop say; numbers in SI units."""
+class Samples:
+    """What the rows of one loop say; numbers in SI units, and the line of the file in which each row stands."""
 
     label: str
-    line: int
     amplitude: float | None
-    last: int = 0
+    lines: list[int] = field(default_factory=list)
     time: list[float] = field(default_factory=list)
     deflection: list[float] = field(default_factory=list)
     force: list[float] = field(default_factory=list)
@@ -50,21 +49,24 @@ def read_cyclic_test(path: str | Path) -> list[Loop]:
     not kept; other columns are not read.
 
     A loop is one cycle that ends where it began. If its last sample stands one step before the first, the first is repeated at
-    the end, so that the area is that of a closed loop. A record of several cycles is refused, not cut up: numbering its
-    cycles in a column `loop` is for whoever knows which of them are steady. What a file does not say is marked so in the
-    loops: z is NaN, there are no internal states, `cycles` is 0; `closure` is the distance between the last force of the
-    file and the first over the force range, work is summed by the trapezoid rule.
+    the end, so that the area is that of a closed loop. A record of several cycles is refused: `read_cycles` cuts those up.
+    What a file does not say is marked so in the loops: z is NaN, there are no internal states, `cycles` is 0; `closure` is
+    the distance between the last force of the file and the first over the force range, work is summed by the trapezoid rule.
 
     Raises:
         RecordError: names file and line, what stands there and what is expected.
     """
-    path = Path(path)
+    return [_loop(Path(path), samples) for samples in read_rows(Path(path))]
+
+
+def read_rows(path: Path) -> list[Samples]:
+    """Return the rows of a cyclic test, those of one loop together, or raise RecordError with file and line."""
     lines = _lines(path)
     header, columns = _header(path, lines)
     groups = _group(header, columns, lines)
     if not groups:
         raise RecordError(f"{path}: there are no rows behind the header in line {header.line}.")
-    return [_loop(header, samples) for samples in groups]
+    return groups
 
 
 def _lines(path: Path) -> list[tuple[int, str]]:
@@ -111,12 +113,12 @@ def _header(path: Path, lines: list[tuple[int, str]]) -> tuple[Header, dict[str,
     return header, columns
 
 
-def _group(header: Header, columns: dict[str, int], lines: list[tuple[int, str]]) -> list[_Samples]:
+def _group(header: Header, columns: dict[str, int], lines: list[tuple[int, str]]) -> list[Samples]:
     """Return the rows loop by loop, in SI units."""
     known = {"time": TIME_UNITS, "amplitude": DEFLECTION_UNITS, "deflection": DEFLECTION_UNITS, "force": FORCE_UNITS}
     factors = {name: header.factor(columns[name], known[name]) for name in known if name in columns}
     key = next((name for name in ("loop", "amplitude") if name in columns), None)
-    groups: dict[str, _Samples] = {}
+    groups: dict[str, Samples] = {}
     samples = None
     for number, where, cells in _rows(header, lines):
         values = {
@@ -127,13 +129,13 @@ def _group(header: Header, columns: dict[str, int], lines: list[tuple[int, str]]
         if samples is None or label != samples.label:
             if label in groups:
                 raise RecordError(
-                    f"{where}: {key} {label} goes on here after another; its rows ended in line {groups[label].last}. "
+                    f"{where}: {key} {label} goes on here after another; its rows ended in line {groups[label].lines[-1]}. "
                     'Rows of one loop stand together; give a repeated amplitude its own number in a column "loop".'
                 )
-            samples = groups[label] = _Samples(label, number, values.get("amplitude"))
+            samples = groups[label] = Samples(label, values.get("amplitude"))
         if "time" in values and samples.time and values["time"] <= samples.time[-1]:
             raise RecordError(f"{where}: time must increase from row to row of a loop, got {cells[columns['time']]}.")
-        samples.last = number
+        samples.lines.append(number)
         for name in ("time", "deflection", "force"):
             if name in values:
                 getattr(samples, name).append(values[name])
@@ -172,9 +174,9 @@ def _number(where: str, name: str, cell: str) -> float:
     return value
 
 
-def _loop(header: Header, samples: _Samples) -> Loop:
+def _loop(path: Path, samples: Samples) -> Loop:
     """Return the loop of one cycle's samples."""
-    place = f"{header.path}, lines {samples.line} to {samples.last}"
+    place = f"{path}, lines {samples.lines[0]} to {samples.lines[-1]}"
     x, force = np.array(samples.deflection), np.array(samples.force)
     if x.size < _FEWEST:
         raise RecordError(f"{place}: loop {samples.label} has {x.size} samples; a cycle needs at least {_FEWEST}.")

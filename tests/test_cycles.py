@@ -1,0 +1,189 @@
+"""Long records cut into steady loops: cycles, amplitudes and operating points found beside noise and drift."""
+
+import re
+
+import numpy as np
+import pytest
+from rig_records import rig_record, write_record
+
+import wirerope_mj as wr
+from wirerope_mj.bench import cyclic_test, measured, read_cycles, steady_loops
+from wirerope_mj.bench.turning import find_turning_points, rms_noise
+from wirerope_mj.errors import RecordError
+
+LAW = wr.AsymmetricBoucWen.from_normalised(
+    z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0
+)
+AMPLITUDES = np.array([0.5e-3, 1.5e-3, 4e-3, 10e-3])
+
+
+def errors(loops, law, operating_point=0.0):
+    """Return of every loop: its error over half the force range, without the mean, and the relative error of its area."""
+    result = []
+    for loop in loops:
+        exact = cyclic_test(law, loop.amplitude, operating_point=operating_point)[0]
+        force = np.empty_like(loop.force)
+        for rising in (True, False):
+            path, branch = exact.branch(rising=rising)
+            direction = 1.0 if rising else -1.0
+            bottom, top = int(np.argmin(loop.deflection)), int(np.argmax(loop.deflection))
+            index = np.arange(loop.deflection.size)
+            between = (index >= bottom) & (index <= top) if bottom < top else (index >= bottom) | (index <= top)
+            mask = between if rising else ~between
+            force[mask] = np.interp(direction * loop.deflection[mask], direction * path, branch)
+        half = 0.5 * np.ptp(exact.force)
+        result.append((np.std(loop.force - force) / half, loop.dissipated_energy / exact.dissipated_energy - 1.0))
+    return np.array(result)
+
+
+@pytest.mark.parametrize(
+    ("record", "most"),
+    [
+        # Noise of 1 % averaged over three cycles, 0.6 %, and the line through turning points of a twentieth of it.
+        ({}, 0.008),
+        ({"drift": 300.0, "zero": -80.0}, 0.008),  # 300 N is half of the smallest loops' force range
+        ({"points": 201.37, "drift": -300.0}, 0.008),  # no whole number of samples in a cycle
+        ({"points": 1999.3}, 0.008),
+        ({"operating_point": -3e-3, "drift": 100.0}, 0.01),  # the smallest still remembers the ramp
+        ({"cycles": 2, "drift": 100.0}, 0.014),  # one full cycle from turning point to turning point: no mean
+        # Noise of the deflection times the tangent stiffness: 10 um x 700 N/mm on 300 N of the smallest loop.
+        ({"slack": 1e-3, "drift": 100.0}, 0.03),
+    ],
+)
+def test_every_amplitude_of_a_long_record_comes_back_as_its_steady_loop(record, most):
+    time, deflection, force = rig_record(LAW, AMPLITUDES, **record)
+    loops = steady_loops(deflection, force, time=time)
+    point = record.get("operating_point", 0.0)
+    assert len(loops) == 4
+    # 3 standard deviations of the deflection's noise, averaged over three cycles.
+    np.testing.assert_allclose(
+        [loop.amplitude for loop in loops], AMPLITUDES, rtol=1e-3, atol=2e-5 * ("slack" in record)
+    )
+    np.testing.assert_allclose([loop.operating_point for loop in loops], point, atol=1e-6 + 2e-5 * ("slack" in record))
+    assert {loop.cycles for loop in loops} == {record.get("cycles", 5) - 1}
+    assert all(loop.deflection.size == 201 and loop.deflection[0] == loop.deflection[-1] for loop in loops)
+    error, area = errors(loops, LAW, point).T
+    assert (error < most).all(), error
+    # The area of the two larger loops is a quarter of their force range times their stroke: 1 % of force is 1 % of it.
+    assert (np.abs(area[2:]) < 0.01).all(), area
+
+
+def test_drift_of_the_zero_changes_nothing_but_the_mean():
+    plain, drifting = (
+        steady_loops(*record[1:], time=record[0])
+        for record in (rig_record(LAW, AMPLITUDES, drift=drift) for drift in (0.0, 500.0))
+    )
+    for one, other in zip(plain, drifting, strict=True):
+        # A line is taken out as exactly as it is put in, but for the smoothing at a record's last sample.
+        np.testing.assert_allclose(other.force - other.force.mean(), one.force - one.force.mean(), atol=1e-6 * 500.0)
+
+
+def test_time_matters_where_the_sampling_is_not_uniform():
+    time, deflection, force = rig_record(LAW, [4e-3], cycles=6, points=1000.0, noise=0.0, drift=200.0)
+    kept = np.random.default_rng(3).random(time.size) < 0.25
+    (loop,) = steady_loops(deflection[kept], force[kept], time=time[kept])
+    error, area = errors([loop], LAW)[0]
+    assert error < 2e-3  # 80 bins of three samples each are not in the middle of what they stand for
+    assert abs(area) < 5e-3
+
+
+def test_two_operating_points_of_one_record_are_two_loops():
+    first = rig_record(LAW, [2e-3], operating_point=-4e-3, seed=1)
+    second = rig_record(LAW, [2e-3], operating_point=3e-3, seed=2)
+    loops = steady_loops(*(np.concatenate([a, b]) for a, b in zip(first[1:], second[1:], strict=True)))
+    assert [loop.operating_point for loop in loops] == pytest.approx([-4e-3, 3e-3], abs=1e-6)
+
+
+def test_one_cycle_stays_what_it_is():
+    (loop,) = measured(cyclic_test(LAW, 4e-3), points_per_cycle=100, force_noise=5.0, seed=4)
+    for cut in (slice(None), slice(None, -1)):  # with the sample that repeats the first, and without
+        (again,) = steady_loops(loop.deflection[cut], loop.force[cut])
+        assert again.cycles == 1
+        np.testing.assert_allclose(again.deflection, loop.deflection, atol=1e-12)
+        np.testing.assert_allclose(again.force[1:-1], loop.force[1:-1], rtol=1e-12)
+
+
+def test_noise_is_told_from_motion():
+    rng = np.random.default_rng(1)
+    path = np.sin(2.0 * np.pi * np.arange(2000) / 50)
+    assert rms_noise(path) < 1e-4  # fourth differences of a sine of 50 samples: (2 pi / 50)^4 / sqrt(70)
+    noisy = path + 0.05 * rng.standard_normal(path.size)
+    assert rms_noise(noisy) == pytest.approx(0.05, rel=0.1)  # the median of 2000 correlated numbers
+    trace = find_turning_points(noisy, np.arange(2000.0))
+    assert trace.turns.size == 82  # two in each of 40 cycles, and both ends
+    # A quarter of a period after a zero; crossings at 0.7 of the amplitude, with a slope of 0.09 a sample, are sharp to
+    # 0.05 / sqrt(3) / 0.09 = 0.3 samples, the mean of two to 0.23; noise may cross again a sample further out.
+    np.testing.assert_allclose(trace.times[1:-1], 12.5 + 25.0 * np.arange(80), atol=4 * 0.23 + 0.5)
+
+
+def test_file_of_records_is_read_with_its_units_and_in_its_order(tmp_path):
+    rows = []
+    for number, size in enumerate((4e-3, 1.5e-3), start=1):
+        time, deflection, force = rig_record(LAW, [size], seed=number)
+        rows += [
+            f"{number};{t:.5f};{1e3 * x:.7g};{f / 1e3:.7g}" for t, x, f in zip(time, deflection, force, strict=True)
+        ]
+    path = tmp_path / "t.csv"
+    path.write_text("\n".join(["loop;time [s];deflection [mm];force [kN]", *rows]), encoding="utf-8")
+    loops = read_cycles(path)
+    assert [loop.amplitude for loop in loops] == pytest.approx([4e-3, 1.5e-3], rel=1e-3)
+    assert (errors(loops, LAW)[:, 0] < 0.008).all()
+
+
+def test_file_without_time_counts_as_uniform(tmp_path):
+    _, deflection, force = rig_record(LAW, [4e-3])
+    path = tmp_path / "t.csv"
+    rows = [f"{x!r},{f!r}" for x, f in zip(deflection.tolist(), force.tolist(), strict=True)]
+    path.write_text("\n".join(["deflection [m],force [N]", *rows]), encoding="utf-8")
+    (one,), (other,) = read_cycles(path), steady_loops(deflection, force)
+    np.testing.assert_array_equal(one.force, other.force)
+
+
+def sine(*, cycles=3.0, points=100, lag=0.3, scale=1.0):
+    """Return time, deflection and force of an ellipse."""
+    angle = 2.0 * np.pi * np.arange(int(cycles * points) + 1) / points
+    return angle, 1e-3 * scale * np.sin(angle), 1e3 * np.sin(angle + lag)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda t, x, f: (t, 0 * x + 2e-3, f), r"lines 2 to 302: the deflection never changes, it stands at 2 mm"),
+        (
+            lambda t, x, f: (t, 1e-6 * np.random.default_rng(0).standard_normal(x.size), f),
+            r"never changes by more than its noise, 0\.00\d+ mm",
+        ),
+        (lambda t, x, f: (t[:40], x[:40], f[:40]), r"lines 2 to 41: there is no full cycle.* by 1, 0.3626 mm"),
+        (lambda t, x, f: (t[:9], x[:9], f[:9]), r"lines 2 to 10: 9 samples; one cycle needs at least 12"),
+        (
+            lambda t, x, f: (t, x, np.minimum(f, 800.0)),
+            r"lines \d+ to \d+: \d+ samples stand at exactly the largest force, 800 N.*saturated",
+        ),
+        (lambda t, x, f: (t, x, np.maximum(f, -800.0)), r"exactly the smallest force, -800 N"),
+        (lambda t, x, f: (t, x, -f), r"the force falls where the deflection grows; both are positive in tension"),
+        (lambda t, x, f: (t, x[::-1], f[::-1]), r"the cycle gives \d.*J away"),
+        (lambda t, x, f: (t, x, 0 * f + 5.0), r"the force never changes, it stands at 5 N"),
+    ],
+)
+def test_what_cannot_be_used_is_named_with_its_lines(tmp_path, change, message):
+    path = write_record(tmp_path / "t.csv", *change(*sine()))
+    with pytest.raises(RecordError) as caught:
+        read_cycles(path)
+    assert str(caught.value).startswith(f"{path}, lines ")
+    assert re.search(message, str(caught.value)), caught.value
+
+
+def test_too_few_samples_in_a_cycle_are_named():
+    _, deflection, force = sine(cycles=8, points=10)
+    with pytest.raises(ValueError, match=r"samples \d+ to \d+: the cycle has 1\d samples; it needs at least 12"):
+        steady_loops(deflection, force)
+
+
+def test_series_that_are_no_record_are_refused():
+    _, deflection, force = sine()
+    with pytest.raises(ValueError, match="must be finite series of one length"):
+        steady_loops(deflection, force[:-1])
+    with pytest.raises(ValueError, match="must be finite series of one length"):
+        steady_loops(np.where(deflection > 9e-4, np.nan, deflection), force)
+    with pytest.raises(ValueError, match="`time` must be finite, as long as `deflection`, and increase"):
+        steady_loops(deflection, force, time=np.zeros(force.size))

@@ -1,0 +1,139 @@
+"""Where a noisy deflection turns round."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+_SURE = 8.0  # standard deviations of noise: samples of one stroke differ by more once in 1e8 pairs
+_SMALLEST = 0.01  # of the range: what moves less is the rig's, not the test's
+_SMOOTHED = 8  # samples of the shortest stroke for one of the window: a sine loses less than 1 % of its amplitude
+_DEPTH = 0.15  # of a stroke below its end, where a sine is steep enough for its crossings to be sharp
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trace:
+    """A deflection and where it turns round.
+
+    Attributes:
+        time: of the samples, (n_t,).
+        deflection: as recorded [m], (n_t,).
+        smooth: the same, smoothed [m], (n_t,).
+        window: samples that were averaged.
+        noise: standard deviation of the deflection's noise [m].
+        turns: samples of the turning points, (n,), the record's first and last sample among them; empty if it never moves.
+        times: of the turning points, (n,), between the crossings on both sides and so sharper than the samples.
+    """
+
+    time: Array
+    deflection: Array
+    smooth: Array
+    window: int
+    noise: float
+    turns: npt.NDArray[np.int64]
+    times: Array
+
+    @property
+    def smooth_noise(self) -> float:
+        """Standard deviation of the noise that is left in `smooth` [m]."""
+        return self.noise / np.sqrt(self.window)
+
+    @property
+    def strokes(self) -> Array:
+        """Distances from turning point to turning point [m], (n - 1,)."""
+        return np.abs(np.diff(self.smooth[self.turns]))
+
+    def smoothed(self, values: Array) -> Array:
+        """Return another series as smoothed as the deflection."""
+        return _smoothed(values, self.window)
+
+
+def find_turning_points(deflection: Array, time: Array) -> Trace:
+    """Return a deflection with its turning points: reversals by more than the noise and 1 % of the range.
+
+    A first pass over the raw samples finds the shortest stroke, a second over the deflection smoothed over an eighth of it
+    finds the small ones beside the noise.
+
+    Args:
+        deflection: record [m], (n_t,), which is not constant.
+        time: of the samples, (n_t,), increasing.
+    """
+    noise, least = rms_noise(deflection), _SMALLEST * float(np.ptp(deflection))
+    turns = _reversals(deflection, max(_SURE * noise, least))
+    window = max(int(np.diff(turns).min()) // _SMOOTHED, 1) if turns.size > 1 else 1
+    smooth = _smoothed(deflection, window)
+    turns = _reversals(smooth, max(_SURE * noise / np.sqrt(window), least))
+    times = _times(smooth, time, turns)
+    return Trace(
+        time=time, deflection=deflection, smooth=smooth, window=window, noise=noise, turns=turns, times=times
+    )  # fmt: skip
+
+
+def rms_noise(values: Array) -> float:
+    """Return the standard deviation of a series' noise, from its fourth differences.
+
+    They are white noise times sqrt(70), and next to nothing of a cycle of a dozen samples or more; their median does not see
+    turning points.
+    """
+    if values.size < 6:
+        return 0.0
+    return float(np.median(np.abs(np.diff(values, 4)))) / (0.6745 * np.sqrt(70.0))
+
+
+def _smoothed(values: Array, window: int) -> Array:
+    """Return the mean over `window` samples, over fewer at the ends."""
+    window += 1 - window % 2
+    if window == 1:
+        return values
+    half = window // 2
+    sums = np.concatenate([[0.0], np.cumsum(values - values[0])])
+    index = np.arange(values.size)
+    # The same number on both sides, so that a straight line stays where it is.
+    reach = np.minimum(half, np.minimum(index, values.size - 1 - index))
+    return values[0] + (sums[index + reach + 1] - sums[index - reach]) / (2 * reach + 1)
+
+
+def _reversals(values: Array, threshold: float) -> npt.NDArray[np.int64]:
+    """Return the samples at which a series turns back by more than `threshold`, with those it begins and ends at."""
+    turns: list[int] = []
+    high = low = extreme = 0
+    direction = 0
+    for index, value in enumerate(values.tolist()):
+        if direction == 0:
+            high = index if value > values[high] else high
+            low = index if value < values[low] else low
+            if values[high] - values[low] > threshold:
+                direction, turns, extreme = (1, [low], high) if high > low else (-1, [high], low)
+        elif (value - values[extreme]) * direction > 0.0:
+            extreme = index
+        elif (values[extreme] - value) * direction > threshold:
+            turns.append(extreme)
+            direction, extreme = -direction, index
+    return np.array([*turns, extreme] if turns else [], dtype=np.int64)
+
+
+def _times(smooth: Array, time: Array, turns: npt.NDArray[np.int64]) -> Array:
+    """Return the time in the middle between the crossings on both sides of each turning point.
+
+    Near its turning point a sine hardly moves, so that noise shifts the largest sample far; its crossings it does not.
+    """
+    times = time[turns].astype(np.float64)
+    for place in range(1, turns.size - 1):
+        before, here, after = (int(turn) for turn in turns[place - 1 : place + 2])
+        sign = 1.0 if smooth[here] > smooth[before] else -1.0
+        depths = np.abs(smooth[here] - smooth[[before, after]])
+        level = sign * smooth[here] - _DEPTH * float(depths.min())
+        rise, fall = sign * smooth[before : here + 1], sign * smooth[here : after + 1]
+        left = before + int(np.flatnonzero(rise <= level)[-1])
+        right = here + int(np.flatnonzero(fall <= level)[0])
+        crossings = [_crossing(smooth, time, index, sign * level) for index in (left, right - 1)]
+        times[place] = 0.5 * sum(crossings)
+    return times
+
+
+def _crossing(values: Array, time: Array, index: int, level: float) -> float:
+    """Return when a series crosses a level between a sample and the next."""
+    share = (level - values[index]) / (values[index + 1] - values[index])
+    return float(time[index] + share * (time[index + 1] - time[index]))
