@@ -37,7 +37,7 @@ def write_cyclic_test(
         force_unit: "N" or "kN".
 
     Raises:
-        ValueError: there is no loop, or an argument is out of its range.
+        ValueError: there is no loop, an argument is out of its range, or the file cannot stand there.
     """
     if not loops:
         raise ValueError("`loops` must hold at least one loop.")
@@ -49,6 +49,9 @@ def write_cyclic_test(
     ):
         if unit not in known:
             raise ValueError(f"`{name}` must be one of {', '.join(known)}, got {unit!r}.")
+    target = Path(path)
+    if target.is_dir() or not target.resolve().parent.is_dir():
+        raise ValueError(f"`path` must be a file in a folder that exists, got {str(path)!r}.")
     time = "" if frequency is None else "time [s], "
     lines = [
         "# cyclic test: each loop is one cycle and ends where it began; deflection and force are positive in tension",
@@ -56,7 +59,7 @@ def write_cyclic_test(
     ]
     for number, loop in enumerate(loops, start=1):
         lines.extend(_rows(number, loop, frequency, DEFLECTION_UNITS[deflection_unit], FORCE_UNITS[force_unit]))
-    _write_whole("\n".join(lines) + "\n", Path(path))
+    _write_whole("\n".join(lines) + "\n", target)
 
 
 def _rows(number: int, loop: Loop, frequency: float | None, metre: float, newton: float) -> Iterator[str]:

@@ -13,8 +13,8 @@ from rich.table import Table
 from wirerope_mj.bench import cyclic_test, hardening_overlap, softening_to_hardening, write_cyclic_test
 from wirerope_mj.cli.isolators import check_place, describe
 from wirerope_mj.cli.tables import console
-from wirerope_mj.isolator import Isolator, find_isolator, load_isolator, read_law
-from wirerope_mj.laws import Hysteresis, Law, Loop
+from wirerope_mj.isolator import Isolator, Limits, Travel, find_isolator, load_isolator, read_law
+from wirerope_mj.laws import EnhancedDryFriction, Hysteresis, Law, Loop
 from wirerope_mj.resources import catalogue_folder
 
 _SHARES = (0.05, 0.1, 0.25, 0.5, 1.0)
@@ -84,7 +84,11 @@ def _load(source: str, axis: str | None) -> tuple[Isolator, str, bool]:
     if "law" in content:
         law = read_law(content, f"{path}:")
         axes: dict[str, Any] = {axis or "axial": law}
-        return Isolator(name=path.stem, **axes), path.stem, False
+        # A law file has no ratings; a law that ends somewhere says so itself when a test leads there.
+        end = law.finite_travel if law.finite_travel < math.inf else None
+        ends = None if end is None else math.nextafter(end, 0.0)
+        travel = Travel(compression=ends, tension=ends, shear=ends, roll=ends)
+        return Isolator(name=path.stem, limits=Limits(travel=travel), **axes), path.stem, False
     return load_isolator(path), path.stem, True
 
 
@@ -105,6 +109,8 @@ def _check_csv(csv: Path, laws: Mapping[str, tuple[str, Law]]) -> None:
     """Raise ValueError unless the loops can be written as `csv`."""
     if len(laws) > 1:
         raise ValueError(f"`--csv` holds the loops of one axis: name it with --axis; here are {', '.join(laws)}.")
+    if csv.is_dir():
+        raise ValueError(f"`--csv` must be a file, got the folder {str(csv)!r}.")
     if not csv.resolve().parent.is_dir():
         raise ValueError(f"`--csv`: there is no folder {str(csv.resolve().parent)!r}.")
 
@@ -129,7 +135,7 @@ def _print(
     screen.print(f"[bold]{escape(isolator.name)}[/]{about}{rate}")
     for title, law in laws.items():
         screen.print(f"  {title}: {escape(describe(law))}")
-        if isinstance(law, Hysteresis) and law.z_max < math.inf:
+        if isinstance(law, Hysteresis | EnhancedDryFriction) and law.z_max < math.inf:
             form = law.normalised
             words = (
                 f"z_max = {form.z_max:.6g} N, x_y = {1e3 * form.x_y:.6g} mm, sigma = {form.sigma:.6g}, n = {form.n:.6g}"
@@ -161,8 +167,11 @@ def _sentences(loops: Sequence[Loop]) -> list[str]:
     sentences = []
     amplitudes = {loop.amplitude for loop in loops}
     if len(amplitudes) >= 2 and max(loop.damping_ratio for loop in loops) > 1e-9:
-        overlap = hardening_overlap(loops)
-        sentences.append(f"hardening overlap {overlap:.3f} (0: all amplitudes load along one path in tension)")
+        try:
+            overlap = hardening_overlap(loops)
+            sentences.append(f"hardening overlap {overlap:.3f} (0: all amplitudes load along one path in tension)")
+        except ValueError as error:
+            sentences.append(f"no hardening overlap: {error}")
     if len(amplitudes) >= 3:
         sentences.append(softening_to_hardening(loops).message)
     return sentences

@@ -42,6 +42,6 @@ def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path:
     for place in places:
         if place.is_file():
             return place
-    looked = " and ".join(str(place) for place in places)
+    looked = " and ".join(dict.fromkeys(str(place) for place in places))
     existing = ", ".join(sorted(path.stem for path in catalogue.glob("*.toml"))) or "nothing"
     raise ModelError(f"there is no isolator {str(name)!r}: looked for {looked}. The catalogue holds {existing}.")

@@ -16,7 +16,7 @@ class BoucWenBaberNoori(Hysteresis):
     """Bouc-Wen-Baber-Noori law: F = k x + z, with wear and pinching that grow with the work e of z, edot = z xdot [J].
 
         zdot = (h / eta) {A xdot - nu [gamma + beta sgn(xdot) sgn(z)] |z|^n xdot}
-        A = alpha - delta_alpha e (not below 0: fully worn),   nu = 1 + delta_nu e,   eta = 1 + delta_eta e
+        A = alpha - delta_alpha e (not below alpha / 1000: worn out),   nu = 1 + delta_nu e,   eta = 1 + delta_eta e
         h = 1 - s exp{-[z sgn(xdot) - q z_u]^2 / w^2},   s = zeta (1 - exp(-p e)),   w = (psi + delta_psi e)(lam + s)
         z_u = [A / (nu (beta + gamma))]^(1/n)
 

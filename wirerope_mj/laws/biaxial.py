@@ -103,6 +103,9 @@ class BiaxialBoucWen:
             raise ValueError(f"`deflection` must be at least 2 finite points of the plane, got shape {path.shape}.")
         parameters, _ = self.line_parameters(path[0], path[0])
         force, states, work = follow_plane(parameters, path)
+        finite = np.isfinite(force).all(axis=1) & np.isfinite(work)
+        if not finite.all():
+            raise ValueError(f"the force of {self} leaves the finite numbers at {path[np.argmin(finite)]} m.")
         return PlaneTrace(deflection=path, force=force, hysteretic_state=states, work=work)
 
 

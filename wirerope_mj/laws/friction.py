@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.laws import kernels
+from wirerope_mj.laws.hysteresis import Normalised
 from wirerope_mj.laws.law import Law, require_not_negative, require_positive
 
 
@@ -48,6 +49,11 @@ class EnhancedDryFriction(Law):
         return self.d
 
     @property
+    def normalised(self) -> Normalised:
+        """The normalised form of the Bouc-Wen law that it is."""
+        return Normalised(z_max=self.d, x_y=self.u_c, sigma=1.0, n=1.0)
+
+    @property
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, d / u_c + k [N/m]."""
         return self.d / self.u_c + self.k
@@ -70,7 +76,7 @@ class Masing(Law):
         F = k x + sum f_e,   fdot_e = c_e xdot while |f_e| < h_e or f_e xdot < 0, else 0
 
     The virgin curve is k x + sum min(c_e x, h_e); every later branch is that curve doubled (Masing's rule), and a closed inner
-    loop is forgotten (return-point memory), which Bouc-Wen laws lack: a mount of this law does not creep under vibration. A
+    loop is forgotten (return-point memory), which Bouc-Wen laws lack: the mean of this law does not drift under vibration. A
     steady loop of amplitude A has the area sum of 4 h_e (A - h_e / c_e) over the elements that slip. The force is piecewise
     linear. Source: Sauter and Hagedorn (2002), thesis 2.5.2.
 

@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, Self
 
+import numpy as np
+
 from wirerope_mj.laws.law import Law
 
 
@@ -30,6 +32,8 @@ class Normalised:
     def __post_init__(self) -> None:
         for name in ("z_max", "x_y", "sigma", "n"):
             value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+                raise ValueError(f"`{name}` must be a number, got {value!r}.")
             if not (math.isfinite(value) and value > 0.0):
                 raise ValueError(f"`{name}` must be finite and > 0, got {value}.")
 
@@ -56,9 +60,15 @@ class Hysteresis(Law):
 
         alpha = z_max / x_y, beta = sigma alpha / z_max^n, gamma = (1 - sigma) alpha / z_max^n.
         """
+        for name in ("alpha", "beta", "gamma"):
+            if name in others:
+                raise ValueError(f"`{name}` follows from the normalised form and cannot be given with it.")
         form = Normalised(z_max=z_max, x_y=x_y, sigma=sigma, n=n)
         alpha = form.z_max / form.x_y
-        total = alpha / form.z_max**n
+        try:
+            total = alpha / float(form.z_max) ** float(n)
+        except (OverflowError, ZeroDivisionError):
+            raise ValueError(f"`z_max`^`n` must be a finite number > 0, got {z_max}^{n}: take other units.") from None
         return cls(**{"alpha": alpha, "beta": sigma * total, "gamma": (1.0 - sigma) * total, "n": n, **others})
 
     @property

@@ -25,6 +25,9 @@ VAIANA_ROSATI = 7
 BABER_NOORI = 8
 BIAXIAL = 9
 
+WORN_OUT = 1e-3
+"""Share of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1."""
+
 
 @njit
 def bouc_wen_rate(alpha, beta, gamma, n, v, z):
@@ -153,7 +156,7 @@ def baber_noori(p, i, x, v, z, j, zdot, k):
     p = alpha, beta, gamma, n, k, delta_alpha, delta_nu, delta_eta, zeta, q, p, psi, delta_psi, lam.
     """
     force, e = z[j], z[j + 1]
-    alpha = max(p[i] - p[i + 5] * e, 0.0)
+    alpha = max(p[i] - p[i + 5] * e, WORN_OUT * p[i])
     nu, eta = 1.0 + p[i + 6] * e, 1.0 + p[i + 7] * e
     beta, gamma, n = nu * p[i + 1], nu * p[i + 2], p[i + 3]
     slip = p[i + 8] * -math.expm1(-p[i + 10] * e)

@@ -27,6 +27,9 @@ class Law(ABC):
 
     def __post_init__(self) -> None:
         for key, value in asdict(self).items():
+            if isinstance(value, np.integer | np.floating):
+                object.__setattr__(self, key, value.item())
+                value = value.item()
             for number in value if isinstance(value, tuple) else (value,):
                 if isinstance(number, bool) or not isinstance(number, int | float):
                     raise ValueError(f"`{key}` must be a number, got {number!r}.")
@@ -143,8 +146,12 @@ class Law(ABC):
 
     def _check_path(self, path: npt.NDArray[np.float64]) -> None:
         """Raise ValueError if a path is not a finite series, or leads to where the law does not hold."""
-        if path.ndim != 1 or path.size < 2 or not np.isfinite(path).all():
-            raise ValueError(f"`deflection` must be a series of at least 2 finite numbers, got shape {path.shape}.")
+        if path.ndim != 1 or path.size < 2:
+            raise ValueError(f"`deflection` must be a series of at least 2 numbers, got shape {path.shape}.")
+        if not np.isfinite(path).all():
+            raise ValueError(
+                f"`deflection` must be finite, got {path[~np.isfinite(path)][0]} in sample {np.argmin(np.isfinite(path))}."
+            )
 
 
 def _instants(law: Law, path: npt.NDArray[np.float64], time: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
@@ -152,8 +159,10 @@ def _instants(law: Law, path: npt.NDArray[np.float64], time: npt.ArrayLike | Non
     if time is None:
         raise ValueError(f"`time` must be given: the force of {law.name} depends on the deflection rate.")
     instants = np.asarray(time, dtype=np.float64)
-    if instants.shape != path.shape or not np.isfinite(instants).all() or (np.diff(instants) <= 0.0).any():
-        raise ValueError(f"`time` must be strictly increasing and of shape {path.shape}, got shape {instants.shape}.")
+    if instants.shape != path.shape:
+        raise ValueError(f"`time` must have the shape of the deflection, {path.shape}, got {instants.shape}.")
+    if not np.isfinite(instants).all() or (np.diff(instants) <= 0.0).any():
+        raise ValueError("`time` must be finite and strictly increasing.")
     return instants
 
 

@@ -16,7 +16,8 @@ class SymmetricBoucWen(Hysteresis):
     """Ni's symmetric law for shear and roll: F = z + F1(x), F1 = k1 x + k2 sgn(x) x^2 + k3 x^3.
 
     Softens at small deflections through z and hardens at large ones through k2 [N/m^2] and k3 [N/m^3]; k1 [N/m], z and its
-    parameters as in `Hysteresis`. Source: Ni, Ko, Wong and Zhan (1999) as described in Schwanen (2004), section 3.4.
+    parameters as in `Hysteresis`. F1 is that of a stable spring if k1, k3 >= 0 and k2 >= -3 sqrt(k1 k3 / 2); a fit that ends
+    elsewhere holds for its own travel only. Source: Ni, Ko, Wong and Zhan (1999) as described in Schwanen (2004), section 3.4.
     """
 
     name: ClassVar[str] = "symmetric-bouc-wen"

@@ -21,7 +21,9 @@ class TinkerCutchins(Law):
 
     k1 [N/m], k2 [N/m^2], k3 [N/m^3], c [N (s/m)^n], f0 [N], f1 [N/m], f2 [N/m^2], smoothing [m/s]. Over a cycle A sin(w t) the
     n-th power term takes gamma_n c w^n A^(n+1) with gamma_n = 2 sqrt(pi) Gamma((n+2)/2) / Gamma((n+3)/2), friction
-    4 f0 A + 2 f1 A^2 + (4/3) f2 A^3 for a small smoothing. Source: Tinker and Cutchins (1992), thesis 2.5.2; how the friction
+    4 f0 A + 2 f1 A^2 + (4/3) f2 A^3 for a small smoothing. The springs are stable if 2 k2^2 <= 9 k1 k3.
+
+    Source: Tinker and Cutchins (1992), thesis 2.5.2; how the friction
     varies is our choice, the published polynomial was not reachable.
 
     Coulomb friction is undefined at rest, so it is smoothed: the force at the rate xdot is the share tanh(xdot / smoothing) of
@@ -102,8 +104,9 @@ class EquivalentViscous(Law):
     def from_loops(cls, loops: Sequence[Loop], *, amplitude: float, frequency: float) -> Self:
         """Return the law of an amplitude between those of closed loops about zero.
 
-        The mid-line (F_up + F_down) / 2 of each loop is fitted by k1 x + k2 x^2 + k3 x^3; its coefficients are interpolated
-        linearly over the amplitude, the energy by the power law W = a A^p between neighbours.
+        The mid-line (F_up + F_down) / 2 of each loop is fitted by k1 x + k2 x^2 + k3 x^3 through its tips. Between two
+        loops k_p A^(p-1), shares
+        of the secant stiffness, are interpolated over log A, and the energy by a power law W = a A^p.
 
         Args:
             loops: closed loops, one for each amplitude.
@@ -111,21 +114,31 @@ class EquivalentViscous(Law):
             frequency: at which the law is to be used [Hz].
 
         Raises:
-            ValueError: no loops, or the amplitude lies outside theirs.
+            ValueError: no loops, one that is not closed or not about zero, or the amplitude lies outside theirs.
         """
         ordered = sorted(loops, key=lambda loop: loop.amplitude)
         if not ordered:
             raise ValueError("`loops` must hold at least one loop.")
+        for loop in ordered:
+            if not abs(loop.deflection[-1] - loop.deflection[0]) <= 2.0 * np.abs(np.diff(loop.deflection)).max():
+                raise ValueError("`loops` must be closed cycles, got an open path.")
+            if abs(loop.operating_point) > 0.01 * loop.amplitude:
+                raise ValueError(f"`loops` must be about zero, got one about {loop.operating_point:.6g} m.")
         sizes = np.array([loop.amplitude for loop in ordered])
         # The amplitude of a sampled loop differs from the one that was asked for by rounding.
         if not sizes[0] * (1.0 - 1e-9) <= amplitude <= sizes[-1] * (1.0 + 1e-9):
             raise ValueError(
                 f"`amplitude` must lie within those of the loops, {sizes[0]:.6g} to {sizes[-1]:.6g} m, got {amplitude}."
             )
-        lines = np.array([_mid_line(loop) for loop in ordered])
-        k1, k2, k3 = (float(np.interp(amplitude, sizes, line)) for line in lines.T)
-        energies = np.log([loop.dissipated_energy for loop in ordered])
-        energy = float(np.exp(np.interp(np.log(amplitude), np.log(sizes), energies)))
+        shares = np.array([_mid_line(loop) for loop in ordered]) * sizes[:, None] ** np.arange(3)
+        place = np.log(amplitude)
+        k1, k2, k3 = (float(np.interp(place, np.log(sizes), share)) / amplitude**p for p, share in enumerate(shares.T))
+        # An elastic loop has an area of rounding.
+        energies = np.maximum([loop.dissipated_energy for loop in ordered], 0.0)
+        if (energies > 0.0).all():
+            energy = float(np.exp(np.interp(place, np.log(sizes), np.log(energies))))
+        else:
+            energy = float(np.interp(place, np.log(sizes), energies))
         return cls(k1=k1, k2=k2, k3=k3, energy=energy, amplitude=float(amplitude), frequency=float(frequency))
 
     def kernel_parameters(self) -> npt.NDArray[np.float64]:
@@ -144,15 +157,12 @@ class EquivalentViscous(Law):
 
 
 def _mid_line(loop: Loop) -> npt.NDArray[np.float64]:
-    """Return k1, k2, k3 of the polynomial through the mid-line of a closed loop."""
-    top, bottom = int(np.argmax(loop.deflection)), int(np.argmin(loop.deflection))
-    # The last sample of a closed loop is its first.
-    x, force = loop.deflection[:-1], loop.force[:-1]
-    x, force = np.roll(x, -bottom), np.roll(force, -bottom)
-    turn = (top - bottom) % x.size
-    up, down = slice(0, turn + 1), np.r_[turn : x.size, 0]
-    middle = 0.5 * (force[up] + np.interp(x[up], x[down][::-1], force[down][::-1]))
-    scale = loop.amplitude
-    powers = np.stack([(x[up] / scale) ** power for power in (1, 2, 3)], axis=1)
-    coefficients = np.linalg.lstsq(powers, middle, rcond=None)[0]
-    return np.asarray(coefficients / scale ** np.array([1, 2, 3]), dtype=np.float64)
+    """Return k1, k2, k3 of the polynomial through the tips of a closed loop that is nearest to its mid-line."""
+    (x_up, up), (x_down, down) = loop.branch(rising=True), loop.branch(rising=False)
+    middle = 0.5 * (up + np.interp(x_up, x_down[::-1], down[::-1]))
+    x, amplitude = x_up - loop.operating_point, loop.amplitude
+    even, odd = 0.5 * (middle[-1] + middle[0]) / amplitude**2, 0.5 * (middle[-1] - middle[0]) / amplitude
+    # With k1 = odd - k3 A^2 and k2 = even the tips are met for every k3.
+    bend = x**3 - amplitude**2 * x
+    k3 = float(bend @ (middle - odd * x - even * x**2) / (bend @ bend))
+    return np.array([odd - k3 * amplitude**2, even, k3])
