@@ -3,7 +3,7 @@
 import os
 import shutil
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -12,28 +12,40 @@ from wirerope_mj.errors import RecordError
 SCENARIO, SUMMARY = "scenario.toml", "summary.json"
 
 
-def check_target(folder: Path, *, force: bool) -> None:
-    """Raise RecordError unless a run may be written as `folder`: nothing is there, or a run that `force` replaces."""
+def check_target(folder: Path, *, force: bool, kind: str = "run", marks: Sequence[str] = (SCENARIO, SUMMARY)) -> None:
+    """Raise RecordError unless `folder` may be written: nothing is there, or a folder of its kind that `force` replaces.
+
+    Args:
+        folder: where something is to be written.
+        force: whether it may replace another of its kind.
+        kind: what messages call it.
+        marks: files by which one is known.
+    """
     if not folder.exists() and not folder.is_symlink():
         return
     if not folder.is_dir():
-        raise RecordError(f"{folder}: this is a file; a run is a folder. Choose another place.")
+        raise RecordError(f"{folder}: this is a file; a {kind} is a folder. Choose another place.")
     if not any(folder.iterdir()):
         return
-    if not (folder / SCENARIO).is_file() or not (folder / SUMMARY).is_file():
+    if not all((folder / mark).is_file() for mark in marks):
         raise RecordError(
-            f"{folder}: this folder exists and is not a run; nothing in it was touched. Choose another one."
+            f"{folder}: this folder exists and is not a {kind}; nothing in it was touched. Choose another one."
         )
     if not force:
         raise RecordError(
-            f"{folder}: there is a run already. Replace it with --force (`force=True`), or choose another one."
+            f"{folder}: there is a {kind} already. Replace it with --force (`force=True`), or choose another one."
         )
 
 
 @contextmanager
-def written_whole(folder: Path, *, force: bool) -> Iterator[Path]:
-    """Yield a new folder beside `folder` that becomes it when the block ends well, and is removed when it does not."""
-    check_target(folder, force=force)
+def written_whole(
+    folder: Path, *, force: bool, kind: str = "run", marks: Sequence[str] = (SCENARIO, SUMMARY)
+) -> Iterator[Path]:
+    """Yield a new folder beside `folder` that becomes it when the block ends well, and is removed when it does not.
+
+    The arguments are those of `check_target`.
+    """
+    check_target(folder, force=force, kind=kind, marks=marks)
     folder = folder.resolve()
     missing = [parent for parent in folder.parents if not parent.exists()]
     try:
@@ -44,7 +56,7 @@ def written_whole(folder: Path, *, force: bool) -> Iterator[Path]:
     try:
         beside.chmod(0o755)  # mkdtemp makes folders that nobody else may read
         yield beside
-        check_target(folder, force=force)
+        check_target(folder, force=force, kind=kind, marks=marks)
         _put(beside, folder)
     except BaseException:
         shutil.rmtree(beside, ignore_errors=True)

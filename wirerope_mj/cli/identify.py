@@ -1,0 +1,273 @@
+"""`wirerope identify`: cyclic tests -> an isolator file, a table of what the data fix, and a report with pictures."""
+
+import math
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from wirerope_mj.bench import read_cycles
+from wirerope_mj.cli.identify_report import (
+    PICTURES,
+    Rows,
+    loop_rows,
+    parameter_rows,
+    report_text,
+    sentences,
+    stage_rows,
+)
+from wirerope_mj.cli.isolators import describe
+from wirerope_mj.cli.tables import console
+from wirerope_mj.errors import ModelError, RecordError
+from wirerope_mj.identification.fitted import FittedLoop, fitted_loops
+from wirerope_mj.identification.identify import Constraint, Identification, family_of, identify
+from wirerope_mj.identification.measured import prepare
+from wirerope_mj.isolator import Isolator, Provenance, read_law
+from wirerope_mj.laws import LAWS, AsymmetricBoucWen, Law, Loop
+from wirerope_mj.runfolder.folder import check_target, written_whole
+
+NOT_CONVERGED = 1
+"""Exit code of a fit that did not converge."""
+
+_REPORT = "report.md"
+_OTHER_UNITS = 100.0
+"""Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What is to be identified and where it goes.
+
+    Attributes:
+        files: records of cyclic tests.
+        law: name of the law.
+        out: isolator file.
+        axis: which the tests moved.
+        report: folder; None: beside `out`.
+        name: of the isolator; None: that of its file.
+        constraint: on Bouc-Wen's beta and gamma.
+        fix: NAME=VALUE each.
+        elements: of a Masing law.
+        start: law or isolator file where a three-stage search begins too.
+        force: whether `out` and `report` are replaced.
+        accept_unconverged: whether a fit that did not converge may become an isolator.
+    """
+
+    files: Sequence[Path]
+    law: str
+    out: Path
+    axis: str = "axial"
+    report: Path | None = None
+    name: str | None = None
+    constraint: Constraint | None = None
+    fix: Sequence[str] = ()
+    elements: int = 5
+    start: Path | None = None
+    force: bool = False
+    accept_unconverged: bool = False
+
+    @property
+    def folder(self) -> Path:
+        """Where the report goes."""
+        return self.report or self.out.with_name(f"{self.out.stem}-report")
+
+
+def identify_command(request: Request) -> int:
+    """Fit a law to records, print what was found, write report and isolator; return the exit code."""
+    kind, fixed = _kind(request.law, request.elements), _fixed(request.fix)
+    start = None if request.start is None else _start(request.start, request.axis)
+    _check_places(request)
+    tests = _read(request.files)
+    loops = [loop for part in tests.values() for loop in part]
+    result = identify(
+        loops, law=kind, start=start, fixed=fixed, constraint=request.constraint, elements=request.elements
+    )
+    fits = fitted_loops(result)
+    isolator = _isolator(request, result, fits, _given(request, result))
+    wanted = result.converged or request.accept_unconverged
+    with written_whole(request.folder, force=request.force, kind="report", marks=(_REPORT,)) as folder:
+        _write_report(folder, request, result, fits, tests)
+        if wanted:
+            isolator.save(request.out)
+    _print(request, isolator.name, result, fits, tests)
+    screen = console()
+    screen.print(f"written: {escape(str(request.folder))}/ ({_REPORT}, {', '.join(PICTURES)})", soft_wrap=True)
+    if wanted:
+        screen.print(f"written: {escape(str(request.out))}", soft_wrap=True)
+    else:
+        screen.print(
+            f"[bold]not written[/]: {escape(str(request.out))}, because the fit did not converge; test more amplitudes, fix "
+            "parameters or take another law, or take it as it is with --accept-unconverged.",
+            soft_wrap=True,
+        )
+    return 0 if result.converged else NOT_CONVERGED
+
+
+def _kind(name: str, elements: int) -> type[Law]:
+    """Return the class of a law that cyclic tests can fix."""
+    if name not in LAWS:
+        raise ValueError(f"`--law`: there is no law {name!r}; the laws are {', '.join(sorted(LAWS))}.")
+    family_of(LAWS[name], elements)  # raises if it cannot be identified
+    return LAWS[name]
+
+
+def _fixed(words: Sequence[str]) -> dict[str, float]:
+    """Return the values of NAME=VALUE."""
+    values = {}
+    for word in words:
+        name, sign, text = word.partition("=")
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not (name and sign and math.isfinite(value)):
+            raise ValueError(f"`--fix` must be NAME=VALUE with a number in SI units, got {word!r}.")
+        if name in values:
+            raise ValueError(f"`--fix` names {name!r} twice.")
+        values[name] = value
+    return values
+
+
+def _start(path: Path, axis: str) -> Law:
+    """Return the law of a law file, or of one axis of an isolator file."""
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise ModelError(f"{path}: no such file. A search starts at a law file or at an isolator file.") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise ModelError(f"{path}: not valid TOML ({error}).") from None
+    table, place = (content, f"{path}:") if "law" in content else (content.get(axis), f"{path}: [{axis}]")
+    if not isinstance(table, dict):
+        raise ModelError(f"{place} is missing; a search on this axis has no start there.")
+    return read_law(table, place)
+
+
+def _check_places(request: Request) -> None:
+    """Raise an error unless isolator and report can be written."""
+    out = request.out
+    if out.suffix != ".toml":
+        raise ValueError(f"`--out` is an isolator file and must end with .toml, got {str(out)!r}.")
+    if not out.resolve().parent.is_dir():
+        raise ValueError(f"`--out`: there is no folder {str(out.resolve().parent)!r}.")
+    if out.is_dir():
+        raise ValueError(f"`--out`: {out} is a folder.")
+    if out.exists() and not request.force:
+        raise ValueError(f"{out}: there is an isolator file already. Replace it with --force, or choose another place.")
+    check_target(request.folder, force=request.force, kind="report", marks=(_REPORT,))
+
+
+def _read(files: Sequence[Path]) -> dict[Path, list[Loop]]:
+    """Return the loops by file, or raise RecordError that names the file which cannot be used."""
+    tests: dict[Path, list[Loop]] = {}
+    for path in files:
+        if path in tests:
+            raise ValueError(f"{path} is named twice; its loops would count twice.")
+        tests[path] = read_cycles(path)
+        try:
+            prepare(tests[path])
+        except ValueError as error:
+            raise RecordError(f"{path}: {error}") from None
+    stiffness = {path: float(np.median([loop.secant_stiffness for loop in loops])) for path, loops in tests.items()}
+    soft, stiff = min(stiffness, key=stiffness.__getitem__), max(stiffness, key=stiffness.__getitem__)
+    if stiffness[stiff] > _OTHER_UNITS * stiffness[soft]:
+        raise RecordError(
+            f"{stiff}: the secant stiffness is {stiffness[stiff]:.3g} N/m, in {soft} it is {stiffness[soft]:.3g} N/m. Are the "
+            "units those that the headers say, and is it the same device?"
+        )
+    return tests
+
+
+def _given(request: Request, result: Identification) -> list[str]:
+    """Return what was assumed and not found, one sentence each."""
+    words = [f"{word}: given, not fitted" for word in request.fix]
+    if request.constraint is not None:
+        words.append(f"{request.constraint}: given, not fitted")
+    if isinstance(result.law, AsymmetricBoucWen):
+        words.append("b = e: of b and c only the product c ln b acts on the force")
+    words.append("the force's zero: the mean of each loop's force was free, so that the law has no force unloaded")
+    words += [f"the data leave open: {open_words}" for open_words in result.open_combinations]
+    if not result.converged:
+        words.append(f"the fit did not converge ({result.message})")
+    return words
+
+
+def _isolator(request: Request, result: Identification, fits: Sequence[FittedLoop], assumed: Sequence[str]) -> Isolator:
+    """Return the isolator with its provenance."""
+    sizes = ", ".join(f"{1e3 * fit.amplitude:.3g} ({100.0 * fit.error:.2g} %)" for fit in fits)
+    points = sorted({round(1e3 * fit.operating_point, 1) + 0.0 for fit in fits})
+    provenance = Provenance(
+        kind="identified",
+        source=f"cyclic tests: {', '.join(path.name for path in request.files)}",
+        fitted_to=(
+            f"{request.axis} force over steady cycles of amplitude [mm] (error of the force over half its range) {sizes}, "
+            f"about {', '.join(f'{point:g}' for point in points)} mm"
+        ),
+        assumed=tuple(assumed),
+    )
+    axes: Mapping[str, Any] = {request.axis: result.law}
+    return Isolator(name=request.name or request.out.stem, provenance=provenance, **axes)
+
+
+def _write_report(
+    folder: Path,
+    request: Request,
+    result: Identification,
+    fits: Sequence[FittedLoop],
+    tests: Mapping[Path, Sequence[Loop]],
+) -> None:
+    """Write text and pictures into a folder."""
+    from wirerope_mj.plots.identification import fit_figure, measures_figure, residual_figure
+
+    title = f"{request.name or request.out.stem}, {request.axis}: {result.law.name}"
+    for name, figure in zip(PICTURES, (fit_figure, residual_figure, measures_figure), strict=True):
+        figure(fits, title=title).savefig(folder / name)
+    sources = [f"{path}: {_held(loops)}" for path, loops in tests.items()]
+    given = [words for words in _given(request, result) if not words.startswith(("the data leave", "the fit did"))]
+    text = report_text(result, fits, title=title, sources=sources, given=given)
+    (folder / _REPORT).write_text(text, encoding="utf-8")
+
+
+def _held(loops: Sequence[Loop]) -> str:
+    """Return what a file holds in words."""
+    parts = [
+        f"±{1e3 * loop.amplitude:.3g} mm about {1e3 * loop.operating_point + 0.0:.2g} mm ({loop.cycles} cycles)"
+        for loop in loops
+    ]
+    return ", ".join(parts)
+
+
+def _print(
+    request: Request,
+    name: str,
+    result: Identification,
+    fits: Sequence[FittedLoop],
+    tests: Mapping[Path, Sequence[Loop]],
+) -> None:
+    """Print what was found."""
+    screen = console()
+    screen.print(f"[bold]{escape(name)}[/], {request.axis}: {len(fits)} loops of {len(tests)} files")
+    screen.print(f"  {escape(describe(result.law))}", soft_wrap=True)
+    for rows in (parameter_rows(result), loop_rows(fits), stage_rows(result)):
+        screen.print(_table(rows))
+    for words in sentences(result):
+        screen.print(f"  {escape(words)}", soft_wrap=True)
+
+
+def _table(rows: Rows) -> Table:
+    """Return a table for the screen; long headings stand on two lines."""
+    table = Table(
+        box=box.SIMPLE_HEAD, title=escape(rows.title), title_style="bold", title_justify="left", pad_edge=False
+    )
+    for place, name in enumerate(rows.columns):
+        words = name.replace(" [", "\n[") if place else name
+        text = place == 0 or name in ("unit", "note")
+        table.add_column(escape(words), justify="left" if text else "right")
+    for row in rows.rows:
+        table.add_row(*[escape(cell) for cell in row])
+    return table

@@ -1,0 +1,124 @@
+"""What a fit says in tables and words: on the screen and in the report's text."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from wirerope_mj.cli.isolators import describe
+from wirerope_mj.identification.fitted import FittedLoop
+from wirerope_mj.identification.identify import Identification
+
+PICTURES = {
+    "loops.png": "Measured loops and those of the law",
+    "residuals.png": "What the law leaves over",
+    "measures.png": "Energy per cycle and secant stiffness over the amplitude",
+}
+"""Pictures of a report and their captions."""
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A table: its columns, the first of names and the others of numbers, and its rows."""
+
+    title: str
+    columns: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+    def markdown(self) -> str:
+        """Return the table as Markdown."""
+        lines = [self.columns, ["---", *["---:"] * (len(self.columns) - 1)], *self.rows]
+        return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def parameter_rows(result: Identification) -> Rows:
+    """Return what was searched for, how sure it is, and what to know of it."""
+    rows = []
+    for p in result.parameters.values():
+        share = 100.0 * p.standard_error / abs(p.value) if p.value else math.inf
+        error = ["-", "-"] if p.fixed else [f"{p.standard_error:.2g}", f"{share:.2g}" if share < 1e4 else "-"]
+        if not p.fixed and not math.isfinite(p.standard_error):
+            error = ["not fixed by the data", "-"]
+        note = "given" if p.fixed else "at its bound" if p.at_bound else ""
+        rows.append([p.name, f"{p.value:.6g}", p.unit, *error, note])
+    return Rows("Parameters", ("parameter", "value", "unit", "standard error", "[%]", "note"), rows)
+
+
+def loop_rows(fits: Iterable[FittedLoop]) -> Rows:
+    """Return the error of every loop, its measures as measured and fitted, and the zero of its force."""
+    rows = []
+    for fit in fits:
+        pairs = [
+            (1e-3 * fit.secant_stiffness(fit.measured), 1e-3 * fit.secant_stiffness(fit.fitted)),
+            (fit.energy(fit.measured), fit.energy(fit.fitted)),
+        ]
+        numbers = [f"{value:.4g}" for pair in pairs for value in pair]
+        # The operating point to 1 um: a fit of noise must not look like one.
+        point = f"{1e3 * fit.operating_point:.3f}".rstrip("0").rstrip(".")
+        rows.append(
+            [f"{1e3 * fit.amplitude:.4g}", "0" if point == "-0" else point, f"{100.0 * fit.error:.3g}", *numbers]
+            + [f"{fit.zero:.4g}"]
+        )
+    columns = (
+        "amplitude [mm]", "about [mm]", "error [%]", "stiffness measured [kN/m]", "fitted [kN/m]", "energy measured [J]",
+        "fitted [J]", "zero of force [N]",
+    )  # fmt: skip
+    return Rows("Loops; the error is that of the force over half its range", columns, rows)
+
+
+def stage_rows(result: Identification) -> Rows:
+    """Return what every stage of the fit did."""
+    rows = [[stage.name, f"{stage.evaluations}", f"{100.0 * stage.error:.4g}"] for stage in result.stages]
+    return Rows("Stages of the best fit", ("stage", "evaluations", "error left [%]"), rows)
+
+
+def correlation_rows(result: Identification) -> Rows:
+    """Return the correlations of the free parameters."""
+    free = result.certainty.free
+    rows = [
+        [name, *[f"{value:+.2f}" for value in row]]
+        for name, row in zip(free, result.certainty.correlation, strict=True)
+    ]
+    return Rows("Correlations", ("", *free), rows)
+
+
+def sentences(result: Identification) -> list[str]:
+    """Return how the fit ended and what the data leave open."""
+    found = [f"{'converged' if result.converged else 'NOT CONVERGED'}: {result.message}"]
+    found += [f"open: {words}" for words in result.open_combinations]
+    if not result.open_combinations:
+        found.append("the data fix every free parameter")
+    return found
+
+
+def report_text(
+    result: Identification, fits: Sequence[FittedLoop], *, title: str, sources: Sequence[str], given: Sequence[str]
+) -> str:
+    """Return the report as Markdown.
+
+    Args:
+        result: the fit.
+        fits: its loops beside the law's.
+        title: of the report.
+        sources: the files that were read, with what they hold.
+        given: what was given and not searched for, one sentence each.
+    """
+    singular = ", ".join(f"{value:.3g}" for value in result.certainty.singular_values)
+    parts = [
+        f"# {title}",
+        *[f"![{caption}]({name})\n\n{caption}." for name, caption in list(PICTURES.items())[:1]],
+        f"Law: {describe(result.law)}",
+        "\n".join(f"- {words}" for words in [*sentences(result), *given]),
+        f"Error over all loops {100.0 * result.residual:.3g} % of half their force range; {result.evaluations} evaluations "
+        f"from all starts.",
+    ]
+    for table in (parameter_rows(result), loop_rows(fits), stage_rows(result), correlation_rows(result)):
+        parts += [f"## {table.title}", table.markdown()]
+    parts += [
+        "## Singular values",
+        f"{singular}\n\nOf the residual's change with the parameters, over its noise: one over each is the standard error of "
+        "one combination of them, in logarithms or in the size that it can have. Small ones are what the data leave open.",
+        *[f"![{caption}]({name})\n\n{caption}." for name, caption in list(PICTURES.items())[1:]],
+        "## Read from",
+        "\n".join(f"- {source}" for source in sources),
+    ]
+    return "\n\n".join(parts) + "\n"
