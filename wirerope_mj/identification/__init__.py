@@ -1,1 +1,7 @@
 """From figures and measurements to laws, engine-free."""
+
+from wirerope_mj.identification.choice import LawComparison as LawComparison
+from wirerope_mj.identification.choice import LawRow as LawRow
+from wirerope_mj.identification.choice import compare_laws as compare_laws
+from wirerope_mj.identification.specimens import Specimens as Specimens
+from wirerope_mj.identification.specimens import identify_specimens as identify_specimens
