@@ -3,5 +3,8 @@
 from wirerope_mj.identification.choice import LawComparison as LawComparison
 from wirerope_mj.identification.choice import LawRow as LawRow
 from wirerope_mj.identification.choice import compare_laws as compare_laws
+from wirerope_mj.identification.methods import MethodComparison as MethodComparison
+from wirerope_mj.identification.methods import MethodRow as MethodRow
+from wirerope_mj.identification.methods import compare_methods as compare_methods
 from wirerope_mj.identification.specimens import Specimens as Specimens
 from wirerope_mj.identification.specimens import identify_specimens as identify_specimens

@@ -71,11 +71,12 @@ class Search:
 
 @dataclass(frozen=True, kw_only=True)
 class Found:
-    """Where a search ended: numbers, residual and Jacobian there, evaluations made (Jacobians included) and why it ended."""
+    """Where a search ended: numbers, residual and Jacobian there, steps, evaluations (Jacobians included), why it ended."""
 
     numbers: Array
     residual: Array
     jacobian: Array
+    iterations: int
     evaluations: int
     converged: bool
     message: str
@@ -106,6 +107,6 @@ def run_search(search: Search, residual: Residual, start: Mapping[str, float], *
         ftol=TOLERANCE, xtol=TOLERANCE, gtol=TOLERANCE,
     )  # fmt: skip
     return Found(
-        numbers=found.x, residual=found.fun, jacobian=found.jac, evaluations=made, converged=found.status > 0,
-        message=str(found.message),
+        numbers=found.x, residual=found.fun, jacobian=found.jac, iterations=found.njev,
+        evaluations=made, converged=found.status > 0, message=str(found.message),
     )  # fmt: skip

@@ -13,9 +13,10 @@ Method = Literal["three-stage", "time", "frequency"]
 
 @dataclass(frozen=True, kw_only=True)
 class Stage:
-    """One stage of a fit: its name, evaluations, the root mean square that was left of the loops, and the values found."""
+    """One stage of a fit: its name, steps, evaluations, the root mean square that was left of the loops, the values found."""
 
     name: str
+    iterations: int
     evaluations: int
     error: float
     values: dict[str, float]
@@ -42,7 +43,8 @@ def run_stages(
         found = run_search(part, residual, begin)
         ended = part.values(found.numbers)
         error = rms(full(part.law(found.numbers)))
-        stages.append(Stage(name=name, evaluations=found.evaluations, error=error, values=ended))
+        spent = {"iterations": found.iterations, "evaluations": found.evaluations}
+        stages.append(Stage(name=name, **spent, error=error, values=ended))
         return found, ended
 
     if method == "frequency":
