@@ -17,6 +17,7 @@ from wirerope_mj.cli.identify_report import (
     PICTURES,
     Rows,
     loop_rows,
+    millimetres,
     parameter_rows,
     report_text,
     sentences,
@@ -236,7 +237,7 @@ def _write_report(
 def _held(loops: Sequence[Loop]) -> str:
     """Return what a file holds in words."""
     parts = [
-        f"±{1e3 * loop.amplitude:.3g} mm about {1e3 * loop.operating_point + 0.0:.2g} mm ({loop.cycles} cycles)"
+        f"±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm ({loop.cycles} cycles)"
         for loop in loops
     ]
     return ", ".join(parts)
@@ -255,7 +256,7 @@ def _print(
     screen.print(f"  {escape(describe(result.law))}", soft_wrap=True)
     for rows in (parameter_rows(result), loop_rows(fits), stage_rows(result)):
         screen.print(_table(rows))
-    for words in sentences(result):
+    for words in sentences(result, fits):
         screen.print(f"  {escape(words)}", soft_wrap=True)
 
 

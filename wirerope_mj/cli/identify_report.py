@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from wirerope_mj.cli.isolators import describe
-from wirerope_mj.identification.fitted import FittedLoop
+from wirerope_mj.identification.fitted import FittedLoop, neighbours_correlation
 from wirerope_mj.identification.identify import Identification
 
 PICTURES = {
@@ -14,6 +14,9 @@ PICTURES = {
     "measures.png": "Energy per cycle and secant stiffness over the amplitude",
 }
 """Pictures of a report and their captions."""
+
+_BENT = 0.5
+"""Correlation of neighbouring residuals that white noise of a hundred samples never has."""
 
 
 @dataclass(frozen=True)
@@ -52,10 +55,8 @@ def loop_rows(fits: Iterable[FittedLoop]) -> Rows:
             (fit.energy(fit.measured), fit.energy(fit.fitted)),
         ]
         numbers = [f"{value:.4g}" for pair in pairs for value in pair]
-        # The operating point to 1 um: a fit of noise must not look like one.
-        point = f"{1e3 * fit.operating_point:.3f}".rstrip("0").rstrip(".")
         rows.append(
-            [f"{1e3 * fit.amplitude:.4g}", "0" if point == "-0" else point, f"{100.0 * fit.error:.3g}", *numbers]
+            [f"{1e3 * fit.amplitude:.4g}", millimetres(fit.operating_point), f"{100.0 * fit.error:.3g}", *numbers]
             + [f"{fit.zero:.4g}"]
         )
     columns = (
@@ -81,13 +82,24 @@ def correlation_rows(result: Identification) -> Rows:
     return Rows("Correlations", ("", *free), rows)
 
 
-def sentences(result: Identification) -> list[str]:
-    """Return how the fit ended and what the data leave open."""
+def sentences(result: Identification, fits: Sequence[FittedLoop]) -> list[str]:
+    """Return how the fit ended, whether noise is all it left, and what the data leave open."""
     found = [f"{'converged' if result.converged else 'NOT CONVERGED'}: {result.message}"]
     found += [f"open: {words}" for words in result.open_combinations]
     if not result.open_combinations:
         found.append("the data fix every free parameter")
+    together = neighbours_correlation(fits)
+    if together > _BENT:
+        found.append(
+            f"what is left is no noise (neighbouring residuals correlate by {together:.2f}): this law does not follow the "
+            "loops everywhere, and its standard errors are too small; residuals.png shows where"
+        )
     return found
+
+
+def millimetres(deflection: float) -> str:
+    """Return a deflection [m] in mm to 1 um: less is noise, and must not look like an operating point."""
+    return f"{round(1e3 * deflection, 3) + 0.0:.6g}"
 
 
 def report_text(
@@ -107,7 +119,7 @@ def report_text(
         f"# {title}",
         *[f"![{caption}]({name})\n\n{caption}." for name, caption in list(PICTURES.items())[:1]],
         f"Law: {describe(result.law)}",
-        "\n".join(f"- {words}" for words in [*sentences(result), *given]),
+        "\n".join(f"- {words}" for words in [*sentences(result, fits), *given]),
         f"Error over all loops {100.0 * result.residual:.3g} % of half their force range; {result.evaluations} evaluations "
         f"from all starts.",
     ]

@@ -1,5 +1,6 @@
 """Measured loops beside those of the law that was fitted to them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,6 +57,12 @@ class FittedLoop:
         """Return a force's difference between the turning points over the stroke [N/m]."""
         top, bottom = int(np.argmax(self.deflection)), int(np.argmin(self.deflection))
         return float((force[top] - force[bottom]) / np.ptp(self.deflection))
+
+
+def neighbours_correlation(fits: Sequence[FittedLoop]) -> float:
+    """Return the correlation of neighbouring residuals [-]: about 0 for noise, towards 1 for what the law cannot follow."""
+    products = sum(float(fit.residual[1:] @ fit.residual[:-1]) for fit in fits)
+    return products / max(sum(float(fit.residual[1:] @ fit.residual[1:]) for fit in fits), 1e-300)
 
 
 def fitted_loops(result: Identification) -> list[FittedLoop]:

@@ -4,12 +4,14 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import matplotlib
 import numpy as np
+import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
 
 from wirerope_mj.identification.fitted import FittedLoop
+
+Array = npt.NDArray[np.float64]
 
 _MEASURED, _FITTED = "#08519c", "#d95f0e"
 _MOST = 12  # panels of one figure: more cannot be read
@@ -19,7 +21,7 @@ _MARKERS = "osD^vP"
 
 
 def fit_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
-    """Return a figure with a panel for each loop, smallest first: measured blue, fitted orange.
+    """Return a figure with a panel for each loop, smallest first: measured as dots, fitted as a line.
 
     Of more than twelve loops, twelve from the smallest to the largest are drawn.
 
@@ -27,57 +29,40 @@ def fit_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
         fits: loops of a fit.
         title: of the figure.
     """
-    chosen = [fits[i] for i in np.unique(np.linspace(0, len(fits) - 1, min(len(fits), _MOST)).round().astype(int))]
-    across = min(len(chosen), _ACROSS)
-    down = math.ceil(len(chosen) / across)
-    left_out = f" ({len(chosen)} of {len(fits)} loops)" if len(chosen) < len(fits) else ""
-    figure = Figure(figsize=(0.6 + 3.7 * across, 0.9 + 3.1 * down), layout="constrained", dpi=120)
-    figure.suptitle(title + left_out, fontsize=12, fontweight="bold")
-    for place, fit in enumerate(chosen):
-        panel = figure.add_subplot(down, across, place + 1)
+    figure, panels = _panels(fits, title, height=3.1)
+    for fit, panel in panels:
         weak = float(np.abs(fit.measured).max()) < _WEAK
         unit, size = ("N", 1.0) if weak else ("kN", 1e-3)
-        panel.plot(1e3 * fit.deflection, size * fit.measured, color=_MEASURED, lw=0.9, label="measured")
-        panel.plot(1e3 * fit.deflection, size * fit.fitted, color=_FITTED, lw=1.3, label="fitted")
+        panel.plot(1e3 * fit.deflection, size * fit.measured, "o", color=_MEASURED, ms=3.2, mew=0.0, label="measured")
+        panel.plot(1e3 * fit.deflection, size * fit.fitted, color=_FITTED, lw=1.0, label="fitted")
         panel.set_title(f"{_name(fit, fits)}: {100.0 * fit.error:.2g} % of half its range", fontsize=10)
-        panel.set_xlabel("deflection [mm]")
         panel.set_ylabel(f"force [{unit}]")
-        panel.grid(color="0.92")
-        if place == 0:
-            panel.legend(fontsize=8, loc="upper left")
+    panels[0][1].legend(fontsize=8, loc="upper left")
     return figure
 
 
 def residual_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
-    """Return a figure of fitted minus measured force over the deflection: on the way up, and on the way down.
+    """Return a figure with a panel for each loop, smallest first: fitted minus measured force over the deflection.
 
-    Deflections count from the operating point, over the amplitude, so that loops of all sizes lie above each other. A law that
-    fits leaves noise; what bends together is what the law cannot do.
+    Dots are the samples, lines their mean over a ninth of each branch. A law that fits leaves noise, whose mean is zero
+    everywhere; what bends is what the law cannot do.
 
     Args:
         fits: loops of a fit.
         title: of the figure.
     """
-    figure = Figure(figsize=(10.6, 4.6), layout="constrained", dpi=120)
-    figure.suptitle(title, fontsize=12, fontweight="bold")
-    panels = figure.subplots(1, 2, sharey=True)
-    shades = matplotlib.colormaps["viridis_r"](np.linspace(0.1, 1.0, len(fits)))
-    labelled = set(np.linspace(0, len(fits) - 1, min(len(fits), 8)).round().astype(int))
-    for index, (fit, colour) in enumerate(zip(fits, shades, strict=True)):
-        share = (fit.deflection - fit.operating_point) / fit.amplitude
-        bottom = int(np.argmin(share[:-1]))
-        share, residual = np.roll(share[:-1], -bottom), 100.0 * np.roll(fit.residual[:-1], -bottom)
-        top = int(np.argmax(share))
-        label = _name(fit, fits) if index in labelled else None
-        panels[0].plot(share[: top + 1], residual[: top + 1], color=colour, lw=1.0, label=label)
-        panels[1].plot(np.append(share[top:], share[0]), np.append(residual[top:], residual[0]), color=colour, lw=1.0)
-    for panel, way in zip(panels, ("on the way up", "on the way down"), strict=True):
-        panel.set_title(way, fontsize=10)
-        panel.set_xlabel("deflection from the operating point / amplitude [-]")
-        panel.axhline(0.0, color="0.4", lw=0.7)
-        panel.grid(color="0.92")
-    panels[0].set_ylabel("fitted - measured force\n[% of half the loop's range]")
-    figure.legend(fontsize=8, loc="outside right upper")
+    figure, panels = _panels(fits, title, height=2.6, sharey=True)
+    for fit, panel in panels:
+        start = int(np.argmin(fit.deflection[:-1]))
+        path, residual = (np.roll(values[:-1], -start) for values in (1e3 * fit.deflection, 100.0 * fit.residual))
+        top = int(np.argmax(path))
+        for way, part, colour in (("up", slice(0, top + 1), _MEASURED), ("down", slice(top, None), _FITTED)):
+            panel.plot(path[part], residual[part], "o", color=colour, ms=2.5, mew=0.0, alpha=0.4)
+            panel.plot(*_running_mean(path[part], residual[part]), color=colour, lw=1.6, label=f"on the way {way}")
+        panel.axhline(0.0, color="0.3", lw=0.7, zorder=1)
+        panel.set_title(_name(fit, fits), fontsize=10)
+        panel.set_ylabel("fitted - measured\n[% of half its range]")
+    panels[0][1].legend(fontsize=8, loc="upper left")
     return figure
 
 
@@ -114,6 +99,33 @@ def measures_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
         panel.margins(x=0.08)
     energy.legend(fontsize=8)
     return figure
+
+
+def _panels(
+    fits: Sequence[FittedLoop], title: str, *, height: float, sharey: bool = False
+) -> tuple[Figure, list[tuple[FittedLoop, Any]]]:
+    """Return a figure with loops and their panels over the deflection."""
+    chosen = [fits[i] for i in np.unique(np.linspace(0, len(fits) - 1, min(len(fits), _MOST)).round().astype(int))]
+    across = min(len(chosen), _ACROSS)
+    down = math.ceil(len(chosen) / across)
+    left_out = f" ({len(chosen)} of {len(fits)} loops)" if len(chosen) < len(fits) else ""
+    figure = Figure(figsize=(0.6 + 3.7 * across, 0.9 + height * down), layout="constrained", dpi=120)
+    figure.suptitle(title + left_out, fontsize=12, fontweight="bold")
+    pairs: list[tuple[FittedLoop, Any]] = []
+    for place, fit in enumerate(chosen):
+        first = pairs[0][1] if sharey and pairs else None
+        panel = figure.add_subplot(down, across, place + 1, sharey=first)
+        panel.set_xlabel("deflection [mm]")
+        panel.grid(color="0.92")
+        panel.set_axisbelow(True)
+        pairs.append((fit, panel))
+    return figure, pairs
+
+
+def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return the mean over a ninth of the samples, where there are as many on both sides."""
+    weights = np.full(max(x.size // 9, 1), 1.0 / max(x.size // 9, 1))
+    return np.convolve(x, weights, "valid"), np.convolve(y, weights, "valid")
 
 
 def _draw(panel: Any, group: Sequence[FittedLoop], measure: str, size: float, marker: str, about: str) -> None:
