@@ -102,8 +102,26 @@ def run_search(search: Search, residual: Residual, start: Mapping[str, float], *
             return np.full(size, REFUSED)
         return np.where(np.isfinite(value), value, REFUSED)
 
+    _, high = search.bounds
+    latest: tuple[Array, Array] = (begin, function(begin))
+
+    def remembered(numbers: Array) -> Array:
+        nonlocal latest
+        latest = (numbers.copy(), function(numbers))
+        return latest[1]
+
+    def jacobian(numbers: Array) -> Array:
+        # SciPy's own step is relative to the number: for one near zero it is so small that the differences are rounding.
+        before = latest[1] if np.array_equal(latest[0], numbers) else function(numbers)
+        columns = []
+        for place, number in enumerate(numbers):
+            moved = numbers.copy()
+            moved[place] += STEP if number + STEP <= high[place] else -STEP
+            columns.append((function(moved) - before) / (moved[place] - number))
+        return np.stack(columns, axis=1)
+
     found = least_squares(
-        function, begin, bounds=search.bounds, x_scale="jac", diff_step=STEP, max_nfev=most,
+        remembered, begin, jac=jacobian, bounds=search.bounds, x_scale="jac", max_nfev=most,
         ftol=TOLERANCE, xtol=TOLERANCE, gtol=TOLERANCE,
     )  # fmt: skip
     return Found(
