@@ -25,6 +25,7 @@ _FEWEST = 12  # samples in a cycle: fewer do not show how its branches bend
 _ALIKE = 0.05  # share by which strokes of one run may differ: amplitudes that a test tells apart differ by more
 _AT_ENDS = 0.02  # the same for the strokes that a record begins and ends with, which may stop short of turning round
 _REPEATS = 0.02  # of the amplitude, root mean square: cycles that repeat the deflection less well are not averaged
+_NOTHING = 0.01  # of stroke times force range: an area of the size that noise has
 _CLIPPED = 0.05  # share of the stroke over which a force that still moves cannot stand at one value, even at 8 bits
 
 
@@ -191,10 +192,7 @@ def _loop(cycles: list[_Cycle], x: Array, f: Array, count: int, gap: float, wher
     """Return the mean of cycles over bins of phase, whose first and last bin are one."""
     every = np.concatenate([cycle.samples for cycle in cycles])
     phase = np.concatenate([cycle.phase for cycle in cycles])
-    # A sample that closes a cycle stands for the phase of the first.
-    bins = min(
-        POINTS, *(cycle.samples.size - int(cycle.phase[-1] > 1.0 - 0.5 / cycle.samples.size) for cycle in cycles)
-    )
+    bins = min(POINTS, *(round((cycle.phase.size - 1) / np.ptp(cycle.phase)) for cycle in cycles))
     numbers = np.floor(phase * bins + 0.5).astype(int) % bins
     filled = np.bincount(numbers, minlength=bins)
     kept = filled > 0
@@ -205,6 +203,11 @@ def _loop(cycles: list[_Cycle], x: Array, f: Array, count: int, gap: float, wher
     if loop.secant_stiffness < 0.0:
         raise ValueError(f"{where}: the force falls where the deflection grows; both are positive in tension.")
     if loop.dissipated_energy <= 0.0:
+        if -loop.dissipated_energy < _NOTHING * np.ptp(mean_x) * np.ptp(mean_f):
+            raise ValueError(
+                f"{where}: the cycle of +-{1e3 * loop.amplitude:.4g} mm encloses no area beside its noise; leave it out, or "
+                "measure more cycles of it."
+            )
         raise ValueError(
             f"{where}: the cycle gives {-loop.dissipated_energy:.3g} J away, and no isolator does. Is the order of the "
             "samples that of time, and do both channels have the same filter?"

@@ -1,0 +1,255 @@
+"""`wirerope identify`: records of a rig become an isolator file and a report, or one message and nothing."""
+
+import re
+import tomllib
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from rig_records import rig_record, write_record
+
+import wirerope_mj as wr
+from wirerope_mj.bench import cyclic_test, read_cycles
+from wirerope_mj.cli import identify as command
+from wirerope_mj.cli import main
+from wirerope_mj.identification.fitted import fitted_loops, neighbours_correlation
+from wirerope_mj.plots.identification import fit_figure, measures_figure, residual_figure
+
+TRUTH = wr.AsymmetricBoucWen.from_normalised(
+    z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0
+)
+SIMPLE = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.0, k=5e4)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def simple(folder):
+    """A record of a Bouc-Wen device, five cycles of each of three amplitudes."""
+    return write_record(
+        folder / "simple.csv", *rig_record(SIMPLE, [1e-3, 4e-3, 8e-3], seed=7, drift=60.0, points=150.3)
+    )
+
+
+def run(capsys, *arguments, code=0):
+    """Return what `wirerope identify` prints, its cells apart by single spaces."""
+    assert main(["identify", *[str(argument) for argument in arguments]]) == code
+    caught = capsys.readouterr()
+    assert caught.err == ""
+    return re.sub(r"[ \n]+", " ", caught.out)
+
+
+def changed(monkeypatch, **changes):
+    """Let the command's fit end otherwise than it does."""
+
+    def fit(*arguments, **options):
+        return replace(wr.identify(*arguments, **options), **changes)
+
+    monkeypatch.setattr(command, "identify", fit)
+
+
+def test_records_of_several_files_become_an_isolator_that_repeats_loops_nobody_measured(folder, capsys):
+    write_record(folder / "small.csv", *rig_record(TRUTH, [0.5e-3, 1.5e-3, 4e-3], seed=1, drift=100.0, slack=1e-4))
+    large = rig_record(TRUTH, [7e-3, 10e-3], seed=2, drift=-50.0, zero=30.0, points=201.7)
+    write_record(
+        folder / "large.csv", *large, header="time [s];deflection [m];force [N]".replace(";", ","), metre=1, newton=1
+    )
+    write_record(folder / "preloaded.csv", *rig_record(TRUTH, [2e-3, 5e-3], seed=3, operating_point=-4e-3))
+    out = run(
+        capsys, "small.csv", "large.csv", "preloaded.csv", "--law", "asymmetric-bouc-wen", "--out", "my_isolator.toml"
+    )
+    assert "my_isolator, axial: 7 loops of 3 files" in out
+    assert "the data fix every free parameter" in out
+    assert "no noise" not in out
+    isolator = wr.load_isolator(folder / "my_isolator.toml")
+    for point in (0.0, -4e-3):
+        both = [cyclic_test(law, [1e-3, 6e-3], operating_point=point) for law in (isolator.axial, TRUTH)]
+        for found, true in zip(*both, strict=True):
+            error = np.std(found.force - true.force) / (0.5 * np.ptp(true.force))
+            assert error < 0.005  # noise of 1 % in every sample of 1400
+            assert found.dissipated_energy == pytest.approx(true.dissipated_energy, rel=0.02)
+    # The axial spring of the law, not of its reflection: tension stiffens.
+    assert isolator.axial.asymmetry == pytest.approx(35.0, rel=0.05)
+    provenance = isolator.provenance
+    assert provenance.kind == "identified"
+    assert provenance.source == "cyclic tests: small.csv, large.csv, preloaded.csv"
+    assert re.search(
+        r"axial force over steady cycles of amplitude \[mm\].* 0\.5 \(0\.\d+ %\), 1\.5 .*, about -4, 0 mm",
+        provenance.fitted_to,
+    )
+    assert any("only the product c ln b" in words for words in provenance.assumed)
+    report = folder / "my_isolator-report"
+    assert sorted(path.name for path in report.iterdir()) == ["loops.png", "measures.png", "report.md", "residuals.png"]
+    text = (report / "report.md").read_text(encoding="utf-8")
+    for heading in ("## Parameters", "## Loops", "## Stages", "## Correlations", "## Singular values", "## Read from"):
+        assert heading in text
+    assert re.search(r"\| c_ln_b \| 3[45]\.\d+ \| 1/m \| 0\.\d+ \| 0\.\d+ \|", text)
+    assert re.search(r"small\.csv: ±0\.5 mm about 0 mm \(4 cycles\)", text)
+
+
+def test_what_is_given_is_not_searched_for_and_says_so(folder, simple, capsys):
+    out = run(
+        capsys, simple, "--law", "bouc-wen", "--out", "a.toml", "--axis", "shear", "--report", "said", "--name", "Spring 7",
+        "--constraint", "beta>gamma", "--fix", "n=1", "k=5e4",
+    )  # fmt: skip
+    assert "Spring 7, shear: 3 loops of 1 files" in out
+    assert "n 1 - - - given" in out
+    isolator = wr.load_isolator(folder / "a.toml")
+    assert isolator.name == "Spring 7"
+    assert isolator.axial is None
+    assert (isolator.shear.n, isolator.shear.k) == (1.0, 5e4)
+    assert isolator.shear.normalised.z_max == pytest.approx(800.0, rel=0.01)  # the noise of one sample
+    assert {"n=1: given, not fitted", "k=5e4: given, not fitted", "beta>gamma: given, not fitted"} <= set(
+        isolator.provenance.assumed
+    )
+    assert (folder / "said" / "report.md").is_file()
+
+
+def test_a_start_leads_through_the_three_stages(folder, simple, capsys):
+    law = wr.BoucWen.from_normalised(z_max=1000.0, x_y=3e-3, sigma=0.9, n=1.2, k=4e4)
+    wr.Isolator(name="guess", axial=law).save("guess.toml")
+    out = run(capsys, simple, "--law", "bouc-wen", "--out", "a.toml", "--start", "guess.toml")
+    assert "ended from the given start" in out
+    assert re.search(r"stiffness (\d+) [\d.]+ areas (\d+) [\d.]+ everything (\d+) ", out)
+
+
+def test_a_law_that_cannot_follow_is_told_from_noise(folder, capsys):
+    write_record(folder / "t.csv", *rig_record(TRUTH, [0.5e-3, 2e-3, 8e-3], seed=4))
+    out = run(capsys, "t.csv", "--law", "enhanced-dry-friction", "--out", "a.toml")
+    assert re.search(r"what is left is no noise \(neighbouring residuals correlate by 0\.[89]\d\)", out)
+
+
+def test_what_the_data_leave_open_stands_in_the_file(folder, simple, capsys, monkeypatch):
+    words = "z_max and x_y are not told apart to better than 229 %"
+    changed(monkeypatch, open_combinations=(words,))
+    out = run(capsys, simple, "--law", "bouc-wen", "--out", "a.toml")
+    assert f" open: {words} " in out
+    assert "the data fix every free parameter" not in out
+    assumed = tomllib.loads((folder / "a.toml").read_text(encoding="utf-8"))["provenance"]["assumed"]
+    assert f"the data leave open: {words}" in assumed
+
+
+def test_a_fit_that_does_not_converge_exits_1_with_its_report_and_no_isolator(folder, simple, capsys, monkeypatch):
+    changed(monkeypatch, converged=False, message="stopped after 100 evaluations")
+    arguments = [simple, "--law", "bouc-wen", "--out", "a.toml"]
+    out = run(capsys, *arguments, code=1)
+    assert "NOT CONVERGED: stopped after 100 evaluations" in out
+    assert "not written: a.toml, because the fit did not converge" in out
+    assert not (folder / "a.toml").exists()
+    assert "NOT CONVERGED" in (folder / "a-report" / "report.md").read_text(encoding="utf-8")
+    run(capsys, *arguments, "--force", "--accept-unconverged", code=1)
+    assert any("did not converge" in words for words in wr.load_isolator("a.toml").provenance.assumed)
+
+
+def test_files_that_are_there_are_replaced_only_with_force(folder, simple, capsys):
+    arguments = ["identify", "simple.csv", "--law", "enhanced-dry-friction", "--out", "a.toml"]
+    assert main(arguments) == 0
+    first = (folder / "a.toml").read_bytes()
+    capsys.readouterr()
+    assert main(arguments) == 2
+    assert "a.toml: there is an isolator file already. Replace it with --force" in capsys.readouterr().err
+    assert main([*arguments, "--force"]) == 0
+    assert (folder / "a.toml").read_bytes() == first  # nothing is drawn by chance
+    capsys.readouterr()
+    (folder / "notes").mkdir()
+    (folder / "notes" / "mine.txt").touch()
+    assert main([*arguments, "--force", "--report", "notes"]) == 2
+    assert "notes: this folder exists and is not a report" in capsys.readouterr().err
+    assert [path.name for path in (folder / "notes").iterdir()] == ["mine.txt"]
+
+
+GOOD = ["good.csv", "--law", "bouc-wen", "--out", "a.toml"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--law", "bouc-wen", "--out", "a.toml"], "name the records: wirerope identify"),
+        (["good.csv", "--out", "a.toml"], "--law"),
+        (["nosuch.csv", *GOOD[1:]], "nosuch.csv: no such file"),
+        (["good.csv", "good.csv", *GOOD[1:]], "good.csv is named twice"),
+        (["good.csv", "--law", "bouc", "--out", "a.toml"], "`--law`: there is no law 'bouc'; the laws are"),
+        (["good.csv", "--law", "zener", "--out", "a.toml"], "must be one that cyclic tests can fix .*got 'zener'"),
+        (["good.csv", "--law", "masing", "--elements", "0", "--out", "a.toml"], "`elements` must be >= 1, got 0"),
+        (["good.csv", "--law", "bouc-wen", "--out", "a.csv"], "must end with .toml, got 'a.csv'"),
+        (["good.csv", "--law", "bouc-wen", "--out", "no/a.toml"], "`--out`: there is no folder"),
+        ([*GOOD, "--report", "good.csv"], "good.csv: this is a file; a report is a folder"),
+        ([*GOOD, "--axis", "up"], "--axis.*roll.*shear.*axial"),
+        ([*GOOD, "--fix", "n"], "`--fix` must be NAME=VALUE with a number in SI units, got 'n'"),
+        ([*GOOD, "--fix", "n=one"], "`--fix` must be NAME=VALUE.*got 'n=one'"),
+        ([*GOOD, "--fix", "n=1", "n=2"], "`--fix` names 'n' twice"),
+        ([*GOOD, "--fix", "beta=1"], "`fixed` names 'beta', which bouc-wen does not have; it has z_max"),
+        ([*GOOD, "--start", "nosuch.toml"], "nosuch.toml: no such file"),
+        ([*GOOD, "--start", "good.csv"], "good.csv: not valid TOML"),
+        (["good.csv", "--law", "ozdemir", "--out", "a.toml", "--constraint", "beta=gamma"], "ozdemir does not have both"),
+        (["one.csv", "--law", "asymmetric-bouc-wen", "--out", "a.toml"], "8 parameters .*3 different amplitudes .*1 given"),
+        (["half.csv", *GOOD[1:]], "half.csv, lines 2 to 91: there is no full cycle"),
+        (["still.csv", *GOOD[1:]], "still.csv, lines 2 to 601: the deflection never changes"),
+        (["bare.csv", *GOOD[1:]], 'bare.csv, line 1: column "force" has no unit'),
+        (["mixed.csv", *GOOD[1:]], "mixed.csv, line 602: .*second header"),
+        (["nan.csv", *GOOD[1:]], 'nan.csv, line 12: nan in column "force"'),
+        (["clipped.csv", *GOOD[1:]], "clipped.csv, lines .*samples stand at exactly the largest force.*saturated"),
+        (["good.csv", "newton.csv", *GOOD[1:]], "newton.csv: the secant stiffness is .* in good.csv it is .*Are the units"),
+    ],
+)  # fmt: skip
+def test_bad_input_gets_one_message_and_writes_nothing(folder, capsys, arguments, message):
+    time, deflection, force = rig_record(SIMPLE, [2e-3], points=120.0)
+    write_record(folder / "good.csv", time, deflection, force)
+    write_record(folder / "one.csv", time, deflection, force)
+    write_record(folder / "half.csv", time[:90], deflection[:90], force[:90])
+    write_record(folder / "still.csv", time, 0.0 * deflection + 1e-3, force)
+    write_record(folder / "bare.csv", time, deflection, force, header="time [s],deflection [mm],force")
+    mixed = write_record(folder / "mixed.csv", time, deflection, force)
+    mixed.write_text(mixed.read_text() + (folder / "bare.csv").read_text().replace("[mm]", "[m]"), encoding="utf-8")
+    write_record(folder / "nan.csv", time, deflection, np.where(np.arange(time.size) == 10, np.nan, force))
+    write_record(folder / "clipped.csv", time, deflection, np.minimum(force, 0.6 * force.max()))
+    write_record(folder / "newton.csv", time, deflection, force, newton=1.0)  # the header says kN
+    before = sorted(folder.iterdir())
+    assert main(["identify", *arguments]) == 2
+    caught = capsys.readouterr()
+    assert caught.out == ""
+    assert caught.err.count("\n") == 1, caught.err
+    assert re.search(message, caught.err), caught.err
+    assert sorted(folder.iterdir()) == before
+
+
+def test_pictures_show_what_was_measured_beside_what_was_fitted(simple):
+    result = wr.identify(read_cycles(simple), law=wr.BoucWen)
+    fits = fitted_loops(result)
+    np.testing.assert_allclose([fit.error for fit in fits], result.residuals, rtol=1e-9)
+    # White noise of 450 samples: three standard deviations are 0.14.
+    assert abs(neighbours_correlation(fits)) < 0.15
+    # The zero drifts by 60 N over three amplitudes; each keeps the last of its five cycles.
+    zeros = [fit.zero for fit in fits]
+    np.testing.assert_allclose(
+        np.diff(zeros), 20.0, atol=12.0
+    )  # 1 % of 1.2 kN, over sqrt(9 samples), at the four turning points
+    panels = fit_figure(fits, title="three").axes
+    assert [panel.get_title().split(":")[0] for panel in panels] == ["±1 mm", "±4 mm", "±8 mm"]
+    measured, fitted = panels[2].get_lines()
+    assert measured.get_xdata().max() == pytest.approx(8.0, rel=1e-3)
+    np.testing.assert_allclose(measured.get_ydata(), 1e-3 * fits[2].measured)
+    np.testing.assert_allclose(fitted.get_ydata(), 1e-3 * fits[2].fitted)
+    up = residual_figure(fits, title="three").axes[0].get_lines()[0]
+    assert np.abs(up.get_ydata()).max() < 5.0  # [%]: five standard deviations of the noise
+    assert (np.diff(up.get_xdata()) >= 0.0).all()
+    energy, stiffness = measures_figure(fits, title="three").axes
+    exact = cyclic_test(SIMPLE, [1e-3, 4e-3, 8e-3])
+    for line in energy.get_lines():
+        np.testing.assert_allclose(line.get_ydata()[1:], [loop.dissipated_energy for loop in exact[1:]], rtol=0.01)
+    for line in stiffness.get_lines():
+        np.testing.assert_allclose(line.get_ydata(), [loop.secant_stiffness / 1e3 for loop in exact], rtol=0.02)
+
+
+def test_many_loops_are_drawn_from_the_smallest_to_the_largest(simple):
+    fits = fitted_loops(wr.identify(read_cycles(simple), law=wr.EnhancedDryFriction))
+    many = [replace(fit, deflection=fit.deflection * (1.0 + 0.01 * i)) for i in range(6) for fit in fits]
+    figure = fit_figure(sorted(many, key=lambda fit: fit.amplitude), title="many")
+    assert len(figure.axes) == 12
+    assert figure.axes[0].get_title().startswith("±1 mm")
+    assert figure.axes[-1].get_title().startswith("±8.4 mm")
+    assert "(12 of 18 loops)" in figure.get_suptitle()
