@@ -9,7 +9,7 @@ from scipy.optimize import isotonic_regression
 
 from wirerope_mj.identification.coordinates import Scales
 from wirerope_mj.laws import Law, Loop
-from wirerope_mj.laws.path import follow_force, settle
+from wirerope_mj.laws.steady import follow_force, settle
 
 Array = npt.NDArray[np.float64]
 
@@ -19,8 +19,8 @@ STEADY = 1e-12
 OPEN_ENDED = 0.2
 """Share of the force range by which the ends of a measured cycle may differ: creep of the first cycles, and noise."""
 
-CLIPPED = 0.02
-"""Share of a loop's samples that may stand at exactly its largest or its smallest force."""
+CLIPPED = 0.05
+"""Share of a loop's stroke over which its force may stand at exactly its largest or smallest value: steps of a converter."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,11 +128,11 @@ def _check(loop: Loop, number: int) -> None:
             f"{100 * loop.closure:.0f} % of its range apart."
         )
     for word, extreme in (("largest", f.max()), ("smallest", f.min())):
-        share = float((f == extreme).mean())
-        if share > CLIPPED and (f == extreme).sum() > 3:
+        at = f == extreme
+        if at.sum() > 3 and np.ptp(x[at]) > CLIPPED * np.ptp(x):
             raise ValueError(
-                f"loop {number}: {100 * share:.0f} % of the samples stand at exactly its {word} force, {extreme:.6g} N: the "
-                "load cell or its amplifier was saturated. Leave the loop out."
+                f"loop {number}: {at.sum()} samples stand at exactly its {word} force, {extreme:.6g} N, over "
+                f"{1e3 * np.ptp(x[at]):.3g} mm of deflection: the load cell or its amplifier was saturated. Leave the loop out."
             )
 
 
