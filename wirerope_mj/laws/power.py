@@ -1,0 +1,143 @@
+"""Bouc-Wen's state along a monotone segment for any exponent, to rounding: power series instead of an integration.
+
+In the direction of the path the size u of the state follows u' = +-(alpha - b u^n). Near zero, where u^n is not smooth, the
+length to zero is known, l = (u / alpha) sum_k q^k / (k n + 1) with q = b u^n / alpha, and is inverted by Newton steps.
+Elsewhere u is its Taylor series in the length, whose coefficients follow from u U' = n U u' with U = u^n one after the other,
+so that one power is computed for a whole step (Knuth, The Art of Computer Programming 2, 4.7).
+"""
+
+# mypy: disallow-untyped-defs=False
+# Jitted functions carry their types in their docstrings.
+
+import math
+
+import numpy as np
+
+from wirerope_mj.jit import njit
+
+ORDER = 16
+"""Terms of a Taylor series: a step takes a tenth of the distance to where the series ends."""
+
+NEAR = 0.1
+"""|q| up to which the length from zero is summed: 16 terms reach rounding."""
+
+ROUNDING = 1e-16
+"""Share of the state below which a term does not count."""
+
+_STEPS = 10_000
+
+
+@njit
+def length_from_zero(alpha, b, n, u):
+    """Return the length over which u grows from zero along u' = alpha - b u^n, |b| u^n <= NEAR alpha."""
+    q = b / alpha * u**n
+    total, power, k = 1.0, q, 1.0
+    while abs(power) > ROUNDING:
+        total += power / (k * n + 1.0)
+        power *= q
+        k += 1.0
+    return u / alpha * total
+
+
+@njit
+def at_length(alpha, b, n, length):
+    """Return u at a length from zero, within the reach of `length_from_zero`."""
+    u = alpha * length
+    for _ in range(30):
+        step = (length_from_zero(alpha, b, n, u) - length) * (alpha - b * u**n)
+        u -= step
+        if abs(step) <= 1e-15 * u:
+            break
+    return u
+
+
+@njit
+def series(alpha, b, n, u, way, c, a):
+    """Write the Taylor coefficients c[1:] of u' = way (alpha - b u^n) from u > 0 on, and return the length that they reach.
+
+    `c` and `a` are arrays of ORDER + 1, `a` scratch.
+    """
+    a[0] = u**n
+    c[0], c[1] = u, way * (alpha - b * a[0])
+    for k in range(1, ORDER):
+        value = 0.0
+        for j in range(1, k + 1):
+            value += (n * j - (k - j)) * c[j] * a[k - j]
+        a[k] = value / (k * u)
+        c[k + 1] = -way * b * a[k] / (k + 1)
+    largest = max(abs(c[ORDER]) ** (1.0 / ORDER), (abs(c[ORDER - 1]) + 1e-300) ** (1.0 / (ORDER - 1)))
+    reach = (ROUNDING * u) ** (1.0 / ORDER) / largest
+    # Beyond zero another equation holds, which the series of a whole exponent would not notice.
+    return reach if way > 0.0 else min(reach, 0.9 * u / max(alpha, abs(c[1])))
+
+
+@njit
+def summed(c, length):
+    """Return the sum of a Taylor series."""
+    total = c[ORDER]
+    for k in range(ORDER - 1, -1, -1):
+        total = total * length + c[k]
+    return total
+
+
+@njit
+def sized(alpha, b, n, u, length, way, c, a):
+    """Return u after a length along u' = way (alpha - b u^n), and the length that is left where it reached zero before."""
+    edge = (NEAR * alpha / abs(b)) ** (1.0 / n) if b != 0.0 else np.inf
+    for _ in range(_STEPS):
+        if length <= 0.0:
+            return u, 0.0
+        if b == 0.0:
+            return (u + alpha * length, 0.0) if way > 0.0 else (max(u - alpha * length, 0.0), length - u / alpha)
+        if u < edge:
+            begin, end = length_from_zero(alpha, b, n, u), length_from_zero(alpha, b, n, edge)
+            if way < 0.0:
+                if length >= begin:
+                    return 0.0, length - begin
+                return at_length(alpha, b, n, begin - length), 0.0
+            if begin + length <= end:
+                return at_length(alpha, b, n, begin + length), 0.0
+            length -= end - begin
+            u = edge
+        step = min(length, series(alpha, b, n, u, way, c, a))
+        u, length = summed(c, step), length - step
+    return np.nan, 0.0
+
+
+@njit
+def carry_power(p, i, x0, x1, z, j, c, a):
+    """Carry a Bouc-Wen law's state in place from deflection x0 to x1; `p[i:]` begins with alpha, beta, gamma, n."""
+    alpha, beta, gamma, n = p[i], p[i + 1], p[i + 2], p[i + 3]
+    s, length = 1.0 if x1 > x0 else -1.0, abs(x1 - x0)
+    y = s * z[j]
+    if y < 0.0:
+        u, length = sized(alpha, gamma - beta, n, -y, length, -1.0, c, a)
+        if u > 0.0 or length <= 0.0:
+            z[j] = -s * u
+            return
+        y = 0.0
+    u, _ = sized(alpha, beta + gamma, n, y, length, 1.0, c, a)
+    z[j] = s * u
+
+
+@njit
+def follow_power(p, deflection, z, out):
+    """Write a Bouc-Wen law's state along `deflection` to `out`, (n_t,), entered with `z`, which is carried to the end.
+
+    A series serves all samples within its reach, until the path turns round.
+    """
+    c, a = np.empty(ORDER + 1), np.empty(ORDER + 1)
+    s, sign, done, reach = 0.0, 1.0, 0.0, -1.0
+    out[0] = z[0]
+    for t in range(1, deflection.size):
+        dx = deflection[t] - deflection[t - 1]
+        if dx * s > 0.0 and done + abs(dx) <= reach:
+            done += abs(dx)
+            z[0] = sign * summed(c, done)
+        elif dx != 0.0:
+            carry_power(p, 0, deflection[t - 1], deflection[t], z, 0, c, a)
+            s, done, reach = math.copysign(1.0, dx), 0.0, -1.0
+            sign, way = math.copysign(1.0, z[0]), math.copysign(1.0, z[0] * s)
+            if z[0] != 0.0:
+                reach = series(p[0], p[2] + way * p[1], p[3], abs(z[0]), way, c, a)
+        out[t] = z[0]
