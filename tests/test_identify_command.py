@@ -30,9 +30,7 @@ def folder(tmp_path, monkeypatch):
 @pytest.fixture
 def simple(folder):
     """A record of a Bouc-Wen device, five cycles of each of three amplitudes."""
-    return write_record(
-        folder / "simple.csv", *rig_record(SIMPLE, [1e-3, 4e-3, 8e-3], seed=7, drift=60.0, points=150.3)
-    )
+    return write_record(folder / "simple.csv", *rig_record(SIMPLE, [1e-3, 4e-3, 8e-3], seed=7, drift=60.0, points=90.3))
 
 
 def run(capsys, *arguments, code=0):
@@ -53,12 +51,16 @@ def changed(monkeypatch, **changes):
 
 
 def test_records_of_several_files_become_an_isolator_that_repeats_loops_nobody_measured(folder, capsys):
-    write_record(folder / "small.csv", *rig_record(TRUTH, [0.5e-3, 1.5e-3, 4e-3], seed=1, drift=100.0, slack=1e-4))
-    large = rig_record(TRUTH, [7e-3, 10e-3], seed=2, drift=-50.0, zero=30.0, points=201.7)
+    write_record(
+        folder / "small.csv", *rig_record(TRUTH, [0.5e-3, 1.5e-3, 4e-3], seed=1, drift=100.0, slack=1e-4, points=100.0)
+    )
+    large = rig_record(TRUTH, [7e-3, 10e-3], seed=2, drift=-50.0, zero=30.0, points=101.7)
     write_record(
         folder / "large.csv", *large, header="time [s];deflection [m];force [N]".replace(";", ","), metre=1, newton=1
     )
-    write_record(folder / "preloaded.csv", *rig_record(TRUTH, [2e-3, 5e-3], seed=3, operating_point=-4e-3))
+    write_record(
+        folder / "preloaded.csv", *rig_record(TRUTH, [2e-3, 5e-3], seed=3, operating_point=-4e-3, points=100.0)
+    )
     out = run(
         capsys, "small.csv", "large.csv", "preloaded.csv", "--law", "asymmetric-bouc-wen", "--out", "my_isolator.toml"
     )
@@ -70,7 +72,7 @@ def test_records_of_several_files_become_an_isolator_that_repeats_loops_nobody_m
         both = [cyclic_test(law, [1e-3, 6e-3], operating_point=point) for law in (isolator.axial, TRUTH)]
         for found, true in zip(*both, strict=True):
             error = np.std(found.force - true.force) / (0.5 * np.ptp(true.force))
-            assert error < 0.005  # noise of 1 % in every sample of 1400
+            assert error < 0.005  # noise of 1 % in every sample of 700
             assert found.dissipated_energy == pytest.approx(true.dissipated_energy, rel=0.02)
     # The axial spring of the law, not of its reflection: tension stiffens.
     assert isolator.axial.asymmetry == pytest.approx(35.0, rel=0.05)
@@ -221,13 +223,13 @@ def test_pictures_show_what_was_measured_beside_what_was_fitted(simple):
     result = wr.identify(read_cycles(simple), law=wr.BoucWen)
     fits = fitted_loops(result)
     np.testing.assert_allclose([fit.error for fit in fits], result.residuals, rtol=1e-9)
-    # White noise of 450 samples: three standard deviations are 0.14.
-    assert abs(neighbours_correlation(fits)) < 0.15
+    # White noise of 270 samples: three standard deviations are 0.18.
+    assert abs(neighbours_correlation(fits)) < 0.18
     # The zero drifts by 60 N over three amplitudes; each keeps the last of its five cycles.
     zeros = [fit.zero for fit in fits]
     np.testing.assert_allclose(
         np.diff(zeros), 20.0, atol=12.0
-    )  # 1 % of 1.2 kN, over sqrt(9 samples), at the four turning points
+    )  # 1 % of 1.2 kN, over sqrt(5 samples), at the four turning points
     panels = fit_figure(fits, title="three").axes
     assert [panel.get_title().split(":")[0] for panel in panels] == ["±1 mm", "±4 mm", "±8 mm"]
     measured, fitted = panels[2].get_lines()

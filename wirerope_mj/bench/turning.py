@@ -123,8 +123,10 @@ def _times(smooth: Array, time: Array, turns: npt.NDArray[np.int64]) -> Array:
     for place in range(1, turns.size - 1):
         before, here, after = (int(turn) for turn in turns[place - 1 : place + 2])
         sign = 1.0 if smooth[here] > smooth[before] else -1.0
-        depths = np.abs(smooth[here] - smooth[[before, after]])
-        level = sign * smooth[here] - _DEPTH * float(depths.min())
+        # At one depth in all cycles of a run, also where its last stroke is cut short: else a wave that rises faster than
+        # it falls would shift.
+        stroke, rest = np.abs(smooth[here] - smooth[[before, after]])
+        level = sign * smooth[here] - min(_DEPTH * stroke, 0.9 * rest)
         rise, fall = sign * smooth[before : here + 1], sign * smooth[here : after + 1]
         left = before + int(np.flatnonzero(rise <= level)[-1])
         right = here + int(np.flatnonzero(fall <= level)[0])
