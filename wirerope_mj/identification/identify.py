@@ -162,9 +162,15 @@ def _search(
     for name in fixed:
         if name not in names:
             raise ValueError(f"`fixed` names {name!r}, which {law.name} does not have; it has {', '.join(names)}.")
+    if set(names) <= set(fixed):
+        raise ValueError(f"`fixed` names all parameters, {', '.join(names)}: nothing is left to search for.")
     if constraint is not None:
         if "sigma" not in names:
             raise ValueError(f"`constraint` is between beta and gamma, and {law.name} does not have both.")
+        if "sigma" in fixed:
+            raise ValueError(
+                "`constraint` and `fixed` both say what sigma = beta / (beta + gamma) may be; give one of them."
+            )
         coordinates = [_constrained(c, constraint) if c.name == "sigma" else c for c in coordinates]
         if constraint == "beta=gamma":
             fixed["sigma"] = 0.5
