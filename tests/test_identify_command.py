@@ -90,6 +90,7 @@ def test_records_of_several_files_become_an_isolator_that_repeats_loops_nobody_m
     for heading in ("## Parameters", "## Loops", "## Stages", "## Correlations", "## Singular values", "## Read from"):
         assert heading in text
     assert re.search(r"\| c_ln_b \| 3[45]\.\d+ \| 1/m \| 0\.\d+ \| 0\.\d+ \|", text)
+    assert "- c_ln_b = c ln b: of b and c only this acts\n" in text
     assert re.search(r"small\.csv: ±0\.5 mm about 0 mm \(4 cycles\)", text)
 
 
@@ -185,6 +186,8 @@ GOOD = ["good.csv", "--law", "bouc-wen", "--out", "a.toml"]
         ([*GOOD, "--fix", "n=one"], "`--fix` must be NAME=VALUE.*got 'n=one'"),
         ([*GOOD, "--fix", "n=1", "n=2"], "`--fix` names 'n' twice"),
         ([*GOOD, "--fix", "beta=1"], "`fixed` names 'beta', which bouc-wen does not have; it has z_max"),
+        ([*GOOD, "--fix", "sigma=0.7", "--constraint", "beta=gamma"], "`constraint` and `fixed` both say what sigma"),
+        ([*GOOD, "--fix", "z_max=1", "x_y=1", "sigma=1", "n=1", "k=1"], "`fixed` names all parameters, z_max, x_y, sigma"),
         ([*GOOD, "--start", "nosuch.toml"], "nosuch.toml: no such file"),
         ([*GOOD, "--start", "good.csv"], "good.csv: not valid TOML"),
         (["good.csv", "--law", "ozdemir", "--out", "a.toml", "--constraint", "beta=gamma"], "ozdemir does not have both"),

@@ -15,6 +15,7 @@ PICTURES = {
 }
 """Pictures of a report and their captions."""
 
+_PARAMETERS = "Parameters"
 _BENT = 0.5
 """Correlation of neighbouring residuals that white noise of a hundred samples never has."""
 
@@ -43,7 +44,7 @@ def parameter_rows(result: Identification) -> Rows:
             error = ["not fixed by the data", "-"]
         note = "given" if p.fixed else "at its bound" if p.at_bound else ""
         rows.append([p.name, f"{p.value:.6g}", p.unit, *error, note])
-    return Rows("Parameters", ("parameter", "value", "unit", "standard error", "[%]", "note"), rows)
+    return Rows(_PARAMETERS, ("parameter", "value", "unit", "standard error", "[%]", "note"), rows)
 
 
 def loop_rows(fits: Iterable[FittedLoop]) -> Rows:
@@ -80,6 +81,18 @@ def correlation_rows(result: Identification) -> Rows:
         for name, row in zip(free, result.certainty.correlation, strict=True)
     ]
     return Rows("Correlations", ("", *free), rows)
+
+
+def meanings(result: Identification) -> list[str]:
+    """Return what the coordinates are that an isolator file does not name so."""
+    known = {
+        "z_max": "z_max = (alpha / (beta + gamma))^(1/n), the largest hysteretic force",
+        "x_y": "x_y = z_max / alpha, the deflection at which it yields",
+        "sigma": "sigma = beta / (beta + gamma): the larger, the wider a loop between the same tips",
+        "c_ln_b": "c_ln_b = c ln b: of b and c only this acts",
+        "x1": "x1: deflection at which the first element slips; x2/x1 ..: how much further the next ones do",
+    }
+    return [words for name, words in known.items() if name in result.parameters]
 
 
 def sentences(result: Identification, fits: Sequence[FittedLoop]) -> list[str]:
@@ -125,6 +138,8 @@ def report_text(
     ]
     for table in (parameter_rows(result), loop_rows(fits), stage_rows(result), correlation_rows(result)):
         parts += [f"## {table.title}", table.markdown()]
+        if table.title == _PARAMETERS and meanings(result):
+            parts.append("\n".join(f"- {words}" for words in meanings(result)))
     parts += [
         "## Singular values",
         f"{singular}\n\nOf the residual's change with the parameters, over its noise: one over each is the standard error of "
