@@ -84,7 +84,8 @@ def certainty_of(search: Search, found: Found, noise: float | None = None) -> Ce
         errors = np.where(spread == 0.0, 0.0, spread / singular)
         numbers = combinations.T @ np.diag(np.where(np.isfinite(errors), errors, 1e150) ** 2) @ combinations
     slopes = np.array([c.slope(number) for c, number in zip(free, found.numbers, strict=True)])
-    covariance = numbers * np.outer(slopes, slopes)
+    with np.errstate(over="ignore"):  # of what the data do not fix at all, which then is infinite
+        covariance = numbers * np.outer(slopes, slopes)
     deviations = np.sqrt(np.diag(covariance))
     with np.errstate(divide="ignore", invalid="ignore"):
         correlation = np.nan_to_num(covariance / np.outer(deviations, deviations), nan=0.0)
