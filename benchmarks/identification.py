@@ -1,0 +1,189 @@
+"""Identification: twin experiments, choice of law, the thesis' methods, and what a fit costs beside `solve_ivp`.
+
+    python benchmarks/identification.py twins [--truths 20] [--starts 20] [--laws bouc-wen ...] [--processes 2]
+    python benchmarks/identification.py choice | methods | cost
+
+twins: loops of random known laws, five amplitudes, 1 % force noise, unknown offset; starts with every parameter log-uniform
+within a factor of ten of the truth. Success: loops at three amplitudes not used are within the noise of the truth.
+choice: several laws on the device of `odd_device.py`, which is none of them. methods: three stages, one stage in the time
+domain, one in the frequency domain, from near and poor starts without the grid. cost: one residual of the nine-parameter law on
+six loops of 1000 points against the same one made with SciPy's `solve_ivp`; both need as many of them.
+"""
+
+import argparse
+import math
+import time
+from concurrent.futures import ProcessPoolExecutor
+from itertools import repeat
+
+import numpy as np
+import numpy.typing as npt
+from odd_device import OddDevice
+from rounds import interleaved
+from scipy.integrate import solve_ivp
+from twins import LAWS, NOISE, Twin, noisy_loops, start_of, truth_of, twin
+
+import wirerope_mj as wr
+from wirerope_mj.bench import cyclic_test, measured
+from wirerope_mj.identification import compare_laws, compare_methods
+from wirerope_mj.identification.identify import family_of, identify
+from wirerope_mj.identification.measured import STEADY, MeasuredLoop, prepare
+from wirerope_mj.identification.residuals import loop_residual
+from wirerope_mj.laws import Law
+
+Array = npt.NDArray[np.float64]
+
+SHARES = np.array([0.02, 0.03, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0])  # of the travel, tested on the odd device
+CALLED = {kind.name: kind for kind in LAWS}
+
+
+def twins(arguments: argparse.Namespace) -> None:
+    """Print success rates, as truths end."""
+    print(f"{arguments.truths} truths x {arguments.starts} starts")
+    print(
+        "law                      identify  start alone  within 3 errors  largest  evaluations per start     [s]",
+        flush=True,
+    )
+    with ProcessPoolExecutor(arguments.processes) as pool:
+        for name in arguments.laws:
+            begin = time.perf_counter()
+            rows = list(
+                pool.map(twin, repeat(CALLED[name]), range(arguments.truths), repeat(arguments.starts), timeout=None)
+            )
+            print(twin_row(name, rows) + f"{time.perf_counter() - begin:8.0f}", flush=True)
+            for row in rows:
+                if not all(row.together):
+                    print(
+                        f"    truth {row.truth}: {row.together.count(False)} of {len(row.together)} missed", flush=True
+                    )
+
+
+def twin_row(name: str, rows: list[Twin]) -> str:
+    """Return the table's row of a law."""
+    together = [good for row in rows for good in row.together]
+    alone = [good for row in rows for good in row.alone]
+    known = sum(len(row.deviations) for row in rows)
+    within = sum(row.within for row in rows)
+    farthest = max((abs(value) for row in rows for value in row.deviations.values()), default=0.0)
+    evaluations = sum(row.evaluations for row in rows) / max(len(together), 1)
+    return (
+        f"{name:22s}{100 * np.mean(together):9.1f} %{100 * np.mean(alone):11.1f} %{within:9d} / {known:<5d}"
+        f"{farthest:8.1f}{evaluations:15.0f}       "
+    )
+
+
+def choice(_arguments: argparse.Namespace) -> None:
+    """Print the comparison of laws on the odd device under both weights."""
+    device = OddDevice()
+    loops = [device.measured(share * device.travel, noise=NOISE, seed=place) for place, share in enumerate(SHARES)]
+    exact = [device.loop(share * device.travel) for share in SHARES]
+    print("secant stiffness [kN/m]", *(f"{1e-3 * loop.secant_stiffness:.0f}" for loop in exact))
+    print("damping ratio [%]      ", *(f"{100 * loop.damping_ratio:.1f}" for loop in exact))
+    for weights in ("equal", "range"):
+        begin = time.perf_counter()
+        table = compare_laws(loops, laws=[wr.BoucWen, wr.SymmetricBoucWen, wr.Masing], weights=weights)
+        print(f"\nweights {weights!r} ({time.perf_counter() - begin:.0f} s)\n{table}", flush=True)
+
+
+def methods(arguments: argparse.Namespace) -> None:
+    """Print what the three methods do from a near start and from poor ones."""
+    for name in arguments.laws:
+        rng = np.random.default_rng(arguments.seed)
+        truth = truth_of(CALLED[name], rng)
+        family, loops = family_of(type(truth)), noisy_loops(truth, rng)
+        near = family.make({key: 1.2 * value for key, value in family.read(truth).items()})
+        starts = {"20 % off": near} | {f"poor {one}": start_of(truth, rng) for one in (1, 2, 3)}
+        print(f"\n{name}\n{compare_methods(loops, starts=starts)}", flush=True)
+
+
+def cost(arguments: argparse.Namespace) -> None:
+    """Print seconds per residual of the house and of `solve_ivp`."""
+    truth = wr.AsymmetricBoucWen.from_normalised(
+        z_max=700.0, x_y=1e-3, sigma=0.6, n=1.3, k1=5e4, k2=1e6, k3=2e8, b=math.e, c=35.0
+    )
+    tested = cyclic_test(truth, 0.01 * np.array([0.05, 0.1, 0.2, 0.4, 0.7, 1.0]), points_per_cycle=1000)
+    loops = [
+        measured([loop], points_per_cycle=1000, force_noise=NOISE * np.ptp(loop.force) / 2.0, seed=place)[0]
+        for place, loop in enumerate(tested)
+    ]
+    ready = prepare(loops)
+    house = loop_residual(ready)
+    reference = house(truth)
+    print("solve_ivp                 method  tolerance  error of residual  s per residual    ratio")
+    cases = [(m, t, cycle) for cycle in (True, False) for m in ("RK45", "LSODA") for t in (1e-6, 1e-8)]
+    for method, tolerance, cycle in cases:
+
+        def theirs(how: tuple[str, float, bool] = (method, tolerance, cycle)) -> Array:
+            return solved(ready, truth, *how)
+
+        off = float(np.abs(theirs() - reference).max())
+        medians = interleaved({"house": lambda: house(truth), "solve_ivp": theirs}, rounds=arguments.rounds)
+        ratio = medians["solve_ivp"] / medians["house"]
+        words = "from rest until steady" if cycle else "steady state for nothing"
+        print(f"{words:26s}{method:6s}{tolerance:11.0e}{off:19.1e}{medians['solve_ivp']:16.3f}{ratio:9.0f}", flush=True)
+    begin = time.perf_counter()
+    fit = identify(loops, law=wr.AsymmetricBoucWen)
+    seconds = time.perf_counter() - begin
+    print(f"house: {1e3 * medians['house']:.2f} ms per residual; the whole fit, grid included, {seconds:.2f} s,")
+    print(f"{fit.evaluations} residuals after the grid, error {100 * fit.residual:.2f} % at 1 % noise")
+
+
+def solved(loops: list[MeasuredLoop], law: wr.AsymmetricBoucWen, method: str, tolerance: float, cycle: bool) -> Array:
+    """Return the residual of the loops with z from `solve_ivp`, started anew at every reversal."""
+    parts = []
+    for loop in loops:
+        x = loop.deflection
+        turns = [0, *sorted((int(np.argmax(x)), int(np.argmin(x)))), x.size - 1]
+        z = 0.0 if cycle else steady(loop, law)
+        for _ in range(200):
+            before, samples = z, np.empty(x.size)
+            samples[0] = z
+            for first, last in zip(turns, turns[1:], strict=False):
+                if last > first:
+                    samples[first : last + 1] = branch(law, x[first : last + 1], z, method, tolerance)
+                    z = samples[last]
+            if not cycle or abs(z - before) <= max(tolerance, STEADY) * float(np.ptp(loop.force)):
+                break
+        elastic = law.k1 * x + law.k2 * np.sign(x) * x**2 + law.k3 * x**3
+        part = (np.exp(law.asymmetry * x) * (samples + elastic) - loop.force) / loop.weight
+        parts.append(part - part.mean())
+    return np.concatenate(parts)
+
+
+def branch(law: wr.AsymmetricBoucWen, x: Array, z: float, method: str, tolerance: float) -> Array:
+    """Return z at the samples of a monotone path."""
+    s, alpha, beta, gamma, n = math.copysign(1.0, x[-1] - x[0]), law.alpha, law.beta, law.gamma, law.n
+
+    def slope(_: float, y: Array) -> list[float]:
+        one = y.item()
+        return [s * (alpha - (gamma + beta * math.copysign(1.0, s * one)) * abs(one) ** n)]
+
+    samples, places = np.unique(s * x, return_inverse=True)
+    run = solve_ivp(
+        slope, (samples[0], samples[-1]), [z], method=method, t_eval=samples, rtol=tolerance, atol=tolerance * law.z_max
+    )
+    return run.y[0][places]
+
+
+def steady(loop: MeasuredLoop, law: Law) -> float:
+    """Return z at the loop's first sample in the steady state."""
+    x, p = loop.deflection[0], law.kernel_parameters()
+    force = loop.model_force(law)[0]
+    return float(force / math.exp(p[7] * x) - (p[4] * x + p[5] * math.copysign(x * x, x) + p[6] * x**3))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("part", choices=("twins", "choice", "methods", "cost"))
+    parser.add_argument("--truths", type=int, default=20)
+    parser.add_argument("--starts", type=int, default=20)
+    parser.add_argument("--laws", nargs="*", default=[kind.name for kind in LAWS], choices=list(CALLED))
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--seed", type=int, default=0, help="of the truth of `methods`")
+    arguments = parser.parse_args()
+    {"twins": twins, "choice": choice, "methods": methods, "cost": cost}[arguments.part](arguments)
+
+
+if __name__ == "__main__":
+    main()
