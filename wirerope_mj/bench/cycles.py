@@ -58,8 +58,8 @@ def steady_loops(deflection: npt.ArrayLike, force: npt.ArrayLike, *, time: npt.A
 
     Turning points are reversals of the smoothed deflection by more than its noise and by more than 1 % of its range. Strokes
     of one length that follow each other are a run. Of its last three cycles the mean is taken at equal phases, as far
-    as they repeat each other. A zero of the force that drifts linearly is taken out: its slope is the one that leaves this
-    mean closed.
+    as they repeat each other. A zero of the force that drifts linearly is taken out, by the mean forces of these cycles;
+    of a single one, so that it closes.
 
     Loops hold 200 samples, fewer if the record has fewer, and end with their first sample; `cycles` counts the run's, and
     `closure` says how far apart the ends of the last cycle stand without the drift.
@@ -172,13 +172,23 @@ def _loop_of_run(trace: Trace, force: Array, first: int, last: int, place: Place
     every = np.concatenate([cycle.samples for cycle in kept])
     where = place(int(every.min()), int(every.max()))
     _require_unclipped(trace.deflection[every], force[every], where)
-    # The force at the turning points that begin and end the kept cycles: a line through the outer two is the drift that
-    # leaves the mean of the cycles closed.
-    times = trace.times[[last - 2 * len(kept), last - 2, last]]
-    outer, inner, latest_force = np.interp(times, trace.time, trace.smoothed(force))
-    slope = (latest_force - outer) / (times[2] - times[0])
-    gap = abs(float(latest_force - inner - slope * (times[2] - times[1])))
-    return _loop(kept, trace.deflection, force - slope * (trace.time - times[2]), len(cycles), gap, where)
+    times = trace.times[[last - 2, last]]
+    rise, period = np.diff(np.interp(times, trace.time, trace.smoothed(force)))[0], times[1] - times[0]
+    slope = _drift(trace, kept, force) if len(kept) > 1 else rise / period
+    gap = abs(float(rise - slope * period))
+    return _loop(kept, trace.deflection, force - slope * (trace.time - times[1]), len(cycles), gap, where)
+
+
+def _drift(trace: Trace, kept: list[_Cycle], force: Array) -> float:
+    """Return how fast the zero of the force drifts [N/s]: from the mean force of the first kept cycle to that of the last.
+
+    The means of all samples are surer than forces at the turning points, which would close the loop exactly and their noise
+    with it.
+    """
+    (f_last, t_last), (f_first, t_first) = (
+        (cycle.of(force).mean(), cycle.of(trace.time).mean()) for cycle in (kept[0], kept[-1])
+    )
+    return float((f_last - f_first) / (t_last - t_first))
 
 
 def _cycle(trace: Trace, end: int) -> _Cycle:
