@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from wirerope_mj.jit import njit
-from wirerope_mj.laws.exact import advance_exactly, carry_exactly, has_closed_form
+from wirerope_mj.laws.exact import advance_exactly, has_closed_form
 from wirerope_mj.laws.kernels import BIAXIAL, KELVIN_VOIGT, TINKER_CUTCHINS, ZENER, evaluate, polynomial
 
 _C = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
@@ -133,32 +133,6 @@ def segment(law, p, i, x0, x1, z, j, n_states, slopes, trial):
 
 
 @njit
-def carry(law, p, i, x0, x1, z, j, n_states, slopes, trial):
-    """Carry a rate-independent law's states in place from x0 to x1 and return whether they stayed finite.
-
-    The work, which a closed form sums at a hundred times the cost of its state, is left out. Arguments as in `integrate`.
-    """
-    if not has_closed_form(law, p, i):
-        return advance(law, p, i, x0, x1, z, j, n_states, slopes, trial) < np.inf
-    if x0 != x1:
-        carry_exactly(law, p, i, x0, x1, z, j)
-    return abs(z[j]) < np.inf
-
-
-@njit
-def follow_force(law, p, deflection, z, n_states):
-    """Return the force (n_t,) along `deflection`, entered with states `z`; NaN from where they leave the finite numbers."""
-    n_t = deflection.size
-    force = np.empty(n_t)
-    slopes, trial, unused = np.empty((7, n_states + 1)), np.empty(n_states + 1), np.empty(n_states + 1)
-    for t in range(n_t):
-        if t > 0 and not carry(law, p, 0, deflection[t - 1], deflection[t], z, 0, n_states, slopes, trial):
-            z[:] = np.nan
-        force[t] = evaluate(law, p, 0, deflection[t], 0.0, z, 0, unused, 0)
-    return force
-
-
-@njit
 def follow_path(law, p, deflection, z, n_states):
     """Return force (n_t,), states (n_t, n_states) and cumulated work (n_t,) along `deflection`, entered with states `z`."""
     n_t = deflection.size
@@ -171,33 +145,6 @@ def follow_path(law, p, deflection, z, n_states):
         states[t] = z[:n_states]
         force[t] = evaluate(law, p, 0, deflection[t], 0.0, z, 0, unused, 0)
     return force, states, work
-
-
-@njit
-def settle(law, p, turning, n_states, tolerance):
-    """Return the states (n_states,) at the start of a cycle of turning points once they repeat within `tolerance` [N].
-
-    After 200 cycles they are returned as they are; NaN if the law leaves the finite numbers.
-    """
-    z, before, last = np.zeros(n_states), np.zeros(n_states), 0.0
-    slopes, trial = np.empty((7, n_states + 1)), np.empty(n_states + 1)
-    for cycle in range(200):
-        before[:] = z
-        for t in range(1, turning.size):
-            if not carry(law, p, 0, turning[t - 1], turning[t], z, 0, n_states, slopes, trial):
-                z[:] = np.nan
-                return z
-        step = 0.0
-        for c in range(n_states):
-            step = max(step, abs(z[c] - before[c]))
-        if step <= tolerance:
-            break
-        # The memory of the start fades geometrically, slowly in small loops: two steps tell where it ends (Aitken).
-        change = z[0] - before[0]
-        if n_states == 1 and cycle % 3 == 2 and 0.0 < abs(change) < 0.999 * abs(last):
-            z[0] = before[0] + change / (1.0 - change / last)
-        last = change
-    return z
 
 
 @njit
