@@ -203,6 +203,17 @@ def test_what_cannot_be_used_is_named_with_its_lines(tmp_path, change, message):
     assert re.search(message, str(caught.value)), caught.value
 
 
+def test_stated_amplitudes_tell_when_units_are_mixed(tmp_path):
+    time, deflection, force = rig_record(LAW, [4e-3])
+    rows = [f"4,{x!r},{f!r}" for x, f in zip((1e3 * deflection).tolist(), force.tolist(), strict=True)]
+    path = tmp_path / "t.csv"
+    path.write_text("\n".join(["amplitude [mm],deflection [mm],force [N]", *rows]), encoding="utf-8")
+    assert [loop.amplitude for loop in read_cycles(path)] == pytest.approx([4e-3], rel=1e-3)
+    path.write_text("\n".join(["amplitude [mm],deflection [m],force [N]", *rows]), encoding="utf-8")
+    with pytest.raises(RecordError, match=r"lines 2 to 1201: the amplitude is 4 mm but .* \+-4000 mm; do the two"):
+        read_cycles(path)
+
+
 def test_too_few_samples_in_a_cycle_are_named():
     _, deflection, force = sine(cycles=8, points=10)
     with pytest.raises(ValueError, match=r"samples \d+ to \d+: the cycle has 1\d samples; it needs at least 12"):

@@ -126,6 +126,16 @@ def test_a_law_that_cannot_follow_is_told_from_noise(folder, capsys):
     assert re.search(r"what is left is no noise \(neighbouring residuals correlate by 0\.[89]\d\)", out)
 
 
+def test_a_loop_that_still_changes_is_named(folder, simple, capsys):
+    # The ramp to an operating point of fifteen amplitudes is remembered: the force relaxes over many small cycles.
+    write_record(folder / "t.csv", *rig_record(SIMPLE, [0.2e-3], seed=4, operating_point=-3e-3))
+    out = run(capsys, simple, "t.csv", "--law", "bouc-wen", "--out", "a.toml")
+    named = r"t\.csv: ±0\.2 mm about -3 mm is not steady, its last cycle ends \d+ % of its force range"
+    assert re.search(named, out), out
+    assert out.count("is not steady") == 1
+    assert re.search(named, (folder / "a-report" / "report.md").read_text(encoding="utf-8"))
+
+
 def test_what_the_data_leave_open_stands_in_the_file(folder, simple, capsys, monkeypatch):
     words = "z_max and x_y are not told apart to better than 229 %"
     changed(monkeypatch, open_combinations=(words,))

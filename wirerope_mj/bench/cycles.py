@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.bench.reading import Samples, read_rows
+from wirerope_mj.bench.reading import Samples, read_rows, require_nominal
 from wirerope_mj.bench.turning import Trace, find_turning_points, rms_noise
 from wirerope_mj.errors import RecordError
 from wirerope_mj.laws import Loop
@@ -47,9 +47,12 @@ def read_cycles(path: str | Path) -> list[Loop]:
 
         try:
             time = np.array(samples.time) if samples.time else None
-            loops += _steady(np.array(samples.deflection), np.array(samples.force), time, place)
+            found = _steady(np.array(samples.deflection), np.array(samples.force), time, place)
         except ValueError as error:
             raise RecordError(str(error)) from None
+        for loop in found:
+            require_nominal(samples, loop.amplitude, place(0, len(samples.lines) - 1))
+        loops += found
     return loops
 
 

@@ -183,11 +183,7 @@ def _loop(path: Path, samples: Samples) -> Loop:
     extent = float(np.ptp(x))
     if extent == 0.0:
         raise RecordError(f"{place}: the deflection of loop {samples.label} never changes.")
-    if samples.amplitude is not None and not 1.0 / _NOMINAL < samples.amplitude / (extent / 2.0) < _NOMINAL:
-        raise RecordError(
-            f"{place}: the amplitude is {1e3 * samples.amplitude:.6g} mm but the deflections run over "
-            f"+-{500.0 * extent:.6g} mm; do the two columns have the units that the header says?"
-        )
+    require_nominal(samples, extent / 2.0, place)
     gap, steps = abs(float(x[-1] - x[0])), np.abs(np.diff(x))
     legs = _legs(x, _LEG * extent)
     if legs > 3 or (gap > _LEG * extent and gap > 1.5 * steps.max()):
@@ -200,6 +196,15 @@ def _loop(path: Path, samples: Samples) -> Loop:
     if gap <= 0.5 * min(steps[0], steps[-1]):
         return loop
     return replace(Loop.from_samples(np.append(x, x[0]), np.append(force, force[0])), closure=loop.closure)
+
+
+def require_nominal(samples: Samples, amplitude: float, place: str) -> None:
+    """Raise RecordError if an amplitude [m] is far from the one that its rows state: units, most likely."""
+    if samples.amplitude is not None and not 1.0 / _NOMINAL < samples.amplitude / amplitude < _NOMINAL:
+        raise RecordError(
+            f"{place}: the amplitude is {1e3 * samples.amplitude:.6g} mm but the deflections run over "
+            f"+-{1e3 * amplitude:.6g} mm; do the two columns have the units that the header says?"
+        )
 
 
 def _legs(deflection: npt.NDArray[np.float64], threshold: float) -> int:

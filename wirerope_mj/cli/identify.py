@@ -37,6 +37,9 @@ NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
 
 _REPORT = "report.md"
+_STEADY = 0.05
+"""Share of the force range by which a cycle may not close: beside noise of 1 % of its half, and no more than it."""
+
 _OTHER_UNITS = 100.0
 """Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold."""
 
@@ -228,10 +231,21 @@ def _write_report(
     title = f"{request.name or request.out.stem}, {request.axis}: {result.law.name}"
     for name, figure in zip(PICTURES, (fit_figure, residual_figure, measures_figure), strict=True):
         figure(fits, title=title).savefig(folder / name)
-    sources = [f"{path}: {_held(loops)}" for path, loops in tests.items()]
+    sources = [f"{path}: {_held(loops)}" for path, loops in tests.items()] + _unsteady(tests)
     given = [words for words in _given(request, result) if not words.startswith(("the data leave", "the fit did"))]
     text = report_text(result, fits, title=title, sources=sources, given=given)
     (folder / _REPORT).write_text(text, encoding="utf-8")
+
+
+def _unsteady(tests: Mapping[Path, Sequence[Loop]]) -> list[str]:
+    """Return which loops still change from cycle to cycle, in words."""
+    return [
+        f"{path}: ±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm is not steady, its last cycle "
+        f"ends {100.0 * loop.closure:.0f} % of its force range from where it began; more cycles would help"
+        for path, loops in tests.items()
+        for loop in loops
+        if loop.closure > _STEADY
+    ]
 
 
 def _held(loops: Sequence[Loop]) -> str:
@@ -256,7 +270,7 @@ def _print(
     screen.print(f"  {escape(describe(result.law))}", soft_wrap=True)
     for rows in (parameter_rows(result), loop_rows(fits), stage_rows(result)):
         screen.print(_table(rows))
-    for words in sentences(result, fits):
+    for words in sentences(result, fits) + _unsteady(tests):
         screen.print(f"  {escape(words)}", soft_wrap=True)
 
 
