@@ -2,9 +2,10 @@
 
     python benchmarks/trace_speed.py
 
-The path runs in half cosines of one second between random turning points, 20 samples each. Both contenders return force and
+The path runs in cubics of one second from rest to rest between random turning points, 20 samples each, so that the cubic
+through samples and rates, which is the path of a trace in time, is the path itself. Both contenders return force and
 work at every sample. `solve_ivp` integrates the law's own compiled kernel and is restarted at every reversal, which spares it
-the kink there. Of its methods and tolerances the cheapest is taken whose error, on twenty half cosines, is not above 1e-8 of
+the kink there. Of its methods and tolerances the cheapest is taken whose error, on twenty cubics, is not above 1e-8 of
 the largest force and work, which every trace promises, or the trace's own if that is larger. Errors are counted against DOP853
 at 1e-13 that is restarted where z is zero and where a slider begins to slip, too.
 
@@ -30,7 +31,7 @@ POINTS = 1_000_000
 PER_SEGMENT = 20
 STRETCH = 50  # share of the path that solve_ivp is timed on, as its inverse
 SEGMENTS = POINTS // PER_SEGMENT
-CHECKED = 20  # half cosines on which errors are counted
+CHECKED = 20  # cubics on which errors are counted
 AMPLITUDE = 0.01  # of the turning points [m]
 ERROR = 1e-8
 TOLERANCES = [1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12]
@@ -74,19 +75,19 @@ def turning_points(segments: int) -> Array:
 
 def sampled(ends: Array) -> tuple[Array, Array, Array]:
     """Return time [s], deflection [m] and rate [m/s] of the path, (n_t,) each."""
-    phase = np.pi * np.arange(1, PER_SEGMENT + 1) / PER_SEGMENT
-    middle, half = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
-    x = middle[:, None] - half[:, None] * np.cos(phase)
-    v = np.pi * half[:, None] * np.sin(phase)
+    u = np.arange(1, PER_SEGMENT + 1) / PER_SEGMENT
+    rise = np.diff(ends)[:, None]
+    x = ends[:-1, None] + rise * u * u * (3.0 - 2.0 * u)
+    v = rise * 6.0 * u * (1.0 - u)
     time = np.arange(x.size + 1) / PER_SEGMENT
     return time, np.concatenate([ends[:1], x.ravel()]), np.concatenate([[0.0], v.ravel()])
 
 
 @numba.njit
-def rates(kernel, p, t, y, middle, half, out):
+def rates(kernel, p, t, y, begin, rise, out):
     """Write the rates of the states and the power on the law to `out`."""
     n = y.size - 1
-    x, v = middle - half * np.cos(np.pi * t), np.pi * half * np.sin(np.pi * t)
+    x, v = begin + rise * t * t * (3.0 - 2.0 * t), rise * 6.0 * t * (1.0 - t)
     out[n] = v * kernels.evaluate(kernel, p, 0, x, v, y, 0, out, 0)
 
 
@@ -156,12 +157,12 @@ def sizes(n: int) -> Array:
 
 
 def equations(law: Law, begin: float, end: float) -> Callable[[float, Array], Array]:
-    """Return the rates of the states and the power on the law along a half cosine, as SciPy calls them."""
+    """Return the rates of the states and the power on the law along one cubic, as SciPy calls them."""
     kernel, p, out = law.kernel, law.kernel_parameters(), np.zeros(law.n_states + 1)
-    middle, half = 0.5 * (begin + end), 0.5 * (end - begin)
+    rise = end - begin
 
     def right_hand_side(t: float, y: Array) -> Array:
-        rates(kernel, p, t, y, middle, half, out)
+        rates(kernel, p, t, y, begin, rise, out)
         return out.copy()
 
     return right_hand_side

@@ -195,12 +195,12 @@ class _Loading:
         if self.history == "relaxed":
             return states
         for row, axis, kernel, parameters, first, n_states in self.laws:
-            slopes, trial = np.empty((7, n_states + 1)), np.empty(n_states + 1)
+            slopes, trial = np.empty(7 * (n_states + 1)), np.empty(n_states + 1)
             x0, x1 = self.rest_deflection[row, axis], deflection[row, axis]
             advance(kernel, parameters, 0, x0, x1, states, first, n_states, slopes, trial)
         for row, coupled, first in self.planes:
             line, length = coupled.line_parameters(self.rest_deflection[row, :2], deflection[row, :2])
-            advance(BIAXIAL, line, 0, 0.0, length, states, first, 2, np.empty((7, 3)), np.empty(3))
+            advance(BIAXIAL, line, 0, 0.0, length, states, first, 2, np.empty(21), np.empty(3))
         return states
 
     def _result(self, qpos: Array, residual: float) -> Equilibrium:

@@ -3,7 +3,8 @@
 Over a segment of direction s = +-1 let y = s z and l = |x - x0|. Bouc-Wen's equation becomes y' = alpha - B |y|^n with
 B = gamma - beta while y < 0 (unloading) and B = beta + gamma from there on, which n = 1 and n = 2 solve by exponentials and
 hyperbolic or circular tangents (also Charalampakis and Koumousis 2008). Vaiana and Rosati's law approaches its limit curve
-exponentially; a Jenkin element is elastic up to its slip force. The work is a Gauss-Legendre sum along the closed form.
+exponentially; a Jenkin element is elastic up to its slip force. The work has a closed form too, but for the Bouc-Wen laws,
+where it is a Gauss-Legendre sum.
 """
 
 import math
@@ -92,6 +93,33 @@ def approach(p, i, x0, x1, z):
 
 
 @njit
+def limit_work(p, i, x):
+    """Return the integral of fe + kb x from 0, and of its bend from g3, to x [J]; `p[i:]` as in `limit_curve`."""
+    work, y = 0.5 * p[i] * x * x, p[i + 4] * x
+    if abs(y) > 0.1:
+        work += p[i + 3] * x * (math.expm1(y) / y - 1.0)
+    else:  # the difference cancels: its series sum y^k / (k + 1)!
+        work += p[i + 3] * x * y * (1 / 2 + y * (1 / 6 + y * (1 / 24 + y * (1 / 120 + y * (1 / 720 + y * (1 / 5040))))))
+    u = abs(0.5 * p[i + 6] * (x - p[i + 7]))
+    if u > 0.1:
+        return work + 4.0 * p[i + 5] / p[i + 6] * (u + math.log1p(math.exp(-2.0 * u)) - math.log(2.0))  # ln cosh u
+    w = u * u  # the same by its series, over u^2 / 2
+    share = 1.0 - w * (1 / 6 - w * (2 / 45 - w * (17 / 1260 - w * 62 / 14175)))
+    return work + 0.5 * p[i + 5] * p[i + 6] * (x - p[i + 7]) ** 2 * share
+
+
+@njit
+def approach_work(p, i, x0, x1, z):
+    """Return the work done on Vaiana and Rosati's law on the way from (x0, z) to x1 [J]."""
+    side, s = (i, 1.0) if x1 >= x0 else (i + 8, -1.0)
+    up, _ = limit_curve(p, i, x0)
+    low, _ = limit_curve(p, i + 8, x0)
+    gap = s * 0.5 * (up + p[i + 1] - low + p[i + 9]) - z
+    curve = limit_work(p, side, x1) - limit_work(p, side, x0) + (s * p[side + 1] - p[i + 16]) * (x1 - x0)
+    return curve + s * gap * math.expm1(-p[side + 2] * abs(x1 - x0)) / p[side + 2]
+
+
+@njit
 def masing_increment(p, i, x0, x1, z, j):
     """Carry the states of Jenkin elements from x0 to x1 and return the work done on the law [J]."""
     n, dx = int(p[i + 1]), x1 - x0
@@ -107,21 +135,10 @@ def masing_increment(p, i, x0, x1, z, j):
 
 
 @njit
-def rates(law, p, i, s, b):
+def rates(law, p, i, b):
     """Return how fast the state and the rest of the force change over a length [1/m]."""
-    if law == VAIANA_ROSATI:
-        bend = max(abs(p[i + 4]), abs(p[i + 12])) + max(abs(p[i + 6]), abs(p[i + 14]))
-        return (p[i + 2] if s > 0.0 else p[i + 10]), bend
     state = abs(b) if p[i + 3] == 1.0 else math.sqrt(p[i] * abs(b))
     return state, (abs(p[i + 7]) if law == ASYMMETRIC_BOUC_WEN else 0.0)
-
-
-@njit
-def after(law, p, i, x0, s, length, b, z):
-    """Return the state after a length on which one closed form holds."""
-    if law == VAIANA_ROSATI:
-        return approach(p, i, x0, x0 + s * length, z)
-    return s * branch(p[i], b, p[i + 3], s * z, length)
 
 
 @njit
@@ -133,7 +150,7 @@ def work_between(law, p, i, x0, s, first, last, rate, b, z, trial, unused):
     for panel in range(count):
         for node in range(4):
             length = first + width * (panel + _NODES[node])
-            trial[0] = after(law, p, i, x0, s, length, b, z)
+            trial[0] = s * branch(p[i], b, p[i + 3], s * z, length)
             work += _WEIGHTS[node] * evaluate(law, p, i, x0 + s * length, 0.0, trial, 0, unused, 0)
     return s * work * width
 
@@ -141,14 +158,14 @@ def work_between(law, p, i, x0, s, first, last, rate, b, z, trial, unused):
 @njit
 def stretch(law, p, i, x0, s, length, b, z, j, trial, unused):
     """Carry the state over a length on which one closed form holds and return the work done on the law [J]."""
-    state, bend = rates(law, p, i, s, b)
+    state, bend = rates(law, p, i, b)
     settled = length
-    if (b > 0.0 or law == VAIANA_ROSATI) and length * state > _SETTLED:
+    if b > 0.0 and length * state > _SETTLED:
         settled = _SETTLED / state
     work = work_between(law, p, i, x0, s, 0.0, settled, state + bend, b, z[j], trial, unused)
     if settled < length:
         work += work_between(law, p, i, x0, s, settled, length, bend, b, z[j], trial, unused)
-    z[j] = after(law, p, i, x0, s, length, b, z[j])
+    z[j] = s * branch(p[i], b, p[i + 3], s * z[j], length)
     return work
 
 
@@ -160,9 +177,11 @@ def advance_exactly(law, p, i, x0, x1, z, j, trial, unused):
     """
     if law == MASING:
         return masing_increment(p, i, x0, x1, z, j)
-    s, length, work = 1.0 if x1 > x0 else -1.0, abs(x1 - x0), 0.0
     if law == VAIANA_ROSATI:
-        return stretch(law, p, i, x0, s, length, 0.0, z, j, trial, unused)
+        work = approach_work(p, i, x0, x1, z[j])
+        z[j] = approach(p, i, x0, x1, z[j])
+        return work
+    s, length, work = 1.0 if x1 > x0 else -1.0, abs(x1 - x0), 0.0
     if s * z[j] < 0.0:
         b = p[i + 2] - p[i + 1]
         first = length_to_zero(p[i], b, p[i + 3], s * z[j])
@@ -180,14 +199,15 @@ def carry_exactly(law, p, i, x0, x1, z, j):
     if law == MASING:
         masing_increment(p, i, x0, x1, z, j)
         return
-    s, length, b = 1.0 if x1 > x0 else -1.0, abs(x1 - x0), 0.0
-    if law != VAIANA_ROSATI:
-        b = p[i + 1] + p[i + 2]
-        if s * z[j] < 0.0:
-            unloading = p[i + 2] - p[i + 1]
-            first = length_to_zero(p[i], unloading, p[i + 3], s * z[j])
-            if first >= length:
-                b = unloading
-            else:
-                z[j], x0, length = 0.0, x0 + s * first, length - first
-    z[j] = after(law, p, i, x0, s, length, b, z[j])
+    if law == VAIANA_ROSATI:
+        z[j] = approach(p, i, x0, x1, z[j])
+        return
+    s, length, b = 1.0 if x1 > x0 else -1.0, abs(x1 - x0), p[i + 1] + p[i + 2]
+    if s * z[j] < 0.0:
+        unloading = p[i + 2] - p[i + 1]
+        first = length_to_zero(p[i], unloading, p[i + 3], s * z[j])
+        if first >= length:
+            b = unloading
+        else:
+            z[j], length = 0.0, length - first
+    z[j] = s * branch(p[i], b, p[i + 3], s * z[j], length)

@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.laws.loop import Loop
-from wirerope_mj.laws.path import follow_path, follow_time
+from wirerope_mj.laws.path import follow_path
+from wirerope_mj.laws.timed import follow_time
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +99,7 @@ class Law(ABC):
         Between samples the deflection of a rate-independent law runs monotonely, so that the result depends on the turning
         points alone, neither on time nor on the number of samples; that of a law that depends on the rate is the cubic
         through deflections and rates. States and work follow a closed form where there is one, else they are integrated
-        to 1e-11 a step.
+        to better than 1e-8.
 
         Args:
             deflection: path [m], (n_t,), at least two finite samples.
