@@ -1,12 +1,11 @@
 """Writing loops to the CSV file of a cyclic test."""
 
 import math
-import os
-import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from wirerope_mj.laws import Loop
+from wirerope_mj.whole import written_whole
 
 DEFLECTION_UNITS = {"m": 1.0, "mm": 1e-3}
 """Units of deflection and amplitude that a file may use, and what one of them is in metres."""
@@ -59,7 +58,8 @@ def write_cyclic_test(
     ]
     for number, loop in enumerate(loops, start=1):
         lines.extend(_rows(number, loop, frequency, DEFLECTION_UNITS[deflection_unit], FORCE_UNITS[force_unit]))
-    _write_whole("\n".join(lines) + "\n", target)
+    with written_whole(target) as beside:
+        beside.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
 
 
 def _rows(number: int, loop: Loop, frequency: float | None, metre: float, newton: float) -> Iterator[str]:
@@ -68,16 +68,3 @@ def _rows(number: int, loop: Loop, frequency: float | None, metre: float, newton
     for index, (x, force) in enumerate(zip(loop.deflection.tolist(), loop.force.tolist(), strict=True)):
         time = "" if frequency is None else f"{index / (intervals * frequency)!r}, "
         yield f"{number}, {time}{x / metre!r}, {force / newton!r}"
-
-
-def _write_whole(text: str, path: Path) -> None:
-    """Write a text beside its target first, then rename it, so that no half-written file is ever seen."""
-    handle, beside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
-        Path(beside).chmod(0o644)  # mkstemp makes files that nobody else may read
-        os.replace(beside, path)
-    except BaseException:
-        Path(beside).unlink(missing_ok=True)
-        raise

@@ -1,9 +1,7 @@
 """The tables of an isolator file: read with every rule checked, written whole or not at all."""
 
 import math
-import os
 import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import MISSING, fields
 from pathlib import Path
@@ -14,6 +12,7 @@ import tomli_w
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Spread, Travel
 from wirerope_mj.laws import LAWS, Law
+from wirerope_mj.whole import written_whole
 
 AXES = ("roll", "shear", "axial")
 """Axes of an isolator in the order x (across the bars), y (along the bars), z (axial)."""
@@ -112,14 +111,7 @@ def _require_keys(table: dict[str, Any], required: Any, known: Any, place: str, 
 
 
 def write_toml(content: dict[str, Any], path: Path) -> None:
-    """Write `content` as TOML: beside the target first, then renamed, so that no half-written file is ever seen."""
+    """Write `content` as TOML, whole or not at all."""
     text = tomli_w.dumps(content, multiline_strings=True)
-    handle, beside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        Path(beside).chmod(0o644)  # mkstemp makes files that nobody else may read
-        os.replace(beside, path)
-    except BaseException:
-        Path(beside).unlink(missing_ok=True)
-        raise
+    with written_whole(path) as beside:
+        beside.write_text(text, encoding="utf-8")

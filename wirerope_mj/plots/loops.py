@@ -1,6 +1,5 @@
 """Force-deflection loops as a picture: of an isolator with its ratings, or of any cyclic tests."""
 
-import os
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from matplotlib.figure import Figure
 from wirerope_mj.bench import cyclic_test
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.laws import Law, Loop
+from wirerope_mj.whole import written_whole
 
 _SHARES = (0.25, 0.5, 1.0)
 _UNRATED_SHARE = 0.05  # of the height, where no travel is rated: small enough for every mount
@@ -83,14 +83,9 @@ def largest_amplitude(isolator: Isolator, axis: str) -> float:
 
 
 def _save(figure: Figure, path: Path) -> None:
-    """Write a picture beside its target first, then rename it, so that no half picture is ever seen."""
-    beside = path.with_name(f".{path.name}.part")
-    try:
-        figure.savefig(beside, format=path.suffix[1:])
-        os.replace(beside, path)
-    except BaseException:
-        beside.unlink(missing_ok=True)
-        raise
+    """Write a picture whole or not at all."""
+    with written_whole(path) as beside:
+        figure.savefig(beside)
 
 
 def _figure(title: str, panels: int) -> tuple[Figure, list[Any]]:
