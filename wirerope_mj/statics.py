@@ -12,7 +12,7 @@ from wirerope_mj.control import installed
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import ConvergenceError
 from wirerope_mj.laws.kernels import BIAXIAL
-from wirerope_mj.laws.path import advance
+from wirerope_mj.laws.path import SCRATCH, advance
 from wirerope_mj.state import State
 from wirerope_mj.system import System
 
@@ -195,7 +195,7 @@ class _Loading:
         if self.history == "relaxed":
             return states
         for row, axis, kernel, parameters, first, n_states in self.laws:
-            slopes, trial = np.empty(7 * (n_states + 1)), np.empty(n_states + 1)
+            slopes, trial = np.empty(SCRATCH * (n_states + 1)), np.empty(n_states + 1)
             x0, x1 = self.rest_deflection[row, axis], deflection[row, axis]
             advance(kernel, parameters, 0, x0, x1, states, first, n_states, slopes, trial)
         for row, coupled, first in self.planes:

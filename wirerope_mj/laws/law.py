@@ -98,8 +98,8 @@ class Law(ABC):
 
         Between samples the deflection of a rate-independent law runs monotonely, so that the result depends on the turning
         points alone, neither on time nor on the number of samples; that of a law that depends on the rate is the cubic
-        through deflections and rates. States and work follow a closed form where there is one, else they are integrated
-        to better than 1e-8.
+        through deflections and rates. States and work follow a closed form or series where there is one, else they are
+        integrated to better than 1e-8.
 
         Args:
             deflection: path [m], (n_t,), at least two finite samples.

@@ -7,7 +7,18 @@ import numpy as np
 from wirerope_mj.jit import njit
 from wirerope_mj.laws.adaptive import integrate
 from wirerope_mj.laws.exact import advance_exactly, has_closed_form
-from wirerope_mj.laws.kernels import BIAXIAL, evaluate, polynomial
+from wirerope_mj.laws.kernels import (
+    ASYMMETRIC_BOUC_WEN,
+    BIAXIAL,
+    BOUC_WEN,
+    SYMMETRIC_BOUC_WEN,
+    evaluate,
+    polynomial,
+)
+from wirerope_mj.laws.power import advance_power
+
+SCRATCH = 18
+"""Scratch numbers for each state and the work: seven slopes of a step, or the series of a Bouc-Wen law and one more."""
 
 
 @njit
@@ -29,6 +40,8 @@ def segment(law, p, i, x0, x1, z, j, n_states, slopes, trial):
         return 0.0
     if has_closed_form(law, p, i):
         return advance_exactly(law, p, i, x0, x1, z, j, trial, slopes)
+    if law in (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN):
+        return advance_power(law, p, i, x0, x1, z, j, slopes, trial)
     direction = 1.0 if x1 > x0 else -1.0
     return integrate(law, p, i, x0, direction, abs(x1 - x0), z, j, n_states, slopes, trial)
 
@@ -38,7 +51,7 @@ def follow_path(law, p, deflection, z, n_states):
     """Return force (n_t,), states (n_t, n_states) and cumulated work (n_t,) along `deflection`, entered with states `z`."""
     n_t = deflection.size
     force, states, work = np.empty(n_t), np.empty((n_t, n_states)), np.zeros(n_t)
-    slopes, trial, unused = np.empty(7 * (n_states + 1)), np.empty(n_states + 1), np.empty(n_states + 1)
+    slopes, trial, unused = np.empty(SCRATCH * (n_states + 1)), np.empty(n_states + 1), np.empty(n_states + 1)
     for t in range(n_t):
         if t > 0:
             gain = advance(law, p, 0, deflection[t - 1], deflection[t], z, 0, n_states, slopes, trial)

@@ -14,6 +14,8 @@ import math
 import numpy as np
 
 from wirerope_mj.jit import njit
+from wirerope_mj.laws.kernels import ASYMMETRIC_BOUC_WEN, evaluate
+from wirerope_mj.laws.quadrature import NODES, WEIGHTS
 
 ORDER = 16
 """Terms of a Taylor series: a step takes a tenth of the distance to where the series ends."""
@@ -118,6 +120,53 @@ def carry_power(p, i, x0, x1, z, j, c, a):
         y = 0.0
     u, _ = sized(alpha, beta + gamma, n, y, length, 1.0, c, a)
     z[j] = s * u
+
+
+@njit
+def advance_power(law, p, i, x0, x1, z, j, scratch, trial):
+    """Do the same for the Bouc-Wen law of a number and return the work done on it [J].
+
+    The work is an eight-point Gauss-Legendre sum along each series. `scratch` holds 2 (ORDER + 1) numbers and one more.
+    """
+    c, a, unused = scratch[: ORDER + 1], scratch[ORDER + 1 : 2 * ORDER + 2], scratch[2 * ORDER + 2 :]
+    alpha, n, s = p[i], p[i + 3], 1.0 if x1 > x0 else -1.0
+    bend = 0.5 / abs(p[i + 7]) if law == ASYMMETRIC_BOUC_WEN and p[i + 7] != 0.0 else np.inf
+    work, x, length, y = 0.0, x0, abs(x1 - x0), s * z[j]
+    way, u = (1.0, y) if y >= 0.0 else (-1.0, -y)
+    for _ in range(_STEPS):
+        if length <= 0.0:
+            z[j] = s * way * u
+            return work
+        b = p[i + 2] + way * p[i + 1]
+        edge = (NEAR * alpha / abs(b)) ** (1.0 / n) if b != 0.0 else np.inf
+        if u < edge:  # counted from where the state is zero
+            begin = length_from_zero(alpha, b, n, u)
+            left = begin if way < 0.0 else (length_from_zero(alpha, b, n, edge) - begin if b != 0.0 else np.inf)
+            step = min(length, left, bend)
+            end = begin + way * step if step < left or way > 0.0 else 0.0
+            # u bends like a broken power of the length there: over a root of the length it is smooth enough.
+            root_of = 2.0 if n >= 1.0 else 3.0
+            first, last = begin ** (1.0 / root_of), end ** (1.0 / root_of)
+            for node in range(8):
+                root = first + (last - first) * NODES[node]
+                away = root**root_of
+                trial[0] = s * way * at_length(alpha, b, n, away)
+                force = evaluate(law, p, i, x + s * way * (away - begin), 0.0, trial, 0, unused, 0)
+                work += s * way * root_of * (last - first) * away / root * WEIGHTS[node] * force
+            if step < left:
+                u = at_length(alpha, b, n, end)
+            else:
+                u = 0.0 if way < 0.0 else edge
+                way = 1.0
+        else:
+            step = min(length, series(alpha, b, n, u, way, c, a), bend)
+            for node in range(8):
+                part = step * NODES[node]
+                trial[0] = s * way * summed(c, part)
+                work += s * step * WEIGHTS[node] * evaluate(law, p, i, x + s * part, 0.0, trial, 0, unused, 0)
+            u = summed(c, step)
+        x, length = x + s * step, length - step
+    return np.nan
 
 
 @njit

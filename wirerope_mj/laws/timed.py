@@ -10,12 +10,7 @@ import numpy as np
 
 from wirerope_mj.jit import njit
 from wirerope_mj.laws.kernels import TINKER_CUTCHINS, ZENER, evaluate
-
-# Eight points are exact for the power of a cubic polynomial spring along a cubic path, of degree 11.
-_HALVES = np.array([0.18343464249564980, 0.52553240991632899, 0.79666647741362674, 0.96028985649753623])
-_WEIGHTS_8 = np.array([0.36268378337836198, 0.31370664587788729, 0.22238103445337447, 0.10122853629037626])
-_NODES = 0.5 * np.concatenate([1.0 - _HALVES[::-1], 1.0 + _HALVES])
-_WEIGHTS = 0.5 * np.concatenate([_WEIGHTS_8[::-1], _WEIGHTS_8])
+from wirerope_mj.laws.quadrature import NODES, WEIGHTS
 
 _GROWTH = 3.0
 """Ratio of the rates at the ends of a piece up to which |v|^n and tanh(v / s) are smooth on it to 1e-9."""
@@ -85,11 +80,11 @@ def work_over(law, p, cubic, start, end, z, trial, unused):
     while start < end:
         width = width_of_piece(law, p, cubic, start, end, shortest)
         for node in range(8):
-            t = start + width * _NODES[node]
+            t = start + width * NODES[node]
             if law == ZENER:
                 trial[0] = zener_state(p[1], p[2], shifted(cubic, begun), origin, t - begun)
             v = speed(cubic, t)
-            work += width * _WEIGHTS[node] * v * evaluate(law, p, 0, position(cubic, t), v, trial, 0, unused, 0)
+            work += width * WEIGHTS[node] * v * evaluate(law, p, 0, position(cubic, t), v, trial, 0, unused, 0)
         start = end if start + width >= end else start + width
     if law == ZENER:
         z[0] = zener_state(p[1], p[2], shifted(cubic, begun), origin, end - begun)
