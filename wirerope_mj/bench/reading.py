@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from wirerope_mj.bench.files import DEFLECTION_UNITS, FORCE_UNITS
 from wirerope_mj.errors import RecordError
-from wirerope_mj.excitation.record_file import TIME_UNITS, Header
+from wirerope_mj.excitation.record_file import TIME_UNITS, Header, parse_header
 from wirerope_mj.laws import Loop
 
 _EXAMPLE = '"loop, time [s], deflection [mm], force [kN]"'
@@ -87,18 +87,13 @@ def _lines(path: Path) -> list[tuple[int, str]]:
 def _header(path: Path, lines: list[tuple[int, str]]) -> tuple[Header, dict[str, int]]:
     """Return the header and which column holds which quantity."""
     number, text = lines.pop(0)
-    delimiter = next((sign for sign in "\t;" if sign in text), ",")
-    names, units = [], []
-    for cell in text.split(delimiter):
-        match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", cell.strip().strip('"').strip())
-        names.append(match[1] if match else cell.strip())
-        units.append(match[2].strip() if match and match[2] is not None else None)
-    header = Header(path, number, delimiter, tuple(names), tuple(units))
+    header = parse_header(path, number, text)
+    names = header.names
     columns: dict[str, int] = {}
     for quantity, words in _NAMES.items():
         found = [index for index, name in enumerate(names) if name.lower() in words]
         if len(found) > 1:
-            cells = " and ".join(f'"{text.split(delimiter)[index].strip()}"' for index in found)
+            cells = " and ".join(f'"{text.split(header.delimiter)[index].strip()}"' for index in found)
             raise RecordError(
                 f"{path}, line {number}: {quantity} stands in the columns {cells}; one quantity has one column and one unit."
             )

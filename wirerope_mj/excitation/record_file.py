@@ -70,7 +70,7 @@ def read_header(path: Path) -> Header:
         with path.open(encoding="utf-8-sig", errors="replace") as lines:
             for number, text in enumerate(lines, start=1):
                 if text.strip() and not text.lstrip().startswith("#"):
-                    return _parse_header(path, number, text)
+                    return _time_first(parse_header(path, number, text))
     except FileNotFoundError:
         raise RecordError(f"{path}: no such file. A record is a CSV file of time and acceleration.") from None
     except OSError as error:
@@ -78,19 +78,26 @@ def read_header(path: Path) -> Header:
     raise RecordError(f'{path}: the file is empty. Expected a header such as "time [s], z [g]" and rows of numbers.')
 
 
-def _parse_header(path: Path, line: int, text: str) -> Header:
+def parse_header(path: Path, line: int, text: str) -> Header:
+    """Return the header that a line of names, each with a unit in brackets or without, makes."""
     delimiter = next((sign for sign in "\t;" if sign in text), ",")
     names, units = [], []
     for cell in text.split(delimiter):
         match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", cell.strip().strip('"').strip())
         names.append(match[1] if match else cell.strip())
         units.append(match[2].strip() if match and match[2] is not None else None)
+    return Header(path, line, delimiter, tuple(names), tuple(units))
+
+
+def _time_first(header: Header) -> Header:
+    """Return the header, or raise RecordError if its first column is not time."""
+    path, line, names = header.path, header.line, header.names
     if names[0].lower() not in ("time", "t"):
         raise RecordError(
             f'{path}, line {line}: the first column must be time, as in "time [s], z [g]"; '
             f"the columns are {', '.join(names)}."
         )
-    return Header(path, line, delimiter, tuple(names), tuple(units))
+    return header
 
 
 def read_numbers(header: Header, columns: Sequence[int]) -> NDArray[np.float64]:
