@@ -1,4 +1,4 @@
-"""A law along a straight line of deflections, integrated almost to rounding where there is no closed form.
+"""Laws without a closed form, Baber and Noori's and the coupled axes, integrated along a straight line of deflections.
 
 States and work follow the adaptive Dormand-Prince pair 5(4) (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations
 I, table II.5.2). Steps end where a hysteretic force changes its sign, so that no kink of a law lies inside one. The pair is
@@ -10,18 +10,7 @@ import math
 import numpy as np
 
 from wirerope_mj.jit import njit
-from wirerope_mj.laws.kernels import (
-    ASYMMETRIC_BOUC_WEN,
-    BABER_NOORI,
-    BIAXIAL,
-    BOUC_WEN,
-    SYMMETRIC_BOUC_WEN,
-    asymmetric_bouc_wen,
-    baber_noori,
-    biaxial,
-    bouc_wen,
-    symmetric_bouc_wen,
-)
+from wirerope_mj.laws.kernels import BABER_NOORI, BIAXIAL, baber_noori, biaxial
 
 TOLERANCE = 1e-9
 """Relative error allowed in one step. The pair's estimate is that of its lower order: traces are a tenth to a hundredth of it
@@ -54,28 +43,20 @@ def switch(law, p, i, z, j):
 @njit
 def first_step(law, p, i, length):
     """Return a step that is likely to be accepted: a fifth of the yield deflection, or the whole length."""
-    total = abs(p[i + 1] + p[i + 2])
-    if law == BIAXIAL or total == 0.0:
+    if law == BIAXIAL:
         return length
-    return min(length, FIRST_STEP * (p[i] / total) ** (1.0 / p[i + 3]) / p[i])
+    return min(length, FIRST_STEP * (p[i] / (p[i + 1] + p[i + 2])) ** (1.0 / p[i + 3]) / p[i])
 
 
 @njit
 def slope_at(law, p, i, x, direction, z, j, n, k, stage):
     """Write the slopes of the n states and of the work over the length to `k[stage * (n + 1):]`."""
     row = stage * (n + 1)
-    # Not `evaluate`: of so few laws the compiler makes one piece with the loop, which then takes half the time.
-    if law == BOUC_WEN:
-        force = bouc_wen(p, i, x, direction, z, j, k, row)
-    elif law == ASYMMETRIC_BOUC_WEN:
-        force = asymmetric_bouc_wen(p, i, x, direction, z, j, k, row)
-    elif law == SYMMETRIC_BOUC_WEN:
-        force = symmetric_bouc_wen(p, i, x, direction, z, j, k, row)
-    elif law == BABER_NOORI:
-        force = baber_noori(p, i, x, direction, z, j, k, row)
+    # Not `evaluate`: of two laws the compiler makes one piece with the loop, which then takes half the time.
+    if law == BABER_NOORI:
+        k[row + n] = direction * baber_noori(p, i, x, direction, z, j, k, row)
     else:
-        force = biaxial(p, i, x, direction, z, j, k, row)
-    k[row + n] = direction * force
+        k[row + n] = direction * biaxial(p, i, x, direction, z, j, k, row)
 
 
 @njit

@@ -1,4 +1,4 @@
-"""Laws along a path of deflections: exactly where a closed form exists, else integrated almost to rounding."""
+"""Laws along a path of deflections: by closed forms or series where there are any, else integrated."""
 
 import math
 

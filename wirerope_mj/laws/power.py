@@ -6,9 +6,6 @@ Elsewhere u is its Taylor series in the length, whose coefficients follow from u
 so that one power is computed for a whole step (Knuth, The Art of Computer Programming 2, 4.7).
 """
 
-# mypy: disallow-untyped-defs=False
-# Jitted functions carry their types in their docstrings.
-
 import math
 
 import numpy as np

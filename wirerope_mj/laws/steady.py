@@ -3,9 +3,6 @@
 The laws are those with a closed form and all of the Bouc-Wen family, for any exponent.
 """
 
-# mypy: disallow-untyped-defs=False
-# Jitted functions carry their types in their docstrings.
-
 import numpy as np
 
 from wirerope_mj.jit import njit
