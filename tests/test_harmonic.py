@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import exp1
 
-from wirerope_mj.excitation import Sine, Sweep
+from wirerope_mj.excitation import Sine, Sweep, motion_from_dict
 from wirerope_mj.excitation.sweep_integrals import oscillating_tails
 
 THESIS = {"start": 0.1, "stop": 30.0, "rate": 2.0, "acceleration": 1.0, "direction": "z"}
@@ -94,6 +94,123 @@ def test_after_the_sweep_the_oscillation_goes_on_without_a_jump():
     assert np.abs(drift / (5 * period)).max() < growth / omega / omega
 
 
+LEVELS = {"acceleration": 3.0, "velocity": 0.05, "displacement": 1e-3}
+COURSES = {"up": (2.0, 11.0), "down": (11.0, 2.0)}
+every_level = pytest.mark.parametrize("quantity", LEVELS)
+every_course = pytest.mark.parametrize("course", COURSES)
+
+
+def levelled(quantity, course="up", rate=30.0, **more):
+    start, stop = COURSES[course]
+    return Sweep(start=start, stop=stop, rate=rate, direction="z", **{quantity: LEVELS[quantity]}, **more)
+
+
+def derivative(function, time, h=1e-4):
+    """Differences of sixth order: h^6 w^6 / 140 is 1e-15 of the value for the 11 Hz that occur here."""
+    shifts, weights = np.array([-3, -2, -1, 1, 2, 3]), np.array([-1, 9, -45, 45, -9, 1]) / 60
+    return sum(weight * function(time + shift * h)[:, 2] for shift, weight in zip(shifts, weights, strict=True)) / h
+
+
+@every_level
+@every_course
+def test_velocity_and_acceleration_are_the_derivatives_whatever_is_constant(quantity, course):
+    sweep = levelled(quantity, course)
+    end = sweep.duration
+    time = np.concatenate([np.linspace(0.01, end - 0.01, 2000), np.linspace(end + 0.01, end + 1.0, 200)])
+    # Roundoff of the differences: 1e-16 of the largest value over 1e-4 s, that is 1e-12 times the ratio of the largest
+    # to the typical derivative; a term of 1/u that is missing or has the wrong sign is 1e-3 to 1e-2 here.
+    for upper, lower in ((sweep.velocity, sweep.displacement), (sweep.acceleration, sweep.velocity)):
+        value = upper(time)[:, 2]
+        assert np.abs(derivative(lower, time) - value).max() < 1e-9 * np.abs(value).max()
+
+
+@every_level
+@every_course
+def test_the_amplitude_is_constant_in_what_the_sweep_says(quantity, course):
+    sweep = levelled(quantity, course)
+    time = np.linspace(0.0, sweep.duration, 400_001)
+    values = getattr(sweep, quantity)(time)[:, 2]
+    cycles = np.floor(np.abs(sweep.course.phase(time)) / (2 * np.pi)).astype(int)
+    highest = np.array([np.abs(values[cycles == cycle]).max() for cycle in range(cycles[-1])])
+    # 400 000 instants over some 40 cycles per second at most: the crest is met within 3e-4 rad, whose square is 1e-7.
+    np.testing.assert_allclose(highest, LEVELS[quantity], rtol=1e-6)
+    assert np.abs(values).max() <= LEVELS[quantity] * (1 + 1e-12)
+
+
+@every_level
+@every_course
+def test_no_sweep_drifts_over_hours(quantity, course):
+    sweep = levelled(quantity, course, rate=0.05)
+    assert sweep.duration > 2900.0
+    time = np.linspace(0.0, sweep.duration, 300_001)
+    omega = 2 * np.pi * sweep.frequency(time)
+    power = {"acceleration": 0, "velocity": 1, "displacement": 2}[quantity]
+    steady = LEVELS[quantity] * omega**power  # acceleration amplitude of the steady sine of that frequency
+    phase = sweep.course.phase(time)
+    u = omega / sweep.course.growth  # at least 2e4: what differs from the steady sine is at most 3/u of it
+    for function, shape in (
+        (sweep.acceleration, steady * np.sin(phase)),
+        (sweep.velocity, -steady / omega * np.cos(phase)),
+        (sweep.displacement, -steady / omega**2 * np.sin(phase)),
+    ):
+        envelope = steady / omega ** [sweep.acceleration, sweep.velocity, sweep.displacement].index(function)
+        assert np.all(np.abs(function(time)[:, 2] - shape) < 3.1 / u * envelope)
+
+
+@every_level
+@every_course
+def test_a_sweep_ends_without_a_jump_whatever_is_constant(quantity, course):
+    sweep = levelled(quantity, course)
+    end = np.array([sweep.duration - 1e-9, sweep.duration + 1e-9])
+    omega = 2 * np.pi * 11.0
+    for order, function in enumerate((sweep.displacement, sweep.velocity)):
+        before, after = function(end)[:, 2]
+        # 2e-9 s times the rate of change, which is the amplitude times w: 1.4e-7 of it.
+        assert abs(after - before) < 1e-6 * LEVELS[quantity] * omega ** (order + 1)
+    long = sweep.duration + 1000.0 / sweep.stop
+    steady = np.array([sweep.duration + 0.1 / sweep.stop, long + 0.1 / sweep.stop])
+    first, last = sweep.displacement(steady)[:, 2]
+    u = 2 * np.pi * sweep.stop / sweep.course.growth
+    drift = (
+        0.0 if quantity != "acceleration" else LEVELS[quantity] / (2 * np.pi * sweep.stop) / u * (steady[1] - steady[0])
+    )
+    assert abs(last - first) <= drift + 1e-9 * LEVELS[quantity]
+
+
+@every_level
+def test_the_level_survives_being_stored(quantity):
+    sweep = levelled(quantity)
+    stored = sweep.to_dict()
+    assert stored[quantity] == LEVELS[quantity]
+    assert not ({*LEVELS} - {quantity}) & set(stored)
+    again = motion_from_dict(stored)
+    assert again == sweep
+    time = np.linspace(0.0, sweep.duration, 101)
+    assert again.displacement(time).tobytes() == sweep.displacement(time).tobytes()
+
+
+@every_course
+def test_whole_cycles_begin_where_the_phase_has_turned_around(course):
+    sweep = levelled("velocity", course)
+    instants = sweep.course.whole_cycles()
+    turns = np.abs(sweep.course.phase(instants)) / (2 * np.pi)
+    np.testing.assert_allclose(turns, np.arange(turns.size), atol=1e-10)  # phases near 2000 rad
+    rest = np.abs(sweep.course.phase(np.array([sweep.duration]))[0]) / (2 * np.pi) - turns[-1]
+    assert 0.0 <= rest < 1.0
+
+
+@pytest.mark.parametrize(
+    ("levels", "got"),
+    [({}, "none"), ({"acceleration": 1.0, "velocity": 1.0}, "`acceleration` and `velocity`")],
+)
+def test_exactly_one_level_is_given(levels, got):
+    message = f"exactly one of `acceleration`, `velocity` and `displacement` must be given, got {got}"
+    with pytest.raises(ValueError, match=message):
+        Sweep(start=1.0, stop=2.0, rate=1.0, direction="z", **levels)
+    with pytest.raises(ValueError, match="`displacement` must not be zero"):
+        Sweep(start=1.0, stop=2.0, rate=1.0, direction="z", displacement=0.0)
+
+
 def test_the_first_integral_is_the_exponential_integral():
     u = np.concatenate([np.geomspace(0.01, 1e5, 301), [49.999999, 50.0]])
     first, _ = oscillating_tails(u)
@@ -136,6 +253,9 @@ def test_descriptions_and_events_are_for_people():
     sweep = Sweep(**{**THESIS, "acceleration": 0.980665})
     assert sweep.description == "sweep 0.1 to 30 Hz, 2 octaves/min, 0.1 g along z"
     assert sweep.events == ((0.0, "sweep begins at 0.1 Hz"), (sweep.duration, "sweep reaches 30 Hz"))
+    ends = {"velocity": "50 mm/s along z", "displacement": "1 mm along z"}
+    for quantity, end in ends.items():
+        assert levelled(quantity).description == f"sweep 2 to 11 Hz, 30 octaves/min, {end}"
     sine = Sine(frequency=10.0, acceleration=9.80665, direction="x", duration=2.0)
     assert sine.description == "sine 10 Hz 1 g along x"
     assert sine.events == ((0.0, "sine of 10 Hz begins"), (2.0, "sine ends"))

@@ -1,10 +1,11 @@
-"""Steady sine and logarithmic sine sweep of constant acceleration amplitude."""
+"""Steady sine, and logarithmic sine sweep of constant acceleration, velocity or displacement amplitude."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -21,7 +22,7 @@ from wirerope_mj.excitation.checks import (
     positive,
 )
 from wirerope_mj.excitation.motion import StraightMotion
-from wirerope_mj.excitation.sweep_integrals import oscillating_tails
+from wirerope_mj.excitation.sweep_levels import FORMS, Course
 from wirerope_mj.units import STANDARD_GRAVITY
 
 
@@ -99,27 +100,33 @@ class Sine(StraightMotion):
 
 @dataclass(frozen=True, init=False)
 class Sweep(StraightMotion):
-    """Logarithmic sine sweep of constant acceleration amplitude, up or down.
+    """Logarithmic sine sweep, up or down, of constant acceleration, velocity or displacement amplitude.
 
     With w0 = 2 pi start, K = rate ln 2 / 60, s = +1 (up) or -1 (down), and u = w/K, u0 = w0/K,
 
-        w(t) = w0 e^(s K t),    phase = s (u - u0),    a = A sin(phase),
-        v = -(A/K) Im[e^(i (u - u0)) h1(u)],    x = s (A/K^2) Im[e^(i (u - u0)) h2(u)],
+        w(t) = w0 e^(s K t),    phase = s (u - u0),
+
+        acceleration A:  a = A sin(phase),   v = -(A/K) Im[e^(i (u - u0)) h1(u)],   x = s (A/K^2) Im[e^(i (u - u0)) h2(u)]
+        velocity V:      a = V w sin(phase),   v = -V cos(phase),   x = s (V/K) Re[e^(i (u - u0)) h1(u)]
+        displacement X:  a = X (w^2 sin(phase) - s K w cos(phase)),   v = -X w cos(phase),   x = -X sin(phase)
 
     where h1 and h2 are the integrals of `oscillating_tails`. Their constants of integration are those that vanish for
-    large u, so that v and x differ from -(A/w) cos(phase) and -(A/w^2) sin(phase) by a share of the order of 1/u only:
-    the base starts on the steady oscillation and drifts nowhere, however long the sweep.
+    large u, so that each differs from what a steady sine of that frequency would have by a share of the order of 1/u
+    only: the base starts on the steady oscillation and drifts nowhere, however long the sweep.
 
-    After `duration` the oscillation goes on at the stop frequency with nothing jumping. The share of 1/u by which the
-    velocity then differs from that of a steady sine stays as a slow drift; for 2 octaves/min and 30 Hz it is at most
-    1/8160 of the velocity amplitude. A run is best ended where the sweep ends.
+    After `duration` the oscillation goes on at the stop frequency with neither velocity nor displacement jumping. The
+    share of 1/u by which the velocity of a sweep of constant acceleration then differs from that of a steady sine stays
+    as a slow drift; for 2 octaves/min and 30 Hz it is at most 1/8160 of the velocity amplitude. With a constant velocity
+    the same share of the displacement stays as an offset. A run is best ended where the sweep ends.
 
     Args:
         start: Frequency at time 0 [Hz].
         stop: Frequency at the end [Hz]; below `start` the sweep goes down.
         rate: Sweep rate [octaves/min], positive in both directions.
-        acceleration: Acceleration amplitude A [m/s^2].
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        acceleration: Acceleration amplitude A [m/s^2]; exactly one of the three amplitudes is given.
+        velocity: Velocity amplitude V [m/s].
+        displacement: Displacement amplitude X [m], half of what runs from peak to peak.
     """
 
     kind: ClassVar[str] = "sweep"
@@ -127,27 +134,42 @@ class Sweep(StraightMotion):
     start: float
     stop: float
     rate: float
+    quantity: str
     amplitude: float
     direction: Direction
     duration: float
 
     def __init__(
-        self, *, start: float, stop: float, rate: float, acceleration: float, direction: str | Sequence[float]
+        self,
+        *,
+        start: float,
+        stop: float,
+        rate: float,
+        direction: str | Sequence[float],
+        acceleration: float | None = None,
+        velocity: float | None = None,
+        displacement: float | None = None,
     ) -> None:
         object.__setattr__(self, "start", positive("start", start))
         object.__setattr__(self, "stop", positive("stop", stop))
         if self.start == self.stop:
             raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")
         object.__setattr__(self, "rate", positive("rate", rate))
-        object.__setattr__(self, "amplitude", nonzero("acceleration", acceleration))
+        levels = {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
+        quantity, amplitude = the_one_level(levels)
+        object.__setattr__(self, "quantity", quantity)
+        object.__setattr__(self, "amplitude", amplitude)
         object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "duration", 60 * abs(math.log2(self.stop / self.start)) / self.rate)
+        object.__setattr__(self, "duration", self.course.duration)
+
+    @cached_property
+    def course(self) -> Course:
+        """Frequency and phase over time."""
+        return Course(start=self.start, stop=self.stop, rate=self.rate)
 
     def frequency(self, time: ArrayLike) -> NDArray[np.float64]:
         """Returns the instantaneous frequency [Hz] at the times [s], shape (n_t,)."""
-        t = as_times(time)
-        within = self.start * np.exp(self._sign * self._growth * np.minimum(t, self.duration))
-        return np.where(t < self.duration, within, self.stop)
+        return self.course.frequency(as_times(time))
 
     @property
     def corners(self) -> NDArray[np.float64]:
@@ -156,9 +178,13 @@ class Sweep(StraightMotion):
 
     @property
     def description(self) -> str:
-        """For instance `sweep 0.1 to 30 Hz, 2 octaves/min, 0.1 g along z`."""
+        """For instance `sweep 0.1 to 30 Hz, 2 octaves/min, 0.1 g along z`, or `... 50 mm/s along z`, `... 1 mm along z`."""
         course = f"sweep {self.start:.4g} to {self.stop:.4g} Hz, {self.rate:.4g} octaves/min"
-        return f"{course}, {self.amplitude / STANDARD_GRAVITY:.4g} g along {direction_text(self.direction)}"
+        if self.quantity == "acceleration":
+            level = f"{self.amplitude / STANDARD_GRAVITY:.4g} g"
+        else:
+            level = f"{1e3 * self.amplitude:.4g} {'mm/s' if self.quantity == 'velocity' else 'mm'}"
+        return f"{course}, {level} along {direction_text(self.direction)}"
 
     @property
     def events(self) -> tuple[tuple[float, str], ...]:
@@ -172,47 +198,25 @@ class Sweep(StraightMotion):
         return 1 / max(self.start, self.stop)
 
     def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        values = {"start": self.start, "stop": self.stop, "rate": self.rate, "acceleration": self.amplitude}
+        values = {"start": self.start, "stop": self.stop, "rate": self.rate, self.quantity: self.amplitude}
         return {**values, "direction": plain_direction(self.direction)}
 
-    @property
-    def _sign(self) -> float:
-        return 1.0 if self.stop > self.start else -1.0
-
-    @property
-    def _growth(self) -> float:
-        """K: the relative growth of the frequency, either way [1/s]."""
-        return self.rate * math.log(2) / 60
-
-    def _angle(self, within: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Returns u and u - u0 at times up to the end of the sweep; the difference is taken without cancellation."""
-        u0 = 2 * math.pi * self.start / self._growth
-        exponent = self._sign * self._growth * within
-        return u0 * np.exp(exponent), u0 * np.expm1(exponent)
-
-    def _phase(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        within = np.minimum(t, self.duration)
-        return self._sign * self._angle(within)[1] + 2 * math.pi * self.stop * (t - within)
-
     def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.amplitude * np.sin(self._phase(t))
+        return self.amplitude * FORMS[self.quantity][0](self.course, t)
 
     def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        within = np.minimum(t, self.duration)
-        u, angle = self._angle(within)
-        velocity = -self.amplitude / self._growth * np.imag(np.exp(1j * angle) * oscillating_tails(u)[0])
-        omega = 2 * math.pi * self.stop
-        return velocity - self.amplitude / omega * (np.cos(self._phase(t)) - np.cos(self._phase(within)))
+        return self.amplitude * FORMS[self.quantity][1](self.course, t)
 
     def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        within = np.minimum(t, self.duration)
-        u, angle = self._angle(within)
-        scale = self._sign * self.amplitude / self._growth**2
-        displacement = scale * np.imag(np.exp(1j * angle) * oscillating_tails(u)[1])
-        if not np.any(t > self.duration):
-            return displacement
-        omega = 2 * math.pi * self.stop
-        last = self._phase(within)
-        drift = self._velocity(within) + self.amplitude / omega * np.cos(last)
-        oscillation = -self.amplitude / omega**2 * (np.sin(self._phase(t)) - np.sin(last))
-        return displacement + drift * (t - within) + oscillation
+        return self.amplitude * FORMS[self.quantity][2](self.course, t)
+
+
+def the_one_level(levels: Mapping[str, float | None]) -> tuple[str, float]:
+    """Returns name and value of the one amplitude that is given; none, several or zero are a ValueError."""
+    given = {name: value for name, value in levels.items() if value is not None}
+    if len(given) != 1:
+        got = " and ".join(f"`{name}`" for name in given) or "none"
+        *others, last = (f"`{name}`" for name in levels)
+        raise ValueError(f"exactly one of {', '.join(others)} and {last} must be given, got {got}.")
+    ((name, value),) = given.items()
+    return name, nonzero(name, value)
