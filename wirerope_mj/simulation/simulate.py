@@ -61,7 +61,7 @@ def simulate(
         ConvergenceError: there is no equilibrium to start from.
     """
     _check_arguments(duration=duration, sample_rate=sample_rate, accuracy=accuracy, timestep=timestep)
-    _check_direction(system, motion)
+    check_direction(system, motion)
     if out is not None and (Path(out) / FILE).exists():
         raise RecordError(f"{out}: a response stands here already; give another `out`, or remove {FILE}.")
     start = initial_state(system, motion, initial)
@@ -108,7 +108,7 @@ def _given_step(system: System, timestep: float) -> ChosenStep:
     return ChosenStep(timestep=timestep, error=math.nan)
 
 
-def _check_direction(system: System, motion: BaseMotion) -> None:
+def check_direction(system: System, motion: BaseMotion) -> None:
     """Raise ModelError if the motion has a component that no driven slide of the base can follow."""
     drive = system.assembly.tables.drive
     reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span

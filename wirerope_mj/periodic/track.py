@@ -1,0 +1,32 @@
+"""One copy of a system on its way through whole periods of its base's sine."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """A sine of the base and how it is cut into steps: frequency [Hz], acceleration [m/s^2], periods and steps in all."""
+
+    frequency: float
+    acceleration: float
+    periods: int
+    steps: int
+
+    @property
+    def duration(self) -> float:
+        """Length [s]."""
+        return self.periods / self.frequency
+
+
+@dataclass(frozen=True, kw_only=True)
+class Track:
+    """One copy's way: the unknowns at its end (n_x,) and the system's sensor values at the start of every step."""
+
+    end: Array
+    sensors: Array  # (n_steps, n_s)
+    drive: Drive
