@@ -49,6 +49,9 @@ from wirerope_mj.scenario import Scenario as Scenario
 from wirerope_mj.simulation import simulate as simulate
 from wirerope_mj.state import State as State
 from wirerope_mj.statics import equilibrium as equilibrium
+from wirerope_mj.sweep import FrequencySweep as FrequencySweep
+from wirerope_mj.sweep import frequency_sweep as frequency_sweep
+from wirerope_mj.sweep import stepped_sine as stepped_sine
 from wirerope_mj.system import Mount as Mount
 from wirerope_mj.system import System as System
 from wirerope_mj.system import load_system as load_system

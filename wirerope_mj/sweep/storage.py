@@ -1,0 +1,144 @@
+"""A sweep as one Parquet file: a row per frequency, and everything else in the file's own metadata; a summary beside it."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.errors import RecordError
+from wirerope_mj.response.storage import SampleWriter
+from wirerope_mj.state import State
+from wirerope_mj.sweep.envelope import AXES, Envelope, FrequencySweep, MountEnvelope
+from wirerope_mj.sweep.summary import summary
+from wirerope_mj.whole import written_whole
+
+Array = npt.NDArray[np.float64]
+
+FILE, SUMMARY = "frequency_sweep.parquet", "frequency_sweep.json"
+FORMAT = 1
+_KEY = b"wirerope_mj"
+_FIRST = ("frequency", "base_amplitude", "cycles", "remaining", "settled")
+_MOUNT_AXES = ("roll", "shear", "axial")
+
+STREAM_ROWS = 4096
+"""Rows that are kept before a block is written to disk."""
+
+
+def column_names(bodies: Sequence[str], mounts: Sequence[str]) -> list[str]:
+    """Return the names of the table's columns."""
+    names = [*_FIRST, *(f"bodies/{body}/acceleration/{c}" for body in bodies for c in AXES)]
+    return names + [f"mounts/{m}/{part}/{c}" for m in mounts for part in ("lowest", "highest") for c in _MOUNT_AXES]
+
+
+class Table:
+    """Takes the rows of a sweep, in memory or to a file, and makes the result of them."""
+
+    def __init__(
+        self, bodies: Sequence[str], mounts: Sequence[str], out: Path | None, *, replace: bool = False
+    ) -> None:
+        """Prepare for rows; `out` is the folder to which they are streamed, None to keep them in memory."""
+        if out is not None and (out / FILE).exists() and not replace:
+            raise RecordError(f"{out}: a sweep stands here already; give another `out`, or remove {FILE}.")
+        self._bodies, self._mounts = list(bodies), list(mounts)
+        self._writer = SampleWriter(out / FILE, column_names(bodies, mounts)) if out is not None else None
+        self._rows: list[Array] = []
+
+    def add(self, rows: Array) -> None:
+        """Take rows, (n, n_columns)."""
+        self._rows.append(rows)
+        if self._writer is not None and sum(block.shape[0] for block in self._rows) >= STREAM_ROWS:
+            self._writer.write(np.concatenate(self._rows))
+            self._rows.clear()
+
+    def finish(self, content: dict[str, Any]) -> FrequencySweep:
+        """Return the result; `content` is what `content_of` returns but for the names."""
+        content = {"format": FORMAT, "bodies": self._bodies, "mounts": self._mounts, **content}
+        if self._writer is None:
+            return _built(np.concatenate(self._rows), content)
+        if self._rows:
+            self._writer.write(np.concatenate(self._rows))
+        self._writer.close(content)
+        found = load_sweep(self._writer.path.parent)
+        _write_summary(found, self._writer.path.parent)
+        return found
+
+    def discard(self) -> None:
+        """Leave no half-written file."""
+        if self._writer is not None:
+            self._writer.discard()
+
+
+def save_sweep(sweep: FrequencySweep, folder: Path) -> None:
+    """Write `sweep` into `folder`, whole or not at all."""
+    table = Table(list(sweep.envelopes), list(sweep.mounts), folder, replace=True)
+    try:
+        table.add(_rows(sweep))
+        table.finish(content_of(sweep))
+    except BaseException:
+        table.discard()
+        raise
+
+
+def load_sweep(folder: Path) -> FrequencySweep:
+    """Return the sweep that was written into `folder`."""
+    path = folder / FILE
+    if not path.is_file():
+        raise RecordError(f"{folder}: there is no {FILE} here; `FrequencySweep.save` writes one.")
+    try:
+        import pyarrow.parquet as pq
+
+        table = pq.read_table(path)
+        content = json.loads(table.schema.metadata[_KEY])
+        if content["format"] != FORMAT:
+            raise RecordError(f"{path}: format {content['format']} is not {FORMAT}; use the version that wrote it.")
+        return _built(np.column_stack([column.to_numpy() for column in table.columns]), content)
+    except (OSError, KeyError, ValueError, TypeError) as error:
+        raise RecordError(
+            f"{path}: this is not a sweep of wirerope_mj ({error.__class__.__name__}: {error})."
+        ) from None
+
+
+def content_of(sweep: FrequencySweep) -> dict[str, Any]:
+    """Return everything but the rows as plain values; floats survive bit by bit."""
+    parts = ("payload", "response_direction", "excitation", "timestep", "estimated_error", "model_steps")
+    state = {"time": sweep.final_state.time, "values": sweep.final_state.values.tolist()}
+    return {**{part: getattr(sweep, part) for part in parts}, "final_state": state, "warnings": list(sweep.warnings)}
+
+
+def _rows(sweep: FrequencySweep) -> Array:
+    bodies = [envelope.acceleration for envelope in sweep.envelopes.values()]
+    mounts = [part for mount in sweep.mounts.values() for part in (mount.lowest, mount.highest)]
+    return np.column_stack([*(getattr(sweep, name) for name in _FIRST), *bodies, *mounts])
+
+
+def _built(rows: Array, content: dict[str, Any]) -> FrequencySweep:
+    """Return the sweep of a table's rows and metadata."""
+    vectors = iter(rows[:, len(_FIRST) :].reshape(rows.shape[0], -1, 3).transpose(1, 0, 2))
+    first = dict(zip(_FIRST, rows.T, strict=False))
+    base = first["base_amplitude"][:, np.newaxis]
+    accelerations = {name: next(vectors) for name in content["bodies"]}
+    return FrequencySweep(
+        frequency=first["frequency"],
+        base_amplitude=first["base_amplitude"],
+        cycles=first["cycles"],
+        remaining=first["remaining"],
+        settled=first["settled"] != 0.0,
+        envelopes={name: Envelope(acceleration=a, transmissibility=a / base) for name, a in accelerations.items()},
+        mounts={name: MountEnvelope(lowest=next(vectors), highest=next(vectors)) for name in content["mounts"]},
+        payload=content["payload"],
+        response_direction=content["response_direction"],
+        excitation=content["excitation"],
+        timestep=content["timestep"],
+        estimated_error=content["estimated_error"],
+        model_steps=content["model_steps"],
+        final_state=State(values=np.array(content["final_state"]["values"]), time=content["final_state"]["time"]),
+        warnings=tuple(content["warnings"]),
+    )
+
+
+def _write_summary(sweep: FrequencySweep, folder: Path) -> None:
+    with written_whole(folder / SUMMARY) as beside:
+        beside.write_text(json.dumps(summary(sweep), indent=2) + "\n", encoding="utf-8")
