@@ -40,6 +40,10 @@ from wirerope_mj.laws import SymmetricBoucWen as SymmetricBoucWen
 from wirerope_mj.laws import TinkerCutchins as TinkerCutchins
 from wirerope_mj.laws import VaianaRosati as VaianaRosati
 from wirerope_mj.laws import Zener as Zener
+from wirerope_mj.periodic import Branch as Branch
+from wirerope_mj.periodic import PeriodicOrbit as PeriodicOrbit
+from wirerope_mj.periodic import follow_branch as follow_branch
+from wirerope_mj.periodic import periodic_orbit as periodic_orbit
 from wirerope_mj.recording import record_rerun as record_rerun
 from wirerope_mj.response import Peak as Peak
 from wirerope_mj.response import Response as Response

@@ -11,11 +11,11 @@ which the motion is neutral, so that they neither stop it nor are wandered along
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.periodic.branch import Parameter
 from wirerope_mj.periodic.coordinates import scales
 from wirerope_mj.periodic.multipliers import Stability, stability
 from wirerope_mj.periodic.observe import ranges
@@ -24,7 +24,7 @@ from wirerope_mj.periodic.shooting import DIFFERENCE, Shot, least_solution, shot
 from wirerope_mj.periodic.track import Drive
 
 Array = npt.NDArray[np.float64]
-Parameter = Literal["frequency", "acceleration"]
+
 
 CHANGE = 0.25
 """Change of the motion in shares of its ranges that counts as one unit of arclength."""
