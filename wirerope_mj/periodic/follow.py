@@ -1,13 +1,11 @@
 """Following a branch of periodic motions in the frequency or the level of the base's sine."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.errors import ConvergenceError
 from wirerope_mj.excitation import Sine
 from wirerope_mj.excitation.checks import Direction, checked_direction, positive, unit_vector
 from wirerope_mj.periodic.branch import Bifurcation, Branch, Parameter
@@ -79,7 +77,8 @@ def follow_branch(
 
     Args:
         system: the system.
-        start, stop: values of what is followed; from the higher to the lower one is allowed.
+        start: value of what is followed at the beginning.
+        stop: value at the end; from the higher to the lower one is allowed.
         acceleration: amplitude of the base's acceleration [m/s^2], to follow the frequency.
         frequency: of the base [Hz], to follow the acceleration.
         direction: of the base, "x", "y", "z" or a vector.
