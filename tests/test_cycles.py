@@ -107,6 +107,22 @@ def test_waves_of_any_shape_are_cut_and_averaged(phases, levels):
     assert (errors(loops, LAW)[:, 0] < [0.03, 0.02, 0.01, 0.006]).all()
 
 
+@pytest.mark.parametrize("points", [199.3, 500.0, 53.0])
+def test_turning_points_of_a_triangle_are_not_cut_off(points):
+    corners = np.concatenate([size * np.array([0.0, 1.0, -1.0, 0.0] * 5) for size in AMPLITUDES])
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(corners)) / np.repeat(AMPLITUDES, 20)[1:])]) / 4.0
+    fine = np.union1d(way, np.linspace(0.0, way[-1], 40_000))  # the device turns at the corners, wherever samples stand
+    path = np.interp(fine, way, corners)
+    at = np.arange(0.0, way[-1], 1.0 / points)
+    loops = steady_loops(np.interp(at, fine, path), np.interp(at, fine, LAW.trace(path).force), time=at)
+    # Means over a two-hundredth of the cycle would lose 1/200 of the amplitude and 1 % of the energy; three samples on
+    # either side give the turning point to 2e-4. Chords between 53 samples lose another 0.2 % of the area.
+    np.testing.assert_allclose([loop.amplitude for loop in loops], AMPLITUDES, rtol=3e-4)
+    error, area = errors(loops, LAW).T
+    assert (error < 2e-3).all(), error
+    assert (np.abs(area) < 4e-3).all(), area
+
+
 def test_steps_of_a_converter_are_no_saturation():
     time, deflection, force = rig_record(LAW, AMPLITUDES, noise=0.0)
     loops = steady_loops(np.round(deflection / 1e-5) * 1e-5, np.round(force / 10.0) * 10.0, time=time)

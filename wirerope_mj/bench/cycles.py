@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.bench.reading import Samples, read_rows, require_nominal
+from wirerope_mj.bench.tips import reach_of, tip_of
 from wirerope_mj.bench.turning import Trace, find_turning_points, rms_noise
 from wirerope_mj.errors import RecordError
 from wirerope_mj.laws import Loop
@@ -25,6 +26,7 @@ _FEWEST = 12  # samples in a cycle: fewer do not show how its branches bend
 _ALIKE = 0.05  # share by which strokes of one run may differ: amplitudes that a test tells apart differ by more
 _AT_ENDS = 0.02  # the same for the strokes that a record begins and ends with, which may stop short of turning round
 _REPEATS = 0.02  # of the amplitude, root mean square: cycles that repeat the deflection less well are not averaged
+_AT_TIP = 0.05  # of a bin, within which samples stand at a turning point: a chord to the next loses 1e-4 of a stroke
 _NOTHING = 0.01  # of stroke times force range: an area of the size that noise has
 _CLIPPED = 0.05  # share of the stroke over which a force that still moves cannot stand at one value, even at 8 bits
 
@@ -88,10 +90,11 @@ def steady_loops(deflection: npt.ArrayLike, force: npt.ArrayLike, *, time: npt.A
 
 @dataclass(frozen=True)
 class _Cycle:
-    """One cycle's samples: phase 0 to 1 from turning point to turning point, 0.5 at the one between."""
+    """One cycle's samples: phase 0 to 1, `tips` the phases of its turning points that are not samples themselves."""
 
     samples: npt.NDArray[np.int64]
     phase: Array
+    tips: tuple[float, ...]
 
     def of(self, values: Array) -> Array:
         """Return a series at `POINTS` even phases."""
@@ -135,8 +138,14 @@ def _whole(trace: Trace) -> _Cycle:
     x, samples = trace.deflection, trace.time.size
     steps = np.abs(np.diff(x))
     repeated = abs(float(x[-1] - x[0])) <= 0.5 * min(steps[0], steps[-1])
-    elapsed = (trace.time - trace.time[0]) / np.ptp(trace.time)
-    return _Cycle(np.arange(samples), elapsed if repeated else elapsed * (samples - 1) / samples)
+    share = 1.0 if repeated else (samples - 1) / samples
+    elapsed, turning = (share * (t - trace.time[0]) / np.ptp(trace.time) for t in (trace.time, trace.times[1:-1]))
+    if samples <= POINTS + 1:
+        return _Cycle(np.arange(samples), elapsed, ())
+    # Turning points where bins have their middle, as those of a run.
+    tips = np.round(turning * POINTS) / POINTS
+    phase = np.interp(elapsed, [0.0, *turning, 1.0], [0.0, *tips, 1.0])
+    return _Cycle(np.arange(samples), phase, (*tips.tolist(), *([0.0] if tips.size == 1 else [])))
 
 
 def _runs(trace: Trace) -> list[tuple[int, int]]:
@@ -198,18 +207,26 @@ def _cycle(trace: Trace, end: int) -> _Cycle:
     """Return the cycle that ends at a turning point."""
     bounds = trace.times[end - 2 : end + 1]
     inside = np.flatnonzero((trace.time >= bounds[0]) & (trace.time <= bounds[2]))
-    return _Cycle(inside, np.interp(trace.time[inside], bounds, [0.0, 0.5, 1.0]))
+    return _Cycle(inside, np.interp(trace.time[inside], bounds, [0.0, 0.5, 1.0]), (0.0, 0.5))
 
 
 def _loop(cycles: list[_Cycle], x: Array, f: Array, count: int, gap: float, where: str) -> Loop:
-    """Return the mean of cycles over bins of phase, whose first and last bin are one."""
+    """Return the mean of cycles over bins of phase, whose first and last bin are one, through their turning points."""
     every = np.concatenate([cycle.samples for cycle in cycles])
     phase = np.concatenate([cycle.phase for cycle in cycles])
     bins = min(POINTS, *(round((cycle.phase.size - 1) / np.ptp(cycle.phase)) for cycle in cycles))
+    bins -= bins % 2 if cycles[0].tips else 0  # half a cycle after the first turning point is a bin's middle too
     numbers = np.floor(phase * bins + 0.5).astype(int) % bins
     filled = np.bincount(numbers, minlength=bins)
-    kept = filled > 0
-    mean_x, mean_f = (np.bincount(numbers, values[every], bins)[kept] / filled[kept] for values in (x, f))
+    means = [np.bincount(numbers, values[every], bins) / np.maximum(filled, 1) for values in (x, f)]
+    for tip in cycles[0].tips:
+        distance, place = (phase - tip + 0.5) % 1.0 - 0.5, round(tip * bins) % bins
+        if filled[place] and np.abs(distance[numbers == place]).max() < _AT_TIP / bins:
+            continue
+        near = np.abs(distance) <= reach_of(bins)
+        means[0][place], means[1][place] = tip_of(distance[near], x[every][near], f[every][near])
+        filled[place] += 1
+    mean_x, mean_f = (mean[filled > 0] for mean in means)
     loop = Loop.from_samples(np.append(mean_x, mean_x[0]), np.append(mean_f, mean_f[0]), cycles=count)
     if np.ptp(mean_f) == 0.0:
         raise ValueError(f"{where}: the force never changes, it stands at {mean_f[0]:.6g} N.")

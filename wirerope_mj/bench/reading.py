@@ -198,7 +198,7 @@ def require_nominal(samples: Samples, amplitude: float, place: str) -> None:
     if samples.amplitude is not None and not 1.0 / _NOMINAL < samples.amplitude / amplitude < _NOMINAL:
         raise RecordError(
             f"{place}: the amplitude is {1e3 * samples.amplitude:.6g} mm but the deflections run over "
-            f"+-{1e3 * amplitude:.6g} mm; do the two columns have the units that the header says?"
+            f"+-{1e3 * amplitude:.5g} mm; do the two columns have the units that the header says?"
         )
 
 
