@@ -1,10 +1,13 @@
 """Identification: twin experiments, choice of law, the thesis' methods, and what a fit costs beside `solve_ivp`.
 
     python benchmarks/identification.py twins [--truths 20] [--starts 20] [--laws bouc-wen ...] [--processes 2]
+    python benchmarks/identification.py errors [--truths 20] [--draws 20] [--laws bouc-wen ...] [--processes 2]
     python benchmarks/identification.py choice | methods | cost
 
 twins: loops of random known laws, five amplitudes, 1 % force noise, unknown offset; starts with every parameter log-uniform
 within a factor of ten of the truth. Success: loops at three amplitudes not used are within the noise of the truth.
+errors: as twins, from the grid alone, but many draws of the noise for each truth: how often the parameters that count as
+identifiable are within three standard errors, which is 99.73 % for normal errors.
 choice: several laws on the device of `odd_device.py`, which is none of them. methods: three stages, one stage in the time
 domain, one in the frequency domain, from near and poor starts without the grid. cost: one residual of the nine-parameter law on
 six loops of 1000 points against the same one made with SciPy's `solve_ivp`; both need as many of them.
@@ -21,7 +24,7 @@ import numpy.typing as npt
 from odd_device import OddDevice
 from rounds import interleaved
 from scipy.integrate import solve_ivp
-from twins import LAWS, NOISE, Twin, noisy_loops, start_of, truth_of, twin
+from twins import LAWS, NOISE, Twin, deviations_of_draws, noisy_loops, start_of, truth_of, twin
 
 import wirerope_mj as wr
 from wirerope_mj.bench import cyclic_test, measured
@@ -70,6 +73,32 @@ def twin_row(name: str, rows: list[Twin]) -> str:
         f"{name:22s}{100 * np.mean(together):9.1f} %{100 * np.mean(alone):11.1f} %{within:9d} / {known:<5d}"
         f"{farthest:8.1f}{evaluations:15.0f}       "
     )
+
+
+def errors(arguments: argparse.Namespace) -> None:
+    """Print how often identifiable parameters are within three standard errors, for each law and each parameter."""
+    with ProcessPoolExecutor(arguments.processes) as pool:
+        for name in arguments.laws:
+            begin = time.perf_counter()
+            kind, truths = CALLED[name], range(arguments.truths)
+            draws = pool.map(deviations_of_draws, repeat(kind), truths, repeat(arguments.draws))
+            rows = [(number, found) for number, truth in enumerate(draws) for found in truth]
+            deviations = [abs(value) for _, found in rows for value in found.values()]
+            print(
+                f"{name}: {sum(d < 3.0 for d in deviations)} of {len(deviations)} within 3 errors, "
+                f"{100 * np.mean([d < 3.0 for d in deviations]):.2f} %, largest {max(deviations):.1f}; "
+                f"{sum(any(abs(v) >= 3.0 for v in found.values()) for _, found in rows)} of {len(rows)} fits with a miss, "
+                f"{time.perf_counter() - begin:.0f} s",
+                flush=True,
+            )
+            for parameter in dict.fromkeys(key for _, found in rows for key in found):
+                values = [(number, found[parameter]) for number, found in rows if parameter in found]
+                missed = ", ".join(f"truth {number}: {value:.1f}" for number, value in values if abs(value) >= 3.0)
+                spread = np.std([value for _, value in values])
+                print(
+                    f"    {parameter:8s}{len(values):6d} fits, spread {spread:.2f} errors; missed {missed or 'none'}",
+                    flush=True,
+                )
 
 
 def choice(_arguments: argparse.Namespace) -> None:
@@ -174,15 +203,16 @@ def steady(loop: MeasuredLoop, law: Law) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("part", choices=("twins", "choice", "methods", "cost"))
+    parser.add_argument("part", choices=("twins", "errors", "choice", "methods", "cost"))
     parser.add_argument("--truths", type=int, default=20)
     parser.add_argument("--starts", type=int, default=20)
+    parser.add_argument("--draws", type=int, default=20, help="of the noise, for `errors`")
     parser.add_argument("--laws", nargs="*", default=[kind.name for kind in LAWS], choices=list(CALLED))
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--seed", type=int, default=0, help="of the truth of `methods`")
     arguments = parser.parse_args()
-    {"twins": twins, "choice": choice, "methods": methods, "cost": cost}[arguments.part](arguments)
+    {"twins": twins, "errors": errors, "choice": choice, "methods": methods, "cost": cost}[arguments.part](arguments)
 
 
 if __name__ == "__main__":

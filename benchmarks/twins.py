@@ -36,7 +36,7 @@ class Twin:
         truth: number of the truth.
         alone: for each start, whether the search from it, without the grid, ended at the law.
         together: for each start, whether the better of that search and the grid's did, which is what `identify` returns.
-        deviations: by name, the distance of each identifiable parameter in standard errors.
+        deviations: by name, the distance of each identifiable parameter in standard errors, of `identify` begun at the best.
         evaluations: residuals computed in all.
     """
 
@@ -126,10 +126,21 @@ def twin(kind: type[Law], number: int, starts: int) -> Twin:
         better = one.residual < grid.residual
         together.append(alone[-1] if better else good)
         best = one if one.residual < best.residual else best
+    final = identify(loops, law=kind, start=best.law, method="time")
     return Twin(
-        law=kind.name, truth=number, alone=tuple(alone), together=tuple(together), deviations=_deviations(best, truth),
+        law=kind.name, truth=number, alone=tuple(alone), together=tuple(together), deviations=_deviations(final, truth),
         evaluations=evaluations,
     )  # fmt: skip
+
+
+def deviations_of_draws(kind: type[Law], number: int, draws: int) -> list[dict[str, float]]:
+    """Return the distances of one truth's identifiable parameters in standard errors, for each draw of the noise.
+
+    The parameters of one fit err together: a rate needs many fits.
+    """
+    truth = truth_of(kind, np.random.default_rng([number, LAWS.index(kind)]))
+    seeds = ([number, LAWS.index(kind), draw, 1] for draw in range(draws))
+    return [_deviations(identify(noisy_loops(truth, np.random.default_rng(seed)), law=kind), truth) for seed in seeds]
 
 
 def _deviations(found: Identification, truth: Law) -> dict[str, float]:

@@ -6,6 +6,8 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.bench import cyclic_test, measured
 from wirerope_mj.identification.coordinates import FAMILIES
+from wirerope_mj.identification.measured import prepare
+from wirerope_mj.identification.residuals import area_residual
 
 TRAVEL = 0.01
 TESTED = TRAVEL * np.array([0.05, 0.15, 0.4, 0.7, 1.0])
@@ -109,3 +111,17 @@ def test_a_parameter_that_moves_nothing_stops_the_fit_and_is_named():
     start = wr.Masing(stiffness=[1e5, 1e5], slip_force=[1e2, 1e7], k=1e4)
     with pytest.raises(ValueError, match=r"`x2/x1` does not move the residual at the start"):
         wr.identify(noisy_loops(TRUTHS[0], seed=6), law=wr.Masing, start=start, grid=False)
+
+
+def test_a_loop_run_through_backwards_is_refused_and_a_thin_one_is_not():
+    loops = noisy_loops(TRUTHS[0], seed=7)
+    backwards = wr.Loop.from_samples(loops[0].deflection[::-1], loops[0].force[::-1])
+    with pytest.raises(ValueError, match=r"the loop of \+-0\.5 mm encloses -.* J: it would give energy"):
+        wr.identify([backwards, *loops[1:]], law=wr.BoucWen)
+    # The line through the turning points encloses nothing; the first loop's weight in the areas must stay finite.
+    x = loops[0].deflection
+    thin = wr.Loop.from_samples(x, 8e4 * x)
+    residual = area_residual(prepare([thin, *loops[1:]]))(TRUTHS[0])
+    assert np.isfinite(residual).all()
+    assert np.abs(residual).max() < 50.0  # at most the whole rectangle over the share that counts as thin, 1 / 0.02
+    assert np.isfinite(wr.identify([thin, *loops[1:]], law=wr.BoucWen, start=TRUTHS[0], grid=False).residual)

@@ -28,7 +28,8 @@ class Parameter:
         name: of the coordinate.
         unit: of its value.
         value: what was found, or given.
-        standard_error: of the value; 0 if it was fixed, infinite if the data do not fix it at all.
+        standard_error: of the value; a third of the distance at which the residual has risen as it does three errors away,
+            where that is more than the Jacobian says; 0 if it was fixed, infinite if the data do not fix it at all.
         fixed: whether it was given.
         at_bound: whether it stands at the end of its range.
     """
@@ -74,9 +75,7 @@ def certainty_of(search: Search, found: Found, noise: float | None = None) -> Ce
         noise: standard deviation of the residuals; None: as they are left.
     """
     free = search.free
-    freedom = found.residual.size - len(free)
-    spread = np.sqrt(found.cost / freedom) if freedom > 0 else np.inf
-    spread = spread if noise is None else noise
+    spread = spread_of(search, found, noise)
     _, singular, combinations = np.linalg.svd(found.jacobian, full_matrices=False)
     singular = np.concatenate([singular, np.zeros(len(free) - singular.size)])
     combinations = np.vstack([combinations, np.zeros((len(free) - combinations.shape[0], len(free)))])
@@ -101,6 +100,14 @@ def certainty_of(search: Search, found: Found, noise: float | None = None) -> Ce
             if error > OPEN
         ),
     )
+
+
+def spread_of(search: Search, found: Found, noise: float | None) -> float:
+    """Return the standard deviation of the residuals: the one given, else as they are left."""
+    freedom = found.residual.size - len(search.free)
+    if noise is not None:
+        return noise
+    return float(np.sqrt(found.cost / freedom)) if freedom > 0 else np.inf
 
 
 def _parameters(search: Search, found: Found, deviations: Array) -> dict[str, Parameter]:

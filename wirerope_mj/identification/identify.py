@@ -8,10 +8,11 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.identification.certainty import Certainty, Parameter, certainty_of
+from wirerope_mj.identification.certainty import Certainty, Parameter
 from wirerope_mj.identification.coordinates import FAMILIES, Coordinate, Family, masing_family
 from wirerope_mj.identification.measured import MeasuredLoop, prepare, scales_of
-from wirerope_mj.identification.residuals import Data, Residual, joined, loop_residual, rms
+from wirerope_mj.identification.profiles import survey
+from wirerope_mj.identification.residuals import THIN, Data, Residual, joined, loop_residual, rms
 from wirerope_mj.identification.search import Found, Search
 from wirerope_mj.identification.stages import Method, Stage, run_stages
 from wirerope_mj.identification.start import grid_starts
@@ -20,7 +21,13 @@ from wirerope_mj.laws import AsymmetricBoucWen, Law, Loop, Masing
 Constraint = Literal["beta>gamma", "beta=gamma", "beta<gamma"]
 
 STARTS = 2
-"""Places of the grid from which a search begins: the best fit was in the valley of one of them in every case tried."""
+"""Best places of the grid from which a search begins, beside the best one for each pattern of signs."""
+
+DEEPER = 2
+"""How often a fit begins again where moving a value has shown a better one."""
+
+SAME = 0.01
+"""Variances within which the ends of two searches are one: a tenth of a standard error. The earlier one counts."""
 
 FIGURES = 3
 """Figures that one loop fixes well: its secant stiffness, its area, and how its branches bend."""
@@ -104,12 +111,11 @@ def identify(
             the residual; names what and why.
     """
     measured = prepare(loops, weights=weights)
+    _require_dissipation(measured)
     search = _search(measured, law, dict(fixed or {}), constraint, elements, start)
     _require_amplitudes(measured, search, data)
     full = joined(loop_residual(measured, data), extra_residuals)
-    found: Found | None = None
-    stages: tuple[Stage, ...] = ()
-    evaluations, started = 0, ""
+    ends: list[_End] = []
     candidates = [("given", search.family.read(start))] if start is not None else []
     if grid or not candidates:
         places = grid_starts(search.family, search.coordinates, measured, search.fixed, count=STARTS)
@@ -122,13 +128,20 @@ def identify(
             failures.append(str(failure))
             continue
         staged = method if origin == "given" and data == "loops" else "time"
-        one, its_stages = run_stages(search, measured, full, values, staged)
-        evaluations += sum(stage.evaluations for stage in its_stages)
-        if found is None or one.cost < found.cost * (1.0 - 1e-9):
-            found, stages, started = one, its_stages, origin
-    if found is None:
+        found, stages = run_stages(search, measured, full, values, staged)
+        ends.append(_End(found=found, stages=stages, started=origin))
+    if not ends:
         raise ValueError(failures[0] if failures else f"no {law.name} law could be evaluated on these loops.")
-    return _result(search, measured, found, stages, evaluations, started, noise)
+    return _result(search, measured, full, ends, noise)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _End:
+    """Where one search ended, what its stages did, and which start it had."""
+
+    found: Found
+    stages: tuple[Stage, ...]
+    started: str
 
 
 def family_of(law: type[Law], elements: int = 5) -> Family:
@@ -197,6 +210,17 @@ def _require_amplitudes(loops: Sequence[MeasuredLoop], search: Search, data: Dat
         )
 
 
+def _require_dissipation(loops: Sequence[MeasuredLoop]) -> None:
+    """Raise ValueError if a loop is run through the wrong way round; one as thin as its noise is an elastic one."""
+    for loop in loops:
+        area, rectangle = loop.area(loop.force), float(np.ptp(loop.deflection) * np.ptp(loop.force))
+        if area < -THIN * rectangle:
+            raise ValueError(
+                f"the loop of +-{1e3 * loop.amplitude:.4g} mm encloses {area:.4g} J: it would give energy. Force and "
+                "deflection must have the same sign in tension, and samples must be in the order of time."
+            )
+
+
 def _require_movement(search: Search, residual: Residual, values: Mapping[str, float]) -> None:
     """Raise ValueError if a free parameter does not move the residual at the start."""
     numbers = search.numbers(values)
@@ -214,20 +238,26 @@ def _require_movement(search: Search, residual: Residual, values: Mapping[str, f
 
 
 def _result(
-    search: Search,
-    loops: list[MeasuredLoop],
-    found: Found,
-    stages: tuple[Stage, ...],
-    evaluations: int,
-    started: str,
-    noise: float | None,
+    search: Search, loops: list[MeasuredLoop], full: Residual, ends: list[_End], noise: float | None
 ) -> Identification:
+    evaluations = sum(stage.evaluations for end in ends for stage in end.stages)
+    for left in range(DEEPER, -1, -1):
+        least = min(end.found.cost for end in ends)
+        best = next(end for end in ends if end.found.cost <= least * (1.0 + SAME / end.found.residual.size))
+        rivals = [end.found for end in ends if end is not best]
+        surveyed = survey(search, full, best.found, rivals, noise)
+        evaluations += surveyed.evaluations
+        if surveyed.better is None or left == 0:
+            break
+        found, stages = run_stages(search, loops, full, surveyed.better, "time")
+        evaluations += sum(stage.evaluations for stage in stages)
+        ends.append(_End(found=found, stages=(*best.stages, *stages), started=best.started))
+    found, certainty = best.found, surveyed.certainty
     law = search.law(found.numbers)
-    certainty = certainty_of(search, found, noise)
     parts = [(loop.model_force(law) - loop.force) / (0.5 * float(np.ptp(loop.force))) for loop in loops]
     residuals = np.array([rms(part - part.mean()) for part in parts])
     bounded = [p.name for p in certainty.parameters.values() if p.at_bound]
-    words = f"ended from the {started} start: {found.message.rstrip('.')}"
+    words = f"ended from the {best.started} start: {found.message.rstrip('.')}"
     words += f"; at its bound: {', '.join(bounded)}" if bounded else ""
     return Identification(
         law=law,
@@ -238,8 +268,8 @@ def _result(
         message=words,
         open_combinations=certainty.open_combinations,
         certainty=certainty,
-        stages=stages,
+        stages=best.stages,
         evaluations=evaluations,
-        started=started,
+        started=best.started,
         loops=tuple(loops),
     )

@@ -13,6 +13,9 @@ Array = npt.NDArray[np.float64]
 Residual = Callable[[Law], Array]
 Data = Literal["loops", "skeleton"]
 
+THIN = 0.01
+"""Share of the rectangle about a loop below which its area is no size to divide by; wire rope has 0.1 to 0.5."""
+
 
 def loop_residual(loops: Sequence[MeasuredLoop], data: Data = "loops") -> Residual:
     """Return the residual of all loops: force of the law minus measured, each loop without its mean, over its weight.
@@ -70,10 +73,17 @@ def mid_line_residual(loops: Sequence[MeasuredLoop], *, points: int = 41) -> Res
 
 
 def area_residual(loops: Sequence[MeasuredLoop]) -> Residual:
-    """Return the residual of the loops' areas, relative to what was measured: the second stage's."""
+    """Return the residual of the loops' areas, relative to what was measured: the second stage's.
+
+    A loop thinner than `THIN` of the rectangle about it counts relative to that share of the rectangle: noise of the force
+    makes such an area small, zero or negative.
+    """
+    thin = [THIN * float(np.ptp(loop.deflection) * np.ptp(loop.force)) for loop in loops]
+    sizes = [max(loop.area(loop.force), least) for loop, least in zip(loops, thin, strict=True)]
 
     def residual(law: Law) -> Array:
-        return np.array([loop.area(loop.model_force(law)) / max(loop.area(loop.force), 1e-300) - 1.0 for loop in loops])
+        differences = [loop.area(loop.model_force(law) - loop.force) for loop in loops]
+        return np.array([one / size for one, size in zip(differences, sizes, strict=True)])
 
     return residual
 

@@ -17,10 +17,20 @@ STEP = 1e-6
 """Step of the differences that make the Jacobian, in logarithms or scaled units: 1e5 times the traces' own error."""
 
 TOLERANCE = 1e-10
-"""Relative change of the cost, or of the numbers, below which a search has ended."""
+"""Relative change of the numbers below which a search has ended."""
+
+SHARE = 1e-3
+"""Variances of the residual that a step has to take from the sum of squares: 0.03 standard errors of one parameter."""
+
+STEPS_RUNNING, SETTLED = 10, 0.25
+"""So many steps together have to take this many variances from the sum of squares: half a standard error of one parameter.
+What moves on and takes less creeps along a valley that the noise does not tell apart from its end."""
 
 EVALUATIONS = 100
 """Steps of one search; what needs more has lost its way."""
+
+CREPT = f"{STEPS_RUNNING} steps together changed the residual by less than half a standard error does"
+CALM = "the last step changed the residual by less than the noise can tell"
 
 REFUSED = 1e3
 """Residual of a law that cannot be evaluated on the loops, in units of their force: far from any fit."""
@@ -87,8 +97,16 @@ class Found:
         return float(self.residual @ self.residual)
 
 
+class _Settled(Exception):
+    """The search is where it was ten steps ago, as far as the noise can tell."""
+
+
 def run_search(search: Search, residual: Residual, start: Mapping[str, float], *, most: int = EVALUATIONS) -> Found:
-    """Return where a trust-region Levenberg-Marquardt search with bounds ends (SciPy's `least_squares`, "trf")."""
+    """Return where a trust-region Levenberg-Marquardt search with bounds ends (SciPy's `least_squares`, "trf").
+
+    What counts as an end is measured by the noise, the variance of a residual as it is left: a relative change of the cost
+    would ask for more where there are many samples, and never end in a valley that the data leave open.
+    """
     made = 0
     begin = search.numbers(start)
     size = residual(search.law(begin)).size
@@ -103,6 +121,8 @@ def run_search(search: Search, residual: Residual, start: Mapping[str, float], *
         return np.where(np.isfinite(value), value, REFUSED)
 
     _, high = search.bounds
+    freedom = max(size - begin.size, 1)
+    passed: list[Found] = []
     latest: tuple[Array, Array] = (begin, function(begin))
 
     def remembered(numbers: Array) -> Array:
@@ -118,13 +138,27 @@ def run_search(search: Search, residual: Residual, start: Mapping[str, float], *
             moved = numbers.copy()
             moved[place] += STEP if number + STEP <= high[place] else -STEP
             columns.append((function(moved) - before) / (moved[place] - number))
-        return np.stack(columns, axis=1)
+        matrix = np.stack(columns, axis=1)
+        passed.append(
+            Found(
+                numbers=numbers.copy(), residual=before, jacobian=matrix, iterations=len(passed) + 1, evaluations=made,
+                converged=True, message=CREPT,
+            )
+        )  # fmt: skip
+        earlier = passed[-1 - STEPS_RUNNING].cost if len(passed) > STEPS_RUNNING else np.inf
+        if earlier - passed[-1].cost < SETTLED / freedom * passed[-1].cost:
+            raise _Settled
+        return matrix
 
-    found = least_squares(
-        remembered, begin, jac=jacobian, bounds=search.bounds, x_scale="jac", max_nfev=most,
-        ftol=TOLERANCE, xtol=TOLERANCE, gtol=TOLERANCE,
-    )  # fmt: skip
+    try:
+        found = least_squares(
+            remembered, begin, jac=jacobian, bounds=search.bounds, x_scale="jac", max_nfev=most,
+            ftol=SHARE / freedom, xtol=TOLERANCE, gtol=TOLERANCE,
+        )  # fmt: skip
+    except _Settled:
+        return passed[-1]
+    words = {0: f"it still moved after {most} evaluations", 2: CALM, 4: CALM}.get(found.status, str(found.message))
     return Found(
         numbers=found.x, residual=found.fun, jacobian=found.jac, iterations=found.njev,
-        evaluations=made, converged=found.status > 0, message=str(found.message),
+        evaluations=made, converged=found.status > 0, message=words,
     )  # fmt: skip

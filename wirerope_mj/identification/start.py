@@ -29,14 +29,17 @@ def grid_starts(
     *,
     count: int,
 ) -> list[dict[str, float]]:
-    """Return the values of the best places of the grid, best first.
+    """Return the values of the best places of the grid, and of the best for each pattern of signs that the grid has.
+
+    Laws with coordinates of either sign can have a valley for each pattern, of depths that the noise does not tell apart: a
+    spring that hardens to one side, and one that softens to the other beside a stiffer straight one.
 
     Args:
         family: how the law is searched for.
         coordinates: its coordinates.
         loops: what was measured.
         fixed: values that are given.
-        count: how many places.
+        count: how many of the best places, whatever their signs.
     """
     thin = [loop.thinned(SAMPLES) for loop in loops]
     amplitudes = np.array([np.ptp(loop.deflection) / 2.0 for loop in loops])
@@ -48,7 +51,15 @@ def grid_starts(
         if np.isfinite(cost):
             found.append((cost, values))
     found.sort(key=lambda pair: pair[0])
-    return [values for _, values in found[:count]]
+    signed = [name for name, places in axes.items() if min(places) < 0.0 < max(places)]
+    chosen = [values for _, values in found[:count]]
+    seen = {tuple(np.sign(values[name]) for name in signed) for values in chosen}
+    for _, values in found:
+        pattern = tuple(np.sign(values[name]) for name in signed)
+        if 0.0 not in pattern and pattern not in seen:
+            seen.add(pattern)
+            chosen.append(values)
+    return chosen
 
 
 def _places(c: Coordinate, amplitudes: Array) -> list[float]:
