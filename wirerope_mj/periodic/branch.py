@@ -86,7 +86,7 @@ class Branch:
         periods: of the base after which the motions repeat themselves.
         unknowns: state at phase 0 relative to the equilibrium carried along, (n, n_x).
         steps: model steps of each motion, (n,).
-        tangents: share of the parameter in the branch's direction, (n,); it changes sign at a fold.
+        tangents: share of the parameter in the branch's direction, positive where it rises, (n,).
         residual: how far each motion is from repeating itself, in shares of its ranges, (n,).
         history: equilibrium about which the motions are.
         complete: whether the end that was asked for was reached.
@@ -167,14 +167,11 @@ class Branch:
     def _jump(self, fold: Bifurcation) -> Jump:
         p, a = self.followed, self.amplitude
         value = float(p[fold.index])
-        rising = bool(self.tangents[max(fold.index - 1, 0)] * np.sign(p[-1] - p[0] or 1.0) > 0.0)
+        rising = bool(self.tangents[max(fold.index - 1, 0)] > 0.0)
         landings = []
         for i in range(p.size - 1):
-            if (
-                fold.index in (i, i + 1)
-                or not (self.stable[i] and self.stable[i + 1])
-                or (p[i] - value) * (p[i + 1] - value) > 0.0
-            ):
+            crosses = (p[i] - value) * (p[i + 1] - value) <= 0.0 and fold.index not in (i, i + 1)
+            if not (crosses and self.stable[i] and self.stable[i + 1]):
                 continue
             share = (value - p[i]) / (p[i + 1] - p[i])
             landings.append(float(a[i] + share * (a[i + 1] - a[i])))

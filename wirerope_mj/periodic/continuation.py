@@ -20,8 +20,9 @@ from wirerope_mj.periodic.coordinates import scales
 from wirerope_mj.periodic.multipliers import Stability, stability
 from wirerope_mj.periodic.observe import ranges
 from wirerope_mj.periodic.orbit import Search
-from wirerope_mj.periodic.shooting import DIFFERENCE, Shot, least_solution, shot
+from wirerope_mj.periodic.shooting import DIFFERENCE, Shot, least_solution, monodromy, shot
 from wirerope_mj.periodic.track import Drive
+from wirerope_mj.periodic.variational import Variational
 
 Array = npt.NDArray[np.float64]
 
@@ -31,6 +32,10 @@ CHANGE = 0.25
 
 CORRECTIONS = 10
 """Corrector iterations of one point."""
+
+MANY = 13
+"""Unknowns from which on the variational equation is cheaper than a copy of the system for each: one body free to move and turn
+has 12 without its mounts' states."""
 
 SLOW = 0.5
 """Ratio of two residuals above which the matrix is integrated anew."""
@@ -66,6 +71,7 @@ class Continuation:
         """Prepare to follow `parameter` with the `other` one fixed; `unit` of ln p counts as one unit of arclength."""
         self.search, self.flow, self.parameter = search, search.flow, parameter
         self.other, self.periods, self.unit, self.tolerance = other, periods, unit, tolerance
+        self._variational = Variational(search.flow) if search.coordinates.size >= MANY else None
 
     def drive(self, value: float, steps: int | None = None) -> Drive:
         """Return the base's sine at a value of the parameter."""
@@ -90,14 +96,13 @@ class Continuation:
         )
 
     def _matrix(self, found: Shot, value: float) -> Array:
-        """Return the derivative of the scaled gap, its columns integrated in parallel."""
-        drive, n = found.track.drive, found.x.size
-        starts = np.vstack([found.x + DIFFERENCE * np.diag(found.scale), found.x])
-        moved = self.drive(value * math.exp(DIFFERENCE * self.unit), drive.steps)
-        ends = self.flow.ends(starts, [drive] * n + [moved])
-        columns = ((ends - found.track.end) / found.scale).T / DIFFERENCE
-        columns[:, :n] -= np.eye(n)
-        return np.asarray(columns)
+        """Return the derivative of the scaled gap by the scaled unknowns and by ln p / unit, (n_x, n_x + 1)."""
+        phi = self._variational.matrix(found) if self._variational is not None else None
+        if phi is None:
+            phi = monodromy(self.flow, found)
+        moved = self.drive(value * math.exp(DIFFERENCE * self.unit), found.track.drive.steps)
+        end = self.flow.ends(found.x[np.newaxis], [moved])[0]
+        return np.column_stack([phi - np.eye(phi.shape[0]), (end - found.track.end) / found.scale / DIFFERENCE])
 
     def _to_arc(self, n: int) -> Array:
         """Return what a unit of the scaled unknowns (n_x of them) and of ln p / unit counts in arclength, (n_x + 1,)."""

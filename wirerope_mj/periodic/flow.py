@@ -21,6 +21,9 @@ from wirerope_mj.periodic.track import Drive, Track
 Array = npt.NDArray[np.float64]
 
 
+STATE_PARTS = ("qpos", "qvel", "act")
+
+
 class Flow:
     """The map from the unknowns at phase 0 to those some periods later.
 
@@ -64,12 +67,18 @@ class Flow:
 
     def follow(self, start: Array, drive: Drive) -> Track:
         """Return the way of one copy from `start`, (n_x,)."""
-        first, recorded = np.zeros(1, dtype=int), []
+        first = np.zeros(1, dtype=int)
         carried = self._begin(start[np.newaxis], [drive])
+        recorded = {name: [getattr(self._batch, name)[:1].copy()] for name in STATE_PARTS} | {"sensordata": []}
         for _ in self._pieces([drive]):
-            recorded.append(self._batch.rollout(self._piece, record=("sensordata",), ids=first)["sensordata"][0])
-        sensors = np.concatenate(recorded)[:, self.system.assembly.sensor :]
-        return Track(end=self._finish(carried, first)[0], sensors=sensors, drive=drive)
+            piece = self._batch.rollout(self._piece, record=tuple(recorded), ids=first)
+            for name, values in piece.items():
+                recorded[name].append(values[0])
+        # The engine records states at the end of a step, sensors at its start.
+        qpos, qvel, act = (np.concatenate(recorded[name])[:-1] for name in STATE_PARTS)
+        sensors = np.concatenate(recorded["sensordata"])[:, self.system.assembly.sensor :]
+        end = self._finish(carried, first)[0]
+        return Track(end=end, sensors=sensors, qpos=qpos, qvel=qvel, act=act, drive=drive)
 
     def _begin(self, starts: Array, drives: list[Drive]) -> list[Array]:
         known: dict[tuple[float, float], Array] = {}

@@ -25,8 +25,14 @@ class Drive:
 
 @dataclass(frozen=True, kw_only=True)
 class Track:
-    """One copy's way: the unknowns at its end (n_x,) and the system's sensor values at the start of every step."""
+    """One copy's way: the unknowns at its end (n_x,), and at the start of every step what the engine says.
+
+    sensors are the system's sensor values (n_steps, n_s); qpos, qvel and act the engine's state, (n_steps, n_q|n_v|n_a).
+    """
 
     end: Array
-    sensors: Array  # (n_steps, n_s)
+    sensors: Array
+    qpos: Array
+    qvel: Array
+    act: Array
     drive: Drive
