@@ -44,11 +44,7 @@ class Collector:
     def add(
         self, frequency: Array, lowest: Array, highest: Array, *, cycles: int, remaining: float, settled: bool
     ) -> None:
-        """Take the extremes of all channels, (n, n_channels, 3), at frequencies [Hz], (n,), and what is alike for all of them.
-
-        Raises:
-            SimulationError: a mount went beyond the finite travel of its law.
-        """
+        """Take extremes of all channels, (n, n_channels, 3), at frequencies [Hz], (n,), and what is alike for all of them."""
         on = self._channels
         self._watch.add(frequency, lowest[:, on.mounts], highest[:, on.mounts])
         largest = np.maximum(highest, -lowest)

@@ -16,6 +16,8 @@ from wirerope_mj.simulation.grid import Grid, StageTables
 from wirerope_mj.simulation.initial import moving_with_base
 from wirerope_mj.simulation.stepper import STATE, Stepper
 from wirerope_mj.state import State
+from wirerope_mj.sweep.channels import Channels
+from wirerope_mj.sweep.travel import Lawful
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
@@ -42,8 +44,8 @@ class Cycles:
     """A copy of a system on its way through the cycles of its excitation; made by `stepping`.
 
     The peak tracker of the simulation is read and emptied after every cycle: it sees every step and refines an extreme by the
-    parabola through three of them, so that a cycle costs memory for its extremes alone. An extreme in the last step of a cycle
-    is found by the first of the next and belongs to it.
+    parabola through three of them, so that a cycle costs memory for its extremes alone. An extreme in the last half step of a
+    cycle is found by the first step of the next and belongs to it.
 
     Attributes:
         steps: number of steps so far.
@@ -53,29 +55,43 @@ class Cycles:
     def __init__(self, system: System, motion: Sine | Sweep, start: State, timestep: float) -> None:
         self.steps, self.largest_step = 0, 0.0
         self._motion, self._timestep = motion, timestep
+        self._lawful, self._mounts = Lawful(system), Channels.of(system).mounts
         self._stepper = Stepper(system, motion, cycle_grid(np.array([start.time]), timestep)[0], start)
         user = system.assembly.tables.user
         memory = self._stepper.user[user.channels : user.channels + at.CHANNEL_MEMORY * user.n_channels]
         self._memory = memory.reshape(user.n_channels, at.CHANNEL_MEMORY)  # a view: the tracker writes it
 
     def run(self, instants: Array) -> Extremes:
-        """Step through the cycles that begin and end at `instants` [s], (n + 1,), and return their extremes."""
+        """Step through the cycles that begin and end at `instants` [s], (n + 1,), and return their extremes.
+
+        Raises:
+            SimulationError: a mount went beyond the finite travel of its law, or the engine reported that the state is not
+                valid any more; says at which frequency.
+        """
         stepper = self._stepper
         stepper.grid, ends = cycle_grid(instants, self._timestep)
         lowest, highest = np.empty((2, ends.size, self._memory.shape[0], 3))
-        cycle = 0
+        cycle, user = 0, stepper.user
         for base in StageTables(stepper.grid, self._motion):
             stepper.begin(base)
-            mujoco.mj_step(stepper.model, stepper.data, nstep=int(stepper.grid.steps[base.number]))
+            steps = int(stepper.grid.steps[base.number])
+            if not user[at.OBSERVING]:  # this instant was seen as the last of the cycle before
+                mujoco.mj_step(stepper.model, stepper.data)
+                user[at.OBSERVING], steps = 1.0, steps - 1
+            mujoco.mj_step(stepper.model, stepper.data, nstep=steps)
             if base.number == ends[cycle]:
+                mujoco.mj_forward(stepper.model, stepper.data)
                 low, high = (self._memory[:, place : place + 3] for place in (at.LOW, at.HIGH))
                 lowest[cycle], highest[cycle] = low, high
-                low[:], high[:] = np.inf, -np.inf
+                low[:], high[:], user[at.OBSERVING] = np.inf, -np.inf, 0.0
                 cycle += 1
+        found = Extremes(lowest=lowest, highest=highest)
+        middles = (instants[:-1] + instants[1:]) / 2.0
+        self._lawful.require(frequencies_at(self._motion, middles), found.largest[:, self._mounts])
         self._check()
         self.steps += int(stepper.grid.steps.sum())
         self.largest_step = max(self.largest_step, stepper.grid.largest_step)
-        return Extremes(lowest=lowest, highest=highest)
+        return found
 
     def finish(self) -> State:
         """Return the state at the end of the last cycle."""
@@ -85,7 +101,8 @@ class Cycles:
         try:
             self._stepper.check()
         except SimulationError as error:
-            raise SimulationError(f"at {frequency_at(self._motion, self._stepper.data.time):.5g} Hz, {error}") from None
+            frequency = frequencies_at(self._motion, np.array([self._stepper.data.time]))[0]
+            raise SimulationError(f"at {frequency:.5g} Hz: {error}") from None
 
 
 @contextmanager
@@ -131,6 +148,6 @@ def at_start(system: System, motion: Sine | Sweep, state: State) -> State:
     return moving_with_base(system, motion, State(values=values, time=0.0))
 
 
-def frequency_at(motion: Sine | Sweep, time: float) -> float:
-    """Return the frequency of the excitation at an instant [Hz]."""
-    return motion.frequency if isinstance(motion, Sine) else float(motion.frequency(time)[0])
+def frequencies_at(motion: Sine | Sweep, times: Array) -> Array:
+    """Return the frequencies of the excitation at instants [s], (n,), in Hz."""
+    return np.full(times.size, motion.frequency) if isinstance(motion, Sine) else motion.frequency(times)

@@ -90,11 +90,11 @@ def load_sweep(folder: Path) -> FrequencySweep:
     try:
         import pyarrow.parquet as pq
 
-        table = pq.read_table(path)
-        content = json.loads(table.schema.metadata[_KEY])
+        content = json.loads((pq.read_metadata(path).metadata or {})[_KEY])
         if content["format"] != FORMAT:
             raise RecordError(f"{path}: format {content['format']} is not {FORMAT}; use the version that wrote it.")
-        return _built(np.column_stack([column.to_numpy() for column in table.columns]), content)
+        columns = pq.read_table(path).columns
+        return _built(np.column_stack([column.to_numpy() for column in columns]), content)
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise RecordError(
             f"{path}: this is not a sweep of wirerope_mj ({error.__class__.__name__}: {error})."
