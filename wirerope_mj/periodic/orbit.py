@@ -16,7 +16,7 @@ from wirerope_mj.periodic.flow import Flow
 from wirerope_mj.periodic.multipliers import Multipliers, Stability, stability
 from wirerope_mj.periodic.observe import travel_exceeded
 from wirerope_mj.periodic.shooting import ACCEPTED, Shot, close, monodromy, shot
-from wirerope_mj.periodic.steps import steps_per_period
+from wirerope_mj.periodic.steps import Steps
 from wirerope_mj.periodic.track import Drive
 from wirerope_mj.response import Response
 from wirerope_mj.simulation import simulate
@@ -151,13 +151,13 @@ class Search:
     """What a search for periodic motions of one system needs: its unknowns and copies of it."""
 
     def __init__(self, system: System, *, direction: Direction, history: History, accuracy: float) -> None:
-        self.system, self.accuracy = system, accuracy
+        self.system, self._steps = system, Steps(system, accuracy)
         self.coordinates = Coordinates(system, direction=direction, history=history)
         self.flow = Flow(self.coordinates, copies=max(self.coordinates.size + 2, COPIES))
 
     def drive(self, frequency: float, acceleration: float, periods: int = 1) -> Drive:
         """Return a sine with the steps that the accuracy asks for."""
-        steps = periods * steps_per_period(self.system, frequency, self.accuracy)
+        steps = periods * self._steps.per_period(frequency)
         return Drive(frequency=frequency, acceleration=acceleration, periods=periods, steps=steps)
 
     def find(
