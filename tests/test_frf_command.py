@@ -1,0 +1,133 @@
+"""`wirerope frf`: tables on the screen, a folder with what they rest on; one message for bad input."""
+
+import json
+import re
+import tomllib
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.resources import models_folder
+
+MODEL = str(models_folder() / "sdof_shaker.xml")
+NARROW = ("--start", "34", "--stop", "39", "--largest-step", "0.04")
+
+
+@pytest.fixture(scope="module")
+def both(tmp_path_factory):
+    """Return exit code, text on the screen and folder of two levels with branches and sweeps."""
+    folder = tmp_path_factory.mktemp("frf") / "result"
+    return folder, ("frf", MODEL, "--acceleration", "5", "2", "--method", "both", "--rate", "3", *NARROW)
+
+
+@pytest.fixture(scope="module")
+def written(both):
+    import contextlib
+    import io
+
+    folder, arguments = both
+    screen = io.StringIO()
+    with contextlib.redirect_stdout(screen):
+        code = main([*arguments, "--out", str(folder)])
+    return code, re.sub(r"[ \n]+", " ", screen.getvalue()), folder
+
+
+def test_every_level_is_shown_with_its_resonance_and_what_the_sweeps_say(written):
+    code, out, folder = written
+    assert code == 0
+    assert "base along z, acceleration of mass along z, 34 to 39 Hz (given)" in out
+    assert out.index("Level 2 m/s^2") < out.index("Level 5 m/s^2")
+    assert out.count("resonance peak") == 2
+    assert out.count("all motions are stable") == 2
+    assert out.count("peak of the sweep down") == 2
+    assert f"written to {folder}/" in out
+
+
+def test_the_resonance_falls_and_its_transmissibility_too_when_the_level_rises(written):
+    levels = json.loads((written[2] / "frequency_response.json").read_text())["levels"]
+    weak, strong = (level["continuation"]["peaks"][0] for level in levels)
+    # A softening isolator: dry friction damps small motions less, relative to their stiffness (thesis fig. 3.21).
+    assert strong["frequency"] < weak["frequency"]
+    assert strong["transmissibility"] < weak["transmissibility"]
+    assert strong["amplitude"] > weak["amplitude"]
+    assert not strong["at_edge"]
+
+
+def test_a_sweep_agrees_with_the_branch_as_far_as_its_rate_lets_it(written):
+    levels = json.loads((written[2] / "frequency_response.json").read_text())["levels"]
+    for level in levels:
+        for way in ("sweep_up", "sweep_down"):
+            # 3 octaves/min lag by 3 ln 2 / 60 times a decay of some 0.05 s: 0.2 % in frequency, Q times that on the flank.
+            assert level[way]["largest"] < 0.05
+            assert level[way]["median"] < 0.02
+
+
+def test_tables_hold_every_point_of_the_branches_and_every_cycle_of_the_sweeps(written):
+    folder = written[2]
+    points = pq.read_table(folder / "branches.parquet").to_pydict()
+    assert set(points["level"]) == {0, 1}
+    ratio = np.array(points["amplitude"]) / np.array(points["acceleration"])
+    np.testing.assert_array_equal(ratio, points["transmissibility"])
+    assert all(points["stable"])
+    modulus = np.hypot(points["multiplier_1/re"], points["multiplier_1/im"])
+    assert (modulus < 1.0).all()
+    assert set(points["bifurcation"]) == {""}
+    sweeps = pq.read_table(folder / "sweeps.parquet").to_pydict()
+    assert set(sweeps["way"]) == {"up", "down"}
+    np.testing.assert_array_equal(sweeps["amplitude"], sweeps["bodies/mass/acceleration/z"])
+
+
+def test_settings_say_every_input_and_the_model_loads_from_the_folder(written):
+    folder = written[2]
+    settings = tomllib.loads((folder / "settings.toml").read_text())
+    assert settings["question"]["accelerations"] == [2.0, 5.0]
+    assert settings["question"]["payload"] == "mass"
+    assert settings["sweep"]["rate"] == 3.0
+    assert settings["versions"]["mujoco"]
+    assert wr.load_system(folder / settings["model"]["file"]).payloads == ["mass"]
+
+
+def test_a_result_is_replaced_only_by_force(written, both, capsys):
+    folder = written[2]
+    assert main(["frf", MODEL, "--out", str(folder)]) == 2
+    assert "there is a frequency response already" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--start", "40", "--stop", "20"), "`stop` must be above `start`, got 40 to 20 Hz"),
+        (("--start", "-1"), "`start` must be > 0, got -1.0"),
+        (("--stop", "0"), "`stop` must be > 0, got 0.0"),
+        (("--payload", "deck"), "`payload` must be one of mass; got 'deck'"),
+        (("--direction", "up"), "`--direction` must be x, y, z or a vector such as 1,0,1; got 'up'"),
+        (("--direction", "x"), "x"),
+        (("--response-direction", "1,0"), "`--response-direction` must be x, y, z or a vector"),
+        (
+            ("--largest-step", "1e-6"),
+            "`smallest_step` must be below `largest_step`, and that below 1, got 1e-05 and 1e-06",
+        ),
+        (("--rate", "0"), "`rate` must be > 0"),
+        (("--periods", "0"), "`periods` must be a whole number >= 1, got 0"),
+        (("--acceleration", "1", "1"), "`acceleration` must be one or several different levels"),
+        (("--acceleration", "1", "--acceleration-g", "0.1"), "not both"),
+        (("--acceleration", "0"), "`acceleration` must be > 0"),
+    ],
+)
+def test_bad_input_is_one_message_and_nothing_is_left_behind(tmp_path, capsys, monkeypatch, arguments, words):
+    monkeypatch.chdir(tmp_path)
+    assert main(["frf", MODEL, *arguments]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("wirerope: ")
+    assert error.count("\n") == 1
+    assert words in error
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_unknown_model_says_which_ship(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["frf", "no_model"]) == 2
+    assert "no_model: there is no such model file. The package ships" in capsys.readouterr().err

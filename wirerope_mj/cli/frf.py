@@ -1,0 +1,93 @@
+"""`wirerope frf`: branches of periodic motions and sweeps of a model, as tables on the screen and as one folder."""
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from datetime import datetime
+from pathlib import Path
+
+from rich.console import Console
+from rich.markup import escape
+
+from wirerope_mj.cli.frf_tables import print_response
+from wirerope_mj.cli.tables import console
+from wirerope_mj.errors import ModelError
+from wirerope_mj.excitation.checks import Direction
+from wirerope_mj.frf import Question, frequency_response
+from wirerope_mj.frf.summary import findings_of
+from wirerope_mj.resources import models_folder
+from wirerope_mj.runfolder.folder import check_target
+from wirerope_mj.runfolder.frequency_response import KIND, MARKS, write_frequency_response
+from wirerope_mj.system import load_system
+from wirerope_mj.units import STANDARD_GRAVITY
+
+NOT_COMPLETE = 1
+"""Exit code of a response with a branch that ended before the end of the range."""
+
+DEFAULT = 1.0
+"""Level where none is said [m/s^2]: a tenth of a g, as a resonance search on a shaker takes."""
+
+
+def frf_command(model: str, question: Question, *, out: Path | None, force: bool) -> int:
+    """Compute a frequency response, write its folder, print what was found; return the exit code."""
+    path = _model(model)
+    folder = out or Path("runs") / f"{path.stem}-frf-{datetime.now():%Y%m%d-%H%M%S}"
+    check_target(folder, force=force, kind=KIND, marks=MARKS)
+    system = load_system(path)
+    with _status() as report:
+        result = frequency_response(system, question, name=path.stem, report=report)
+        report("writing tables, pictures and the recording")
+        findings = findings_of(result)
+        write_frequency_response(result, findings, folder, force=force)
+    print_response(result, findings)
+    _print_written(folder)
+    return 0 if result.complete else NOT_COMPLETE
+
+
+def levels(acceleration: Sequence[float] | None, acceleration_g: Sequence[float] | None) -> tuple[float, ...]:
+    """Return the levels [m/s^2] of the two options, of which one may be given."""
+    if acceleration is not None and acceleration_g is not None:
+        raise ValueError("give the levels as `--acceleration` [m/s^2] or as `--acceleration-g` [g], not both.")
+    if acceleration_g is not None:
+        return tuple(level * STANDARD_GRAVITY for level in acceleration_g)
+    return (DEFAULT,) if acceleration is None else tuple(acceleration)
+
+
+def direction_of(option: str, text: str) -> Direction:
+    """Return the direction that an option says: an axis, or three numbers with commas between them."""
+    if text in ("x", "y", "z"):
+        return text
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise ValueError(f"`{option}` must be x, y, z or a vector such as 1,0,1; got {text!r}.") from None
+    return (x, y, z)
+
+
+def _model(name: str) -> Path:
+    """Return the path of a model file, or of a model that ships with the package, by name."""
+    wanted = name if name.endswith(".xml") else f"{name}.xml"
+    for place in (Path(name), Path(wanted), models_folder() / wanted):
+        if place.is_file():
+            return place
+    shipped = ", ".join(sorted(path.stem for path in models_folder().glob("*.xml")))
+    raise ModelError(f"{name}: there is no such model file. The package ships {shipped}.")
+
+
+@contextmanager
+def _status() -> Iterator[Callable[[str], None]]:
+    """Show what is being done on standard error, if that is a terminal."""
+    if not sys.stderr.isatty():
+        yield lambda words: None
+        return
+    with Console(stderr=True).status("starting") as status:
+        yield lambda words: status.update(words)
+
+
+def _print_written(folder: Path) -> None:
+    screen = console()
+    files = sorted(path.name for path in folder.iterdir() if path.is_file())
+    screen.print(f"\n  written to {escape(str(folder))}/", soft_wrap=True)
+    screen.print(f"  {', '.join(files)}, model/", soft_wrap=True)
+    if "run.rrd" in files:
+        screen.print(f"  [bold]wirerope show {escape(str(folder))}[/] opens the view", soft_wrap=True)

@@ -1,0 +1,134 @@
+"""What `wirerope frf` prints: for every level its peaks, folds and changes of stability, and what it cost."""
+
+import math
+from collections.abc import Sequence
+
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from wirerope_mj.cli.tables import console
+from wirerope_mj.excitation.checks import direction_text
+from wirerope_mj.frf import FrequencyResponse
+from wirerope_mj.frf.findings import ResonancePeak
+from wirerope_mj.frf.summary import Findings
+from wirerope_mj.periodic import Branch
+from wirerope_mj.sweep import FrequencySweep
+
+Row = tuple[str, float, float, float, str]
+"""What it is, frequency [Hz], amplitude [m/s^2], transmissibility, and a note."""
+
+_SUPERHARMONIC = 0.1
+"""Share of the first harmonic from which a higher one makes a peak a superharmonic resonance."""
+
+_COLUMNS = ("frequency\n[Hz]", "amplitude\n[m/s^2]", "transmis-\nsibility")
+
+
+def print_response(result: FrequencyResponse, findings: Sequence[Findings]) -> None:
+    """Print what every level shows."""
+    asked, screen = result.question, console()
+    start, stop = asked.range
+    assert asked.response_direction is not None
+    screen.print(
+        f"\n[bold]{escape(result.name)}[/]  base along {direction_text(asked.direction)}, acceleration of "
+        f"{escape(str(asked.payload))} along {direction_text(asked.response_direction)}, {start:g} to {stop:g} Hz "
+        f"({asked.range_from})",
+        soft_wrap=True,
+    )
+    for found in findings:
+        screen.print()
+        screen.print(_table(found))
+        for sentence in _sentences(found, asked.rate):
+            screen.print(f"  {escape(sentence)}", soft_wrap=True)
+
+
+def _table(found: Findings) -> Table:
+    level = found.level
+    table = Table(
+        box=box.SIMPLE_HEAD, title=f"Level {level.acceleration:.4g} m/s^2", title_style="bold", title_justify="left",
+        show_edge=False,
+    )  # fmt: skip
+    table.add_column("")
+    for name in _COLUMNS:
+        table.add_column(escape(name), justify="right", no_wrap=True)
+    table.add_column("")
+    for what, frequency, amplitude, transmissibility, note in _rows(found):
+        numbers = [f"{frequency:.5g}", f"{amplitude:.4g}", f"{transmissibility:.4g}"]
+        table.add_row(escape(what), *numbers, escape(note))
+    return table
+
+
+def _rows(found: Findings) -> list[Row]:
+    """Return the rows of a level's table: peaks, then what happens on the branch in its order, then the sweeps."""
+    level, rows = found.level, [_peak_row(peak, first=n == 0) for n, peak in enumerate(found.peaks)]
+    if level.branch is not None:
+        rows += _event_rows(level.branch)
+    for way, sweep in level.sweeps.items():
+        seen = found.comparisons[way]
+        rows.append((f"peak of the sweep {way}", seen.peak_frequency, seen.peak, seen.peak / level.acceleration, ""))
+        for fold, at in seen.jumps:
+            a = float(sweep.amplitude[abs(sweep.frequency - at).argmin()])
+            note = f"{100.0 * (at / fold - 1.0):+.2f} % from the fold"
+            rows.append((f"jump of the sweep {way}", at, a, a / level.acceleration, note))
+    return rows
+
+
+def _peak_row(peak: ResonancePeak, *, first: bool) -> Row:
+    harmonic = f"harmonic {peak.harmonic}: {100.0 * peak.share:.3g} % of the first"
+    if first:
+        what = "highest at the edge of the range" if peak.at_edge else "resonance peak"
+    else:
+        what = f"superharmonic peak, order {peak.harmonic}" if peak.share >= _SUPERHARMONIC else "further peak"
+    return what, peak.frequency, peak.amplitude, peak.transmissibility, harmonic
+
+
+def _event_rows(branch: Branch) -> list[Row]:
+    rows: list[Row] = []
+    jumps = {jump.parameter: jump for jump in branch.jumps}
+    for event in branch.bifurcations:
+        size = abs(event.acceleration)
+        jump = jumps.get(event.frequency) if event.kind == "fold" else None
+        notes = [f"{event.before} -> {event.after} multipliers outside the unit circle"]
+        if jump is not None:
+            landing = "nowhere on this branch" if math.isnan(jump.landing) else f"{jump.landing:.4g} m/s^2"
+            notes.append(f"a sweep {'up' if jump.rising else 'down'} jumps to {landing}")
+        rows.append((event.kind, event.frequency, event.amplitude, event.amplitude / size, "; ".join(notes)))
+    return rows
+
+
+def _sentences(found: Findings, rate: float) -> list[str]:
+    """Return what the level's computations say of themselves."""
+    level, words = found.level, []
+    if level.branch is not None:
+        branch = level.branch
+        start = "continuation" if branch.complete else "continuation ENDED EARLY"
+        words.append(
+            f"{start}: {branch.frequency.size} points, {branch.model_steps} model steps, {level.branch_seconds:.1f} s; "
+            f"{branch.message}"
+        )
+        words.append(_stability(branch))
+    for way, sweep in level.sweeps.items():
+        words += _sweep_sentences(found, way, sweep, rate)
+    if level.sweeps:
+        words.append(f"sweeps: {level.sweep_seconds:.1f} s together")
+    return words
+
+
+def _stability(branch: Branch) -> str:
+    unstable = int((~branch.stable).sum())
+    neutral = f"; {branch.neutral.max()} neutral directions left out" if branch.neutral.any() else ""
+    if not unstable:
+        return f"all motions are stable{neutral}"
+    range_ = branch.frequency[~branch.stable]
+    return f"{unstable} points between {range_.min():.5g} and {range_.max():.5g} Hz are unstable{neutral}"
+
+
+def _sweep_sentences(found: Findings, way: str, sweep: FrequencySweep, rate: float) -> list[str]:
+    seen = found.comparisons[way]
+    words = f"sweep {way} at {rate:g} octaves/min: {sweep.frequency.size} cycles, {sweep.model_steps} model steps"
+    if not math.isnan(seen.largest):
+        words += (
+            f"; away from jumps within {100.0 * seen.largest:.2g} % of the branch (at {seen.at:.4g} Hz), half of it within "
+            f"{100.0 * seen.median:.2g} %"
+        )
+    return [words, *(f"sweep {way}: {warning}" for warning in sweep.warnings)]

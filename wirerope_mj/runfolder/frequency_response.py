@@ -1,0 +1,75 @@
+"""A frequency response as one folder: settings, figures, tables, pictures, the recording, and the model as it was used."""
+
+import json
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from wirerope_mj.excitation.checks import direction_text
+from wirerope_mj.frf import FrequencyResponse
+from wirerope_mj.frf.storage import save_tables
+from wirerope_mj.frf.summary import Findings, summary
+from wirerope_mj.runfolder.folder import written_whole
+from wirerope_mj.runfolder.model_files import write_model
+
+FORMAT = 1
+SETTINGS, SUMMARY = "settings.toml", "frequency_response.json"
+KIND, MARKS = "frequency response", (SETTINGS, SUMMARY)
+"""What messages call such a folder, and the files by which one is known."""
+
+_PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk", "matplotlib")
+
+
+def write_frequency_response(
+    result: FrequencyResponse, findings: list[Findings], folder: Path, *, force: bool = False
+) -> None:
+    """Write a frequency response as `folder`, whole or not at all.
+
+    Args:
+        result: what was computed.
+        findings: what is read off it, level by level.
+        folder: must not exist, or be empty, or hold a frequency response that `force` replaces.
+        force: whether one that is there is replaced.
+
+    Raises:
+        RecordError: the folder exists and must not be replaced.
+    """
+    with written_whole(folder, force=force, kind=KIND, marks=MARKS) as beside:
+        model = write_model(result.system, beside / "model")
+        content = _settings(result, f"model/{model.name}")
+        (beside / SETTINGS).write_text(tomli_w.dumps(content), encoding="utf-8")
+        figures = {"format": FORMAT, "levels": summary(findings)}
+        (beside / SUMMARY).write_text(json.dumps(figures, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        save_tables(result, beside)
+
+
+def _settings(result: FrequencyResponse, model: str) -> dict[str, Any]:
+    """Return every input with nothing left open, and the versions that computed it."""
+    asked = result.question
+    start, stop = asked.range
+    assert asked.response_direction is not None
+    content: dict[str, Any] = {
+        "format": FORMAT,
+        "name": result.name,
+        "written": datetime.now(UTC).replace(microsecond=0),
+        "model": {"file": model},
+        "question": {
+            "accelerations": list(asked.accelerations),
+            "method": asked.method,
+            "direction": direction_text(asked.direction),
+            "payload": asked.payload,
+            "response_direction": direction_text(asked.response_direction),
+            "start": start,
+            "stop": stop,
+            "range_from": asked.range_from,
+        },
+    }
+    if asked.method != "sweep":
+        parts = ("periods", "largest_step", "smallest_step")
+        content["continuation"] = {part: getattr(asked, part) for part in parts}
+    if asked.method != "continuation":
+        content["sweep"] = {"rate": asked.rate}
+    return content | {"versions": {name: version(name) for name in _PACKAGES}}
