@@ -80,7 +80,7 @@ def test_records_of_several_files_become_an_isolator_that_repeats_loops_nobody_m
     assert provenance.kind == "identified"
     assert provenance.source == "cyclic tests: small.csv, large.csv, preloaded.csv"
     assert re.search(
-        r"axial force over steady cycles of amplitude \[mm\].* 0\.5 \(0\.\d+ %\), 1\.5 .*, about -4, 0 mm",
+        r"axial force over cycles of amplitude \[mm\].* 0\.5 \(0\.\d+ %\), 1\.5 .*, about -4, 0 mm",
         provenance.fitted_to,
     )
     assert any("only the product c ln b" in words for words in provenance.assumed)
@@ -127,10 +127,13 @@ def test_a_law_that_cannot_follow_is_told_from_noise(folder, capsys):
 
 
 def test_a_loop_that_still_changes_is_named(folder, simple, capsys):
-    # The ramp to an operating point of fifteen amplitudes is remembered: the force relaxes over many small cycles.
-    write_record(folder / "t.csv", *rig_record(SIMPLE, [0.2e-3], seed=4, operating_point=-3e-3))
+    # The ramp to an operating point of fifteen amplitudes is remembered: the force relaxes over many small cycles. Without
+    # the ramp in the record nobody knows how.
+    ramp = 240
+    record = rig_record(SIMPLE, [0.2e-3], seed=4, operating_point=-3e-3)
+    write_record(folder / "t.csv", *(values[ramp:] for values in record))
     out = run(capsys, simple, "t.csv", "--law", "bouc-wen", "--out", "a.toml")
-    named = r"t\.csv: ±0\.2 mm about -3 mm is not steady, its last cycle ends \d+ % of its force range"
+    named = r"t\.csv: ±0\.2 mm about -3 mm is not steady, its last cycle ends [\d.]+ % of its force range"
     assert re.search(named, out), out
     assert out.count("is not steady") == 1
     assert re.search(named, (folder / "a-report" / "report.md").read_text(encoding="utf-8"))

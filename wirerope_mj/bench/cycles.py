@@ -1,23 +1,21 @@
 """Long records cut into cycles: the steady loop of every amplitude and operating point that a test held."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.bench.averaging import Cycle, cycle_to, mean_loop, whole_record
 from wirerope_mj.bench.reading import Samples, read_rows, require_nominal
-from wirerope_mj.bench.tips import reach_of, tip_of
+from wirerope_mj.bench.recorded import RecordedLoop
 from wirerope_mj.bench.turning import Trace, find_turning_points, rms_noise
 from wirerope_mj.errors import RecordError
 from wirerope_mj.laws import Loop
 
 Array = npt.NDArray[np.float64]
 Place = Callable[[int, int], str]
-
-POINTS = 200
-"""Samples of a loop: chords then lose 2e-4 of its area, and a fit does not slow down with the rate of the acquisition."""
 
 KEPT = 3
 """Last cycles whose mean is the loop: noise is halved nearly, and what fades from cycle to cycle has faded most."""
@@ -26,8 +24,7 @@ _FEWEST = 12  # samples in a cycle: fewer do not show how its branches bend
 _ALIKE = 0.05  # share by which strokes of one run may differ: amplitudes that a test tells apart differ by more
 _AT_ENDS = 0.02  # the same for the strokes that a record begins and ends with, which may stop short of turning round
 _REPEATS = 0.02  # of the amplitude, root mean square: cycles that repeat the deflection less well are not averaged
-_AT_TIP = 0.05  # of a bin, within which samples stand at a turning point: a chord to the next loses 1e-4 of a stroke
-_NOTHING = 0.01  # of stroke times force range: an area of the size that noise has
+_UNLOADED = 0.05  # of its range, within which a record begins at the unloaded device
 _CLIPPED = 0.05  # share of the stroke over which a force that still moves cannot stand at one value, even at 8 bits
 
 
@@ -66,6 +63,9 @@ def steady_loops(deflection: npt.ArrayLike, force: npt.ArrayLike, *, time: npt.A
     as they repeat each other. A zero of the force that drifts linearly is taken out, by the mean forces of these cycles;
     of a single one, so that it closes.
 
+    Of a record that begins at the unloaded device, as one with a ramp to the operating point does, each loop keeps the turning
+    points before it, so that laws can be led the same way and cycles need not be steady; of others, loops count as steady.
+
     Loops hold 200 samples, fewer if the record has fewer, and end with their first sample; `cycles` counts the run's, and
     `closure` says how far apart the ends of the last cycle stand without the drift.
 
@@ -88,19 +88,6 @@ def steady_loops(deflection: npt.ArrayLike, force: npt.ArrayLike, *, time: npt.A
     return _steady(x, f, t, lambda first, last: f"samples {first} to {last}")
 
 
-@dataclass(frozen=True)
-class _Cycle:
-    """One cycle's samples: phase 0 to 1, `tips` the phases of its turning points that are not samples themselves."""
-
-    samples: npt.NDArray[np.int64]
-    phase: Array
-    tips: tuple[float, ...]
-
-    def of(self, values: Array) -> Array:
-        """Return a series at `POINTS` even phases."""
-        return np.interp(np.arange(POINTS) / POINTS, self.phase, values[self.samples])
-
-
 def _steady(x: Array, f: Array, time: Array | None, place: Place) -> list[Loop]:
     """Return the loops of a record; `place` says in words where samples stand."""
     whole = place(0, x.size - 1) if x.size else "the record"
@@ -115,7 +102,7 @@ def _steady(x: Array, f: Array, time: Array | None, place: Place) -> list[Loop]:
         )
     if trace.strokes.size <= 3 and _ends_meet(trace):
         _require_unclipped(x, f, whole)
-        return [_loop([_whole(trace)], x, f, 1, abs(float(f[-1] - f[0])), whole)]
+        return [mean_loop([whole_record(trace)], x, f, 1, abs(float(f[-1] - f[0])), whole)]
     runs = _runs(trace)
     if not runs:
         strokes = ", ".join(f"{1e3 * s:.4g}" for s in trace.strokes[:6]) + (", ..." if trace.strokes.size > 6 else "")
@@ -123,7 +110,10 @@ def _steady(x: Array, f: Array, time: Array | None, place: Place) -> list[Loop]:
             f"{whole}: there is no full cycle. The deflection goes to and fro by {strokes} mm; a cycle is two strokes of "
             "one length, or ends where it began."
         )
-    return [_loop_of_run(trace, f, first, last, place) for first, last in runs]
+    loops = [_loop_of_run(trace, f, first, last, place) for first, last in runs]
+    if abs(float(trace.smooth[0])) > _UNLOADED * np.ptp(x):  # how the device came there is not in the record
+        return [replace(loop, averaged=0) for loop in loops]
+    return _led_there(trace, runs, loops)
 
 
 def _ends_meet(trace: Trace) -> bool:
@@ -131,21 +121,6 @@ def _ends_meet(trace: Trace) -> bool:
     x = trace.deflection
     step = float(np.abs(np.diff(trace.smooth)).max())
     return trace.strokes.size >= 2 and abs(float(x[-1] - x[0])) <= 1.5 * step + 4.0 * trace.noise
-
-
-def _whole(trace: Trace) -> _Cycle:
-    """Return a record that is one cycle; its last sample repeats the first or stands one step before it."""
-    x, samples = trace.deflection, trace.time.size
-    steps = np.abs(np.diff(x))
-    repeated = abs(float(x[-1] - x[0])) <= 0.5 * min(steps[0], steps[-1])
-    share = 1.0 if repeated else (samples - 1) / samples
-    elapsed, turning = (share * (t - trace.time[0]) / np.ptp(trace.time) for t in (trace.time, trace.times[1:-1]))
-    if samples <= POINTS + 1:
-        return _Cycle(np.arange(samples), elapsed, ())
-    # Turning points where bins have their middle, as those of a run.
-    tips = np.round(turning * POINTS) / POINTS
-    phase = np.interp(elapsed, [0.0, *turning, 1.0], [0.0, *tips, 1.0])
-    return _Cycle(np.arange(samples), phase, (*tips.tolist(), *([0.0] if tips.size == 1 else [])))
 
 
 def _runs(trace: Trace) -> list[tuple[int, int]]:
@@ -166,9 +141,22 @@ def _runs(trace: Trace) -> list[tuple[int, int]]:
     return runs
 
 
-def _loop_of_run(trace: Trace, force: Array, first: int, last: int, place: Place) -> Loop:
+def _led_there(trace: Trace, runs: list[tuple[int, int]], loops: list[RecordedLoop]) -> list[Loop]:
+    """Return loops with the turning points before them; those of a run are its loop's, free of noise."""
+    turning = trace.raw_turning
+    for (first, last), loop in zip(runs, loops, strict=True):
+        ends = (loop.deflection.min(), loop.deflection.max())
+        for place in range(first, last + 1):
+            turning[place] = ends[int(turning[place] > 0.5 * sum(ends))]
+    return [
+        replace(loop, history=np.concatenate([[0.0], turning[: last + 1 - 2 * loop.averaged]]))
+        for (_, last), loop in zip(runs, loops, strict=True)
+    ]
+
+
+def _loop_of_run(trace: Trace, force: Array, first: int, last: int, place: Place) -> RecordedLoop:
     """Return the mean of the last cycles of a run, without drift."""
-    cycles = [_cycle(trace, end) for end in range(last, first + 1, -2)]
+    cycles = [cycle_to(trace, end) for end in range(last, first + 1, -2)]
     fewest = min(cycle.samples.size for cycle in cycles[:KEPT])
     if fewest < _FEWEST:
         at = cycles[0].samples
@@ -186,63 +174,20 @@ def _loop_of_run(trace: Trace, force: Array, first: int, last: int, place: Place
     _require_unclipped(trace.deflection[every], force[every], where)
     times = trace.times[[last - 2, last]]
     rise, period = np.diff(np.interp(times, trace.time, trace.smoothed(force)))[0], times[1] - times[0]
-    slope = _drift(trace, kept, force) if len(kept) > 1 else rise / period
+    slope = _drift(trace, kept, force, last) if len(kept) > 1 else rise / period
     gap = abs(float(rise - slope * period))
-    return _loop(kept, trace.deflection, force - slope * (trace.time - times[1]), len(cycles), gap, where)
+    loop = mean_loop(kept, trace.deflection, force - slope * (trace.time - times[1]), len(cycles), gap, where)
+    return replace(loop, averaged=len(kept))
 
 
-def _drift(trace: Trace, kept: list[_Cycle], force: Array) -> float:
+def _drift(trace: Trace, kept: list[Cycle], force: Array, last: int) -> float:
     """Return how fast the zero of the force drifts [N/s]: from the mean force of the first kept cycle to that of the last.
 
     The means of all samples are surer than forces at the turning points, which would close the loop exactly and their noise
     with it.
     """
-    (f_last, t_last), (f_first, t_first) = (
-        (cycle.of(force).mean(), cycle.of(trace.time).mean()) for cycle in (kept[0], kept[-1])
-    )
-    return float((f_last - f_first) / (t_last - t_first))
-
-
-def _cycle(trace: Trace, end: int) -> _Cycle:
-    """Return the cycle that ends at a turning point."""
-    bounds = trace.times[end - 2 : end + 1]
-    inside = np.flatnonzero((trace.time >= bounds[0]) & (trace.time <= bounds[2]))
-    return _Cycle(inside, np.interp(trace.time[inside], bounds, [0.0, 0.5, 1.0]), (0.0, 0.5))
-
-
-def _loop(cycles: list[_Cycle], x: Array, f: Array, count: int, gap: float, where: str) -> Loop:
-    """Return the mean of cycles over bins of phase, whose first and last bin are one, through their turning points."""
-    every = np.concatenate([cycle.samples for cycle in cycles])
-    phase = np.concatenate([cycle.phase for cycle in cycles])
-    bins = min(POINTS, *(round((cycle.phase.size - 1) / np.ptp(cycle.phase)) for cycle in cycles))
-    bins -= bins % 2 if cycles[0].tips else 0  # half a cycle after the first turning point is a bin's middle too
-    numbers = np.floor(phase * bins + 0.5).astype(int) % bins
-    filled = np.bincount(numbers, minlength=bins)
-    means = [np.bincount(numbers, values[every], bins) / np.maximum(filled, 1) for values in (x, f)]
-    for tip in cycles[0].tips:
-        distance, place = (phase - tip + 0.5) % 1.0 - 0.5, round(tip * bins) % bins
-        if filled[place] and np.abs(distance[numbers == place]).max() < _AT_TIP / bins:
-            continue
-        near = np.abs(distance) <= reach_of(bins)
-        means[0][place], means[1][place] = tip_of(distance[near], x[every][near], f[every][near])
-        filled[place] += 1
-    mean_x, mean_f = (mean[filled > 0] for mean in means)
-    loop = Loop.from_samples(np.append(mean_x, mean_x[0]), np.append(mean_f, mean_f[0]), cycles=count)
-    if np.ptp(mean_f) == 0.0:
-        raise ValueError(f"{where}: the force never changes, it stands at {mean_f[0]:.6g} N.")
-    if loop.secant_stiffness < 0.0:
-        raise ValueError(f"{where}: the force falls where the deflection grows; both are positive in tension.")
-    if loop.dissipated_energy <= 0.0:
-        if -loop.dissipated_energy < _NOTHING * np.ptp(mean_x) * np.ptp(mean_f):
-            raise ValueError(
-                f"{where}: the cycle of +-{1e3 * loop.amplitude:.4g} mm encloses no area beside its noise; leave it out, or "
-                "measure more cycles of it."
-            )
-        raise ValueError(
-            f"{where}: the cycle gives {-loop.dissipated_energy:.3g} J away, and no isolator does. Is the order of the "
-            "samples that of time, and do both channels have the same filter?"
-        )
-    return replace(loop, closure=gap / float(np.ptp(mean_f)))
+    begins = trace.times[[last - 2 * len(kept), last - 2]]
+    return (kept[0].mean(force) - kept[-1].mean(force)) / float(begins[1] - begins[0])
 
 
 def _require_unclipped(x: Array, f: Array, where: str) -> None:

@@ -13,6 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from wirerope_mj.bench import read_cycles
+from wirerope_mj.bench.recorded import RecordedLoop
 from wirerope_mj.cli.identify_report import (
     PICTURES,
     Rows,
@@ -37,8 +38,11 @@ NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
 
 _REPORT = "report.md"
-_STEADY = 0.05
-"""Share of the force range by which a cycle may not close: beside noise of 1 % of its half, and no more than it."""
+_STEADY = 0.01
+"""Share of the force range within which cycles that count as steady close: noise of 1 % of its half shows half of it."""
+
+_ONE_CYCLE = 0.05
+"""The same of a single cycle, whose ends have the noise of samples."""
 
 _OTHER_UNITS = 100.0
 """Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold."""
@@ -209,7 +213,7 @@ def _isolator(request: Request, result: Identification, fits: Sequence[FittedLoo
         kind="identified",
         source=f"cyclic tests: {', '.join(path.name for path in request.files)}",
         fitted_to=(
-            f"{request.axis} force over steady cycles of amplitude [mm] (error of the force over half its range) {sizes}, "
+            f"{request.axis} force over cycles of amplitude [mm] (error of the force over half its range) {sizes}, "
             f"about {', '.join(f'{point:g}' for point in points)} mm"
         ),
         assumed=tuple(assumed),
@@ -238,13 +242,15 @@ def _write_report(
 
 
 def _unsteady(tests: Mapping[Path, Sequence[Loop]]) -> list[str]:
-    """Return which loops still change from cycle to cycle, in words."""
+    """Return which loops count as steady and still change from cycle to cycle, in words."""
     return [
         f"{path}: ±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm is not steady, its last cycle "
-        f"ends {100.0 * loop.closure:.0f} % of its force range from where it began; more cycles would help"
+        f"ends {100.0 * loop.closure:.2g} % of its force range from where it began, and is fitted as if it were: "
+        "parameters may be off by more than their errors. Record the way from the unloaded device, or more cycles"
         for path, loops in tests.items()
         for loop in loops
-        if loop.closure > _STEADY
+        if not (isinstance(loop, RecordedLoop) and loop.averaged)
+        and loop.closure > (_STEADY if loop.cycles > 1 else _ONE_CYCLE)
     ]
 
 

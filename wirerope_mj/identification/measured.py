@@ -1,12 +1,13 @@
 """A measured loop made ready to be fitted: its deflection runs monotonely between its two turning points."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import isotonic_regression
 
+from wirerope_mj.bench.recorded import RecordedLoop, mean_of_cycles
 from wirerope_mj.identification.coordinates import Scales
 from wirerope_mj.laws import Law, Loop
 from wirerope_mj.laws.steady import follow_force, settle
@@ -31,11 +32,17 @@ class MeasuredLoop:
         deflection: path [m], (n_t,), monotone between its turning points.
         force: measured force [N], (n_t,).
         weight: what a residual of this loop is divided by [N].
+        history: turning points from the unloaded device to the first of the measured cycles [m], (n,).
+        elapsed: time since the cycle began over its period, (n_t,).
+        averaged: cycles whose mean was measured; 0: the loop counts as steady.
     """
 
     deflection: Array
     force: Array
     weight: float
+    history: Array = field(default_factory=lambda: np.zeros(0))
+    elapsed: Array = field(default_factory=lambda: np.zeros(0))
+    averaged: int = 0
 
     @property
     def amplitude(self) -> float:
@@ -62,15 +69,34 @@ class MeasuredLoop:
         kept = np.unique(
             np.concatenate([np.linspace(0, x.size - 1, samples).astype(int), [np.argmax(x), np.argmin(x)]])
         )
-        return MeasuredLoop(deflection=x[kept], force=self.force[kept], weight=self.weight)
+        elapsed = self.elapsed[kept] if self.averaged else self.elapsed
+        return replace(self, deflection=x[kept], force=self.force[kept], elapsed=elapsed)
 
     def model_force(self, law: Law) -> Array:
-        """Return the force of a law in its steady state on the loop's path [N], (n_t,); NaN where it is not finite."""
-        x = self.deflection
+        """Return the force of a law on the loop's path [N], (n_t,); NaN where it is not finite.
+
+        The law is led there as the device was, through the turning points before, and what was made of the measured cycles is
+        made of its. Where they are not known it is in its steady state.
+        """
+        if self.averaged:
+            return self._led_force(law)
+        x, parameters = self.deflection, law.kernel_parameters()
         first, second = sorted((int(np.argmax(x)), int(np.argmin(x))))
-        parameters, turning = law.kernel_parameters(), np.array([x[0], x[first], x[second], x[-1]])
+        turning = np.array([x[0], x[first], x[second], x[-1]])
         states = settle(law.kernel, parameters, turning, law.n_states, STEADY * float(np.ptp(self.force)))
         return follow_force(law.kernel, parameters, x, states, law.n_states)
+
+    def _led_force(self, law: Law) -> Array:
+        """Return what is made of the force of a law that came the way of the history."""
+        x, parameters, states = self.deflection, law.kernel_parameters(), np.zeros(law.n_states)
+        follow_force(law.kernel, parameters, np.append(self.history, x[0]), states, law.n_states)
+        forces = np.empty((self.averaged, x.size))
+        for cycle in range(self.averaged):
+            before = states.copy()
+            forces[cycle:] = follow_force(law.kernel, parameters, x, states, law.n_states)
+            if np.abs(states - before).max() <= STEADY * float(np.ptp(self.force)):
+                break
+        return mean_of_cycles(forces, self.elapsed)
 
 
 def prepare(loops: Sequence[Loop], *, weights: str = "range") -> list[MeasuredLoop]:
@@ -94,7 +120,10 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range") -> list[MeasuredLo
     for number, loop in enumerate(loops, start=1):
         _check(loop, number)
         size = 0.5 * float(np.ptp(loop.force)) if weights == "range" else largest
-        ready.append(MeasuredLoop(deflection=_monotone(loop.deflection), force=loop.force, weight=size))
+        one = MeasuredLoop(deflection=_monotone(loop.deflection), force=loop.force, weight=size)
+        if isinstance(loop, RecordedLoop):
+            one = replace(one, history=loop.history, elapsed=loop.elapsed, averaged=loop.averaged)
+        ready.append(one)
     return sorted(ready, key=lambda loop: float(np.ptp(loop.deflection)))
 
 
