@@ -5,8 +5,9 @@ import pytest
 from rig_records import rig_record
 
 import wirerope_mj as wr
-from wirerope_mj.bench import steady_loops
+from wirerope_mj.bench import cyclic_test, steady_loops
 from wirerope_mj.bench.recorded import mean_of_cycles
+from wirerope_mj.identification.fitted import fitted_loops
 from wirerope_mj.identification.measured import prepare
 
 LAW = wr.BoucWen(alpha=300e3, beta=2.0, gamma=-0.5, n=1.5, k=80e3)
@@ -61,3 +62,18 @@ def test_mean_of_cycles_has_no_line_left():
     for forces in (drifting, drifting[:1]):
         made = mean_of_cycles(forces, elapsed)
         np.testing.assert_allclose(made - made.mean(), cycle, atol=1e-12)
+
+
+@pytest.mark.parametrize("point", [0.0, -4e-3])
+def test_steady_loop_of_elements_is_reached_by_a_ramp_from_the_unloaded_device(point):
+    (loop,) = cyclic_test(STEEL, 1e-3, operating_point=point)
+    order = np.append(np.roll(np.arange(400), 37), 400 - 37)  # wherever in the cycle its samples begin
+    for each in (loop, wr.Loop.from_samples(loop.deflection[order], loop.force[order])):
+        # The middle of the deflections is the operating point to rounding.
+        np.testing.assert_allclose(prepare([each])[0].model_force(STEEL), each.force, atol=1e-9 * np.ptp(loop.force))
+
+
+def test_pictures_show_measured_and_fitted_force_on_top_of_each_other():
+    record = rig_record(STEEL, [1e-3, 2e-3, 5e-3, 15e-3], noise=0.0, zero=-30.0)
+    found = wr.identify(steady_loops(*record[1:], time=record[0]), law=wr.Masing, start=STEEL, grid=False)
+    assert [fit.zero for fit in fitted_loops(found)] == pytest.approx([-30.0] * 4, abs=5.0)

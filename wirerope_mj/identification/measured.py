@@ -76,14 +76,20 @@ class MeasuredLoop:
         """Return the force of a law on the loop's path [N], (n_t,); NaN where it is not finite.
 
         The law is led there as the device was, through the turning points before, and what was made of the measured cycles is
-        made of its. Where they are not known it is in its steady state.
+        made of its. Where they are not known it is in its steady state; elements that never slip there stand as a ramp from the
+        unloaded device to the operating point leaves them.
         """
         if self.averaged:
             return self._led_force(law)
         x, parameters = self.deflection, law.kernel_parameters()
         first, second = sorted((int(np.argmax(x)), int(np.argmin(x))))
         turning = np.array([x[0], x[first], x[second], x[-1]])
-        states = settle(law.kernel, parameters, turning, law.n_states, STEADY * float(np.ptp(self.force)))
+        if law.n_states == 1:
+            states = settle(law.kernel, parameters, turning, 1, STEADY * float(np.ptp(self.force)))
+        else:  # Jenkin elements: steady after one cycle, and no start fades
+            states = np.zeros(law.n_states)
+            middle = 0.5 * (x[first] + x[second])
+            follow_force(law.kernel, parameters, np.array([0.0, middle, *turning, *turning]), states, law.n_states)
         return follow_force(law.kernel, parameters, x, states, law.n_states)
 
     def _led_force(self, law: Law) -> Array:
