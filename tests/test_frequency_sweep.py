@@ -228,6 +228,78 @@ def test_an_oblique_base_shakes_all_axes_at_once(three):
     np.testing.assert_array_equal(r.transmissibility, r.envelopes["mass"].transmissibility[:, 1])
 
 
+def test_bodies_on_a_payload_have_envelopes_of_their_own():
+    lamp, stiffness, damping = 0.5, 0.5 * (2 * np.pi * 16.0) ** 2, 6.0
+    world = deck({"b": 'pos="0 0 .2"'}, slides="z") + (
+        f'<body name="mass" pos="0 0 .3"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="{MASS}"/>'
+        '<site name="p" pos="0 0 -.1"/><body name="lamp" pos="0 0 .2"><joint type="slide" axis="0 0 1" '
+        f'stiffness="{stiffness!r}" damping="{damping}"/><geom size=".05" mass="{lamp}"/></body></body>'
+    )
+    isolators = {"a": wr.Isolator(name="a", axial=linear())}
+    system = wr.load_system(mjcf(world, [("m1", "p", "b", "a")]), isolators=isolators)
+    frequencies = np.array([6.0, 9.0, 16.0, 19.0])
+    r = wr.stepped_sine(system, frequencies=frequencies, acceleration=LEVEL, direction="z", payload="lamp")
+    assert list(r.envelopes) == ["mass", "lamp"]  # payloads first, the deck is none
+    w = 2 * np.pi * frequencies
+    mount, joint = linear().k + 1j * w * linear().c, stiffness + 1j * w * damping
+    # Two masses in absolute coordinates per unit of the base: -w^2 m1 x1 = mount (1 - x1) + joint (x2 - x1), and so on.
+    x1 = mount / (mount + joint - MASS * w**2 - joint**2 / (joint - lamp * w**2))
+    x2 = x1 * joint / (joint - lamp * w**2)
+    np.testing.assert_allclose(r.envelopes["mass"].transmissibility[:, 2], np.abs(x1), rtol=3e-4)
+    np.testing.assert_allclose(r.transmissibility, np.abs(x2), rtol=3e-4)
+
+
+def duffing(amplitude, stiffness, cubic, damping, forcing):
+    """Return the two frequencies [Hz] at which a hardening mass swings by a deflection amplitude, by harmonic balance.
+
+    (k + 3/4 k3 X^2 - m w^2)^2 + (c w)^2 = (m a / X)^2.
+    """
+    secant = stiffness + 0.75 * cubic * amplitude**2
+    b = 2 * MASS * secant - damping**2
+    root = np.emath.sqrt(b**2 - 4 * MASS**2 * (secant**2 - (MASS * forcing / amplitude) ** 2))
+    return [np.sqrt((b + sign * root) / 2) / MASS / (2 * np.pi) for sign in (-1, 1)]
+
+
+def test_a_hardening_mount_jumps_at_its_folds_later_on_the_way_up_than_on_the_way_down():
+    linear_part, cubic, forcing = linear(damping=0.05), 1.4e8, 4.0
+    hardening = wr.SymmetricBoucWen(**hysteresis(alpha=1e-3, z_max=1e-6), k1=0.0, k2=0.0, k3=cubic)
+    world = deck({"b": 'pos="0 0 .2"'}, slides="z") + (
+        '<body name="mass" pos="0 0 .3"><joint type="slide" axis="0 0 1"/>'
+        f'<geom size=".1" mass="{MASS}"/><site name="p" pos="0 0 -.1"/></body>'
+    )
+    isolators = {"a": wr.Isolator(name="a", axial=linear_part), "h": wr.Isolator(name="h", axial=hardening)}
+    system = wr.load_system(mjcf(world, [("m1", "p", "b", "a"), ("m2", "p", "b", "h")]), isolators=isolators)
+    low, high = duffing(np.linspace(1e-4, 1.2e-2, 20001), linear_part.k, cubic, linear_part.c, forcing)
+    there = np.abs(np.imag(low)) < 1e-9
+    folds = {"up": np.real(low[there]).max(), "down": np.real(high[there]).min()}
+    options = {"timestep": 1e-3, **MOUNT}
+    beyond = []
+    for rate in (4.0, 1.0):
+        rising = wr.frequency_sweep(system, up(rate, 10.0, 13.5, acceleration=forcing), **options)
+        falling = wr.frequency_sweep(
+            system, up(rate, 13.5, 10.0, acceleration=forcing), initial=rising.final_state, **options
+        )
+        # Between the folds the two are on different responses, outside on the same but for their lag, 4 % at most.
+        both = [np.interp([10.1, 12.0], *by_frequency(r)) for r in (rising, falling)]
+        assert both[0][1] > 2.0 * both[1][1]
+        assert both[0][0] == pytest.approx(both[1][0], rel=0.05)
+        beyond.append((jump(rising) / folds["up"] - 1, 1 - jump(falling) / folds["down"]))
+    fast, slow = np.array(beyond)
+    assert np.all(slow > 0.0)
+    # At a fold the response is left behind by the power 2/3 of the rate: 4^(2/3) = 2.5.
+    assert np.all(fast > 1.7 * slow)
+    assert np.all(slow < 0.03)
+
+
+def by_frequency(r):
+    order = np.argsort(r.frequency)
+    return r.frequency[order], r.amplitude[order]
+
+
+def jump(r):
+    return r.frequency[np.argmax(np.abs(np.diff(np.log(r.amplitude))))]
+
+
 @pytest.mark.parametrize(("quantity", "power"), [("acceleration", 0), ("velocity", 1), ("displacement", 2)])
 def test_steady_sines_take_the_level_in_any_quantity(system, quantity, power):
     frequencies = np.array([6.0, 12.0])

@@ -92,8 +92,8 @@ def frequency_sweep(
     wait = None if settled is None else positive("settled", settled)
     most = at_least_one("largest_cycles", largest_cycles)
     start = starting_state(system, history=history, initial=initial)
-    step = chosen_step(system, sweep, start, duration=float(instants[-1]), timestep=timestep, accuracy=accuracy)
     with Collector(system, direction=sweep.direction, out=out) as collector, frequency_bar(enabled=progress) as update:
+        step = chosen_step(system, sweep, start, duration=float(instants[-1]), timestep=timestep, accuracy=accuracy)
         start, warnings = _lead_in(system, sweep, start, collector, step.timestep, wait, most)
         final = _follow(system, sweep, start, instants, collector, step.timestep, update)
         return collector.finish(

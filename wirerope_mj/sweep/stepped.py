@@ -99,10 +99,9 @@ def stepped_sine(
     tolerance, most = positive("settled", settled), at_least_one("largest_cycles", largest_cycles)
     state = starting_state(system, history=history, initial=initial)
     pilot = _pilot(sines, quantity, level, base)
-    step = chosen_step(system, pilot, state, duration=PILOT, timestep=timestep, accuracy=accuracy)
     excitation = {"kind": KIND, quantity: level, "direction": plain_direction(base)}
     with Collector(system, direction=base, out=out) as collector, frequency_bar(enabled=progress) as update:
-        unsettled = []
+        step, unsettled = chosen_step(system, pilot, state, duration=PILOT, timestep=timestep, accuracy=accuracy), []
         for number, sine in enumerate(sines):
             at = settle(system, sine, state, timestep=step.timestep, settled=tolerance, largest_cycles=most)
             state = at.state
