@@ -168,10 +168,13 @@ class Branch:
         p, a = self.followed, self.amplitude
         value = float(p[fold.index])
         rising = bool(self.tangents[max(fold.index - 1, 0)] > 0.0)
+        folds = [0, *(other.index for other in self.folds), p.size - 1]
+        here = folds.index(fold.index, 1)
         landings = []
         for i in range(p.size - 1):
-            crosses = (p[i] - value) * (p[i + 1] - value) <= 0.0 and fold.index not in (i, i + 1)
-            if not (crosses and self.stable[i] and self.stable[i + 1]):
+            sheet = folds[here - 1] <= i < folds[here + 1]  # the two that meet at this fold
+            crosses = (p[i] - value) * (p[i + 1] - value) <= 0.0
+            if sheet or not (crosses and self.stable[i] and self.stable[i + 1]):
                 continue
             share = (value - p[i]) / (p[i + 1] - p[i])
             landings.append(float(a[i] + share * (a[i + 1] - a[i])))

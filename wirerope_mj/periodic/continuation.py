@@ -37,6 +37,9 @@ MANY = 13
 """Unknowns from which on the variational equation is cheaper than a copy of the system for each: one body free to move and turn
 has 12 without its mounts' states."""
 
+UNCLEAR = 0.1
+"""Component of a unit tangent whose sign may change between two points."""
+
 SLOW = 0.5
 """Ratio of two residuals above which the matrix is integrated anew."""
 
@@ -115,6 +118,13 @@ class Continuation:
         system = np.vstack([matrix / arc, row])
         tangent = least_solution(system, np.append(np.zeros(n), 1.0))
         return np.asarray(tangent / np.linalg.norm(tangent))
+
+    def turned(self, point: Point, share: float, way: Array) -> Point:
+        """Return the point with its tangent turned along the way that led there: towards `share` of ln p, or along x."""
+        along = float(point.tangent[-1]) * share
+        if abs(share) < UNCLEAR:
+            along = float(point.tangent[:-1] @ (way / point.shot.scale))
+        return replace(point, tangent=point.tangent if along >= 0.0 else -point.tangent)
 
     def step(self, last: Point, length: float) -> Point | None:
         """Return the point an arclength further, None if the corrector does not get there."""

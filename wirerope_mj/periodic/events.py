@@ -58,17 +58,17 @@ def _nearest_to_one(point: Point) -> complex:
 def _between(path: Continuation, a: Point, b: Point, length: float, test: Callable[[Point], float]) -> Point:
     """Return the point where `test` vanishes, by the Illinois method on the arclength from `a`."""
     left, right, f_left, f_right = 0.0, length, test(a), test(b)
-    best = a if abs(f_left) < abs(f_right) else b
-    spans = sorted((a.parameter, b.parameter))
+    best, least = (a, abs(f_left)) if abs(f_left) < abs(f_right) else (b, abs(f_right))
     for _ in range(LOCATIONS):
         middle = (left * f_right - right * f_left) / (f_right - f_left)
         point = path.step(a, middle)
         if point is None:
             break
-        spans = sorted((best.parameter, point.parameter))
         value = test(point)
-        best = point
-        if spans[1] - spans[0] < CLOSE * spans[1] or right - left < CLOSE * length:
+        if abs(value) < least:
+            best, least = point, abs(value)
+        # what is left of the interval, as a share of the parameter
+        if path.unit * abs(point.tangent[-1]) * abs(right - left) < CLOSE:
             break
         if value * f_right < 0.0:
             left, f_left = right, f_right

@@ -29,12 +29,13 @@ class Flow:
 
     Attributes:
         coordinates: the unknowns.
-        steps: model steps taken so far, of all copies.
+        taken: model steps taken so far, of all copies.
+        passes: single forward passes besides; a step has four.
     """
 
     def __init__(self, coordinates: Coordinates, *, copies: int) -> None:
         self.coordinates, self.system = coordinates, coordinates.system
-        self.model, self.steps = copy.copy(self.system.model), 0
+        self.model, self.taken, self.passes = copy.copy(self.system.model), 0, 0
         self._batch = Batch(self.model, nsim=copies, nthread=min(copies, os.cpu_count() or 1))
         self._timestep = self._batch.expand("opt.timestep")
         self._qpos, self._qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
@@ -43,6 +44,11 @@ class Flow:
         self._user = self._batch.bind("userdata")[:, part]
         self._dofs = np.array(assembly.driven_dofs, dtype=int)
         self._places = self.model.jnt_qposadr[list(assembly.subjects.driven)]
+
+    @property
+    def steps(self) -> int:
+        """Model steps taken so far, forward passes counted as quarters."""
+        return self.taken + self.passes // 4
 
     @contextmanager
     def ready(self) -> Iterator[None]:
@@ -108,7 +114,7 @@ class Flow:
                 self._place(row, motion, drive, done)
             yield
             done += self._piece
-        self.steps += total * len(drives)
+        self.taken += total * len(drives)
 
     def _place(self, row: int, motion: Sine, drive: Drive, done: int) -> None:
         step = drive.duration / drive.steps

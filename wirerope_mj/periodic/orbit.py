@@ -137,14 +137,20 @@ def periodic_orbit(
         frequency=positive("frequency", frequency), acceleration=nonzero("acceleration", acceleration),
         direction=checked_direction(direction),
     )  # fmt: skip
-    if isinstance(periods, bool) or not isinstance(periods, int) or periods < 1:
-        raise ValueError(f"`periods` must be a whole number >= 1, got {periods!r}.")
+    whole("periods", periods)
     check_direction(system, sine)
     search = Search(system, direction=sine.direction, history=history, accuracy=positive("accuracy", accuracy))
     with search.flow.ready():
         return search.find(
             sine.frequency, sine.amplitude, periods, guess=guess, tolerance=positive("tolerance", tolerance)
         )
+
+
+def whole(name: str, value: int) -> int:
+    """Return the value; ValueError unless it is a whole number >= 1."""
+    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+        raise ValueError(f"`{name}` must be a whole number >= 1, got {value!r}.")
+    return value
 
 
 class Search:

@@ -93,7 +93,7 @@ class Variational:
         count = instants.size * self.passes
         self._place(at_shot, instants, base)
         self._batch.forward(np.arange(count))
-        self.flow.steps += count / 4  # four passes are a step
+        self.flow.passes += count
         shape = (instants.size, self.passes)
         if self._out["nefc"][:count].any():
             return False
@@ -135,9 +135,7 @@ class Variational:
         user[:, :, first + at.STAGE_POINTS] = 1.0
         user[:, :, first + at.STAGES : first + at.STAGES + 3] = base[instants, np.newaxis]
 
-    def _fill(
-        self, at_shot: Shot, instants: Instants, qacc: Array, rates: Array, record: Array, out: Array
-    ) -> None:
+    def _fill(self, at_shot: Shot, instants: Instants, qacc: Array, rates: Array, record: Array, out: Array) -> None:
         scale, nf = at_shot.scale, self._free.size
         q, v, z = slice(0, nf), slice(nf, 2 * nf), slice(2 * nf, scale.size)
         step = DIFFERENCE * scale
@@ -156,7 +154,9 @@ class Variational:
                 force = (record[:, row, group.mount, 1] - record[:, 0, group.mount, 1])[:, group.axes] / unit
                 pull = np.einsum("kaj,ka->kj", gradient[:, group.mount][:, group.axes], force)
                 a[:, v, 2 * nf + j] = -np.einsum("kij,kj->ki", inverse, pull)
-                a[:, 2 * nf + np.array(group.states), 2 * nf + j] = (rates[:, row] - rates[:, 0])[:, group.states] / unit
+                a[:, 2 * nf + np.array(group.states), 2 * nf + j] = (rates[:, row] - rates[:, 0])[
+                    :, group.states
+                ] / unit
         out[instants] = a * scale / scale[:, np.newaxis]
 
     def _inverse_mass(self, qpos: Array) -> Array:

@@ -5,6 +5,40 @@ from contextlib import contextmanager
 
 from wirerope_mj.simulation.grid import Grid
 
+Update = Callable[[float, float], None]
+
+
+@contextmanager
+def share_bar(word: str, unit: str, *, enabled: bool) -> Iterator[Update]:
+    """Show a value, the share that is done and the time left on standard error while the block runs.
+
+    Args:
+        word: what is going on, "simulating".
+        unit: of the value that is shown.
+        enabled: whether a bar is shown at all.
+
+    Yields:
+        What to call with the share that is done and the value.
+    """
+    if not enabled:
+        yield lambda share, value: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn(word),
+        BarColumn(),
+        TextColumn("{task.fields[now]:.4g} " + unit + ","),
+        TimeElapsedColumn(),
+        TextColumn("elapsed,"),
+        TimeRemainingColumn(),
+        TextColumn("left"),
+    )
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("", total=1.0, now=0.0)
+        yield lambda share, value: progress.update(task, completed=share, now=value)
+
 
 @contextmanager
 def progress_bar(grid: Grid, *, enabled: bool) -> Iterator[Callable[[float], None] | None]:
@@ -16,19 +50,6 @@ def progress_bar(grid: Grid, *, enabled: bool) -> Iterator[Callable[[float], Non
     if not enabled or not grid.stop.size:
         yield None
         return
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
     start, stop = float(grid.start[0]), float(grid.stop[-1])
-    columns = (
-        TextColumn("simulating"),
-        BarColumn(),
-        TextColumn("{task.fields[now]:.3g} of " + f"{stop:.4g} s"),
-        TimeElapsedColumn(),
-        TextColumn("elapsed,"),
-        TimeRemainingColumn(),
-        TextColumn("left"),
-    )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("", total=stop - start, now=start)
-        yield lambda now: progress.update(task, completed=now - start, now=now)
+    with share_bar("simulating", f"of {stop:.4g} s", enabled=True) as update:
+        yield lambda now: update((now - start) / (stop - start), now)

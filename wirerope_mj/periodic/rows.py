@@ -1,0 +1,47 @@
+"""What a branch keeps of each of its points."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.excitation.checks import Direction, unit_vector
+from wirerope_mj.periodic.continuation import Point
+from wirerope_mj.periodic.observe import amplitude, body_acceleration
+from wirerope_mj.system import System
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """A point of a branch; the attributes are those of `Branch`."""
+
+    frequency: float
+    acceleration: float
+    amplitude: float
+    stable: bool
+    multipliers: npt.NDArray[np.complex128]
+    neutral: int
+    unknowns: Array
+    steps: int
+    tangent: float
+    residual: float
+
+
+def row_of(system: System, point: Point, payload: str, direction: Direction) -> Row:
+    """Return what is kept of a point: the payload's acceleration is taken along `direction`."""
+    drive = point.shot.track.drive
+    acceleration = body_acceleration(system, point.shot.track, payload)
+    return Row(
+        frequency=drive.frequency,
+        acceleration=drive.acceleration,
+        amplitude=amplitude(acceleration @ unit_vector(direction)),
+        stable=point.stability.stable,
+        multipliers=point.stability.multipliers,
+        neutral=point.stability.neutral,
+        unknowns=point.shot.x,
+        steps=drive.steps,
+        tangent=float(point.tangent[-1]),
+        residual=point.shot.residual,
+    )

@@ -1,0 +1,231 @@
+"""A branch on its way: from point to point until it ends, kept on disk if a folder is given."""
+
+import time
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.excitation.checks import Direction
+from wirerope_mj.periodic.branch import Bifurcation, Branch, Parameter
+from wirerope_mj.periodic.continuation import Continuation, Point
+from wirerope_mj.periodic.events import locate, unstable
+from wirerope_mj.periodic.observe import travel_exceeded
+from wirerope_mj.periodic.orbit import ITERATIONS, Search
+from wirerope_mj.periodic.rows import Row, row_of
+from wirerope_mj.periodic.shooting import close, shot
+from wirerope_mj.periodic.storage import fingerprint, load_rows, save_rows
+from wirerope_mj.state import State
+from wirerope_mj.statics import History
+
+Array = npt.NDArray[np.float64]
+
+FIRST = 0.2
+"""First step in units of the largest."""
+
+AIM = 4
+"""Corrector iterations that the step length is steered to."""
+
+SAVE_EVERY = 2.0
+"""Seconds between two looks at the disk: what a killed process loses."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question:
+    """What is followed, from where to where, and what is read off it; all arguments checked."""
+
+    parameter: Parameter
+    start: float
+    stop: float
+    other: float
+    direction: Direction
+    payload: str
+    response_direction: Direction
+    periods: int
+    history: History
+    accuracy: float
+    tolerance: float
+    largest_step: float
+    smallest_step: float
+    most_points: int
+
+    @property
+    def sign(self) -> float:
+        """1 for a rising parameter, -1 for a falling one."""
+        return 1.0 if self.stop > self.start else -1.0
+
+    def share(self, value: float) -> float:
+        """Return the share of the way to the end, between 0 and 1."""
+        return float(np.clip(np.log(value / self.start) / np.log(self.stop / self.start), 0.0, 1.0))
+
+
+class Walk:
+    """The points of a branch so far and what happened between them."""
+
+    def __init__(self, search: Search, question: Question, folder: Path | None) -> None:
+        self.search, self.question, self.system, self.folder = search, question, search.system, folder
+        self.path = Continuation(
+            search,
+            parameter=question.parameter,
+            other=question.other,
+            periods=question.periods,
+            unit=question.largest_step,
+            tolerance=question.tolerance,
+        )
+        self.rows: list[Row] = []
+        self.events: list[Bifurcation] = []
+        self.complete, self.message, self._earlier_steps = False, "", 0
+        self._saved = time.monotonic()
+
+    def go(self, guess: State | None, update: Callable[[float, float], None]) -> Branch:
+        """Return the branch, begun at its start or gone on with from where it was interrupted."""
+        last = self._resumed() or (None if self.message else self._first(guess))
+        try:
+            length = FIRST
+            while not self.message and last is not None:
+                update(self.question.share(last.parameter), last.parameter)
+                last, length = self._advance(last, length)
+        finally:
+            self._save()
+        return self._branch()
+
+    def _advance(self, last: Point, length: float) -> tuple[Point, float]:
+        """Take one step and note what it says; `message` is set where the branch ends."""
+        question = self.question
+        point, length = self._next(last, length)
+        if point is None:
+            self.message = (
+                f"stopped at {self._where(last)}: no point within {question.smallest_step:.1g} of it was found"
+            )
+            return last, length
+        over = travel_exceeded(self.system, point.shot.track)
+        if over:
+            self.message = f"ended at {self._where(point)}: {over}"
+            return last, length
+        if (point.parameter - question.stop) * question.sign >= 0.0:
+            point = self.path.at_value(last, question.stop) or point
+            self.complete, self.message = True, f"reached {self._where(point)}"
+        elif (point.parameter - question.start) * question.sign < 0.0 and len(self.rows) > 2:
+            self.message = f"came back to its start at {self._where(point)}"
+        else:
+            self._between(last, point, length)
+        self._add(point)
+        if len(self.rows) >= question.most_points and not self.message:
+            self.message = f"ended after {len(self.rows)} points at {self._where(point)}"
+        if self.folder is not None and time.monotonic() - self._saved > SAVE_EVERY:
+            self._save()
+        return point, min(1.0, length * float(np.clip(AIM / max(point.corrections, 1), 0.5, 1.6)))
+
+    def _first(self, guess: State | None) -> Point:
+        question = self.question
+        drive = self.path.drive(question.start)
+        orbit = self.search.find(
+            drive.frequency, drive.acceleration, question.periods, guess=guess, tolerance=question.tolerance
+        )
+        carried = self.search.coordinates.carried(drive.frequency, drive.acceleration)
+        x = self.search.coordinates.from_state(orbit.state.values, carried)
+        point = self._at(x, question.start, before=None)
+        self._add(point)
+        return point
+
+    def _at(self, x: Array, value: float, before: Array | None) -> Point:
+        """Return the point of a motion that has been found before."""
+        start = shot(self.search.flow, x, self.path.drive(value))
+        found, _ = close(self.search.flow, start, tolerance=self.question.tolerance, iterations=ITERATIONS)
+        return self.path.point(found, value, before=before, sign=self.question.sign)
+
+    def _resumed(self) -> Point | None:
+        """Return the last point of a branch that stands in the folder, None if there is none or it had come to its end."""
+        known = load_rows(self.folder, self._content()) if self.folder is not None else None
+        if known is None:
+            return None
+        self.rows, self.events, stored = known
+        self._earlier_steps = stored["model_steps"]
+        if stored["message"]:
+            self.complete, self.message = stored["complete"], stored["message"]
+            return None
+        last = self.rows[-1]
+        value = last.frequency if self.question.parameter == "frequency" else last.acceleration
+        if len(self.rows) == 1:
+            return self._at(last.unknowns, value, before=None)
+        point = self._at(last.unknowns, value, before=None)
+        return self.path.turned(point, last.tangent, last.unknowns - self.rows[-2].unknowns)
+
+    def _next(self, last: Point, length: float) -> tuple[Point | None, float]:
+        """Return the next point and the arclength to it, shorter where the corrector fails."""
+        while length * self.question.largest_step >= self.question.smallest_step:
+            point = self.path.step(last, length)
+            if point is not None:
+                return point, length
+            length /= 2.0
+        return None, length
+
+    def _between(self, a: Point, b: Point, length: float) -> None:
+        """Note what happens between two points, and the point where it does."""
+        found = locate(self.path, a, b, length)
+        if found is None:
+            return
+        kind, multiplier, point = found
+        self._add(point)
+        row = self.rows[-1]
+        self.events.append(
+            Bifurcation(
+                kind=kind,
+                frequency=row.frequency,
+                acceleration=row.acceleration,
+                amplitude=row.amplitude,
+                index=len(self.rows) - 1,
+                multiplier=multiplier,
+                before=unstable(a),
+                after=unstable(b),
+            )  # fmt: skip
+        )
+
+    def _add(self, point: Point) -> None:
+        self.rows.append(row_of(self.system, point, self.question.payload, self.question.response_direction))
+
+    def _where(self, point: Point) -> str:
+        return f"{point.parameter:.5g} {'Hz' if self.question.parameter == 'frequency' else 'm/s^2'}"
+
+    def _content(self) -> dict[str, Any]:
+        asked = {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self.question).items()}
+        steps = self.search.flow.steps + self._earlier_steps
+        told = {"complete": self.complete, "message": self.message, "model_steps": steps}
+        return {"system": fingerprint(self.system), **asked, **told}
+
+    def _save(self) -> None:
+        if self.folder is not None and self.rows:
+            save_rows(self.folder, self.rows, self.events, self._content())
+            self._saved = time.monotonic()
+
+    def _branch(self) -> Branch:
+        rows, question = self.rows, self.question
+        multipliers = np.full((len(rows), max(row.multipliers.size for row in rows)), np.nan + 0.0j)
+        for i, row in enumerate(rows):
+            multipliers[i, : row.multipliers.size] = row.multipliers
+        return Branch(
+            system=self.system,
+            parameter=question.parameter,
+            frequency=np.array([row.frequency for row in rows]),
+            acceleration=np.array([row.acceleration for row in rows]),
+            amplitude=np.array([row.amplitude for row in rows]),
+            stable=np.array([row.stable for row in rows]),
+            floquet_multipliers=multipliers,
+            neutral=np.array([row.neutral for row in rows]),
+            bifurcations=tuple(self.events),
+            payload=question.payload,
+            direction=question.direction,
+            response_direction=question.response_direction,
+            periods=question.periods,
+            unknowns=np.array([row.unknowns for row in rows]),
+            steps=np.array([row.steps for row in rows]),
+            tangents=np.array([row.tangent for row in rows]),
+            residual=np.array([row.residual for row in rows]),
+            history=question.history,
+            complete=self.complete,
+            model_steps=self.search.flow.steps + self._earlier_steps,
+            message=self.message,
+        )
