@@ -55,7 +55,7 @@ class FrequencySweep:
         excitation: the excitation as plain values.
         timestep: largest step [s].
         estimated_error: of samples and peaks, estimated before the run relative to the peaks; NaN where the step was given.
-        model_steps: steps of everything that was simulated for the result, its lead-in included.
+        model_steps: steps of all that was simulated for the result, a lead-in included, the pilots that chose the step not.
         final_state: state at the end of the last cycle, from which another sweep may go on.
         warnings: rated travels that were exceeded, and what did not settle, one sentence each.
     """
