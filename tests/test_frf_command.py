@@ -80,6 +80,11 @@ def test_tables_hold_every_point_of_the_branches_and_every_cycle_of_the_sweeps(w
     np.testing.assert_array_equal(sweeps["amplitude"], sweeps["bodies/mass/acceleration/z"])
 
 
+def test_pictures_show_amplitudes_transmissibilities_and_loops(written):
+    for name in ("frequency_response", "transmissibility", "loops"):
+        assert (written[2] / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+
+
 def test_settings_say_every_input_and_the_model_loads_from_the_folder(written):
     folder = written[2]
     settings = tomllib.loads((folder / "settings.toml").read_text())

@@ -44,6 +44,7 @@ def write_frequency_response(
         figures = {"format": FORMAT, "levels": summary(findings)}
         (beside / SUMMARY).write_text(json.dumps(figures, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         save_tables(result, beside)
+        _write_pictures(result, findings, beside)
 
 
 def _settings(result: FrequencyResponse, model: str) -> dict[str, Any]:
@@ -73,3 +74,18 @@ def _settings(result: FrequencyResponse, model: str) -> dict[str, Any]:
     if asked.method != "continuation":
         content["sweep"] = {"rate": asked.rate}
     return content | {"versions": {name: version(name) for name in _PACKAGES}}
+
+
+def _write_pictures(result: FrequencyResponse, findings: list[Findings], folder: Path) -> None:
+    # Here, because matplotlib and rerun take longer to import than checking what was asked.
+    from wirerope_mj.plots.frequency_response import save_amplitudes, save_transmissibilities
+    from wirerope_mj.plots.orbit_loops import save_resonance_loops
+
+    asked = result.question
+    assert asked.response_direction is not None
+    what = f"{asked.payload} along {direction_text(asked.response_direction)}"
+    title = f"{result.name}, base along {direction_text(asked.direction)}"
+    save_amplitudes(findings, folder / "frequency_response.png", title=title, what=what)
+    save_transmissibilities(findings, folder / "transmissibility.png", title=title, what=what)
+    if result.branches and result.system.mounts:
+        save_resonance_loops(result.branches, folder / "loops.png", title=title)
