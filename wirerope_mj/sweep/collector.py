@@ -10,7 +10,7 @@ from wirerope_mj.excitation.checks import Direction, unit_vector
 from wirerope_mj.state import State
 from wirerope_mj.sweep.channels import Channels
 from wirerope_mj.sweep.envelope import FrequencySweep
-from wirerope_mj.sweep.storage import Table
+from wirerope_mj.sweep.storage import Table, encoded
 from wirerope_mj.sweep.travel import TravelWatch
 from wirerope_mj.system import System
 
@@ -61,6 +61,7 @@ class Collector:
         response_direction: str,
         excitation: dict[str, Any],
         error: float,
+        initial_state: State,
         final_state: State,
         warnings: tuple[str, ...],
     ) -> FrequencySweep:
@@ -73,7 +74,8 @@ class Collector:
                 "timestep": self._largest_step,
                 "estimated_error": error,
                 "model_steps": self._steps,
-                "final_state": {"time": final_state.time, "values": final_state.values.tolist()},
+                "initial_state": encoded(initial_state),
+                "final_state": encoded(final_state),
                 "warnings": [*warnings, *self._watch.warnings()],
             }
         )

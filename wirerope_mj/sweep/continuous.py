@@ -94,11 +94,12 @@ def frequency_sweep(
     start = starting_state(system, history=history, initial=initial)
     with Collector(system, direction=sweep.direction, out=out) as collector, frequency_bar(enabled=progress) as update:
         step = chosen_step(system, sweep, start, duration=float(instants[-1]), timestep=timestep, accuracy=accuracy)
-        start, warnings = _lead_in(system, sweep, start, collector, step.timestep, wait, most)
+        led, warnings = _lead_in(system, sweep, start, collector, step.timestep, wait, most)
+        start = at_start(system, sweep, led)
         final = _follow(system, sweep, start, instants, collector, step.timestep, update)
         return collector.finish(
-            payload=payload, response_direction=along, excitation=sweep.to_dict(), error=step.error, final_state=final,
-            warnings=warnings,
+            payload=payload, response_direction=along, excitation=sweep.to_dict(), error=step.error, initial_state=start,
+            final_state=final, warnings=warnings,
         )  # fmt: skip
 
 
@@ -127,7 +128,7 @@ def _follow(
     system: System, sweep: Sweep, start: State, instants: Array, collector: Collector, timestep: float, update: Update
 ) -> State:
     """Hand the cycles between `instants` to the collector and return the state after the last."""
-    with stepping(system, sweep, at_start(system, sweep, start), timestep) as stepped:
+    with stepping(system, sweep, start, timestep) as stepped:
         for first in range(0, instants.size - 1, CHUNK):
             ends = instants[first : first + CHUNK + 1]
             seen = stepped.run(ends)

@@ -56,6 +56,8 @@ class FrequencySweep:
         timestep: largest step [s].
         estimated_error: of samples and peaks, estimated before the run relative to the peaks; NaN where the step was given.
         model_steps: steps of all that was simulated for the result, a lead-in included, the pilots that chose the step not.
+        initial_state: state in which the first cycle began, after the lead-in of a sweep; `simulate` gives the whole history
+            from it: `simulate(system, r.sweep, duration=r.final_state.time, initial=r.initial_state, out=folder)`.
         final_state: state at the end of the last cycle, from which another sweep may go on.
         warnings: rated travels that were exceeded, and what did not settle, one sentence each.
     """
@@ -73,6 +75,7 @@ class FrequencySweep:
     timestep: float
     estimated_error: float
     model_steps: int
+    initial_state: State = field(repr=False)
     final_state: State = field(repr=False)
     warnings: tuple[str, ...]
 

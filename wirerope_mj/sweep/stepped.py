@@ -21,6 +21,7 @@ from wirerope_mj.sweep.arguments import (
     starting_state,
 )
 from wirerope_mj.sweep.collector import Collector
+from wirerope_mj.sweep.cycles import at_start
 from wirerope_mj.sweep.envelope import FrequencySweep
 from wirerope_mj.sweep.progress import frequency_bar
 from wirerope_mj.sweep.settling import settle
@@ -97,11 +98,12 @@ def stepped_sine(
         *(("direction", direction) if response_direction is None else ("response_direction", response_direction))
     )
     tolerance, most = positive("settled", settled), at_least_one("largest_cycles", largest_cycles)
-    state = starting_state(system, history=history, initial=initial)
+    start = starting_state(system, history=history, initial=initial)
     pilot = _pilot(sines, quantity, level, base)
     excitation = {"kind": KIND, quantity: level, "direction": plain_direction(base)}
     with Collector(system, direction=base, out=out) as collector, frequency_bar(enabled=progress) as update:
-        step, unsettled = chosen_step(system, pilot, state, duration=PILOT, timestep=timestep, accuracy=accuracy), []
+        step, unsettled = chosen_step(system, pilot, start, duration=PILOT, timestep=timestep, accuracy=accuracy), []
+        state = start = at_start(system, sines[0], start)
         for number, sine in enumerate(sines):
             at = settle(system, sine, state, timestep=step.timestep, settled=tolerance, largest_cycles=most)
             state = at.state
@@ -114,8 +116,8 @@ def stepped_sine(
                 unsettled.append(f"{sine.frequency:.5g} Hz ({at.remaining:.2g})")
             update((number + 1) / len(sines), sine.frequency)
         return collector.finish(
-            payload=payload, response_direction=along, excitation=excitation, error=step.error, final_state=state,
-            warnings=_words(unsettled, most, tolerance),
+            payload=payload, response_direction=along, excitation=excitation, error=step.error, initial_state=start,
+            final_state=state, warnings=_words(unsettled, most, tolerance),
         )  # fmt: skip
 
 

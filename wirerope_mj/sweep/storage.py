@@ -104,8 +104,17 @@ def load_sweep(folder: Path) -> FrequencySweep:
 def content_of(sweep: FrequencySweep) -> dict[str, Any]:
     """Return everything but the rows as plain values; floats survive bit by bit."""
     parts = ("payload", "response_direction", "excitation", "timestep", "estimated_error", "model_steps")
-    state = {"time": sweep.final_state.time, "values": sweep.final_state.values.tolist()}
-    return {**{part: getattr(sweep, part) for part in parts}, "final_state": state, "warnings": list(sweep.warnings)}
+    states = {part: encoded(getattr(sweep, part)) for part in ("initial_state", "final_state")}
+    return {**{part: getattr(sweep, part) for part in parts}, **states, "warnings": list(sweep.warnings)}
+
+
+def encoded(state: State) -> dict[str, Any]:
+    """Return a state as plain values."""
+    return {"time": state.time, "values": state.values.tolist()}
+
+
+def _decoded(content: dict[str, Any]) -> State:
+    return State(values=np.array(content["values"]), time=content["time"])
 
 
 def _rows(sweep: FrequencySweep) -> Array:
@@ -134,7 +143,8 @@ def _built(rows: Array, content: dict[str, Any]) -> FrequencySweep:
         timestep=content["timestep"],
         estimated_error=content["estimated_error"],
         model_steps=content["model_steps"],
-        final_state=State(values=np.array(content["final_state"]["values"]), time=content["final_state"]["time"]),
+        initial_state=_decoded(content["initial_state"]),
+        final_state=_decoded(content["final_state"]),
         warnings=tuple(content["warnings"]),
     )
 
