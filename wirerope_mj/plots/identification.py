@@ -1,6 +1,7 @@
 """Pictures of a fit: loops, residuals, and measures over the amplitude, measured against fitted."""
 
 import math
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -18,6 +19,9 @@ _MOST = 12  # panels of one figure: more cannot be read
 _ACROSS = 3
 _WEAK = 100.0  # [N], below which forces are read in N
 _MARKERS = "osD^vP"
+_COLOURS = ("#08519c", "#d95f0e", "#238b45", "#6a51a3", "#8c2d04", "#1d91c0", "#525252")  # of operating points
+_BESIDE = 5  # operating points beside each other below the picture
+_LETTERS = 8.5  # of a bold title in an inch
 
 
 def fit_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
@@ -69,21 +73,23 @@ def residual_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
 def measures_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
     """Return a figure of energy per cycle and secant stiffness over the amplitude: measured as marks, fitted as crosses.
 
-    Operating points have their own marks. Fitted values stand at the measured amplitudes, where they were compared.
+    Each operating point has a mark and a colour of its own. Fitted values stand at the measured amplitudes, where they were
+    compared.
 
     Args:
         fits: loops of a fit.
         title: of the figure.
     """
     figure = Figure(figsize=(10.2, 4.4), layout="constrained", dpi=120)
-    figure.suptitle(title, fontsize=12, fontweight="bold")
+    _entitle(figure, title)
     energy, stiffness = figure.subplots(1, 2)
-    points = _operating_points(fits)
-    for point, marker in zip(points, (_MARKERS * len(points))[: len(points)], strict=True):
-        group = [fit for fit in fits if _point(fit, fits) == point]
-        about = "" if len(points) == 1 else f" about {point:g} mm"
-        _draw(energy, group, "energy", 1.0, marker, about)
-        _draw(stiffness, group, "secant_stiffness", 1e-3, marker, about)
+    groups = _groups(fits)
+    for place, group in enumerate(groups):
+        marker = _MARKERS[place % len(_MARKERS)]
+        colours = (_MEASURED, _FITTED) if len(groups) == 1 else 2 * (_COLOURS[place % len(_COLOURS)],)
+        about = "" if len(groups) == 1 else f" about {_millimetres(group)} mm"
+        _draw(energy, group, "energy", 1.0, marker, colours, about)
+        _draw(stiffness, group, "secant_stiffness", 1e-3, marker, colours, about)
     energy.set_yscale("log")
     energy.set_ylabel("energy per cycle [J]")
     stiffness.set_ylabel("secant stiffness [kN/m]")
@@ -97,7 +103,11 @@ def measures_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
         panel.grid(color="0.92", which="both")
         panel.set_axisbelow(True)
         panel.margins(x=0.08)
-    energy.legend(fontsize=8)
+    if len(groups) == 1:
+        energy.legend(fontsize=8)
+    else:
+        lines = energy.get_legend_handles_labels()
+        figure.legend(*lines, fontsize=8, loc="outside lower center", ncols=min(len(groups), _BESIDE))
     return figure
 
 
@@ -110,7 +120,7 @@ def _panels(
     down = math.ceil(len(chosen) / across)
     left_out = f" ({len(chosen)} of {len(fits)} loops)" if len(chosen) < len(fits) else ""
     figure = Figure(figsize=(0.6 + 3.7 * across, 0.9 + height * down), layout="constrained", dpi=120)
-    figure.suptitle(title + left_out, fontsize=12, fontweight="bold")
+    _entitle(figure, title + left_out)
     pairs: list[tuple[FittedLoop, Any]] = []
     for place, fit in enumerate(chosen):
         first = pairs[0][1] if sharey and pairs else None
@@ -128,26 +138,48 @@ def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
     return np.convolve(x, weights, "valid"), np.convolve(y, weights, "valid")
 
 
-def _draw(panel: Any, group: Sequence[FittedLoop], measure: str, size: float, marker: str, about: str) -> None:
-    """Draw a measure of loops about one operating point."""
+def _draw(
+    panel: Any, group: Sequence[FittedLoop], measure: str, size: float, marker: str, colours: Sequence[str], about: str
+) -> None:
+    """Draw a measure of loops about one operating point, measured and fitted in their colours."""
     amplitudes = [1e3 * fit.amplitude for fit in group]
     measured = [size * getattr(fit, measure)(fit.measured) for fit in group]
     fitted = [size * getattr(fit, measure)(fit.fitted) for fit in group]
-    panel.plot(amplitudes, fitted, "-x", color=_FITTED, lw=1.0, ms=7, label=f"fitted{about}", zorder=3)
-    panel.plot(amplitudes, measured, marker, color=_MEASURED, mfc="none", ms=7, label=f"measured{about}", zorder=4)
+    panel.plot(amplitudes, fitted, "-x", color=colours[1], lw=1.0, ms=7, label=f"fitted{about}", zorder=3)
+    panel.plot(amplitudes, measured, marker, color=colours[0], mfc="none", ms=7, label=f"measured{about}", zorder=4)
 
 
-def _operating_points(fits: Sequence[FittedLoop]) -> list[float]:
-    return sorted({_point(fit, fits) for fit in fits})
+def _entitle(figure: Figure, title: str) -> None:
+    """Write a title over a figure, on as many lines as it needs."""
+    lines = textwrap.wrap(title, int(_LETTERS * figure.get_figwidth()), break_on_hyphens=False)
+    figure.suptitle("\n".join(lines), fontsize=12, fontweight="bold")
 
 
-def _point(fit: FittedLoop, fits: Sequence[FittedLoop]) -> float:
-    """Return a loop's operating point [mm], to 2 % of the largest amplitude, as no rig holds it better beside noise."""
-    step = 20.0 * max(other.amplitude for other in fits)
-    return float(f"{step * round(1e3 * fit.operating_point / step):.3g}") + 0.0
+def _groups(fits: Sequence[FittedLoop]) -> list[list[FittedLoop]]:
+    """Return the loops of each operating point, from compression to tension.
+
+    Points within 2 % of the largest amplitude are one, as no rig holds them better beside noise.
+    """
+    step = 0.02 * max(fit.amplitude for fit in fits)
+    groups: list[list[FittedLoop]] = []
+    for fit in sorted(fits, key=lambda fit: fit.operating_point):
+        if groups and fit.operating_point - groups[-1][0].operating_point <= step:
+            groups[-1].append(fit)
+        else:
+            groups.append([fit])
+    return [sorted(group, key=lambda fit: fit.amplitude) for group in groups]
+
+
+def _millimetres(group: Sequence[FittedLoop]) -> str:
+    """Return the mean operating point of a group in mm; a thousandth of its largest amplitude is noise."""
+    least = 1e-3 * max(1e3 * fit.amplitude for fit in group)
+    mean = 1e3 * float(np.mean([fit.operating_point for fit in group]))
+    return f"{least * round(mean / least):.3g}" if abs(mean) > least else "0"
 
 
 def _name(fit: FittedLoop, fits: Sequence[FittedLoop]) -> str:
     """Return amplitude and, where there are several, operating point in words."""
-    about = "" if len(_operating_points(fits)) == 1 else f" about {_point(fit, fits):g}"
+    groups = _groups(fits)
+    own = next(group for group in groups if any(fit is other for other in group))
+    about = "" if len(groups) == 1 else f" about {_millimetres(own)}"
     return f"±{1e3 * fit.amplitude:.3g}{about} mm"
