@@ -8,6 +8,7 @@ from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
 from wirerope_mj.bench import cyclic_test, measured, read_cycles, steady_loops
+from wirerope_mj.bench.clipping import is_level
 from wirerope_mj.bench.turning import find_turning_points, rms_noise
 from wirerope_mj.errors import RecordError
 from wirerope_mj.identification.measured import prepare
@@ -217,6 +218,31 @@ def test_what_cannot_be_used_is_named_with_its_lines(tmp_path, change, message):
         read_cycles(path)
     assert str(caught.value).startswith(f"{path}, lines ")
     assert re.search(message, str(caught.value)), caught.value
+
+
+def test_force_cut_off_a_little_beside_noise_is_refused():
+    time, deflection, force = rig_record(LAW, AMPLITUDES)
+    cut = np.minimum(force, 0.97 * force.max())  # over 2 % of the stroke
+    with pytest.raises(ValueError, match=r"samples stand at exactly the largest force.*saturated"):
+        steady_loops(deflection, cut, time=time)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_force_cut_off_with_noise_behind_is_refused(side):
+    straight = wr.BoucWen(alpha=300e3, beta=2.0, gamma=-0.5, n=1.5, k=80e3)
+    time, deflection, force = rig_record(straight, AMPLITUDES)
+    limit = 0.6 * np.abs(force).max()
+    noise = 1e-3 * limit * np.random.default_rng(7).standard_normal(force.size)
+    word = "largest" if side > 0 else "smallest"
+    with pytest.raises(ValueError, match=rf"at its {word} deflection the force stays at .* on the way there and back.*saturated"):
+        steady_loops(deflection, side * np.minimum(side * force, limit) + noise, time=time)
+
+
+def test_what_yields_is_level_and_not_cut_off():
+    plastic = wr.EnhancedDryFriction(k=100.0, d=500.0, u_c=1e-4)  # five times u_c are level to 1 %
+    loops = steady_loops(*rig_record(plastic, AMPLITUDES)[1:])
+    assert all(is_level(loop) for loop in loops)
+    assert not any(is_level(loop) for loop in steady_loops(*rig_record(LAW, AMPLITUDES)[1:]))
 
 
 def test_stated_amplitudes_tell_when_units_are_mixed(tmp_path):

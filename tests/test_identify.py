@@ -102,7 +102,7 @@ def test_bad_input_is_refused():
     with pytest.raises(ValueError, match="loop 1: the deflection is constant at 0.001 m"):
         wr.identify([still], law=wr.BoucWen)
     clipped = wr.Loop.from_samples(loops[-1].deflection, np.minimum(loops[-1].force, 0.7 * loops[-1].force.max()))
-    with pytest.raises(ValueError, match="exactly its largest force.*saturated"):
+    with pytest.raises(ValueError, match="exactly the largest force.*saturated"):
         wr.identify([clipped], law=wr.BoucWen)
 
 

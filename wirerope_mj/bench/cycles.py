@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.bench.averaging import Cycle, cycle_to, mean_loop, whole_record
+from wirerope_mj.bench.clipping import require_falling, require_unclipped
 from wirerope_mj.bench.reading import Samples, read_rows, require_nominal
 from wirerope_mj.bench.recorded import RecordedLoop
 from wirerope_mj.bench.turning import Trace, find_turning_points, rms_noise
@@ -25,7 +26,6 @@ _ALIKE = 0.05  # share by which strokes of one run may differ: amplitudes that a
 _AT_ENDS = 0.02  # the same for the strokes that a record begins and ends with, which may stop short of turning round
 _REPEATS = 0.02  # of the amplitude, root mean square: cycles that repeat the deflection less well are not averaged
 _UNLOADED = 0.05  # of its range, within which a record begins at the unloaded device
-_CLIPPED = 0.05  # share of the stroke over which a force that still moves cannot stand at one value, even at 8 bits
 
 
 def read_cycles(path: str | Path) -> list[Loop]:
@@ -101,7 +101,7 @@ def _steady(x: Array, f: Array, time: Array | None, place: Place) -> list[Loop]:
             f"{whole}: the deflection never changes by more than its noise, {1e3 * rms_noise(x):.3g} mm; there is no cycle."
         )
     if trace.strokes.size <= 3 and _ends_meet(trace):
-        _require_unclipped(x, f, whole)
+        require_unclipped(x, f, whole)
         return [mean_loop([whole_record(trace)], x, f, 1, abs(float(f[-1] - f[0])), whole)]
     runs = _runs(trace)
     if not runs:
@@ -171,12 +171,13 @@ def _loop_of_run(trace: Trace, force: Array, first: int, last: int, place: Place
         kept.append(cycle)
     every = np.concatenate([cycle.samples for cycle in kept])
     where = place(int(every.min()), int(every.max()))
-    _require_unclipped(trace.deflection[every], force[every], where)
+    require_unclipped(trace.deflection[every], force[every], where)
     times = trace.times[[last - 2, last]]
     rise, period = np.diff(np.interp(times, trace.time, trace.smoothed(force)))[0], times[1] - times[0]
     slope = _drift(trace, kept, force, last) if len(kept) > 1 else rise / period
     gap = abs(float(rise - slope * period))
     loop = mean_loop(kept, trace.deflection, force - slope * (trace.time - times[1]), len(cycles), gap, where)
+    require_falling(loop, where)
     return replace(loop, averaged=len(kept))
 
 
@@ -188,14 +189,3 @@ def _drift(trace: Trace, kept: list[Cycle], force: Array, last: int) -> float:
     """
     begins = trace.times[[last - 2 * len(kept), last - 2]]
     return (kept[0].mean(force) - kept[-1].mean(force)) / float(begins[1] - begins[0])
-
-
-def _require_unclipped(x: Array, f: Array, where: str) -> None:
-    """Raise ValueError if the force stands at exactly its extreme while the deflection moves on."""
-    for word, extreme in (("largest", f.max()), ("smallest", f.min())):
-        at = f == extreme
-        if 3 < at.sum() < f.size and np.ptp(x[at]) > _CLIPPED * np.ptp(x):
-            raise ValueError(
-                f"{where}: {at.sum()} samples stand at exactly the {word} force, {extreme:.6g} N, over "
-                f"{1e3 * np.ptp(x[at]):.3g} mm of deflection: the load cell or its amplifier was saturated."
-            )

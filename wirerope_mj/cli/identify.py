@@ -13,6 +13,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from wirerope_mj.bench import read_cycles
+from wirerope_mj.bench.clipping import is_level
 from wirerope_mj.bench.recorded import RecordedLoop
 from wirerope_mj.cli.identify_report import (
     PICTURES,
@@ -235,7 +236,7 @@ def _write_report(
     title = f"{request.name or request.out.stem}, {request.axis}: {result.law.name}"
     for name, figure in zip(PICTURES, (fit_figure, residual_figure, measures_figure), strict=True):
         figure(fits, title=title).savefig(folder / name)
-    sources = [f"{path}: {_held(loops)}" for path, loops in tests.items()] + _unsteady(tests)
+    sources = [f"{path}: {_held(loops)}" for path, loops in tests.items()] + _unsteady(tests) + _level(tests)
     given = [words for words in _given(request, result) if not words.startswith(("the data leave", "the fit did"))]
     text = report_text(result, fits, title=title, sources=sources, given=given)
     (folder / _REPORT).write_text(text, encoding="utf-8")
@@ -251,6 +252,17 @@ def _unsteady(tests: Mapping[Path, Sequence[Loop]]) -> list[str]:
         for loop in loops
         if not (isinstance(loop, RecordedLoop) and loop.averaged)
         and loop.closure > (_STEADY if loop.cycles > 1 else _ONE_CYCLE)
+    ]
+
+
+def _level(tests: Mapping[Path, Sequence[Loop]]) -> list[str]:
+    """Return which loops have a force that stays level at an end, in words."""
+    return [
+        f"{path}: the force of ±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm is level at an end "
+        "of its stroke: the device yields there, or the load cell cut a little off"
+        for path, loops in tests.items()
+        for loop in loops
+        if is_level(loop)
     ]
 
 
@@ -276,7 +288,7 @@ def _print(
     screen.print(f"  {escape(describe(result.law))}", soft_wrap=True)
     for rows in (parameter_rows(result), loop_rows(fits), stage_rows(result)):
         screen.print(_table(rows))
-    for words in sentences(result, fits) + _unsteady(tests):
+    for words in sentences(result, fits) + _unsteady(tests) + _level(tests):
         screen.print(f"  {escape(words)}", soft_wrap=True)
 
 

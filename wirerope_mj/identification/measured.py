@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import isotonic_regression
 
+from wirerope_mj.bench.clipping import require_falling, require_unclipped
 from wirerope_mj.bench.recorded import RecordedLoop, mean_of_cycles
 from wirerope_mj.identification.coordinates import Scales
 from wirerope_mj.laws import Law, Loop
@@ -19,9 +20,6 @@ STEADY = 1e-12
 
 OPEN_ENDED = 0.2
 """Share of the force range by which the ends of a measured cycle may differ: creep of the first cycles, and noise."""
-
-CLIPPED = 0.05
-"""Share of a loop's stroke over which its force may stand at exactly its largest or smallest value: steps of a converter."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -162,13 +160,8 @@ def _check(loop: Loop, number: int) -> None:
             f"loop {number} is not a full cycle: its force begins at {f[0]:.6g} N and ends at {f[-1]:.6g} N, "
             f"{100 * loop.closure:.0f} % of its range apart."
         )
-    for word, extreme in (("largest", f.max()), ("smallest", f.min())):
-        at = f == extreme
-        if at.sum() > 3 and np.ptp(x[at]) > CLIPPED * np.ptp(x):
-            raise ValueError(
-                f"loop {number}: {at.sum()} samples stand at exactly its {word} force, {extreme:.6g} N, over "
-                f"{1e3 * np.ptp(x[at]):.3g} mm of deflection: the load cell or its amplifier was saturated. Leave the loop out."
-            )
+    require_unclipped(x, f, f"loop {number}")
+    require_falling(loop, f"loop {number}")
 
 
 def _monotone(x: Array) -> Array:
