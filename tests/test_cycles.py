@@ -234,7 +234,9 @@ def test_force_cut_off_with_noise_behind_is_refused(side):
     limit = 0.6 * np.abs(force).max()
     noise = 1e-3 * limit * np.random.default_rng(7).standard_normal(force.size)
     word = "largest" if side > 0 else "smallest"
-    with pytest.raises(ValueError, match=rf"at its {word} deflection the force stays at .* on the way there and back.*saturated"):
+    with pytest.raises(
+        ValueError, match=rf"at its {word} deflection the force stays .* on the way there and back.*saturated"
+    ):
         steady_loops(deflection, side * np.minimum(side * force, limit) + noise, time=time)
 
 
@@ -254,6 +256,20 @@ def test_stated_amplitudes_tell_when_units_are_mixed(tmp_path):
     path.write_text("\n".join(["amplitude [mm],deflection [m],force [N]", *rows]), encoding="utf-8")
     with pytest.raises(RecordError, match=r"lines 2 to 1201: the amplitude is 4 mm but .* \+-4000 mm; do the two"):
         read_cycles(path)
+
+
+@pytest.mark.parametrize("read", [read_cycles, wr.read_cyclic_test])
+def test_millimetres_that_a_header_calls_metres_are_refused(tmp_path, read):
+    (loop,) = measured(cyclic_test(LAW, 4e-3), seed=1)
+    path = tmp_path / "t.csv"
+    rows = [f"{x!r},{f!r}" for x, f in zip((1e3 * loop.deflection).tolist(), loop.force.tolist(), strict=True)]
+    path.write_text("\n".join(["deflection [m],force [N]", *rows]), encoding="utf-8")
+    with pytest.raises(
+        RecordError, match=r"t\.csv, lines 2 to 202: an amplitude of 4 m is beyond any isolator.* in mm where"
+    ):
+        read(path)
+    with pytest.raises(ValueError, match=r"loop 1: an amplitude of 4 m is beyond any isolator"):
+        prepare([wr.Loop.from_samples(1e3 * loop.deflection, loop.force)])
 
 
 def test_too_few_samples_in_a_cycle_are_named():

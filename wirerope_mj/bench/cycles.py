@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from wirerope_mj.bench.averaging import Cycle, cycle_to, mean_loop, whole_record
 from wirerope_mj.bench.clipping import require_falling, require_unclipped
-from wirerope_mj.bench.reading import Samples, read_rows, require_nominal
+from wirerope_mj.bench.reading import Samples, read_rows, require_likely, require_nominal
 from wirerope_mj.bench.recorded import RecordedLoop
 from wirerope_mj.bench.turning import Trace, find_turning_points, rms_noise
 from wirerope_mj.errors import RecordError
@@ -47,10 +47,11 @@ def read_cycles(path: str | Path) -> list[Loop]:
         try:
             time = np.array(samples.time) if samples.time else None
             found = _steady(np.array(samples.deflection), np.array(samples.force), time, place)
+            for loop in found:
+                require_nominal(samples, loop.amplitude, place(0, len(samples.lines) - 1))
+                require_likely(loop.amplitude, place(0, len(samples.lines) - 1))
         except ValueError as error:
             raise RecordError(str(error)) from None
-        for loop in found:
-            require_nominal(samples, loop.amplitude, place(0, len(samples.lines) - 1))
         loops += found
     return loops
 

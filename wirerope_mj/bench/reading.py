@@ -22,6 +22,9 @@ _NAMES = {
     "deflection": ("deflection", "displacement"),
     "force": ("force", "load"),
 }
+_MOST = (
+    1.0  # [m], beyond the travel of any wire rope isolator, while a millimetre taken for a metre is a thousand times
+)
 _FEWEST = 8  # samples: fewer are no loop
 _LEG = 0.2  # share of the range that counts as going back: above any noise that leaves a loop to be seen
 _NOMINAL = 2.0  # times that a loop may be larger or smaller than its stated amplitude: mixed units are 1000 times
@@ -179,6 +182,10 @@ def _loop(path: Path, samples: Samples) -> Loop:
     if extent == 0.0:
         raise RecordError(f"{place}: the deflection of loop {samples.label} never changes.")
     require_nominal(samples, extent / 2.0, place)
+    try:
+        require_likely(extent / 2.0, place)
+    except ValueError as error:
+        raise RecordError(str(error)) from None
     gap, steps = abs(float(x[-1] - x[0])), np.abs(np.diff(x))
     legs = _legs(x, _LEG * extent)
     if legs > 3 or (gap > _LEG * extent and gap > 1.5 * steps.max()):
@@ -191,6 +198,15 @@ def _loop(path: Path, samples: Samples) -> Loop:
     if gap <= 0.5 * min(steps[0], steps[-1]):
         return loop
     return replace(Loop.from_samples(np.append(x, x[0]), np.append(force, force[0])), closure=loop.closure)
+
+
+def require_likely(amplitude: float, place: str) -> None:
+    """Raise ValueError if an amplitude [m] is none of an isolator: millimetres that count as metres, most likely."""
+    if amplitude > _MOST:
+        raise ValueError(
+            f"{place}: an amplitude of {amplitude:.4g} m is beyond any isolator of wire rope; are the deflections in mm where "
+            "metres are said or expected?"
+        )
 
 
 def require_nominal(samples: Samples, amplitude: float, place: str) -> None:

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from scipy.optimize import isotonic_regression
 
 from wirerope_mj.bench.clipping import require_falling, require_unclipped
+from wirerope_mj.bench.reading import require_likely
 from wirerope_mj.bench.recorded import RecordedLoop, mean_of_cycles
 from wirerope_mj.identification.coordinates import Scales
 from wirerope_mj.laws import Law, Loop
@@ -148,6 +149,7 @@ def _check(loop: Loop, number: int) -> None:
         raise ValueError(f"loop {number} holds numbers that are not finite.")
     if np.ptp(x) == 0.0:
         raise ValueError(f"loop {number}: the deflection is constant at {x[0]:.6g} m.")
+    require_likely(loop.amplitude, f"loop {number}")
     # A cycle ends where it began; its steps there are as large as anywhere.
     gap, step = abs(x[-1] - x[0]), float(np.abs(np.diff(x)).max())
     if gap > 3.0 * step:
