@@ -1,18 +1,24 @@
 """Finding where a branch turns back or changes its stability, between two of its points."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from wirerope_mj.periodic.branch import Kind
 from wirerope_mj.periodic.continuation import Continuation, Point
 from wirerope_mj.periodic.multipliers import MARGIN
 
 CLOSE = 1e-6
-"""Share of the parameter to which a fold or a change of stability is located."""
+"""Share of the parameter to which a change of stability is located."""
 
 LOCATIONS = 12
 """Points that locating one may take."""
+
+WIDER = 0.5
+"""Share of a step by which a fold may lie beyond the two points between which the tangent turned: kinks that pass a step shake
+the tangent, but not the parameter."""
 
 
 def unstable(point: Point) -> int:
@@ -25,18 +31,18 @@ def turns(a: Point, b: Point) -> bool:
     return float(a.tangent[-1] * b.tangent[-1]) < 0.0
 
 
-def locate(path: Continuation, a: Point, b: Point, length: float) -> tuple[Kind, complex, Point] | None:
-    """Return what happens between `a` and `b`, an arclength apart, the multiplier concerned and the point nearest to it."""
+def locate(path: Continuation, a: Point, b: Point, length: float) -> tuple[Kind, complex, Point, float] | None:
+    """Return what happens between `a` and `b`, an arclength apart: kind, multiplier, its point and arclength from `a`."""
     if turns(a, b):
-        found = _between(path, a, b, length, lambda p: float(p.tangent[-1]))
-        return "fold", _nearest_to_one(found), found
+        found, place = _extreme(path, a, b, length)
+        return "fold", _nearest_to_one(found), found, place
     low, high = sorted((unstable(a), unstable(b)))
     if low == high:
         return None
-    found = _between(path, a, b, length, lambda p: _modulus(p, low) - 1.0)
+    found, place = _between(path, a, b, length, lambda p: _modulus(p, low) - 1.0)
     more = a if unstable(a) > unstable(b) else b
     critical = complex(more.stability.multipliers[low])
-    return _kind(critical), critical, found
+    return _kind(critical), critical, found, place
 
 
 def _kind(multiplier: complex) -> Kind:
@@ -55,10 +61,30 @@ def _nearest_to_one(point: Point) -> complex:
     return complex(multipliers[np.argmin(np.abs(multipliers - 1.0))]) if multipliers.size else 1.0 + 0.0j
 
 
-def _between(path: Continuation, a: Point, b: Point, length: float, test: Callable[[Point], float]) -> Point:
-    """Return the point where `test` vanishes, by the Illinois method on the arclength from `a`."""
+def _extreme(path: Continuation, a: Point, b: Point, length: float) -> tuple[Point, float]:
+    """Return the point with the extreme parameter around two points, and its arclength from `a`."""
+    sign = 1.0 if a.tangent[-1] > 0.0 else -1.0
+    seen = {0.0: a, length: b}
+
+    def depth(place: float) -> float:
+        point = path.step(a, place)
+        if point is None:
+            return math.inf
+        seen[place] = point
+        return -sign * math.log(point.parameter)
+
+    bounds = (-WIDER * length, (1.0 + WIDER) * length)
+    minimize_scalar(depth, bounds=bounds, method="bounded", options={"xatol": 1e-3 * length, "maxiter": LOCATIONS})
+    place = max(seen, key=lambda s: sign * seen[s].parameter)
+    return seen[place], place
+
+
+def _between(
+    path: Continuation, a: Point, b: Point, length: float, test: Callable[[Point], float]
+) -> tuple[Point, float]:
+    """Return the point where `test` vanishes and its arclength from `a`, by the Illinois method."""
     left, right, f_left, f_right = 0.0, length, test(a), test(b)
-    best, least = (a, abs(f_left)) if abs(f_left) < abs(f_right) else (b, abs(f_right))
+    best, place, least = (a, 0.0, abs(f_left)) if abs(f_left) < abs(f_right) else (b, length, abs(f_right))
     for _ in range(LOCATIONS):
         middle = (left * f_right - right * f_left) / (f_right - f_left)
         point = path.step(a, middle)
@@ -66,7 +92,7 @@ def _between(path: Continuation, a: Point, b: Point, length: float, test: Callab
             break
         value = test(point)
         if abs(value) < least:
-            best, least = point, abs(value)
+            best, place, least = point, middle, abs(value)
         # what is left of the interval, as a share of the parameter
         if path.unit * abs(point.tangent[-1]) * abs(right - left) < CLOSE:
             break
@@ -75,4 +101,4 @@ def _between(path: Continuation, a: Point, b: Point, length: float, test: Callab
         else:
             f_left *= 0.5
         right, f_right = middle, value
-    return best
+    return best, place

@@ -13,9 +13,9 @@ from wirerope_mj.excitation import Sine
 from wirerope_mj.excitation.checks import Direction, checked_direction, nonzero, positive
 from wirerope_mj.periodic.coordinates import Coordinates
 from wirerope_mj.periodic.flow import Flow
-from wirerope_mj.periodic.multipliers import Multipliers, Stability, stability
+from wirerope_mj.periodic.multipliers import Multipliers, Stability, stability, wide_monodromy
 from wirerope_mj.periodic.observe import travel_exceeded
-from wirerope_mj.periodic.shooting import ACCEPTED, Shot, close, monodromy, shot
+from wirerope_mj.periodic.shooting import ACCEPTED, Shot, close, shot
 from wirerope_mj.periodic.steps import Steps
 from wirerope_mj.periodic.track import Drive
 from wirerope_mj.response import Response
@@ -217,7 +217,7 @@ class Search:
             raise SimulationError(
                 f"at {drive.frequency:.5g} Hz and {abs(drive.acceleration):.4g} m/s^2 {over}. Lower the acceleration."
             )
-        judged = stability(self.flow, found, monodromy(self.flow, found))
+        judged = stability(self.flow, found, wide_monodromy(self.flow, found))
         return self.orbit(found, judged, tolerance, words)
 
     def orbit(self, found: Shot, judged: Stability, tolerance: float, words: str) -> PeriodicOrbit:

@@ -17,7 +17,7 @@ DIFFERENCE = 1e-5
 1e-5 of 1e-5 m), far below what bends the map."""
 
 NEUTRAL = 1e-6
-"""Singular values of I - Phi below this say nothing: the difference quotients' own error is 1e-7. Axes that hardly move have
+"""Singular values of I - Phi below this say nothing: they are the difference quotients' own error. Axes that hardly move have
 singular values near 1e-5 that must not be cut off: their states do find their place."""
 
 TRIALS = 4
@@ -68,7 +68,10 @@ def shot(flow: Flow, x: Array, drive: Drive, scale: Array | None = None) -> Shot
 
 
 def monodromy(flow: Flow, at: Shot) -> Array:
-    """Return the derivative of the scaled end by the scaled start, (n_x, n_x), its columns integrated in parallel."""
+    """Return the derivative of the scaled end by the scaled start, (n_x, n_x), its columns integrated in parallel.
+
+    It is that of the map as it is stepped, on which Newton's method and the folds of a branch depend.
+    """
     starts = at.x + DIFFERENCE * np.diag(at.scale)
     ends = flow.ends(starts, [at.track.drive] * starts.shape[0])
     return np.asarray(((ends - at.track.end) / at.scale).T / DIFFERENCE)

@@ -8,8 +8,8 @@ from wirerope_mj.simulation.stability import eigenvalues, stable_step
 from wirerope_mj.system import System
 
 STEPS = 128
-"""Steps per period of the base for an error of 1e-4 of accelerations and deflections: measured on one mass from a seventh of its
-resonance to twice it, superharmonic resonances included, and on a floor. The kinks at the mounts' reversals leave order 2."""
+"""Steps per period of the base for an error of 1e-4 of accelerations and deflections: measured on one mass from a seventh of
+its resonance to twice it, superharmonic resonances included, and on a floor. The kinks at reversals leave order 2."""
 
 OWN = 32
 """Steps per period of the system's fastest motion: between reversals RK4 has its order 4."""

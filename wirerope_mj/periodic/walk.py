@@ -164,28 +164,30 @@ class Walk:
         return None, length
 
     def _between(self, a: Point, b: Point, length: float) -> None:
-        """Note what happens between two points, and the point where it does."""
+        """Note what happens between two points (`a` is the last one kept), and the point where it does."""
         found = locate(self.path, a, b, length)
         if found is None:
             return
-        kind, multiplier, point = found
-        self._add(point)
-        row = self.rows[-1]
+        kind, multiplier, point, place = found
+        index = len(self.rows) if place > 0.0 else len(self.rows) - 1
+        self._add(point, index)
+        row = self.rows[index]
         self.events.append(
             Bifurcation(
                 kind=kind,
                 frequency=row.frequency,
                 acceleration=row.acceleration,
                 amplitude=row.amplitude,
-                index=len(self.rows) - 1,
+                index=index,
                 multiplier=multiplier,
                 before=unstable(a),
                 after=unstable(b),
-            )  # fmt: skip
+            )
         )
 
-    def _add(self, point: Point) -> None:
-        self.rows.append(row_of(self.system, point, self.question.payload, self.question.response_direction))
+    def _add(self, point: Point, index: int | None = None) -> None:
+        row = row_of(self.system, point, self.question.payload, self.question.response_direction)
+        self.rows.insert(len(self.rows) if index is None else index, row)
 
     def _where(self, point: Point) -> str:
         return f"{point.parameter:.5g} {'Hz' if self.question.parameter == 'frequency' else 'm/s^2'}"
