@@ -97,7 +97,7 @@ def test_bad_input_is_refused():
         identify_specimens([one], law=wr.EnhancedDryFriction)
     with pytest.raises(ValueError, match="`shared` names 'n'; enhanced-dry-friction is searched for by d, u_c, k"):
         identify_specimens([one, one], law=wr.EnhancedDryFriction, shared=("n",))
-    with pytest.raises(ValueError, match="specimen 2: `loops` must hold at least one closed loop"):
+    with pytest.raises(ValueError, match=r"`specimens\[1\]` must hold at least one closed loop"):
         identify_specimens([one, []], law=wr.EnhancedDryFriction)
     found = identify_specimens([one, noisy(wr.EnhancedDryFriction(**CENTRE), seed=9)], law=wr.EnhancedDryFriction)
     with pytest.raises(ValueError, match="`axis` must be 'roll', 'shear' or 'axial', got 'x'"):

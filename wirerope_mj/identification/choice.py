@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.identification.arguments import require_kind, require_loops
 from wirerope_mj.identification.identify import Identification, identify
 from wirerope_mj.identification.measured import MeasuredLoop, prepare
 from wirerope_mj.laws import AsymmetricBoucWen, BoucWen, EnhancedDryFriction, Law, Loop, Masing, SymmetricBoucWen
@@ -113,8 +114,11 @@ def compare_laws(
     Raises:
         ValueError: the loops cannot be used, or no law is given.
     """
-    if not laws:
-        raise ValueError("`laws` must name at least one law.")
+    require_loops(loops)
+    if isinstance(laws, str) or not isinstance(laws, Sequence) or not laws:
+        raise ValueError(f"`laws` must name at least one law, as a sequence of classes such as BoucWen, got {laws!r}.")
+    for place, kind in enumerate(laws):
+        require_kind(kind, f"laws[{place}]")
     order = sorted(loops, key=lambda loop: float(np.ptp(loop.deflection)))
     measured = prepare(order, weights=weights)
     groups = _amplitudes(measured)

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.identification.arguments import require_finite, require_kind, require_loops, require_options
 from wirerope_mj.identification.certainty import Certainty, Parameter
 from wirerope_mj.identification.coordinates import FAMILIES, Coordinate, Family, masing_family
 from wirerope_mj.identification.measured import MeasuredLoop, prepare, scales_of
@@ -86,8 +87,9 @@ def identify(
 ) -> Identification:
     """Return the law of a class that fits closed cyclic loops best, and what they leave open.
 
-    The law is compared in its steady state along each loop's own path of deflections; the mean of each loop's force is free,
-    as the zero of a load cell drifts. Searches begin at `start` and at the best places of a grid, and the best end counts.
+    The law is compared along each loop's own path of deflections: led through what a record holds before it where that is
+    known, as `read_cycles` gives it, else in its steady state. The mean of each loop's force is free, as the zero of a load cell
+    drifts. Searches begin at `start` and at the best places of a grid, and the best end counts.
     From `start` a search goes the thesis' way: stiffness from the mid-lines, then the hysteresis from the areas with the
     stiffness fixed, then everything (Levenberg-Marquardt with bounds in each).
 
@@ -100,16 +102,22 @@ def identify(
         fixed: values of parameters that are not searched for, by name.
         constraint: on Bouc-Wen's beta and gamma.
         elements: Jenkin elements of a Masing law.
-        method: "three-stage", or from `start` in one stage "time" (forces) or "frequency" (their Fourier coefficients).
+        method: "three-stage", or from `start` in one stage "time" (forces) or "frequency" (their Fourier coefficients, which
+            needs a start); places of the grid are searched by forces at once.
         data: "loops", or "skeleton" for the forces at the turning points alone.
         weights: "range": loops count alike; "equal": a newton counts alike.
         noise: standard deviation of the force relative to `weights`, if it is known; None: what the fit leaves.
-        grid: whether the grid is tried.
+        grid: whether the grid is tried; False needs a start.
 
     Raises:
         ValueError: the loops or the arguments cannot be used, there are too few amplitudes, or a free parameter does not move
             the residual; names what and why.
     """
+    require_loops(loops)
+    require_options(
+        method=method, data=data, constraint=constraint, noise=noise, grid=grid, start=start, fixed=fixed or {},
+        extra_residuals=extra_residuals,
+    )  # fmt: skip
     measured = prepare(loops, weights=weights)
     _require_dissipation(measured)
     search = _search(measured, law, dict(fixed or {}), constraint, elements, start)
@@ -117,12 +125,13 @@ def identify(
     full = joined(loop_residual(measured, data), extra_residuals)
     ends: list[_End] = []
     candidates = [("given", search.family.read(start))] if start is not None else []
-    if grid or not candidates:
+    if grid:
         places = grid_starts(search.family, search.coordinates, measured, search.fixed, count=STARTS)
         candidates += [("grid", values) for values in places]
     failures: list[str] = []
     for origin, values in candidates:
         try:
+            require_finite(extra_residuals, search.law(search.numbers(values)))
             _require_movement(search, full, values)
         except ValueError as failure:
             failures.append(str(failure))
@@ -146,6 +155,7 @@ class _End:
 
 def family_of(law: type[Law], elements: int = 5) -> Family:
     """Return how laws of a class are searched for, or raise ValueError if cyclic tests cannot fix them."""
+    require_kind(law)
     if law is Masing:
         if elements < 1:
             raise ValueError(f"`elements` must be >= 1, got {elements}.")
@@ -165,8 +175,6 @@ def _search(
     elements: int,
     start: Law | None,
 ) -> Search:
-    if not loops:
-        raise ValueError("`loops` must hold at least one closed loop.")
     if start is not None and type(start) is not law:
         raise ValueError(f"`start` must be a {law.name} law, got {start!r}.")
     family = family_of(law, len(start.stiffness) if isinstance(start, Masing) else elements)

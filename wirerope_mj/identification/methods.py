@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import get_args
 
+from wirerope_mj.identification.arguments import require_loops
 from wirerope_mj.identification.identify import identify
 from wirerope_mj.identification.stages import Method
 from wirerope_mj.laws import Law, Loop
@@ -59,9 +60,13 @@ def compare_methods(loops: Sequence[Loop], *, starts: Mapping[str, Law], weights
         loops: closed cycles of several amplitudes.
         starts: laws to begin at, by what the table calls them; their classes say which laws are fitted.
         weights: as in `identify`.
+
+    Raises:
+        ValueError: the loops cannot be used, or there is no law to start at.
     """
-    if not starts:
-        raise ValueError("`starts` must hold at least one law.")
+    require_loops(loops)
+    if not isinstance(starts, Mapping) or not starts or not all(isinstance(law, Law) for law in starts.values()):
+        raise ValueError(f"`starts` must hold at least one law by a name, such as {{'guess': law}}, got {starts!r}.")
     return MethodComparison(
         rows=tuple(
             _row(loops, name, start, method, weights) for name, start in starts.items() for method in get_args(Method)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.identification.arguments import require_loops
 from wirerope_mj.identification.coordinates import Family
 from wirerope_mj.identification.identify import Identification, family_of, identify
 from wirerope_mj.isolator import Spread
@@ -117,8 +118,19 @@ def identify_specimens(
         weights: as in `identify`.
 
     Raises:
-        ValueError: there are fewer than two specimens, one of them cannot be used, or `shared` names no coordinate.
+        ValueError: there are fewer than two specimens, one of them cannot be used, all are the same, or `shared` names
+            no coordinate.
     """
+    if not isinstance(specimens, Sequence) or isinstance(specimens, str):
+        raise ValueError(f"`specimens` must be the loops of each specimen, got {specimens!r}.")
+    for place, loops in enumerate(specimens):
+        if isinstance(loops, Loop):
+            raise ValueError(
+                "`specimens` must be a sequence of loops for each specimen, got loops: [loops_1, loops_2, ...]."
+            )
+        require_loops(loops, f"specimens[{place}]")
+    if isinstance(shared, str):
+        raise ValueError(f"`shared` must be a sequence of names, got the text {shared!r}; put it into brackets.")
     if len(specimens) < FEWEST:
         raise ValueError(f"`specimens` must hold the loops of {FEWEST} at least, got {len(specimens)}.")
     every = [loop for loops in specimens for loop in loops]
@@ -138,6 +150,10 @@ def identify_specimens(
         except ValueError as failure:
             raise ValueError(f"specimen {number}: {failure}") from failure
         each.append(one)
+    if len({tuple(own_parameters(fit.law).values()) for fit in each}) == 1:
+        raise ValueError(
+            "`specimens` do not differ: all give the same law to the last figure. Is one given several times?"
+        )
     return _scatter(nominal, each, elements)
 
 
