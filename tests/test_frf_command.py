@@ -85,6 +85,12 @@ def test_pictures_show_amplitudes_transmissibilities_and_loops(written):
         assert (written[2] / f"{name}.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_the_recording_lies_where_show_looks_for_it(written):
+    from wirerope_mj.recording.viewer import find_recording
+
+    assert find_recording(written[2]) == written[2] / "run.rrd"
+
+
 def test_settings_say_every_input_and_the_model_loads_from_the_folder(written):
     folder = written[2]
     settings = tomllib.loads((folder / "settings.toml").read_text())

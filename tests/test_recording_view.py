@@ -13,7 +13,7 @@ from wirerope_mj.errors import RecordError, WireRopeError
 from wirerope_mj.recording import loops, record_rerun, show
 from wirerope_mj.recording.documents import peaks_markdown
 from wirerope_mj.recording.events import events_of
-from wirerope_mj.recording.loops import ticks
+from wirerope_mj.recording.frame import ticks
 from wirerope_mj.recording.poses import quaternion_of, rotate
 from wirerope_mj.recording.selection import select
 from wirerope_mj.recording.thin import rows_of_extremes, rows_of_line, rows_of_steps

@@ -11,7 +11,7 @@ ENOUGH = 4
 """Numbers 1, 2, 5, 10, .. in a range from which they are the ticks of its axis; with fewer, equal steps are."""
 
 
-def log_ticks(low: float, high: float, *, most: int = 10) -> Array:
+def log_ticks(low: float, high: float, *, most: int = 12) -> Array:
     """Return round numbers for a logarithmic axis from `low` to `high`, about `most` of them at the most."""
     decades = 10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
     for parts in ((1.0, 2.0, 3.0, 5.0, 7.0), (1.0, 2.0, 5.0), (1.0,)):

@@ -26,14 +26,16 @@ def along_resonance(branch: Branch) -> list[int]:
     return sorted({*before, top, *after})
 
 
-def along_branch(branch: Branch, curve: Curve, most: int) -> Points:
-    """Return at most `most` points of a branch in its order, equally far from each other along the curve.
+def along_branch(branch: Branch, curve: Curve, count: int) -> Points:
+    """Return `count` points of a branch in its order, equally far from each other along the curve, the highest among them.
 
-    The length is that in a picture on logarithmic axes whose height is its width: most of it lies in the resonance.
+    The length is that in a picture on logarithmic axes whose height is its width: most of it lies in the resonance. A branch
+    with fewer points has some of them several times.
     """
-    if branch.frequency.size <= most:
-        return np.arange(branch.frequency.size)
     f, a = np.log(curve.frequency), np.log(curve.amplitude)
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(f) / np.ptp(f), np.diff(a) / np.ptp(a)))])
-    places = np.interp(np.linspace(0.0, along[-1], most), along, curve.point)
-    return np.unique([*np.round(places).astype(np.int64), branch.peak])
+    steps = np.hypot(np.diff(f) / (np.ptp(f) or 1.0), np.diff(a) / (np.ptp(a) or 1.0))
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    places = np.interp(np.linspace(0.0, along[-1], count), along, curve.point)
+    points = np.round(places).astype(np.int64)
+    points[np.abs(points - branch.peak).argmin()] = branch.peak
+    return points

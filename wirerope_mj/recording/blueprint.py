@@ -7,6 +7,7 @@ import numpy as np
 
 from wirerope_mj.recording.camera import Camera, close_up, scene_extent, whole_scene
 from wirerope_mj.recording.events import lane_paths
+from wirerope_mj.recording.frame import HEIGHT, Plot
 from wirerope_mj.recording.histories import (
     DIRECTIONS,
     TOTAL,
@@ -16,7 +17,7 @@ from wirerope_mj.recording.histories import (
     mount_path,
     mount_peak,
 )
-from wirerope_mj.recording.loops import HEIGHT, Loop, Plot, grid_shape, loop_path
+from wirerope_mj.recording.loops import Loop, grid_shape, loop_path
 from wirerope_mj.recording.mounts import BESIDE, devices_of
 from wirerope_mj.recording.paths import TIMELINE, child, entity
 from wirerope_mj.recording.poses import Frame

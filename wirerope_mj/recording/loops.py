@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.recording.frame import HEIGHT, Plot, log_frame, ticks
 from wirerope_mj.recording.paths import AXES, Array, Rows, at, child, entity
 from wirerope_mj.recording.selection import Selection, travel_limits
 from wirerope_mj.recording.thin import MOST_ROWS, rows_of_extremes, rows_of_line, rows_of_steps
@@ -23,44 +24,7 @@ _FINE = 1 / 500
 _COARSE = 1 / 100
 """The same for the cursor, which is a spot of several pixels."""
 
-HEIGHT = 100.0
-"""Height of a plot's frame, in units of its view."""
-
-_FRAME = (120, 126, 134)
-_GRID = (52, 57, 64)
-_ZERO = (104, 110, 118)
 _RATED = (214, 64, 64)
-_TICK = (190, 195, 202)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Plot:
-    """Ranges of a loop's plot: deflection [mm] and force [kN], and the width of its frame in units of the view."""
-
-    deflection: tuple[float, float]
-    force: tuple[float, float]
-    width: float
-
-    @property
-    def scale(self) -> tuple[float, float]:
-        """Units of the view per mm and per kN; the view's y points down."""
-        return (
-            self.width / (self.deflection[1] - self.deflection[0]),
-            -HEIGHT / (self.force[1] - self.force[0]),
-        )
-
-    def place(self, deflection: Any, force: Any) -> Array:
-        """Return positions in the view, (n, 2)."""
-        x, y = np.broadcast_arrays(np.asarray(deflection, dtype=np.float64), np.asarray(force, dtype=np.float64))
-        sx, sy = self.scale
-        return np.column_stack([(x.ravel() - self.deflection[0]) * sx, HEIGHT + (y.ravel() - self.force[0]) * sy])
-
-    def transform(self) -> Any:
-        """Return the map from [mm, kN] to the view."""
-        import rerun as rr
-
-        sx, sy = self.scale
-        return rr.Transform3D(translation=[*self.place(0.0, 0.0)[0], 0.0], scale=[sx, sy, 1.0])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,42 +145,15 @@ def _plot(loop: Array, mount: SceneMount, axis: str, width: float) -> Plot:
     low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
     room = 0.06 * np.maximum(high - low, 1e-6)
     low, high = low - room, high + room
-    return Plot(deflection=(low[0], high[0]), force=(low[1], high[1]), width=width)
-
-
-def ticks(low: float, high: float, most: int) -> Array:
-    """Return round numbers inside a range, about `most` of them."""
-    rough = np.log10((high - low) / most)
-    steps = np.floor(rough) + np.log10([1.0, 2.0, 5.0, 10.0])
-    step = float(10.0 ** steps[np.abs(steps - rough).argmin()])
-    return np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step
+    return Plot(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
 
 
 def _log_frame(rec: Any, path: str, plot: Plot, mount: SceneMount, axis: str) -> None:
-    import rerun as rr
-
-    (x0, x1), (y0, y1) = plot.deflection, plot.force
-    across = ticks(x0, x1, max(2, round(plot.width / 26)))
-    upward = ticks(y0, y1, 5)
-    lines = [plot.place([x, x], [y0, y1]) for x in across] + [plot.place([x0, x1], [y, y]) for y in upward]
-    colors = [_ZERO if value == 0.0 else _GRID for value in (*across, *upward)]
-    for limit in travel_limits(mount, axis):
-        if np.isfinite(limit) and x0 < limit * 1e3 < x1:
-            lines.append(plot.place([limit * 1e3] * 2, [y0, y1]))
-            colors.append(_RATED)
-    lines.append(plot.place([x0, x1, x1, x0, x0], [y0, y0, y1, y1, y0]))
-    colors.append(_FRAME)
-    frame = rr.LineStrips2D(lines, colors=colors, radii=rr.Radius.ui_points(0.6), draw_order=-10.0)
-    below = plot.place(across, y0) + [0.0, 1.0]
-    beside = plot.place(x0, upward) + [-7.5, -8.0]
-    numbers = rr.Points2D(
-        np.concatenate([below, beside]),
-        labels=[f"{value:g}" for value in np.round((*across, *upward), 9) + 0.0],
-        colors=_TICK,
-        radii=rr.Radius.ui_points(0.0),
-        show_labels=True,
-    )
-    rec.log(path, frame, numbers, static=True)
+    """Log the frame of a loop, its rated travel in red."""
+    (low, high), limits = plot.across, [1e3 * limit for limit in travel_limits(mount, axis)]
+    marked = [(limit, _RATED) for limit in limits if np.isfinite(limit) and low < limit < high]
+    across = ticks(low, high, max(2, round(plot.width / 26)))
+    log_frame(rec, path, plot, across=across, upward=ticks(*plot.upward, 5), marked=marked)
 
 
 def _outlines(loops: list[Loop], selection: Selection) -> Any:

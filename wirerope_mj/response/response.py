@@ -19,7 +19,10 @@ Array = npt.NDArray[np.float64]
 class Samples(Protocol):
     """Sampled columns, in memory or in a file."""
 
-    names: list[str]
+    @property
+    def names(self) -> list[str]:
+        """Names of the columns."""
+        ...
 
     def columns(self, first: int, last: int) -> Array:
         """Return columns `first` to `last` (exclusive), (n_t, last - first)."""

@@ -89,3 +89,7 @@ def _write_pictures(result: FrequencyResponse, findings: list[Findings], folder:
     save_transmissibilities(findings, folder / "transmissibility.png", title=title, what=what)
     if result.branches and result.system.mounts:
         save_resonance_loops(result.branches, folder / "loops.png", title=title)
+    if result.branches:
+        from wirerope_mj.recording.branch import record_branches
+
+        record_branches(result, findings, folder / "run.rrd")

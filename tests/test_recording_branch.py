@@ -1,0 +1,141 @@
+"""The recording of branches: its rows stand on all three timelines, and what is drawn is what was computed."""
+
+import subprocess
+
+import numpy as np
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.frf import Question, frequency_response
+from wirerope_mj.frf.summary import findings_of
+from wirerope_mj.recording.along import FREQUENCY, POINT
+from wirerope_mj.recording.branch import record_branches
+from wirerope_mj.recording.enlarge import enlarged, factor_of
+from wirerope_mj.recording.film import MOST_POINTS, ROWS, film_of, strips_of
+from wirerope_mj.recording.paths import TIMELINE
+from wirerope_mj.recording.viewer import viewer_binary
+from wirerope_mj.resources import models_folder
+
+
+@pytest.fixture(scope="module")
+def result():
+    system = wr.load_system(models_folder() / "sdof_shaker.xml")
+    question = Question(accelerations=(2.0, 5.0), start=34.0, stop=40.0, largest_step=0.04)
+    return frequency_response(system, question, name="shaker")
+
+
+@pytest.fixture(scope="module")
+def findings(result):
+    return findings_of(result)
+
+
+@pytest.fixture(scope="module")
+def recording(result, findings, tmp_path_factory):
+    return record_branches(result, findings, tmp_path_factory.mktemp("branch"))
+
+
+@pytest.fixture(scope="module")
+def film(findings):
+    return film_of(strips_of(findings)[-1])
+
+
+@pytest.fixture(scope="module")
+def chunks(recording):
+    from rerun.chunk import RrdReader
+
+    found = {}
+    for chunk in RrdReader(str(recording)).stream():
+        found.setdefault(str(chunk.entity_path), []).append((chunk.is_static, chunk.to_record_batch()))
+    return found
+
+
+def rows_of(chunks, path, name):
+    """Return the index columns and a component of an entity, in the order of the points."""
+    (batch,) = [batch for static, batch in chunks[path] if not static and name in batch.schema.names]
+    columns = [batch[line].cast("int64").to_numpy() for line in (POINT, FREQUENCY, TIMELINE)]
+    return *columns, batch[name]
+
+
+def test_the_file_is_whole_and_small(recording):
+    assert recording.name == "run.rrd"
+    verified = subprocess.run([viewer_binary(), "rrd", "verify", recording], capture_output=True, text=True)
+    assert verified.returncode == 0, verified.stderr
+    assert recording.stat().st_size < 2e6
+    assert [path.name for path in recording.parent.iterdir()] == ["run.rrd"]
+
+
+def test_each_level_stands_on_its_curve_at_its_frequency(chunks, findings):
+    for number, strip in enumerate(strips_of(findings)):
+        path = f"/response/data/here/level_{number + 1}"
+        point, frequency, time, places = rows_of(chunks, path, "Points2D:positions")
+        np.testing.assert_array_equal(point, np.arange(MOST_POINTS))
+        np.testing.assert_array_equal(frequency, np.round(1e3 * strip.frequency))
+        assert (np.diff(time) > 0).all()
+        drawn = places.flatten().flatten().to_numpy().reshape(-1, 2)
+        # Places are kept as float32: 1e-6 of a decade.
+        np.testing.assert_allclose(drawn, np.log10(np.column_stack([strip.frequency, strip.amplitude])), atol=1e-6)
+
+
+def test_the_points_go_once_along_the_branch_and_hold_its_highest(findings):
+    for strip in strips_of(findings):
+        assert strip.points[0] == 0
+        assert strip.points[-1] == strip.branch.frequency.size - 1
+        assert (np.diff(strip.points) >= 0).all()
+        assert strip.branch.peak in strip.points
+
+
+def test_loops_are_those_of_the_motions(chunks, findings):
+    strip = strips_of(findings)[0]
+    *_, loops = rows_of(chunks, "/loops/m1/data/level_1", "LineStrips2D:strips")
+    for place in (0, 30, MOST_POINTS - 1):
+        mount = strip.orbits[place].response.mounts["m1"]
+        drawn = loops[place].values.flatten().flatten().to_numpy().reshape(-1, 2)
+        np.testing.assert_allclose(drawn[:, 0], 1e3 * mount.deflection[:, 2], atol=1e-6)
+        np.testing.assert_allclose(drawn[:, 1], 1e-3 * mount.force[:, 2], atol=1e-6)
+
+
+def test_the_film_plays_one_period_of_each_motion_up_to_its_largest_acceleration(film):
+    strip, response = film.strip, film.response
+    assert response.time.size == ROWS * MOST_POINTS
+    assert (np.diff(response.time) > 0).all()
+    np.testing.assert_allclose(np.diff(film.starts), 1.0 / strip.frequency[:-1], rtol=1e-12)
+    last = ROWS * np.arange(1, MOST_POINTS + 1) - 1
+    reached = np.abs(response.bodies["mass"].acceleration[last, 2])
+    # The largest of the steps; the amplitude is that of the parabola through three of them.
+    np.testing.assert_allclose(reached, strip.amplitude, rtol=2e-3)
+
+
+def test_rows_in_time_stand_at_the_point_of_their_motion(chunks, film):
+    cursors = rows_of(chunks, "/loops/m1/data/cursor", "Points2D:positions")
+    point, frequency, time, _ = cursors
+    np.testing.assert_array_equal(point, np.repeat(np.arange(MOST_POINTS), ROWS))
+    np.testing.assert_array_equal(frequency, np.round(1e3 * film.strip.frequency)[point])
+    np.testing.assert_array_equal(time, np.round(1e9 * film.response.time))
+
+
+def test_motions_are_drawn_larger_about_their_mean_and_mounts_still_reach_the_bodies(film):
+    response = film.response
+    factor = factor_of(response, extent=0.5)
+    assert factor > 1.0
+    large = enlarged(response, factor)
+    apart = [r.bodies["mass"].position[:, 2] - r.bodies["table"].position[:, 2] for r in (response, large)]
+    assert np.ptp(apart[1]) == pytest.approx(factor * np.ptp(apart[0]), rel=1e-9)
+    shift = apart[1] - large.mounts["m1"].deflection[:, 2]
+    assert np.ptp(shift) < 1e-12 * factor + 1e-9  # rounding of the deflection that the engine measures
+    np.testing.assert_array_equal(large.mounts["m1"].force, response.mounts["m1"].force)
+
+
+def test_words_say_stability_multipliers_and_the_other_level(chunks):
+    *_, texts = rows_of(chunks, "/motion", "TextDocument:text")
+    words = texts[30][0].as_py()
+    assert "5 m/s²: stable" in words
+    assert "| 2 m/s² |" in words
+    assert "Floquet multiplier" in words
+    assert "Mount m1, axial:" in words
+
+
+def test_sweeps_alone_are_no_branches_to_record(result, findings, tmp_path):
+    empty = type(result)(system=result.system, name="", question=result.question, levels=())
+    with pytest.raises(ValueError, match="there is no branch to record"):
+        record_branches(empty, [], tmp_path)
+    assert not list(tmp_path.iterdir())

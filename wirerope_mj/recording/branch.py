@@ -1,0 +1,94 @@
+"""Branches of periodic motions as one `run.rrd`: one scrubs along the resonance and sees the loops change.
+
+Timelines: `point` goes from motion to motion along the branches of all levels, `frequency_mHz` does by frequency, and
+`sim_time` [s] plays one repetition of each motion of the highest level after the other. Entities:
+
+```text
+/world                           the scene, as in the recording of a response, small motions drawn larger
+/response                        frame of the frequency response, logarithmic;  .../data/level_1/stable|unstable|sweep_up|..
+/response/data/here/level_1      where the motion of each level stands;  .../data/events  folds and changes of stability
+/loops/MOUNT                     frame of a mount's loops;  .../data/level_1  the loop;  .../data/cursor
+/shape                           the busiest mount's loop over its own ranges
+/multipliers                     unit circle, and the Floquet multipliers of the motion
+/motion  /about                  texts: the motion in view, and all levels
+```
+"""
+
+import os
+import uuid
+from pathlib import Path
+
+from wirerope_mj.errors import RecordError
+from wirerope_mj.frf import FrequencyResponse
+from wirerope_mj.frf.summary import Findings
+from wirerope_mj.recording.along import AlongBranch
+from wirerope_mj.recording.branch_blueprint import SQUARE, branch_blueprint, loop_grid
+from wirerope_mj.recording.camera import scene_extent
+from wirerope_mj.recording.enlarge import enlarged, factor_of
+from wirerope_mj.recording.film import film_of, strips_of
+from wirerope_mj.recording.multipliers import log_multipliers
+from wirerope_mj.recording.orbit_loops import log_orbit_loops, shown_mounts
+from wirerope_mj.recording.orbit_text import log_texts
+from wirerope_mj.recording.paths import APPLICATION, FILE
+from wirerope_mj.recording.poses import frames_of
+from wirerope_mj.recording.response_curve import log_response
+from wirerope_mj.recording.scene import log_scene
+from wirerope_mj.recording.selection import select
+
+
+def record_branches(result: FrequencyResponse, findings: list[Findings], path: str | Path) -> Path:
+    """Write the branches of a frequency response as a recording, and return its path.
+
+    Args:
+        result: the response; at least one level has a branch.
+        findings: what is read off it, level by level.
+        path: file to write, or a folder, which gets a `run.rrd`; written whole or not at all.
+
+    Raises:
+        ValueError: no level has a branch.
+        RecordError: the environment variable RERUN switches recordings off.
+    """
+    import rerun as rr
+    from rerun.error_utils import strict_mode
+
+    if not result.branches:
+        raise ValueError("there is no branch to record; a sweep alone has no periodic motions.")
+    target = Path(path)
+    target = target / FILE if target.is_dir() or target.suffix != ".rrd" else target
+    target.parent.mkdir(parents=True, exist_ok=True)
+    beside = target.with_name(target.name + ".part")
+    was_strict = strict_mode()
+    rr.set_strict_mode(True)  # otherwise a wrong call loses data with no more than a warning
+    try:
+        _write(result, findings, beside)
+        if not beside.is_file():
+            raise RecordError("nothing was recorded: the environment variable RERUN switches it off. Unset it.")
+        os.replace(beside, target)
+    finally:
+        rr.set_strict_mode(was_strict)
+        beside.unlink(missing_ok=True)
+    return target
+
+
+def _write(result: FrequencyResponse, findings: list[Findings], path: Path) -> None:
+    import rerun as rr
+
+    strips = strips_of(findings)
+    film = film_of(strips[-1])  # the highest level, which the scene shows
+    _, extent = scene_extent(film.response.scene)
+    factor = factor_of(film.response, extent)
+    scene = enlarged(film.response, factor)
+    selection, frames = select(film.response), frames_of(scene)
+    with rr.RecordingStream(APPLICATION, recording_id=uuid.uuid4()) as rec:
+        rec.set_log_time_enabled(False)
+        rec.save(path)
+        layout = branch_blueprint(scene, film, selection, frames, factor)
+        rec.send_blueprint(layout, make_active=True, make_default=True)  # before the data: right from the first moment
+        rec.send_recording_name(f"{result.name}: frequency response")
+        log_texts(rec, result, findings, film, strips, selection if selection.axes else None)
+        log_response(rec, findings, film, strips)
+        log_multipliers(rec, film, width=SQUARE)
+        if selection.axes:
+            _, width = loop_grid(len(shown_mounts(selection)[1]))
+            log_orbit_loops(rec, film, strips, selection, width=width, shape_width=SQUARE)
+        log_scene(AlongBranch(rec, film), scene, selection, frames)
