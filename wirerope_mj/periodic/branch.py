@@ -84,6 +84,7 @@ class Branch:
         direction: along which the base moves.
         response_direction: along which the amplitude is taken.
         periods: of the base after which the motions repeat themselves.
+        smoothing_width: velocity over which the laws were smoothed [m/s], 0 for the laws as they are, (n,).
         unknowns: state at phase 0 relative to the equilibrium carried along, (n, n_x).
         steps: model steps of each motion, (n,).
         tangents: share of the parameter in the branch's direction, positive where it rises, (n,).
@@ -107,6 +108,7 @@ class Branch:
     direction: Direction
     response_direction: Direction
     periods: int
+    smoothing_width: Array = field(repr=False)
     unknowns: Array = field(repr=False)
     steps: npt.NDArray[np.int64] = field(repr=False)
     tangents: Array = field(repr=False)
@@ -153,6 +155,7 @@ class Branch:
             acceleration=float(self.acceleration[index]),
             direction=self.direction,
             periods=self.periods,
+            smoothing_width=float(self.smoothing_width[index]),
             state=State(values=coordinates.to_state(self.unknowns[index], carried), time=0.0),
             steps=int(self.steps[index]),
             floquet_multipliers=multipliers[~np.isnan(multipliers)],

@@ -55,6 +55,7 @@ class Point:
         tangent: unit tangent in the units of arclength, (n_x + 1,).
         stability: Floquet multipliers.
         corrections: corrector iterations that it took.
+        width: velocity over which the laws were smoothed [m/s].
     """
 
     shot: Shot
@@ -63,6 +64,7 @@ class Point:
     tangent: Array
     stability: Stability
     corrections: int
+    width: float
 
 
 class Continuation:
@@ -96,6 +98,7 @@ class Continuation:
             tangent=self._tangent(matrix, before, sign),
             stability=judged,
             corrections=corrections,
+            width=self.flow.width,
         )
 
     def _matrix(self, found: Shot, value: float) -> Array:

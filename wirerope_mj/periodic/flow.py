@@ -16,7 +16,9 @@ from wirerope_mj.control import layout as at
 from wirerope_mj.errors import SimulationError
 from wirerope_mj.excitation import Sine
 from wirerope_mj.periodic.coordinates import Coordinates
+from wirerope_mj.periodic.smoothing import set_width, width_places
 from wirerope_mj.periodic.track import Drive, Track
+from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
 
@@ -29,14 +31,17 @@ class Flow:
 
     Attributes:
         coordinates: the unknowns.
+        system: what is stepped: that of the coordinates, or one with the same states and smoothed laws.
+        width: velocity over which its laws are smoothed [m/s]; 0 for laws as they are.
         taken: model steps taken so far, of all copies.
         passes: single forward passes besides; a step has four.
     """
 
-    def __init__(self, coordinates: Coordinates, *, copies: int) -> None:
-        self.coordinates, self.system = coordinates, coordinates.system
+    def __init__(self, coordinates: Coordinates, *, copies: int, system: System | None = None) -> None:
+        self.coordinates, self.system = coordinates, system or coordinates.system
         self.model, self.taken, self.passes = copy.copy(self.system.model), 0, 0
         self._batch = Batch(self.model, nsim=copies, nthread=min(copies, os.cpu_count() or 1))
+        self.width_places, self.width = width_places(self.system), 0.0
         self._timestep = self._batch.expand("opt.timestep")
         self._qpos, self._qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
         assembly = self.system.assembly
@@ -49,6 +54,11 @@ class Flow:
     def steps(self) -> int:
         """Model steps taken so far, forward passes counted as quarters."""
         return self.taken + self.passes // 4
+
+    def smooth(self, width: float) -> None:
+        """Smooth the laws over a velocity [m/s]."""
+        self.width = width
+        set_width(self._batch, self.width_places, width)
 
     @contextmanager
     def ready(self) -> Iterator[None]:

@@ -31,6 +31,7 @@ def follow_branch(
     history: History = "relaxed",
     accuracy: float = 1e-4,
     tolerance: float = 1e-6,
+    smoothing: float | None = None,
     largest_step: float = 0.02,
     smallest_step: float = 1e-5,
     most_points: int = 3000,
@@ -56,6 +57,8 @@ def follow_branch(
         history: equilibrium about which the motions are looked for.
         accuracy: error of the integration allowed, relative to the motions' ranges.
         tolerance: largest residual of a point, in shares of its ranges.
+        smoothing: share of the mounts' largest velocity over which the laws are smoothed, from point to point; None leaves them
+            as they are.
         largest_step: largest relative change of the parameter between two points.
         smallest_step: smallest one before the branch is given up.
         most_points: points after which it ends.
@@ -76,8 +79,11 @@ def follow_branch(
         response_direction=response_direction, periods=whole("periods", periods), history=history,
         most_points=whole("most_points", most_points), start=start, stop=stop, largest_step=largest_step,
         smallest_step=smallest_step, tolerance=tolerance, accuracy=accuracy,
+        smoothing=smoothing,
     )  # fmt: skip
-    search = Search(system, direction=question.direction, history=history, accuracy=question.accuracy)
+    search = Search(
+        system, direction=question.direction, history=history, accuracy=question.accuracy, smoothing=smoothing
+    )
     with (
         search.flow.ready(),
         share_bar("following", "Hz" if frequency is None else "m/s^2", enabled=progress) as update,
@@ -96,6 +102,7 @@ def _question(
     periods: int,
     most_points: int,
     history: History,
+    smoothing: float | None,
     **numbers: float,
 ) -> Question:
     if (acceleration is None) == (frequency is None):
@@ -130,5 +137,6 @@ def _question(
         periods=periods,
         history=history,
         most_points=most_points,
+        smoothing=None if smoothing is None else positive("smoothing", smoothing),
         **values,
     )

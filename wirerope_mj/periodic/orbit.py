@@ -14,8 +14,9 @@ from wirerope_mj.excitation.checks import Direction, checked_direction, nonzero,
 from wirerope_mj.periodic.coordinates import Coordinates
 from wirerope_mj.periodic.flow import Flow
 from wirerope_mj.periodic.multipliers import Multipliers, Stability, stability, wide_monodromy
-from wirerope_mj.periodic.observe import travel_exceeded
+from wirerope_mj.periodic.observe import ranges, travel_exceeded
 from wirerope_mj.periodic.shooting import ACCEPTED, Shot, close, shot
+from wirerope_mj.periodic.smoothing import smoothed
 from wirerope_mj.periodic.steps import Steps
 from wirerope_mj.periodic.track import Drive
 from wirerope_mj.response import Response
@@ -33,6 +34,12 @@ SETTLING = (20, 60, 240)
 ITERATIONS = 20
 """Newton iterations of one attempt: four times what a smooth start takes."""
 
+WIDTHS = 4
+"""Times that the width of smoothed laws is set by the motion that was found with the last one."""
+
+SAME_WIDTH = 0.01
+"""Relative change of that width that no longer matters: the motion depends on its square."""
+
 COPIES = 8
 """Copies that a flow has at least: Newton's trial steps need them."""
 
@@ -47,6 +54,7 @@ class PeriodicOrbit:
         acceleration: amplitude of the base's acceleration [m/s^2].
         direction: along which the base moves.
         periods: number of the base's periods after which the motion repeats itself; above 1 for a subharmonic.
+        smoothing_width: velocity over which the laws were smoothed [m/s]; 0 for the laws as they are.
         state: at phase 0 of the base's sine.
         steps: model steps in the whole motion.
         floquet_multipliers: by falling modulus, without the neutral ones.
@@ -64,6 +72,7 @@ class PeriodicOrbit:
     acceleration: float
     direction: Direction
     periods: int
+    smoothing_width: float
     state: State = field(repr=False)
     steps: int
     floquet_multipliers: Multipliers
@@ -88,7 +97,7 @@ class PeriodicOrbit:
     def response(self) -> Response:
         """The motion over its own duration, sampled at every step."""
         return simulate(
-            self.system,
+            smoothed(self.system, self.smoothing_width) if self.smoothing_width else self.system,
             self.motion,
             duration=self.duration,
             initial=self.state,
@@ -108,6 +117,7 @@ def periodic_orbit(
     history: History = "relaxed",
     accuracy: float = 1e-4,
     tolerance: float = 1e-8,
+    smoothing: float | None = None,
 ) -> PeriodicOrbit:
     """Return the periodic motion of `system` under a sine of its base, by shooting on the engine's state.
 
@@ -126,6 +136,8 @@ def periodic_orbit(
             so that only the relaxed one belongs to a periodic motion of most laws.
         accuracy: error of the integration allowed, relative to the motion's ranges.
         tolerance: largest residual.
+        smoothing: share of the mounts' largest velocity over which the laws are smoothed, for instance 0.01; None leaves them
+            as they are.
 
     Raises:
         ValueError: an argument is out of range.
@@ -139,7 +151,9 @@ def periodic_orbit(
     )  # fmt: skip
     whole("periods", periods)
     check_direction(system, sine)
-    search = Search(system, direction=sine.direction, history=history, accuracy=positive("accuracy", accuracy))
+    search = Search(
+        system, direction=sine.direction, history=history, accuracy=positive("accuracy", accuracy), smoothing=smoothing
+    )
     with search.flow.ready():
         return search.find(
             sine.frequency, sine.amplitude, periods, guess=guess, tolerance=positive("tolerance", tolerance)
@@ -156,10 +170,22 @@ def whole(name: str, value: int) -> int:
 class Search:
     """What a search for periodic motions of one system needs: its unknowns and copies of it."""
 
-    def __init__(self, system: System, *, direction: Direction, history: History, accuracy: float) -> None:
+    def __init__(
+        self, system: System, *, direction: Direction, history: History, accuracy: float, smoothing: float | None = None
+    ) -> None:
         self.system, self._steps = system, Steps(system, accuracy)
         self.coordinates = Coordinates(system, direction=direction, history=history)
-        self.flow = Flow(self.coordinates, copies=max(self.coordinates.size + 2, COPIES))
+        self.smoothing = None if smoothing is None else positive("smoothing", smoothing)
+        stepped = None if smoothing is None else smoothed(system, 1.0)  # the width follows the motion, see `adapt`
+        self.flow = Flow(self.coordinates, copies=max(self.coordinates.size + 2, COPIES), system=stepped)
+
+    def adapt(self, found: Shot) -> bool:
+        """Smooth the laws over the share of this motion's velocity that was asked for; return whether that changed much."""
+        if self.smoothing is None:
+            return False
+        before, wanted = self.flow.width, self.smoothing * ranges(self.system, found.track).rate
+        self.flow.smooth(wanted)
+        return abs(wanted - before) > SAME_WIDTH * wanted
 
     def drive(self, frequency: float, acceleration: float, periods: int = 1) -> Drive:
         """Return a sine with the steps that the accuracy asks for."""
@@ -177,7 +203,7 @@ class Search:
         for more in (0, *SETTLING) if guess is not None else SETTLING:
             if more:
                 x, settled = self._settled(x, drive, more), settled + more
-            found, _ = close(self.flow, shot(self.flow, x, drive), tolerance=tolerance, iterations=ITERATIONS)
+            found = self._closed(x, drive, tolerance)
             best = min(best, found.residual)
             if found.residual <= max(tolerance, ACCEPTED):
                 return self.judged(found, tolerance, f" after {settled} periods of settling" if settled else "")
@@ -187,6 +213,17 @@ class Search:
             f"{', '.join(str(n) for n in np.cumsum(SETTLING))} periods of settling. The motion may not be periodic there: try "
             "another frequency and follow the branch from it, a lower acceleration, or `periods=2` or 3."
         )
+
+    def _closed(self, x: Array, drive: Drive, tolerance: float) -> Shot:
+        """Return the nearest motion that Newton's method closes, with laws smoothed over its own velocity."""
+        found = shot(self.flow, x, drive)
+        for _ in range(WIDTHS):
+            changed = self.adapt(found)
+            start = shot(self.flow, found.x, drive) if changed else found
+            found, _ = close(self.flow, start, tolerance=tolerance, iterations=ITERATIONS)
+            if not changed:
+                break
+        return found
 
     def _settled(self, x: Array, drive: Drive, number: int) -> Array:
         """Return the unknowns after a number of the base's periods."""
@@ -233,6 +270,7 @@ class Search:
             acceleration=drive.acceleration,
             direction=self.coordinates.direction,
             periods=drive.periods,
+            smoothing_width=self.flow.width,
             state=State(values=self.coordinates.to_state(found.x, carried), time=0.0),
             steps=drive.steps,
             floquet_multipliers=judged.multipliers,

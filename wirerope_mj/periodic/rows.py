@@ -24,6 +24,7 @@ class Row:
     multipliers: npt.NDArray[np.complex128]
     neutral: int
     unknowns: Array
+    smoothing_width: float
     steps: int
     tangent: float
     residual: float
@@ -41,6 +42,7 @@ def row_of(system: System, point: Point, payload: str, direction: Direction) -> 
         multipliers=point.stability.multipliers,
         neutral=point.stability.neutral,
         unknowns=point.shot.x,
+        smoothing_width=point.width,
         steps=drive.steps,
         tangent=float(point.tangent[-1]),
         residual=point.shot.residual,

@@ -33,7 +33,17 @@ def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content:
     folder.mkdir(parents=True, exist_ok=True)
     columns: dict[str, Any] = {
         name: [getattr(row, name) for row in rows]
-        for name in ("frequency", "acceleration", "amplitude", "stable", "neutral", "steps", "tangent", "residual")
+        for name in (
+            "frequency",
+            "acceleration",
+            "amplitude",
+            "stable",
+            "neutral",
+            "smoothing_width",
+            "steps",
+            "tangent",
+            "residual",
+        )
     }
     columns["multiplier_real"] = [row.multipliers.real for row in rows]
     columns["multiplier_imag"] = [row.multipliers.imag for row in rows]

@@ -23,6 +23,7 @@ from wirerope_mj.control import layout as at
 from wirerope_mj.excitation import Sine
 from wirerope_mj.periodic.flow import Flow
 from wirerope_mj.periodic.shooting import DIFFERENCE, Shot
+from wirerope_mj.periodic.smoothing import set_width
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
@@ -73,6 +74,8 @@ class Variational:
         """
         if self.model.na != self.system.assembly.tables.user.n_states:
             return None
+        if self.flow.width:
+            set_width(self._batch, self.flow.width_places, self.flow.width)
         track, n = at_shot.track, at_shot.x.size
         steps = track.drive.steps
         motion = Sine(

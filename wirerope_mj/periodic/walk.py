@@ -47,6 +47,7 @@ class Question:
     periods: int
     history: History
     accuracy: float
+    smoothing: float | None
     tolerance: float
     largest_step: float
     smallest_step: float
@@ -113,6 +114,7 @@ class Walk:
         else:
             self._between(last, point, length)
         self._add(point)
+        self.search.adapt(point.shot)
         if len(self.rows) >= question.most_points and not self.message:
             self.message = f"ended after {len(self.rows)} points at {self._where(point)}"
         if self.folder is not None and time.monotonic() - self._saved > SAVE_EVERY:
@@ -148,6 +150,8 @@ class Walk:
             self.complete, self.message = stored["complete"], stored["message"]
             return None
         last = self.rows[-1]
+        if last.smoothing_width:
+            self.search.flow.smooth(last.smoothing_width)
         value = last.frequency if self.question.parameter == "frequency" else last.acceleration
         if len(self.rows) == 1:
             return self._at(last.unknowns, value, before=None)
@@ -222,6 +226,7 @@ class Walk:
             direction=question.direction,
             response_direction=question.response_direction,
             periods=question.periods,
+            smoothing_width=np.array([row.smoothing_width for row in rows]),
             unknowns=np.array([row.unknowns for row in rows]),
             steps=np.array([row.steps for row in rows]),
             tangents=np.array([row.tangent for row in rows]),

@@ -1,0 +1,52 @@
+"""Smooth approximations of a system's laws, so wide as the motion is fast."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from mujoco.batch import Batch
+
+from wirerope_mj.control import layout as at
+from wirerope_mj.isolator import Isolator
+from wirerope_mj.laws.kernels import SMOOTHED
+from wirerope_mj.laws.smoothed import Smoothed, smoothable
+from wirerope_mj.system import System, load_system
+
+
+def smoothed(system: System, width: float) -> System:
+    """Return the system with every law that can be smoothed over the velocity `width` [m/s].
+
+    Raises:
+        ValueError: none of its laws can be smoothed.
+    """
+    isolators = {name: _smoothed(isolator, width) for name, isolator in system.isolators.items()}
+    if isolators == system.isolators:
+        raise ValueError(
+            "`smoothing` has nothing to smooth: no axis of this system has a law with one hysteretic state."
+        )
+    return load_system(system.path or system.mjcf, isolators=isolators)
+
+
+def _smoothed(isolator: Isolator, width: float) -> Isolator:
+    axes: dict[str, Any] = {
+        axis: Smoothed(law=law, width=width)
+        for axis, law in isolator.axes.items()
+        if law is not None and smoothable(law) and (axis == "axial" or isolator.coupling is None)
+    }
+    return replace(isolator, **axes)
+
+
+def width_places(system: System) -> npt.NDArray[np.int64]:
+    """Return where the widths of a smoothed system's laws stand in its model's numeric_data."""
+    model = system.model
+    numbers = model.actuator_dynprm[-1]
+    layout, parameters = int(numbers[1]), int(numbers[2])
+    first = layout + int(model.numeric_data[layout + at.AXES])
+    rows = model.numeric_data[first : first + 3 * at.AXIS_COLUMNS * len(system.mounts)].reshape(-1, at.AXIS_COLUMNS)
+    return np.asarray(parameters + rows[rows[:, 0] == SMOOTHED, 1], dtype=np.int64)
+
+
+def set_width(batch: Batch, places: npt.NDArray[np.int64], width: float) -> None:
+    """Give every simulation of a batch laws that are smoothed over `width` [m/s]."""
+    batch.expand("numeric_data")[:, places] = width
