@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 import tomllib
 
 import numpy as np
@@ -9,6 +10,7 @@ import pyarrow.parquet as pq
 import pytest
 
 import wirerope_mj as wr
+from wirerope_mj import errors as wr_errors
 from wirerope_mj.cli import main
 from wirerope_mj.resources import models_folder
 
@@ -142,3 +144,47 @@ def test_an_unknown_model_says_which_ship(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["frf", "no_model"]) == 2
     assert "no_model: there is no such model file. The package ships" in capsys.readouterr().err
+
+
+@pytest.fixture
+def short_of_travel(tmp_path, monkeypatch):
+    """Make a model whose mount is rated for 0.7 mm of travel, and go to its folder."""
+    (tmp_path / "isolators").mkdir()
+    for name in ("sdof_shaker.xml", "isolators/sdof_36hz.toml"):
+        shutil.copyfile(models_folder() / name, tmp_path / name)
+    with (tmp_path / "isolators" / "sdof_36hz.toml").open("a") as file:
+        file.write("\n[limits]\ntravel = { compression = 0.0007, tension = 0.0007 }\n")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_branch_that_leaves_the_rated_travel_ends_there_and_exits_1(short_of_travel, capsys):
+    arguments = ("--acceleration", "5", "--start", "30", "--stop", "36", "--largest-step", "0.03", "--out", "r")
+    assert main(["frf", "sdof_shaker.xml", *arguments]) == 1
+    out = re.sub(r"[ \n]+", " ", capsys.readouterr().out)
+    assert re.search(
+        r"continuation ENDED EARLY: \d+ points, \d+ model steps, [\d.]+ s; ended at 3[\d.]+ Hz: mount 'm1'", out
+    )
+    assert "in compression, rated for 0.0007 m" in out
+    summary = json.loads((short_of_travel / "r" / "frequency_response.json").read_text())
+    assert not summary["levels"][0]["continuation"]["complete"]
+
+
+def test_a_level_that_leaves_the_rated_travel_at_the_start_is_one_message(short_of_travel, capsys):
+    before = sorted(short_of_travel.iterdir())
+    assert main(["frf", "sdof_shaker.xml", "--acceleration", "5", "--start", "36", "--stop", "37"]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("wirerope: level 5 m/s^2: at 36 Hz and 5 m/s^2 mount 'm1' reaches")
+    assert error.count("\n") == 1
+    assert sorted(short_of_travel.iterdir()) == before
+
+
+def test_no_periodic_motion_at_the_start_is_one_message(tmp_path, capsys, monkeypatch):
+    def lost(*_, **__):
+        raise wr_errors.ConvergenceError("no motion of period 1 / (20 Hz) was found: the residual stays at 0.3")
+
+    monkeypatch.setattr("wirerope_mj.frf.solve.follow_branch", lost)
+    monkeypatch.chdir(tmp_path)
+    assert main(["frf", MODEL, "--start", "20", "--stop", "30"]) == 2
+    assert "wirerope: level 1 m/s^2: no motion of period" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())

@@ -1,12 +1,10 @@
 """`wirerope frf`: branches of periodic motions and sweeps of a model, as tables on the screen and as one folder."""
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
 
-from rich.console import Console
 from rich.markup import escape
 
 from wirerope_mj.cli.frf_tables import print_response
@@ -34,11 +32,13 @@ def frf_command(model: str, question: Question, *, out: Path | None, force: bool
     folder = out or Path("runs") / f"{path.stem}-frf-{datetime.now():%Y%m%d-%H%M%S}"
     check_target(folder, force=force, kind=KIND, marks=MARKS)
     system = load_system(path)
-    with _status() as report:
-        result = frequency_response(system, question, name=path.stem, report=report)
-        report("writing tables, pictures and the recording")
-        findings = findings_of(result)
-        write_frequency_response(result, findings, folder, force=force)
+    watched = sys.stderr.isatty()
+    report = _report if watched else None
+    result = frequency_response(system, question, name=path.stem, report=report, progress=watched)
+    if watched:
+        _report("writing tables, pictures and the recording")
+    findings = findings_of(result)
+    write_frequency_response(result, findings, folder, force=force)
     print_response(result, findings)
     _print_written(folder)
     return 0 if result.complete else NOT_COMPLETE
@@ -74,14 +74,9 @@ def _model(name: str) -> Path:
     raise ModelError(f"{name}: there is no such model file. The package ships {shipped}.")
 
 
-@contextmanager
-def _status() -> Iterator[Callable[[str], None]]:
-    """Show what is being done on standard error, if that is a terminal."""
-    if not sys.stderr.isatty():
-        yield lambda words: None
-        return
-    with Console(stderr=True).status("starting") as status:
-        yield lambda words: status.update(words)
+def _report(words: str) -> None:
+    """Say what is being done on standard error."""
+    print(f"{words} ..", file=sys.stderr, flush=True)
 
 
 def _print_written(folder: Path) -> None:
