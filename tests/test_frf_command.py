@@ -188,3 +188,28 @@ def test_no_periodic_motion_at_the_start_is_one_message(tmp_path, capsys, monkey
     assert main(["frf", MODEL, "--start", "20", "--stop", "30"]) == 2
     assert "wirerope: level 1 m/s^2: no motion of period" in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
+
+
+def test_a_command_goes_on_from_the_points_that_were_kept(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    arguments = ("--start", "36", "--stop", "38", "--largest-step", "0.04", "--keep", "points", "--force", "--out", "r")
+    assert main(["frf", MODEL, *arguments]) == 0
+    first = pq.read_table("r/branches.parquet").to_pydict()
+    assert main(["frf", MODEL, *arguments]) == 0
+    again = pq.read_table("r/branches.parquet").to_pydict()
+    assert again == first
+    capsys.readouterr()
+    assert main(["frf", MODEL, *arguments, "--smallest-step", "2e-5"]) == 2
+    assert "holds another branch" in capsys.readouterr().err
+
+
+def test_sweeps_alone_have_envelopes_and_no_recording(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    arguments = ("--method", "sweep", "--rate", "20", "--start", "30", "--stop", "36", "--out", "r")
+    assert main(["frf", MODEL, *arguments]) == 0
+    out = re.sub(r"[ \n]+", " ", capsys.readouterr().out)
+    assert "peak of the sweep up" in out
+    assert "continuation" not in out
+    names = {path.name for path in (tmp_path / "r").iterdir() if path.is_file()}
+    pictures = {"frequency_response.png", "transmissibility.png"}
+    assert names == {"sweeps.parquet", "settings.toml", "frequency_response.json", *pictures}

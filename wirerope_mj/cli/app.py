@@ -190,6 +190,8 @@ def frequency_response(
     periods: int = 1,
     largest_step: float = 0.02,
     smallest_step: float = 1e-5,
+    smoothing: float | None = None,
+    keep: Path | None = None,
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
@@ -213,6 +215,8 @@ def frequency_response(
         periods: of the base after which the motions repeat themselves; 2, 3, .. for subharmonics.
         largest_step: largest relative change of the frequency between two points of a branch.
         smallest_step: smallest one before a branch is given up.
+        smoothing: share of the mounts' largest velocity over which the continuation smooths the laws; as they are by default.
+        keep: folder that keeps the points as they are found: the same command goes on there after it was interrupted.
         out: folder of the result; runs/MODEL-frf-DATE-TIME by default.
         force: replace a frequency response that is there.
     """
@@ -224,9 +228,9 @@ def frequency_response(
         direction=direction_of("--direction", direction), payload=payload, rate=rate, periods=periods,
         response_direction=None if response_direction is None
         else direction_of("--response-direction", response_direction),
-        largest_step=largest_step, smallest_step=smallest_step,
+        largest_step=largest_step, smallest_step=smallest_step, smoothing=smoothing,
     )  # fmt: skip
-    return frf_command(model, question, out=out, force=force)
+    return frf_command(model, question, keep=keep, out=out, force=force)
 
 
 isolators_app = App(name="isolators", help="Show the isolators of the catalogue, or fit one from a data sheet.")

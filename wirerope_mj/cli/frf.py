@@ -26,7 +26,7 @@ DEFAULT = 1.0
 """Level where none is said [m/s^2]: a tenth of a g, as a resonance search on a shaker takes."""
 
 
-def frf_command(model: str, question: Question, *, out: Path | None, force: bool) -> int:
+def frf_command(model: str, question: Question, *, keep: Path | None, out: Path | None, force: bool) -> int:
     """Compute a frequency response, write its folder, print what was found; return the exit code."""
     path = _model(model)
     folder = out or Path("runs") / f"{path.stem}-frf-{datetime.now():%Y%m%d-%H%M%S}"
@@ -34,7 +34,7 @@ def frf_command(model: str, question: Question, *, out: Path | None, force: bool
     system = load_system(path)
     watched = sys.stderr.isatty()
     report = _report if watched else None
-    result = frequency_response(system, question, name=path.stem, report=report, progress=watched)
+    result = frequency_response(system, question, name=path.stem, report=report, keep=keep, progress=watched)
     if watched:
         _report("writing tables, pictures and the recording")
     findings = findings_of(result)

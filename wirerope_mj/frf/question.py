@@ -37,6 +37,7 @@ class Question:
         rate: of the sweeps [octaves/min].
         periods: of the base after which the motions repeat themselves.
         largest_step, smallest_step: of the continuation, relative to the frequency.
+        smoothing: share of the mounts' largest velocity over which the continuation smooths the laws; None: as they are.
         range_from: where the range comes from, in words; set by `checked`.
     """
 
@@ -51,6 +52,7 @@ class Question:
     periods: int = 1
     largest_step: float = 0.02
     smallest_step: float = 1e-5
+    smoothing: float | None = None
     range_from: str = "given"
 
     def checked(self, system: System) -> "Question":
@@ -78,7 +80,7 @@ class Question:
             accelerations=tuple(sorted(levels)), method=self.method, direction=direction,
             payload=_payload(system, self.payload), response_direction=along, start=start, stop=stop,
             rate=positive("rate", self.rate), periods=self.periods, largest_step=largest, smallest_step=smallest,
-            range_from=words,
+            smoothing=None if self.smoothing is None else positive("smoothing", self.smoothing), range_from=words,
         )  # fmt: skip
 
     @property

@@ -1,6 +1,7 @@
 """Computing a frequency response: every level by itself, branches first."""
 
 from collections.abc import Callable
+from pathlib import Path
 from time import perf_counter
 
 from wirerope_mj.errors import ConvergenceError, SimulationError
@@ -18,6 +19,7 @@ def frequency_response(
     *,
     name: str = "",
     report: Callable[[str], None] | None = None,
+    keep: Path | None = None,
     progress: bool = False,
 ) -> FrequencyResponse:
     """Return the branches and envelopes that `question` asks for.
@@ -27,32 +29,40 @@ def frequency_response(
         question: what is asked.
         name: what the result is called.
         report: called with a few words before each part of the work.
-        progress: whether sweeps show a bar on standard error.
+        keep: folder that keeps the points of the branches as they are found, a folder for each level; what was interrupted
+            there goes on.
+        progress: whether bars are shown on standard error.
 
     Raises:
         ValueError: an argument is out of range.
         ModelError: the base has no driven slide in this direction.
         ConvergenceError: there is no periodic motion at the start of a level.
         SimulationError: a mount leaves its rated travel at the start, or the validity of its law.
+        RecordError: `keep` holds the branches of another system or another question.
     """
     asked = question.checked(system)
     levels = []
     for acceleration in asked.accelerations:
         try:
-            levels.append(_level(system, asked, acceleration, report or (lambda words: None), progress))
+            levels.append(_level(system, asked, acceleration, report or (lambda words: None), keep, progress))
         except (ConvergenceError, SimulationError) as error:
             raise type(error)(f"level {acceleration:.4g} m/s^2: {error}") from None
     return FrequencyResponse(system=system, name=name, question=asked, levels=tuple(levels))
 
 
 def _level(
-    system: System, asked: Question, acceleration: float, report: Callable[[str], None], progress: bool
+    system: System,
+    asked: Question,
+    acceleration: float,
+    report: Callable[[str], None],
+    keep: Path | None,
+    progress: bool,
 ) -> Level:
     branch = up = down = None
     begun = perf_counter()
     if asked.method != "sweep":
         report(f"{acceleration:.4g} m/s^2: following periodic motions")
-        branch = _branch(system, asked, acceleration)
+        branch = _branch(system, asked, acceleration, keep, progress)
     followed = perf_counter()
     if asked.method != "continuation":
         report(f"{acceleration:.4g} m/s^2: sweeping up and down")
@@ -63,13 +73,14 @@ def _level(
     )  # fmt: skip
 
 
-def _branch(system: System, asked: Question, acceleration: float) -> Branch:
+def _branch(system: System, asked: Question, acceleration: float, keep: Path | None, progress: bool) -> Branch:
     start, stop = asked.range
     assert asked.payload is not None
     return follow_branch(
         system, start=start, stop=stop, acceleration=acceleration, direction=asked.direction, payload=asked.payload,
         response_direction=asked.response_direction, periods=asked.periods, largest_step=asked.largest_step,
-        smallest_step=asked.smallest_step,
+        smallest_step=asked.smallest_step, smoothing=asked.smoothing,
+        out=None if keep is None else keep / f"{acceleration:.6g}_m_s2", progress=progress,
     )  # fmt: skip
 
 

@@ -57,6 +57,7 @@ def _branch_columns(number: int, level: Level, width: int) -> dict[str, Array]:
         "neutral": branch.neutral,
         "residual": branch.residual,
         "steps": branch.steps,
+        "smoothing_width": branch.smoothing_width,
         "bifurcation": np.array(_bifurcations(branch), dtype=object),
     }
     for i in range(width):

@@ -46,12 +46,13 @@ def log_orbit_loops(
         shape_width: of the frame of the shape.
     """
     axis, mounts = shown_mounts(selection)
-    number, lift = AXES.index(axis), LARGE if len(mounts) <= 2 else 2.0 * LARGE
+    number, few = AXES.index(axis), len(mounts) <= 2
+    lift, most = (LARGE, 6) if few else (2.0 * LARGE, 4)  # of small frames numbers would touch
     for mount in mounts:
         loops = [_loops(strip, mount, number) for strip in strips]
         plot = _plot([loop for part in loops for loop in part], width)
         path = loops_path(mount)
-        log_frame(rec, path, plot, across=ticks(*plot.across, 5), upward=ticks(*plot.upward, 5), lift=lift)
+        log_frame(rec, path, plot, across=ticks(*plot.across, most), upward=ticks(*plot.upward, most), lift=lift)
         _log(rec, child(path, "data"), plot, film, strips, loops)
         _log_cursor(rec, child(path, "data", "cursor"), film, _points(film.response.mounts[mount], number))
     loops = [[_filled(loop) for loop in _loops(strip, mounts[0], number)] for strip in strips]

@@ -71,6 +71,8 @@ def _settings(result: FrequencyResponse, model: str) -> dict[str, Any]:
     if asked.method != "sweep":
         parts = ("periods", "largest_step", "smallest_step")
         content["continuation"] = {part: getattr(asked, part) for part in parts}
+        if asked.smoothing is not None:
+            content["continuation"]["smoothing"] = asked.smoothing
     if asked.method != "continuation":
         content["sweep"] = {"rate": asked.rate}
     return content | {"versions": {name: version(name) for name in _PACKAGES}}
