@@ -28,10 +28,16 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class Scales:
-    """Sizes of what was measured: the largest deflection from an operating point [m] and half the largest force range [N]."""
+    """Sizes of what was measured: the largest and the least amplitude [m], and half the largest force range [N]."""
 
     deflection: float
+    least: float
     force: float
+
+
+SEEN = 0.02
+"""Share of the least amplitude below which a deflection of slip is not seen: of a sine's 200 samples nine behind a turning
+point still show the stiffness before it, fewer show a jump of the force alone."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,7 +179,7 @@ def masing_family(elements: int) -> Family:
         rows = [*_elastic(s, "k")]
         for e in range(1, elements + 1):
             rows.append(Coordinate(name=f"c{e}", unit="N/m", lower=1e-5 * size, upper=1e4 * size, linear=True))
-        rows.append(Coordinate(name="x1", unit="m", lower=1e-5 * s.deflection, upper=10.0 * s.deflection))
+        rows.append(Coordinate(name="x1", unit="m", lower=SEEN * s.least, upper=10.0 * s.deflection))
         for e in range(2, elements + 1):
             rows.append(Coordinate(name=f"x{e}/x{e - 1}", unit="-", lower=1.01, upper=1e4))
         return rows

@@ -88,10 +88,10 @@ def identify(
     """Return the law of a class that fits closed cyclic loops best, and what they leave open.
 
     The law is compared along each loop's own path of deflections: led through what a record holds before it where that is
-    known, as `read_cycles` gives it, else in its steady state. The mean of each loop's force is free, as the zero of a load cell
+    known, as `read_cycles` gives it, else in its steady state. The mean of each loop's force is free, as a load cell's zero
     drifts. Searches begin at `start` and at the best places of a grid, and the best end counts.
     From `start` a search goes the thesis' way: stiffness from the mid-lines, then the hysteresis from the areas with the
-    stiffness fixed, then everything (Levenberg-Marquardt with bounds in each).
+    stiffness fixed, then everything (Levenberg-Marquardt with bounds in each); and, beside a grid, straight to everything.
 
     Args:
         loops: closed cycles of at least one amplitude.
@@ -136,9 +136,12 @@ def identify(
         except ValueError as failure:
             failures.append(str(failure))
             continue
-        staged = method if origin == "given" and data == "loops" else "time"
-        found, stages = run_stages(search, measured, full, values, staged)
-        ends.append(_End(found=found, stages=stages, started=origin))
+        ways: list[Method] = [method if origin == "given" and data == "loops" else "time"]
+        if grid and ways == ["three-stage"]:  # its first stages may lead away from a start that was good already
+            ways.append("time")
+        for way in ways:
+            found, stages = run_stages(search, measured, full, values, way)
+            ends.append(_End(found=found, stages=stages, started=origin))
     if not ends:
         raise ValueError(failures[0] if failures else f"no {law.name} law could be evaluated on these loops.")
     return _result(search, measured, full, ends, noise)
@@ -157,8 +160,8 @@ def family_of(law: type[Law], elements: int = 5) -> Family:
     """Return how laws of a class are searched for, or raise ValueError if cyclic tests cannot fix them."""
     require_kind(law)
     if law is Masing:
-        if elements < 1:
-            raise ValueError(f"`elements` must be >= 1, got {elements}.")
+        if not isinstance(elements, int) or elements < 1:
+            raise ValueError(f"`elements` must be a whole number >= 1, got {elements!r}.")
         return masing_family(elements)
     if law not in FAMILIES:
         kinds: list[type[Law]] = [*FAMILIES, Masing]

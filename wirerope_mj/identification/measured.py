@@ -134,8 +134,10 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range") -> list[MeasuredLo
 
 def scales_of(loops: Sequence[MeasuredLoop]) -> Scales:
     """Return the sizes of what was measured."""
+    amplitudes = [loop.amplitude for loop in loops]
     return Scales(
-        deflection=max(float(np.ptp(loop.deflection)) / 2.0 for loop in loops),
+        deflection=max(amplitudes),
+        least=min(amplitudes),
         force=max(float(np.ptp(loop.force)) / 2.0 for loop in loops),
     )
 

@@ -1,0 +1,38 @@
+"""Jenkin elements: what the smallest loop can tell of the first, and starts that are not left for worse places."""
+
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.bench import cyclic_test, measured
+from wirerope_mj.identification.identify import run_stages as run_all_stages
+from wirerope_mj.identification.search import run_search
+
+SMOOTH = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.0, k=5e4)
+LOOPS = measured(cyclic_test(SMOOTH, [0.5e-3, 1.5e-3, 4e-3, 10e-3]), points_per_cycle=60, force_noise=2.0, seed=1)
+GUESS = wr.Masing(stiffness=[2e5, 1e5], slip_force=[200.0, 400.0], k=5e4)
+
+
+def test_slip_that_the_smallest_loop_does_not_show_is_not_searched_for():
+    # Without the bound the first element takes the noise at the turning points of the smallest loop for friction.
+    found = wr.identify(
+        LOOPS, law=wr.Masing, elements=2, start=wr.Masing(stiffness=[1e8, 2e5], slip_force=[20.0, 600.0], k=5e4)
+    )
+    least = 0.02 * LOOPS[0].amplitude
+    assert found.parameters["x1"].value >= least * (1.0 - 1e-3)  # samples of the noisy path
+    stiffness = max(loop.secant_stiffness for loop in LOOPS)
+    assert max(found.law.stiffness) < 10.0 * stiffness
+
+
+def test_a_good_start_is_not_left_for_a_worse_place(monkeypatch):
+    def astray(search, loops, full, values, method):
+        """Return stages that lead away from the start, as those of areas alone may."""
+        if method == "three-stage":
+            far = {name: 3.0 * value for name, value in values.items()}
+            return run_search(search, full, far, most=1), ()
+        return run_all_stages(search, loops, full, values, method)
+
+    monkeypatch.setattr("wirerope_mj.identification.identify.run_stages", astray)
+    monkeypatch.setattr("wirerope_mj.identification.identify.grid_starts", lambda *_, **__: [])
+    alone = wr.identify(LOOPS, law=wr.Masing, start=GUESS, method="time", grid=False)
+    beside = wr.identify(LOOPS, law=wr.Masing, start=GUESS)
+    assert beside.residual == pytest.approx(alone.residual, rel=1e-6)
