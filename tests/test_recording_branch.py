@@ -86,7 +86,7 @@ def test_the_points_go_once_along_the_branch_and_hold_its_highest(findings):
 
 def test_loops_are_those_of_the_motions(chunks, findings):
     strip = strips_of(findings)[0]
-    *_, loops = rows_of(chunks, "/loops/m1/data/level_1", "LineStrips2D:strips")
+    *_, loops = rows_of(chunks, "/loops/axial/m1/data/level_1", "LineStrips2D:strips")
     for place in (0, 30, MOST_POINTS - 1):
         mount = strip.orbits[place].response.mounts["m1"]
         drawn = loops[place].values.flatten().flatten().to_numpy().reshape(-1, 2)
@@ -106,7 +106,7 @@ def test_the_film_plays_one_period_of_each_motion_up_to_its_largest_acceleration
 
 
 def test_rows_in_time_stand_at_the_point_of_their_motion(chunks, film):
-    cursors = rows_of(chunks, "/loops/m1/data/cursor", "Points2D:positions")
+    cursors = rows_of(chunks, "/loops/axial/m1/data/cursor", "Points2D:positions")
     point, frequency, time, _ = cursors
     np.testing.assert_array_equal(point, np.repeat(np.arange(MOST_POINTS), ROWS))
     np.testing.assert_array_equal(frequency, np.round(1e3 * film.strip.frequency)[point])

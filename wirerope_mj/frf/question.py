@@ -8,7 +8,7 @@ import numpy as np
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation import Sine
-from wirerope_mj.excitation.checks import Direction, checked_direction, positive
+from wirerope_mj.excitation.checks import Direction, checked_direction, direction_text, positive, unit_vector
 from wirerope_mj.simulation.simulate import check_direction
 from wirerope_mj.simulation.stability import eigenvalues
 from wirerope_mj.system import System
@@ -67,6 +67,11 @@ class Question:
             raise ValueError(f"`acceleration` must be one or several different levels, got {list(levels)}.")
         direction = checked_direction(self.direction)
         along = direction if self.response_direction is None else checked_direction(self.response_direction)
+        if self.method != "continuation" and np.count_nonzero(unit_vector(along)) > 1:
+            raise ValueError(
+                f"`response_direction` must lie along x, y or z for sweeps, whose envelopes are kept along these axes; got "
+                f"{direction_text(along)}. Follow the motions only: method continuation."
+            )
         check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=direction))
         start, stop, words = _range(system, self.start, self.stop)
         if isinstance(self.periods, bool) or not isinstance(self.periods, int) or self.periods < 1:

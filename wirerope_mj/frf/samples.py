@@ -1,10 +1,11 @@
-"""Which motions of a branch are shown: some along its resonance, and many from its one end to the other."""
+"""What of a branch is shown: motions along its resonance or from end to end, and the loops that take most energy."""
 
 import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.frf.curve import Curve
 from wirerope_mj.periodic import Branch
+from wirerope_mj.response import Response
 
 Points = npt.NDArray[np.int64]
 
@@ -39,3 +40,17 @@ def along_branch(branch: Branch, curve: Curve, count: int) -> Points:
     points = np.round(places).astype(np.int64)
     points[np.abs(points - branch.peak).argmin()] = branch.peak
     return points
+
+
+def busiest_loops(response: Response) -> list[tuple[str, int]]:
+    """Return mount and axis (0 roll, 1 shear, 2 axial) of all loops of a periodic motion, most work per repetition first.
+
+    In vibration this says which mounts move: the share of the rated travel is mostly that of the sag.
+    """
+    work = {}
+    for name, mount in response.mounts.items():
+        for axis in range(3):
+            force, steps = mount.force[:, axis], np.diff(mount.deflection[:, axis])
+            if force.any():
+                work[name, axis] = abs(float(np.sum(0.5 * (force[1:] + force[:-1]) * steps)))
+    return sorted(work, key=lambda loop: work[loop], reverse=True)

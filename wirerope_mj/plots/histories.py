@@ -30,7 +30,7 @@ def save_histories(response: Response, path: str | Path, *, title: str = "") -> 
         panel.set_ylabel(f"acceleration {'xyz'[axis]} [g]")
     mounts = mount_peaks(response)[:_MOST]
     for row, colour in zip(mounts, _LINES, strict=False):
-        mount, axis = response.mounts[row.name], governing_axis(row)
+        mount, axis = response.mounts[row.name], _governing(row)
         label = f"{row.name} {AXES[axis]}"
         _line(panels[3], response.time, 1e3 * mount.deflection[:, axis], label, colour)
         _line(panels[4], response.time, 1e-3 * mount.force[:, axis], label, colour)
@@ -78,7 +78,7 @@ def _line(panel: Any, time: Any, values: Any, label: str, colour: str) -> None:
     panel.plot(time, values, color=colour, lw=0.9, label=label)
 
 
-def governing_axis(row: MountPeak) -> int:
+def _governing(row: MountPeak) -> int:
     """Return the axis in which the mount uses most of its travel; where nothing is judged, in which it moves most."""
     if row.share is None:
         return int(np.argmax(np.subtract(row.highest, row.lowest)))
@@ -89,7 +89,7 @@ def governing_axis(row: MountPeak) -> int:
 def _rated(response: Response, panel: Any, row: MountPeak) -> None:
     """Mark the rated travel of the busiest mount."""
     travel = next(mount.travel for mount in response.scene.mounts if mount.name == row.name)
-    axis = AXES[governing_axis(row)]
+    axis = AXES[_governing(row)]
     below, above = ("compression", "tension") if axis == "axial" else (axis, axis)
     for limit, sign in ((below, -1.0), (above, 1.0)):
         if limit in travel:

@@ -8,27 +8,26 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from wirerope_mj.frf.samples import along_resonance
+from wirerope_mj.frf.samples import along_resonance, busiest_loops
 from wirerope_mj.periodic import Branch, PeriodicOrbit
-from wirerope_mj.plots.histories import governing_axis
-from wirerope_mj.verdicts import AXES, mount_peaks
+from wirerope_mj.verdicts import AXES
 
 _MOST = 4  # panels: from the lowest level to the highest
 _WEAK = 1000.0  # [N], below which forces are read in N
 
 
 def save_resonance_loops(branches: Sequence[Branch], path: Path, *, title: str) -> None:
-    """Write a picture of the loops of the busiest mount at some points along the resonance, one panel for each level."""
+    """Write a picture of the loop that takes most energy at some points along the resonance, one panel for each level."""
     places = np.unique(np.linspace(0, len(branches) - 1, min(len(branches), _MOST)).round().astype(int))
     chosen = [branches[i] for i in places]
     across = 2 if len(chosen) == 4 else len(chosen)
     down = -(-len(chosen) // across)
     figure = Figure(figsize=(0.6 + 5.4 * across, 1.0 + 4.9 * down), layout="constrained", dpi=120)
-    row = mount_peaks(chosen[-1].orbit(chosen[-1].peak).response)[0]
-    axis = governing_axis(row)
-    figure.suptitle(f"{title}\n{row.name}, {row.isolator}, {AXES[axis]}", fontsize=12, fontweight="bold")
+    mount, axis = busiest_loops(chosen[-1].orbit(chosen[-1].peak).response)[0]
+    device = branches[0].system.mounts[mount].isolator.name
+    figure.suptitle(f"{title}\n{mount}, {device}, {AXES[axis]}", fontsize=12, fontweight="bold")
     for place, branch in enumerate(chosen):
-        _draw(figure.add_subplot(down, across, place + 1), branch, row.name, axis)
+        _draw(figure.add_subplot(down, across, place + 1), branch, mount, axis)
     figure.savefig(path)
 
 

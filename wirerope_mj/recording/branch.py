@@ -7,8 +7,8 @@ Timelines: `point` goes from motion to motion along the branches of all levels, 
 /world                           the scene, as in the recording of a response, small motions drawn larger
 /response                        frame of the frequency response, logarithmic;  .../data/level_1/stable|unstable|sweep_up|..
 /response/data/here/level_1      where the motion of each level stands;  .../data/events  folds and changes of stability
-/loops/MOUNT                     frame of a mount's loops;  .../data/level_1  the loop;  .../data/cursor
-/shape                           the busiest mount's loop over its own ranges
+/loops/AXIS/MOUNT                frame of a mount's loops;  .../data/level_1  the loop;  .../data/cursor
+/shape                           the loop that takes most energy, over its own ranges
 /multipliers                     unit circle, and the Floquet multipliers of the motion
 /motion  /about                  texts: the motion in view, and all levels
 ```
@@ -27,7 +27,7 @@ from wirerope_mj.recording.camera import scene_extent
 from wirerope_mj.recording.enlarge import enlarged, factor_of
 from wirerope_mj.recording.film import film_of, strips_of
 from wirerope_mj.recording.multipliers import log_multipliers
-from wirerope_mj.recording.orbit_loops import log_orbit_loops, shown_mounts
+from wirerope_mj.recording.orbit_loops import log_orbit_loops, shown_loops
 from wirerope_mj.recording.orbit_text import log_texts
 from wirerope_mj.recording.paths import APPLICATION, FILE
 from wirerope_mj.recording.poses import frames_of
@@ -82,13 +82,13 @@ def _write(result: FrequencyResponse, findings: list[Findings], path: Path) -> N
     with rr.RecordingStream(APPLICATION, recording_id=uuid.uuid4()) as rec:
         rec.set_log_time_enabled(False)
         rec.save(path)
-        layout = branch_blueprint(scene, film, selection, frames, factor)
+        layout = branch_blueprint(scene, film, frames, factor)
         rec.send_blueprint(layout, make_active=True, make_default=True)  # before the data: right from the first moment
         rec.send_recording_name(f"{result.name}: frequency response")
-        log_texts(rec, result, findings, film, strips, selection if selection.axes else None)
+        log_texts(rec, result, findings, film, strips)
         log_response(rec, findings, film, strips)
         log_multipliers(rec, film, width=SQUARE)
-        if selection.axes:
-            _, width = loop_grid(len(shown_mounts(selection)[1]))
-            log_orbit_loops(rec, film, strips, selection, width=width, shape_width=SQUARE)
+        if shown_loops(film):
+            _, width = loop_grid(len(shown_loops(film)))
+            log_orbit_loops(rec, film, strips, width=width, shape_width=SQUARE)
         log_scene(AlongBranch(rec, film), scene, selection, frames)

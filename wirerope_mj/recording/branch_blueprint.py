@@ -7,13 +7,12 @@ from wirerope_mj.recording.camera import whole_scene
 from wirerope_mj.recording.film import Film
 from wirerope_mj.recording.frame import HEIGHT
 from wirerope_mj.recording.multipliers import PATH as MULTIPLIERS
-from wirerope_mj.recording.orbit_loops import SHAPE, loops_path, shown_mounts
+from wirerope_mj.recording.orbit_loops import SHAPE, loop_path, shown_loops
 from wirerope_mj.recording.orbit_text import ABOUT, MOTION
-from wirerope_mj.recording.paths import Array, entity
+from wirerope_mj.recording.paths import AXES, Array, entity
 from wirerope_mj.recording.poses import Frame
 from wirerope_mj.recording.response_curve import PATH as RESPONSE
 from wirerope_mj.recording.response_curve import WIDTH
-from wirerope_mj.recording.selection import Selection
 from wirerope_mj.response import Response
 
 PANE = (640.0, 500.0)
@@ -31,21 +30,20 @@ PER_SECOND = 5.0
 _ON_A_DARK = [24, 27, 31]
 
 
-def loop_grid(mounts: int) -> tuple[int, float]:
+def loop_grid(loops: int) -> tuple[int, float]:
     """Return columns of the grid of loops, and the width of a frame that fills its place in it."""
-    columns = 1 if mounts == 1 else 2
-    rows = -(-mounts // columns)
+    columns = 1 if loops == 1 else 2
+    rows = -(-loops // columns)
     wide, high = PANE[0] / columns - 60.0, PANE[1] / rows - 62.0
     return columns, HEIGHT * min(max(wide / high, 0.8), 3.0)
 
 
-def branch_blueprint(scene: Response, film: Film, selection: Selection, frames: dict[str, Frame], factor: float) -> Any:
+def branch_blueprint(scene: Response, film: Film, frames: dict[str, Frame], factor: float) -> Any:
     """Return the layout of the viewer.
 
     Args:
         scene: what the scene is drawn from, its motions `factor` times as large.
         film: the motions that are played.
-        selection: ranks of the mounts.
         frames: frames of the bodies.
         factor: how much larger motions are drawn.
     """
@@ -60,7 +58,7 @@ def branch_blueprint(scene: Response, film: Film, selection: Selection, frames: 
         _scene(scene, film, frames, factor), rrb.Horizontal(words, multipliers, column_shares=[1, 1]), row_shares=[1, 1]
     )
     response = _plane(entity(RESPONSE), "Largest acceleration [m/s²] over frequency [Hz]", WIDTH)
-    below = _loops(selection)
+    below = _loops(film)
     right = rrb.Vertical(response, *below, row_shares=[1] * (1 + len(below)))
     slow = film.strip.frequency[int(film.strip.amplitude.argmax())]  # one period at the resonance takes a second
     return rrb.Blueprint(
@@ -77,16 +75,17 @@ def branch_blueprint(scene: Response, film: Film, selection: Selection, frames: 
     )  # fmt: skip
 
 
-def _loops(selection: Selection) -> list[Any]:
+def _loops(film: Film) -> list[Any]:
     """Return the loops and the shape of one, if there are mounts."""
     import rerun.blueprint as rrb
 
-    if not selection.axes:
+    shown = shown_loops(film)
+    if not shown:
         return []
-    axis, mounts = shown_mounts(selection)
-    columns, width = loop_grid(len(mounts))
-    loops = [_plane(loops_path(mount), f"{mount}, {axis}: kN over mm", width) for mount in mounts]
-    shape = _plane(entity(SHAPE), f"{mounts[0]}: shape, over its own ranges", SQUARE)
+    columns, width = loop_grid(len(shown))
+    loops = [_plane(loop_path(mount, axis), f"{mount}, {AXES[axis]}: kN over mm", width) for mount, axis in shown]
+    mount, axis = shown[0]
+    shape = _plane(entity(SHAPE), f"{mount}, {AXES[axis]}: over its own ranges", SQUARE)
     return [rrb.Horizontal(rrb.Grid(*loops, grid_columns=columns), shape, column_shares=[8, 5])]
 
 

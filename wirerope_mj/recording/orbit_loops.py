@@ -4,15 +4,15 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.frf.samples import busiest_loops
 from wirerope_mj.recording.along import AlongBranch, at_points
 from wirerope_mj.recording.film import Film, Strip
 from wirerope_mj.recording.frame import LARGE, Plot, log_frame, ticks
 from wirerope_mj.recording.paths import AXES, Array, at, child, entity
 from wirerope_mj.recording.response_curve import level_color
-from wirerope_mj.recording.selection import Selection
 
 MOST_LOOPS = 4
-"""Mounts whose loops are shown: those that use most of their travel."""
+"""Loops that are shown: those that take most energy at the highest amplitude."""
 
 SHAPE = "shape"
 """Entity of the loop whose own ranges fill the frame."""
@@ -21,41 +21,38 @@ _SHAPE_TICKS = np.array([-1.0, 0.0, 1.0])
 _CURSOR = (255, 255, 255)
 
 
-def shown_mounts(selection: Selection) -> tuple[str, tuple[str, ...]]:
-    """Return the governing axis and the mounts whose loops in it are shown."""
-    axis = selection.axes[0]
-    return axis, selection.ranked[axis][:MOST_LOOPS]
+def shown_loops(film: Film) -> list[tuple[str, int]]:
+    """Return mount and axis of the loops that are shown."""
+    highest = film.strip.orbits[int(np.argmax(film.strip.amplitude))]
+    return busiest_loops(highest.response)[:MOST_LOOPS]
 
 
-def loops_path(mount: str) -> str:
-    """Return the entity of a mount's loops."""
-    return entity("loops", mount)
+def loop_path(mount: str, axis: int) -> str:
+    """Return the entity of the loops of a mount along an axis."""
+    return entity("loops", AXES[axis], mount)
 
 
-def log_orbit_loops(
-    rec: Any, film: Film, strips: list[Strip], selection: Selection, *, width: float, shape_width: float
-) -> None:
-    """Log the loops of the busiest mounts, all levels in one frame, and the shape of the busiest one's.
+def log_orbit_loops(rec: Any, film: Film, strips: list[Strip], *, width: float, shape_width: float) -> None:
+    """Log the loops that take most energy, all levels in one frame, and the shape of the first.
 
     Args:
         rec: recording stream.
         film: motions of the level that is played.
         strips: motions of all levels.
-        selection: ranks of the mounts.
         width: of a loop's frame.
         shape_width: of the frame of the shape.
     """
-    axis, mounts = shown_mounts(selection)
-    number, few = AXES.index(axis), len(mounts) <= 2
+    shown = shown_loops(film)
+    few = len(shown) <= 2
     lift, most = (LARGE, 6) if few else (2.0 * LARGE, 4)  # of small frames numbers would touch
-    for mount in mounts:
-        loops = [_loops(strip, mount, number) for strip in strips]
+    for mount, axis in shown:
+        loops = [_loops(strip, mount, axis) for strip in strips]
         plot = _plot([loop for part in loops for loop in part], width)
-        path = loops_path(mount)
+        path = loop_path(mount, axis)
         log_frame(rec, path, plot, across=ticks(*plot.across, most), upward=ticks(*plot.upward, most), lift=lift)
         _log(rec, child(path, "data"), plot, film, strips, loops)
-        _log_cursor(rec, child(path, "data", "cursor"), film, _points(film.response.mounts[mount], number))
-    loops = [[_filled(loop) for loop in _loops(strip, mounts[0], number)] for strip in strips]
+        _log_cursor(rec, child(path, "data", "cursor"), film, _points(film.response.mounts[mount], axis))
+    loops = [[_filled(loop) for loop in _loops(strip, *shown[0])] for strip in strips]
     plot = Plot(across=(-1.12, 1.12), upward=(-1.12, 1.12), width=shape_width)
     log_frame(rec, entity(SHAPE), plot, across=_SHAPE_TICKS, upward=_SHAPE_TICKS, lift=LARGE)
     _log(rec, child(entity(SHAPE), "data"), plot, film, strips, loops)

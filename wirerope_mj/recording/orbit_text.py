@@ -6,11 +6,11 @@ import numpy as np
 
 from wirerope_mj.frf import FrequencyResponse
 from wirerope_mj.frf.summary import Findings
-from wirerope_mj.periodic import Bifurcation, Branch
+from wirerope_mj.periodic import Bifurcation, Branch, PeriodicOrbit
 from wirerope_mj.recording.along import at_points
 from wirerope_mj.recording.film import Film, Strip
+from wirerope_mj.recording.orbit_loops import shown_loops
 from wirerope_mj.recording.paths import AXES, entity
-from wirerope_mj.recording.selection import Selection
 
 MOTION, ABOUT = "motion", "about"
 
@@ -23,19 +23,18 @@ def log_texts(
     findings: list[Findings],
     film: Film,
     strips: list[Strip],
-    selection: Selection | None,
 ) -> None:
     """Log a text for every motion of the film, and one about all levels."""
     import rerun as rr
 
-    texts = [motion_text(film, strips, selection, place) for place in range(film.strip.points.size)]
+    texts = [motion_text(film, strips, place) for place in range(film.strip.points.size)]
     kind = rr.MediaType.MARKDOWN
     columns = rr.TextDocument.columns(text=texts, media_type=[kind] * len(texts))
     rec.send_columns(entity(MOTION), at_points(film, film.strip), columns)
     rec.log(entity(ABOUT), rr.TextDocument(about_text(result, findings), media_type=kind), static=True)
 
 
-def motion_text(film: Film, strips: list[Strip], selection: Selection | None, place: int) -> str:
+def motion_text(film: Film, strips: list[Strip], place: int) -> str:
     """Return Markdown about the motion at a place of the film, and about those of the other levels beside it."""
     strip = film.strip
     branch, orbit, point = strip.branch, strip.orbits[place], int(strip.points[place])
@@ -48,8 +47,7 @@ def motion_text(film: Film, strips: list[Strip], selection: Selection | None, pl
     rows = ["| Floquet multiplier | modulus |", "|--:|--:|"]
     rows += [f"| {value.real:+.4f} {value.imag:+.4f} i | {abs(value):.4f} |" for value in values]
     parts.append("\n".join(rows))
-    if selection is not None:
-        parts.append(_mount_text(film, selection, place))
+    parts += [_loop_text(orbit, *loop) for loop in shown_loops(film)[:1]]
     neutral = f", {orbit.neutral} neutral directions" if orbit.neutral else ""
     parts.append(f"*point {point + 1} of {branch.frequency.size}, residual {orbit.residual:.1e}{neutral}*")
     return "\n\n".join(parts)
@@ -96,14 +94,12 @@ def _near(strip: Strip, place: int) -> list[Bifurcation]:
     return [event for event in branch.bifurcations if first <= event.index < max(after, first + 1)]
 
 
-def _mount_text(film: Film, selection: Selection, place: int) -> str:
-    """Return range of deflection and force of the busiest mount, and the work of its loop."""
-    axis = selection.axes[0]
-    name, number = selection.ranked[axis][0], AXES.index(axis)
-    mount = film.strip.orbits[place].response.mounts[name]
-    x, force = mount.deflection[:, number], mount.force[:, number]
+def _loop_text(orbit: PeriodicOrbit, name: str, axis: int) -> str:
+    """Return range of deflection and force of a mount, and the work of its loop."""
+    mount = orbit.response.mounts[name]
+    x, force = mount.deflection[:, axis], mount.force[:, axis]
     work = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(x)))
     return (
-        f"Mount {name}, {axis}: {1e3 * x.min():.4g} to {1e3 * x.max():.4g} mm, {1e-3 * force.min():.4g} to "
+        f"Mount {name}, {AXES[axis]}: {1e3 * x.min():.4g} to {1e3 * x.max():.4g} mm, {1e-3 * force.min():.4g} to "
         f"{1e-3 * force.max():.4g} kN, {work:.3g} J per repetition"
     )
