@@ -157,6 +157,9 @@ def test_a_fit_that_does_not_converge_exits_1_with_its_report_and_no_isolator(fo
     assert "not written: a.toml, because the fit did not converge" in out
     assert not (folder / "a.toml").exists()
     assert "NOT CONVERGED" in (folder / "a-report" / "report.md").read_text(encoding="utf-8")
+    (folder / "a.toml").touch()
+    out = run(capsys, *arguments, "--force", code=1)
+    assert "a.toml stands there from before: it is not of this fit" in out
     run(capsys, *arguments, "--force", "--accept-unconverged", code=1)
     assert any("did not converge" in words for words in wr.load_isolator("a.toml").provenance.assumed)
 
@@ -168,8 +171,16 @@ def test_files_that_are_there_are_replaced_only_with_force(folder, simple, capsy
     capsys.readouterr()
     assert main(arguments) == 2
     assert "a.toml: there is an isolator file already. Replace it with --force" in capsys.readouterr().err
+    report = folder / "a-report"
+    (report / "report.md").write_text("old", encoding="utf-8")
+    (report / "notes.txt").write_text("mine", encoding="utf-8")
+    (report / "photos").mkdir()
+    (report / "photos" / "rig.txt").write_text("also mine", encoding="utf-8")
     assert main([*arguments, "--force"]) == 0
     assert (folder / "a.toml").read_bytes() == first  # nothing is drawn by chance
+    assert (report / "report.md").read_text(encoding="utf-8") != "old"
+    assert (report / "notes.txt").read_text(encoding="utf-8") == "mine"
+    assert (report / "photos" / "rig.txt").read_text(encoding="utf-8") == "also mine"
     capsys.readouterr()
     (folder / "notes").mkdir()
     (folder / "notes" / "mine.txt").touch()

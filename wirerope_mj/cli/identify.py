@@ -1,25 +1,22 @@
 """`wirerope identify`: cyclic tests -> an isolator file, a table of what the data fix, and a report with pictures."""
 
 import math
+import shutil
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from wirerope_mj.bench import read_cycles
-from wirerope_mj.bench.clipping import is_level
-from wirerope_mj.bench.recorded import RecordedLoop
+from wirerope_mj.cli.identify_records import Tests, held, read_tests, remarks
 from wirerope_mj.cli.identify_report import (
     PICTURES,
     Rows,
     loop_rows,
-    millimetres,
     parameter_rows,
     report_text,
     sentences,
@@ -27,26 +24,17 @@ from wirerope_mj.cli.identify_report import (
 )
 from wirerope_mj.cli.isolators import describe
 from wirerope_mj.cli.tables import console
-from wirerope_mj.errors import ModelError, RecordError
+from wirerope_mj.errors import ModelError
 from wirerope_mj.identification.fitted import FittedLoop, fitted_loops
 from wirerope_mj.identification.identify import Constraint, Identification, family_of, identify
-from wirerope_mj.identification.measured import prepare
 from wirerope_mj.isolator import Isolator, Provenance, read_law
-from wirerope_mj.laws import LAWS, AsymmetricBoucWen, Law, Loop
+from wirerope_mj.laws import LAWS, AsymmetricBoucWen, Law
 from wirerope_mj.runfolder.folder import check_target, written_whole
 
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
 
 _REPORT = "report.md"
-_STEADY = 0.01
-"""Share of the force range within which cycles that count as steady close: noise of 1 % of its half shows half of it."""
-
-_ONE_CYCLE = 0.05
-"""The same of a single cycle, whose ends have the noise of samples."""
-
-_OTHER_UNITS = 100.0
-"""Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +80,7 @@ def identify_command(request: Request) -> int:
     kind, fixed = _kind(request.law, request.elements), _fixed(request.fix)
     start = None if request.start is None else _start(request.start, request.axis)
     _check_places(request)
-    tests = _read(request.files)
+    tests = read_tests(request.files)
     loops = [loop for part in tests.values() for loop in part]
     result = identify(
         loops, law=kind, start=start, fixed=fixed, constraint=request.constraint, elements=request.elements
@@ -102,6 +90,7 @@ def identify_command(request: Request) -> int:
     wanted = result.converged or request.accept_unconverged
     with written_whole(request.folder, force=request.force, kind="report", marks=(_REPORT,)) as folder:
         _write_report(folder, request, result, fits, tests)
+        _keep_others(request.folder, folder)
         if wanted:
             isolator.save(request.out)
     _print(request, isolator.name, result, fits, tests)
@@ -115,6 +104,10 @@ def identify_command(request: Request) -> int:
             "parameters or take another law, or take it as it is with --accept-unconverged.",
             soft_wrap=True,
         )
+        if request.out.exists():
+            screen.print(
+                f"  {escape(str(request.out))} stands there from before: it is not of this fit.", soft_wrap=True
+            )
     return 0 if result.converged else NOT_CONVERGED
 
 
@@ -171,27 +164,6 @@ def _check_places(request: Request) -> None:
     check_target(request.folder, force=request.force, kind="report", marks=(_REPORT,))
 
 
-def _read(files: Sequence[Path]) -> dict[Path, list[Loop]]:
-    """Return the loops by file, or raise RecordError that names the file which cannot be used."""
-    tests: dict[Path, list[Loop]] = {}
-    for path in files:
-        if path in tests:
-            raise ValueError(f"{path} is named twice; its loops would count twice.")
-        tests[path] = read_cycles(path)
-        try:
-            prepare(tests[path])
-        except ValueError as error:
-            raise RecordError(f"{path}: {error}") from None
-    stiffness = {path: float(np.median([loop.secant_stiffness for loop in loops])) for path, loops in tests.items()}
-    soft, stiff = min(stiffness, key=stiffness.__getitem__), max(stiffness, key=stiffness.__getitem__)
-    if stiffness[stiff] > _OTHER_UNITS * stiffness[soft]:
-        raise RecordError(
-            f"{stiff}: the secant stiffness is {stiffness[stiff]:.3g} N/m, in {soft} it is {stiffness[soft]:.3g} N/m. Are the "
-            "units those that the headers say, and is it the same device?"
-        )
-    return tests
-
-
 def _given(request: Request, result: Identification) -> list[str]:
     """Return what was assumed and not found, one sentence each."""
     words = [f"{word}: given, not fitted" for word in request.fix]
@@ -223,12 +195,23 @@ def _isolator(request: Request, result: Identification, fits: Sequence[FittedLoo
     return Isolator(name=request.name or request.out.stem, provenance=provenance, **axes)
 
 
+def _keep_others(before: Path, folder: Path) -> None:
+    """Copy what a report's folder holds beside the report into the one that takes its place."""
+    for path in before.iterdir() if before.is_dir() else ():
+        if path.name == _REPORT or path.name in PICTURES:
+            continue
+        if path.is_dir() and not path.is_symlink():
+            shutil.copytree(path, folder / path.name, symlinks=True)
+        else:
+            shutil.copy2(path, folder / path.name, follow_symlinks=False)
+
+
 def _write_report(
     folder: Path,
     request: Request,
     result: Identification,
     fits: Sequence[FittedLoop],
-    tests: Mapping[Path, Sequence[Loop]],
+    tests: Tests,
 ) -> None:
     """Write text and pictures into a folder."""
     from wirerope_mj.plots.identification import fit_figure, measures_figure, residual_figure
@@ -236,43 +219,10 @@ def _write_report(
     title = f"{request.name or request.out.stem}, {request.axis}: {result.law.name}"
     for name, figure in zip(PICTURES, (fit_figure, residual_figure, measures_figure), strict=True):
         figure(fits, title=title).savefig(folder / name)
-    sources = [f"{path}: {_held(loops)}" for path, loops in tests.items()] + _unsteady(tests) + _level(tests)
+    sources = [f"{path}: {held(loops)}" for path, loops in tests.items()] + remarks(tests)
     given = [words for words in _given(request, result) if not words.startswith(("the data leave", "the fit did"))]
     text = report_text(result, fits, title=title, sources=sources, given=given)
     (folder / _REPORT).write_text(text, encoding="utf-8")
-
-
-def _unsteady(tests: Mapping[Path, Sequence[Loop]]) -> list[str]:
-    """Return which loops count as steady and still change from cycle to cycle, in words."""
-    return [
-        f"{path}: ±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm is not steady, its last cycle "
-        f"ends {100.0 * loop.closure:.2g} % of its force range from where it began, and is fitted as if it were: "
-        "parameters may be off by more than their errors. Record the way from the unloaded device, or more cycles"
-        for path, loops in tests.items()
-        for loop in loops
-        if not (isinstance(loop, RecordedLoop) and loop.averaged)
-        and loop.closure > (_STEADY if loop.cycles > 1 else _ONE_CYCLE)
-    ]
-
-
-def _level(tests: Mapping[Path, Sequence[Loop]]) -> list[str]:
-    """Return which loops have a force that stays level at an end, in words."""
-    return [
-        f"{path}: the force of ±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm is level at an end "
-        "of its stroke: the device yields there, or the load cell cut a little off"
-        for path, loops in tests.items()
-        for loop in loops
-        if is_level(loop)
-    ]
-
-
-def _held(loops: Sequence[Loop]) -> str:
-    """Return what a file holds in words."""
-    parts = [
-        f"±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm ({loop.cycles} cycles)"
-        for loop in loops
-    ]
-    return ", ".join(parts)
 
 
 def _print(
@@ -280,7 +230,7 @@ def _print(
     name: str,
     result: Identification,
     fits: Sequence[FittedLoop],
-    tests: Mapping[Path, Sequence[Loop]],
+    tests: Tests,
 ) -> None:
     """Print what was found."""
     screen = console()
@@ -288,7 +238,7 @@ def _print(
     screen.print(f"  {escape(describe(result.law))}", soft_wrap=True)
     for rows in (parameter_rows(result), loop_rows(fits), stage_rows(result)):
         screen.print(_table(rows))
-    for words in sentences(result, fits) + _unsteady(tests) + _level(tests):
+    for words in sentences(result, fits) + remarks(tests):
         screen.print(f"  {escape(words)}", soft_wrap=True)
 
 

@@ -1,0 +1,84 @@
+"""Records of cyclic tests as `wirerope identify` takes them: read, compared, and what is to be said of their loops."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from wirerope_mj.bench import read_cycles
+from wirerope_mj.bench.clipping import is_level
+from wirerope_mj.bench.recorded import RecordedLoop
+from wirerope_mj.cli.identify_report import millimetres
+from wirerope_mj.errors import RecordError
+from wirerope_mj.identification.measured import prepare
+from wirerope_mj.laws import Loop
+
+Tests = Mapping[Path, Sequence[Loop]]
+
+_STEADY = 0.01
+"""Share of the force range within which cycles that count as steady close: noise of 1 % of its half shows half of it."""
+
+_ONE_CYCLE = 0.05
+"""The same of a single cycle, whose ends have the noise of samples."""
+
+_OTHER_UNITS = 100.0
+"""Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold."""
+
+
+def read_tests(files: Sequence[Path]) -> dict[Path, list[Loop]]:
+    """Return the loops by file, or raise RecordError that names the file which cannot be used."""
+    tests: dict[Path, list[Loop]] = {}
+    for path in files:
+        if path in tests:
+            raise ValueError(f"{path} is named twice; its loops would count twice.")
+        tests[path] = read_cycles(path)
+        try:
+            prepare(tests[path])
+        except ValueError as error:
+            raise RecordError(f"{path}: {error}") from None
+    stiffness = {path: float(np.median([loop.secant_stiffness for loop in loops])) for path, loops in tests.items()}
+    soft, stiff = min(stiffness, key=stiffness.__getitem__), max(stiffness, key=stiffness.__getitem__)
+    if stiffness[stiff] > _OTHER_UNITS * stiffness[soft]:
+        raise RecordError(
+            f"{stiff}: the secant stiffness is {stiffness[stiff]:.3g} N/m, in {soft} it is {stiffness[soft]:.3g} N/m. Are the "
+            "units those that the headers say, and is it the same device?"
+        )
+    return tests
+
+
+def remarks(tests: Tests) -> list[str]:
+    """Return what is to be known of loops before their fit is believed, one sentence each."""
+    return _unsteady(tests) + _level(tests)
+
+
+def _unsteady(tests: Tests) -> list[str]:
+    """Return which loops count as steady and still change from cycle to cycle, in words."""
+    return [
+        f"{path}: ±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm is not steady, its last cycle "
+        f"ends {100.0 * loop.closure:.2g} % of its force range from where it began, and is fitted as if it were: "
+        "parameters may be off by more than their errors. Record the way from the unloaded device, or more cycles"
+        for path, loops in tests.items()
+        for loop in loops
+        if not (isinstance(loop, RecordedLoop) and loop.averaged)
+        and loop.closure > (_STEADY if loop.cycles > 1 else _ONE_CYCLE)
+    ]
+
+
+def _level(tests: Tests) -> list[str]:
+    """Return which loops have a force that stays level at an end, in words."""
+    return [
+        f"{path}: the force of ±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm is level at an end "
+        "of its stroke: the device yields there, or the load cell cut a little off"
+        for path, loops in tests.items()
+        for loop in loops
+        if is_level(loop)
+    ]
+
+
+def held(loops: Sequence[Loop]) -> str:
+    """Return what a file holds in words."""
+    parts = [
+        f"±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm ({loop.cycles} cycles)"
+        for loop in loops
+    ]
+    return ", ".join(parts)
