@@ -24,6 +24,7 @@ MASING = 6
 VAIANA_ROSATI = 7
 BABER_NOORI = 8
 BIAXIAL = 9
+SMOOTHED = 10
 
 WORN_OUT = 1e-3
 """Share of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1."""
@@ -172,6 +173,33 @@ def baber_noori(p, i, x, v, z, j, zdot, k):
 
 
 @njit
+def smoothable(law, p, i, x, v, z, j, zdot, k):
+    """Do what `evaluate` does for the laws with one state whose rate is a slope for v > 0 and another for v < 0, times v."""
+    if law == BOUC_WEN:
+        return bouc_wen(p, i, x, v, z, j, zdot, k)
+    if law == SYMMETRIC_BOUC_WEN:
+        return symmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
+    if law == ASYMMETRIC_BOUC_WEN:
+        return asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
+    return vaiana_rosati(p, i, x, v, z, j, zdot, k)
+
+
+@njit
+def smoothed(p, i, x, v, z, j, zdot, k):
+    """Return the force of a law whose two slopes blend over a velocity: zdot = v [s+ (1 + t) + s- (1 - t)] / 2, t = tanh(v/e).
+
+    p = e, number of the law, its parameters; s+ and s- are its slopes dz/dx for v > 0 and v < 0.
+    """
+    law = int(p[i + 1])
+    smoothable(law, p, i + 2, x, 1.0, z, j, zdot, k)
+    up = zdot[k]
+    force = smoothable(law, p, i + 2, x, -1.0, z, j, zdot, k)
+    down, half = -zdot[k], 0.5 * math.tanh(v / p[i])
+    zdot[k] = v * (up * (0.5 + half) + down * (0.5 - half))
+    return force
+
+
+@njit
 def biaxial_rates(p, i, vx, vy, z, j, zdot, k):
     """Write the rates of two coupled hysteretic forces; p = sigma, n, bounds z_m (2), yield deflections x_y (2).
 
@@ -231,4 +259,6 @@ def evaluate_rarer(law, p, i, x, v, z, j, zdot, k):
         return baber_noori(p, i, x, v, z, j, zdot, k)
     if law == BIAXIAL:
         return biaxial(p, i, x, v, z, j, zdot, k)
+    if law == SMOOTHED:
+        return smoothed(p, i, x, v, z, j, zdot, k)
     return np.nan

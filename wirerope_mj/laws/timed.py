@@ -1,7 +1,7 @@
 """Laws that depend on the rate, along a path in time that is a cubic between samples.
 
 Their states have closed forms, or there are none: what is left is the work, a Gauss-Legendre sum on pieces that end at
-reversals.
+reversals. Only a smoothed law is integrated.
 """
 
 import math
@@ -9,26 +9,16 @@ import math
 import numpy as np
 
 from wirerope_mj.jit import njit
-from wirerope_mj.laws.kernels import TINKER_CUTCHINS, ZENER, evaluate
+from wirerope_mj.laws.cubic import position, reversals, shifted, speed, zero_between
+from wirerope_mj.laws.kernels import SMOOTHED, TINKER_CUTCHINS, ZENER, evaluate
 from wirerope_mj.laws.quadrature import NODES, WEIGHTS
+from wirerope_mj.laws.smooth_steps import follow_smoothed
 
 _GROWTH = 3.0
 """Ratio of the rates at the ends of a piece up to which |v|^n and tanh(v / s) are smooth on it to 1e-9."""
 
 _NARROWEST = 1e-6
 """Share of a sample's interval below which a piece is not cut any further."""
-
-
-@njit
-def position(cubic, t):
-    """Return the deflection at t."""
-    return cubic[0] + t * (cubic[1] + t * (cubic[2] + t * cubic[3]))
-
-
-@njit
-def speed(cubic, t):
-    """Return the deflection rate at t."""
-    return cubic[1] + t * (2.0 * cubic[2] + t * 3.0 * cubic[3])
 
 
 @njit
@@ -60,12 +50,16 @@ def width_of_piece(law, p, cubic, start, end, shortest):
     width = end - start
     if law == ZENER:
         return min(width, 1.0 / p[2])
-    if law != TINKER_CUTCHINS or (p[4] == 1.0 and p[5] == 0.0 and p[6] == 0.0 and p[7] == 0.0):
+    if law == SMOOTHED:
+        bend = p[0]
+    elif law == TINKER_CUTCHINS and not (p[4] == 1.0 and p[5] == 0.0 and p[6] == 0.0 and p[7] == 0.0):
+        bend = p[8]
+    else:
         return width
     v0 = abs(speed(cubic, start))
     while width > shortest:
         v1 = abs(speed(cubic, start + width))
-        if max(v0, v1) <= _GROWTH * min(v0, v1) + p[8]:
+        if max(v0, v1) <= _GROWTH * min(v0, v1) + bend:
             break
         width *= 0.5
     return width
@@ -79,6 +73,10 @@ def work_over(law, p, cubic, start, end, z, trial, unused):
     begun = start
     while start < end:
         width = width_of_piece(law, p, cubic, start, end, shortest)
+        if law == SMOOTHED:
+            work += follow_smoothed(p, cubic, start, min(start + width, end), z)
+            start = end if start + width >= end else start + width
+            continue
         for node in range(8):
             t = start + width * NODES[node]
             if law == ZENER:
@@ -89,46 +87,6 @@ def work_over(law, p, cubic, start, end, z, trial, unused):
     if law == ZENER:
         z[0] = zener_state(p[1], p[2], shifted(cubic, begun), origin, end - begun)
     return work
-
-
-@njit
-def reversals(x0, x1, v0, v1, h):
-    """Return the cubic that joins positions and rates at the ends of a time h, and where inside it the rate is zero.
-
-    Of the two instants, those that do not exist are h.
-    """
-    b, c = 3.0 * (x1 - x0) / h - 2.0 * v0 - v1, v0 + v1 - 2.0 * (x1 - x0) / h
-    cubic = (x0, v0, b / h, c / (h * h))  # the rate over u = t / h is v0 + 2 b u + 3 c u^2
-    root = b * b - 3.0 * c * v0
-    if root <= 0.0:
-        return cubic, h, h
-    q = -(b + math.copysign(math.sqrt(root), b))
-    one, two = h, h
-    if q != 0.0 and 0.0 < v0 / q < 1.0:
-        one = h * v0 / q
-    if c != 0.0 and 0.0 < q / (3.0 * c) < 1.0:
-        two = h * q / (3.0 * c)
-    return cubic, min(one, two), max(one, two)
-
-
-@njit
-def zero_between(cubic, start, end):
-    """Return where a cubic that changes its sign is zero."""
-    rising = position(cubic, end) > 0.0
-    for _ in range(60):
-        middle = 0.5 * (start + end)
-        if (position(cubic, middle) > 0.0) == rising:
-            end = middle
-        else:
-            start = middle
-    return end
-
-
-@njit
-def shifted(cubic, t):
-    """Return the coefficients of the cubic about the instant t."""
-    a, b, c, d = cubic
-    return a + t * (b + t * (c + t * d)), b + t * (2.0 * c + t * 3.0 * d), c + 3.0 * d * t, d
 
 
 @njit
@@ -143,8 +101,12 @@ def follow_time(law, p, time, deflection, rate, z, n_states):
             cubic, one, two = reversals(deflection[t - 1], deflection[t], rate[t - 1], rate[t], h)
             work[t], start = work[t - 1], 0.0
             for end in (one, two, h):
-                if end > start and law == TINKER_CUTCHINS and position(cubic, start) * position(cubic, end) < 0.0:
-                    middle = zero_between(cubic, start, end)  # friction may have a kink there
+                if (
+                    end > start
+                    and law in (TINKER_CUTCHINS, SMOOTHED)
+                    and position(cubic, start) * position(cubic, end) < 0.0
+                ):
+                    middle = zero_between(cubic, start, end)  # friction or a polynomial may have a kink there
                     work[t] += work_over(law, p, cubic, start, middle, z, trial, unused)
                     start = middle
                 if end > start:

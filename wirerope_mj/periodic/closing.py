@@ -7,10 +7,11 @@ the path by them alone: without them the loop would lose its tips, and the force
 import numpy as np
 
 from wirerope_mj.jit import njit
+from wirerope_mj.laws.cubic import position, reversals
 from wirerope_mj.laws.kernels import evaluate
 from wirerope_mj.laws.power import ORDER
 from wirerope_mj.laws.steady import carry
-from wirerope_mj.laws.timed import follow_time, position, reversals
+from wirerope_mj.laws.timed import follow_time
 
 _ROUNDS = 200
 """Cycles after which the states are taken as they are; the secant needs fewer than ten, sliders two."""
