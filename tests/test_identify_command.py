@@ -99,8 +99,11 @@ def test_what_is_given_is_not_searched_for_and_says_so(folder, simple, capsys):
         capsys, simple, "--law", "bouc-wen", "--out", "a.toml", "--axis", "shear", "--report", "said", "--name", "Spring 7",
         "--constraint", "beta>gamma", "--fix", "n=1", "k=5e4",
     )  # fmt: skip
-    assert "Spring 7, shear: 3 loops of 1 files" in out
+    assert "Spring 7, shear: 3 loops of 1 file" in out
     assert "n 1 - - - given" in out
+    assert re.search(
+        r"bouc-wen: alpha = \d+ N/m, beta = [\d.]+ N\^\(1-n\)/m, gamma = .*, n = 1, k = 50000 N/m ", out
+    ), out
     isolator = wr.load_isolator(folder / "a.toml")
     assert isolator.name == "Spring 7"
     assert isolator.axial is None
@@ -202,6 +205,7 @@ GOOD = ["good.csv", "--law", "bouc-wen", "--out", "a.toml"]
         (["good.csv", "--law", "bouc", "--out", "a.toml"], "`--law`: there is no law 'bouc'; the laws are"),
         (["good.csv", "--law", "zener", "--out", "a.toml"], "must be one that cyclic tests can fix .*got 'zener'"),
         (["good.csv", "--law", "masing", "--elements", "0", "--out", "a.toml"], "`elements` must be a whole number >= 1"),
+        ([*GOOD, "--elements", "3"], "`--elements` counts the Jenkin elements of a masing law; bouc-wen has none"),
         (["good.csv", "--law", "bouc-wen", "--out", "a.csv"], "must end with .toml, got 'a.csv'"),
         (["good.csv", "--law", "bouc-wen", "--out", "no/a.toml"], "`--out`: there is no folder"),
         ([*GOOD, "--report", "good.csv"], "good.csv: this is a file; a report is a folder"),

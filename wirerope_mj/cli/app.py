@@ -137,7 +137,7 @@ def identify_records(
     name: str | None = None,
     constraint: Literal["beta>gamma", "beta=gamma", "beta<gamma"] | None = None,
     fix: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
-    elements: int = 5,
+    elements: int | None = None,
     start: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
     accept_unconverged: Annotated[bool, Parameter(negative=())] = False,
@@ -158,7 +158,7 @@ def identify_records(
         name: of the isolator; that of its file by default.
         constraint: on beta and gamma, where nothing else tells them apart.
         fix: parameters that are given, NAME=VALUE in SI units, by the names that the table prints.
-        elements: Jenkin elements of a masing law.
+        elements: Jenkin elements of a masing law; 5 by default.
         start: law file or isolator file from which a search in three stages begins, besides those from a grid.
         force: replace an isolator file and a report that are there.
         accept_unconverged: write the isolator even of a fit that did not converge.

@@ -16,25 +16,26 @@ from wirerope_mj.cli.identify_records import Tests, held, read_tests, remarks
 from wirerope_mj.cli.identify_report import (
     PICTURES,
     Rows,
+    law_words,
     loop_rows,
     parameter_rows,
     report_text,
     sentences,
     stage_rows,
 )
-from wirerope_mj.cli.isolators import describe
 from wirerope_mj.cli.tables import console
 from wirerope_mj.errors import ModelError
 from wirerope_mj.identification.fitted import FittedLoop, fitted_loops
 from wirerope_mj.identification.identify import Constraint, Identification, family_of, identify
 from wirerope_mj.isolator import Isolator, Provenance, read_law
-from wirerope_mj.laws import LAWS, AsymmetricBoucWen, Law
+from wirerope_mj.laws import LAWS, AsymmetricBoucWen, Law, Masing
 from wirerope_mj.runfolder.folder import check_target, written_whole
 
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
 
 _REPORT = "report.md"
+_ELEMENTS = 5  # of a Masing law: with eleven parameters within what an identification of four amplitudes can fix
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +51,7 @@ class Request:
         name: of the isolator; None: that of its file.
         constraint: on Bouc-Wen's beta and gamma.
         fix: NAME=VALUE each.
-        elements: of a Masing law.
+        elements: of a Masing law; None: five, or as many as the start has.
         start: law or isolator file where a three-stage search begins too.
         force: whether `out` and `report` are replaced.
         accept_unconverged: whether a fit that did not converge may become an isolator.
@@ -64,7 +65,7 @@ class Request:
     name: str | None = None
     constraint: Constraint | None = None
     fix: Sequence[str] = ()
-    elements: int = 5
+    elements: int | None = None
     start: Path | None = None
     force: bool = False
     accept_unconverged: bool = False
@@ -77,13 +78,13 @@ class Request:
 
 def identify_command(request: Request) -> int:
     """Fit a law to records, print what was found, write report and isolator; return the exit code."""
-    kind, fixed = _kind(request.law, request.elements), _fixed(request.fix)
+    kind, fixed = _kind(request), _fixed(request.fix)
     start = None if request.start is None else _start(request.start, request.axis)
     _check_places(request)
     tests = read_tests(request.files)
     loops = [loop for part in tests.values() for loop in part]
     result = identify(
-        loops, law=kind, start=start, fixed=fixed, constraint=request.constraint, elements=request.elements
+        loops, law=kind, start=start, fixed=fixed, constraint=request.constraint, elements=request.elements or _ELEMENTS
     )
     fits = fitted_loops(result)
     isolator = _isolator(request, result, fits, _given(request, result))
@@ -111,11 +112,14 @@ def identify_command(request: Request) -> int:
     return 0 if result.converged else NOT_CONVERGED
 
 
-def _kind(name: str, elements: int) -> type[Law]:
+def _kind(request: Request) -> type[Law]:
     """Return the class of a law that cyclic tests can fix."""
+    name, elements = request.law, request.elements
     if name not in LAWS:
         raise ValueError(f"`--law`: there is no law {name!r}; the laws are {', '.join(sorted(LAWS))}.")
-    family_of(LAWS[name], elements)  # raises if it cannot be identified
+    family_of(LAWS[name], _ELEMENTS if elements is None else elements)  # raises if it cannot be identified
+    if elements is not None and LAWS[name] is not Masing:
+        raise ValueError(f"`--elements` counts the Jenkin elements of a masing law; {name} has none.")
     return LAWS[name]
 
 
@@ -234,12 +238,19 @@ def _print(
 ) -> None:
     """Print what was found."""
     screen = console()
-    screen.print(f"[bold]{escape(name)}[/], {request.axis}: {len(fits)} loops of {len(tests)} files")
-    screen.print(f"  {escape(describe(result.law))}", soft_wrap=True)
+    screen.print(
+        f"[bold]{escape(name)}[/], {request.axis}: {_count(len(fits), 'loop')} of {_count(len(tests), 'file')}"
+    )
+    screen.print(f"  {escape(law_words(result))}", soft_wrap=True)
     for rows in (parameter_rows(result), loop_rows(fits), stage_rows(result)):
         screen.print(_table(rows))
     for words in sentences(result, fits) + remarks(tests):
         screen.print(f"  {escape(words)}", soft_wrap=True)
+
+
+def _count(number: int, word: str) -> str:
+    """Return a number of things in words."""
+    return f"{number} {word}" if number == 1 else f"{number} {word}s"
 
 
 def _table(rows: Rows) -> Table:

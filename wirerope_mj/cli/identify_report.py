@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from wirerope_mj.cli.isolators import describe
 from wirerope_mj.identification.fitted import FittedLoop, neighbours_correlation
 from wirerope_mj.identification.identify import Identification
 
@@ -16,6 +15,12 @@ PICTURES = {
 """Pictures of a report and their captions."""
 
 _PARAMETERS = "Parameters"
+_UNITS = {
+    "alpha": "N/m", "beta": "N^(1-n)/m", "gamma": "N^(1-n)/m", "k": "N/m", "k1": "N/m", "k2": "N/m^2", "k3": "N/m^3",
+    "c": "1/m", "d": "N", "u_c": "m", "stiffness": "N/m", "slip_force": "N",
+}  # fmt: skip
+"""Of the parameters of laws in their isolator files, where these are not the coordinates of the search; b and n have none."""
+
 _BENT = 0.5
 """Correlation of neighbouring residuals that white noise of a hundred samples never has."""
 
@@ -71,6 +76,20 @@ def stage_rows(result: Identification) -> Rows:
     """Return what every stage of the fit did."""
     rows = [[stage.name, f"{stage.evaluations}", f"{100.0 * stage.error:.4g}"] for stage in result.stages]
     return Rows("Stages of the best fit", ("stage", "evaluations", "error left [%]"), rows)
+
+
+def law_words(result: Identification) -> str:
+    """Return the law's name and its own parameters with their units, those of an isolator file."""
+    values = result.law.to_dict()
+    words = []
+    for name, value in values.items():
+        if name == "law":
+            continue
+        known = result.parameters.get(name)
+        unit = known.unit if known else _UNITS.get(name, "-")
+        number = f"[{', '.join(f'{one:.6g}' for one in value)}]" if isinstance(value, list) else f"{value:.6g}"
+        words.append(f"{name} = {number} {unit}".removesuffix(" -"))
+    return f"{values['law']}: {', '.join(words)}"
 
 
 def correlation_rows(result: Identification) -> Rows:
@@ -131,7 +150,7 @@ def report_text(
     parts = [
         f"# {title}",
         *[f"![{caption}]({name})\n\n{caption}." for name, caption in list(PICTURES.items())[:1]],
-        f"Law: {describe(result.law)}",
+        f"Law: {law_words(result)}",
         "\n".join(f"- {words}" for words in [*sentences(result, fits), *given]),
         f"Error over all loops {100.0 * result.residual:.3g} % of half their force range; {result.evaluations} evaluations "
         f"from all starts.",

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -35,6 +36,7 @@ class LawRow:
         converged: whether all searches ended by themselves.
         message: how the fit to all loops ended, or why there is none.
         fit: that fit; None if there is none.
+        why_not_left_out: why there is no fit to all other amplitudes for one of them; empty if there is.
     """
 
     law: str
@@ -46,6 +48,7 @@ class LawRow:
     converged: bool
     message: str
     fit: Identification | None
+    why_not_left_out: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,10 +82,16 @@ class LawComparison:
         heads = "".join(f"{1e3 * a:>9.3g} mm" for a in self.amplitudes)
         lines = [f"{'law':24s}{'free':>5s}{'BIC behind':>12s}  {'':10s}{heads}"]
         for row in self.rows:
+            if row.fit is None:
+                lines.append(f"{row.law:24s} not fitted: {row.message}")
+                continue
             parts = (("fitted", row.errors), ("left out", row.errors_left_out))
             for number, (word, errors) in enumerate(parts):
                 first = f"{row.law:24s}{row.free:5d}{row.behind:12.0f}" if number == 0 else " " * 41
-                lines.append(f"{first}  {word:10s}" + "".join(f"{100 * e:>10.1f} %" for e in errors))
+                numbers = (f"{'-':>12s}" if np.isnan(e) else f"{100 * e:>10.1f} %" for e in errors)
+                lines.append(f"{first}  {word:10s}" + "".join(numbers))
+            if row.why_not_left_out:
+                lines.append(f"{'':41s}  -: {row.why_not_left_out}")
         return "\n".join(lines)
 
 
@@ -166,31 +175,33 @@ def _row(
             law=kind.name, free=0, criterion=math.inf, behind=math.inf, errors=nothing, errors_left_out=nothing,
             converged=False, message=str(failure), fit=None,
         )  # fmt: skip
-    left_out, converged = nothing.copy(), fit.converged
+    left_out, converged, why_not = nothing.copy(), fit.converged, ""
     for number, group in enumerate(groups) if leave_out else ():
         others = [loop for place, loop in enumerate(loops) if place not in group]
-        other = _refitted(fit, others, elements, weights)
-        if other is not None:
-            left_out[number] = _error(other.law, measured, group)
-            converged = converged and other.converged
+        try:
+            other = _refitted(fit, others, elements, weights)
+        except ValueError as failure:
+            why_not = str(failure)
+            continue
+        left_out[number] = _error(other.law, measured, group)
+        converged = converged and other.converged
     free = len(fit.certainty.free)
     return LawRow(
         law=kind.name, free=free, criterion=_criterion(fit, free), behind=math.inf,
         errors=np.array([_error(fit.law, measured, group) for group in groups]),
-        errors_left_out=left_out, converged=converged, message=fit.message, fit=fit,
+        errors_left_out=left_out, converged=converged, message=fit.message, fit=fit, why_not_left_out=why_not,
     )  # fmt: skip
 
 
-def _refitted(fit: Identification, loops: Sequence[Loop], elements: int, weights: str) -> Identification | None:
-    """Return the fit to fewer loops, begun at the fit to all, else from the grid; None if there are too few loops."""
-    for start, grid in ((fit.law, False), (None, True)):
-        try:
-            return identify(
-                loops, law=type(fit.law), start=start, elements=elements, weights=weights, method="time", grid=grid
-            )
-        except ValueError:
-            continue
-    return None
+def _refitted(fit: Identification, loops: Sequence[Loop], elements: int, weights: str) -> Identification:
+    """Return the fit to fewer loops, begun at the fit to all, else from the grid."""
+    if not loops:
+        raise ValueError("there is only one amplitude.")
+    options: dict[str, Any] = {"law": type(fit.law), "elements": elements, "weights": weights, "method": "time"}
+    try:
+        return identify(loops, start=fit.law, grid=False, **options)
+    except ValueError:
+        return identify(loops, **options)
 
 
 def _error(law: Law, loops: Sequence[MeasuredLoop], group: Sequence[int]) -> float:

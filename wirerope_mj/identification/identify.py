@@ -69,6 +69,20 @@ class Identification:
     started: str
     loops: tuple[MeasuredLoop, ...]
 
+    def __str__(self) -> str:
+        """The law, how well it fits, its parameters with units and errors, and what is open."""
+        lines = [
+            repr(self.law),
+            f"error {100.0 * self.residual:.3g} % of half the force range over {len(self.loops)} loops; "
+            f"{'converged' if self.converged else 'NOT CONVERGED'}, {self.message}",
+            f"{'parameter':12s}{'value':>14s}{'standard error':>16s}  unit",
+        ]
+        for p in self.parameters.values():
+            error = "given" if p.fixed else f"{p.standard_error:.2g}"
+            note = "  at its bound" if p.at_bound else ""
+            lines.append(f"{p.name:12s}{p.value:14.6g}{error:>16s}  {p.unit}{note}")
+        return "\n".join([*lines, *(f"open: {words}" for words in self.open_combinations)])
+
 
 def identify(
     loops: Sequence[Loop],
