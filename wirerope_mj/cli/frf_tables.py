@@ -18,8 +18,8 @@ from wirerope_mj.sweep import FrequencySweep
 Row = tuple[str, float, float, float, str]
 """What it is, frequency [Hz], amplitude [m/s^2], transmissibility, and a note."""
 
-_SUPERHARMONIC = 0.1
-"""Share of the first harmonic from which a higher one makes a peak a superharmonic resonance."""
+_MARKED = 0.1
+"""Share of the fundamental from which another harmonic gives a peak its name."""
 
 _COLUMNS = ("frequency\n[Hz]", "amplitude\n[m/s^2]", "transmis-\nsibility")
 
@@ -74,11 +74,11 @@ def _rows(found: Findings) -> list[Row]:
 
 
 def _peak_row(peak: ResonancePeak, *, first: bool) -> Row:
-    harmonic = f"harmonic {peak.harmonic}: {100.0 * peak.share:.3g} % of the first"
+    harmonic = f"{peak.harmonic}: {100.0 * peak.share:.3g} % of the fundamental"
     if first:
         what = "highest at the edge of the range" if peak.at_edge else "resonance peak"
     else:
-        what = f"superharmonic peak, order {peak.harmonic}" if peak.share >= _SUPERHARMONIC else "further peak"
+        what = f"peak of {peak.harmonic}" if peak.share >= _MARKED else "further peak"
     return what, peak.frequency, peak.amplitude, peak.transmissibility, harmonic
 
 

@@ -1,17 +1,10 @@
 """What a branch shows: resonances and what they are made of."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import find_peaks
 
-from wirerope_mj.excitation.checks import unit_vector
-from wirerope_mj.frf.curve import Curve
-from wirerope_mj.periodic import Branch
-
-PROMINENCE = 0.02
-"""Share by which a peak must stand out from its surroundings: less is the noise of the branch's points."""
+from wirerope_mj.periodic import Branch, harmonic_content, resonances
 
 HARMONICS = 9
 """Highest harmonic that is looked for in a motion."""
@@ -27,8 +20,9 @@ class ResonancePeak:
         transmissibility: amplitude over the base's acceleration.
         point: nearest point of the branch.
         at_edge: whether it is no peak but the end of the branch.
-        harmonic: number of the largest harmonic of the payload's acceleration above the first.
-        share: of that harmonic, relative to the first.
+        order: of the largest harmonic of the payload's acceleration beside the fundamental; below 1 for a subharmonic.
+        harmonic: what it is called.
+        share: of it, relative to the fundamental.
     """
 
     frequency: float
@@ -36,40 +30,36 @@ class ResonancePeak:
     transmissibility: float
     point: int
     at_edge: bool
-    harmonic: int
+    order: float
+    harmonic: str
     share: float
 
 
-def peaks_of(branch: Branch, curve: Curve) -> list[ResonancePeak]:
+def peaks_of(branch: Branch) -> list[ResonancePeak]:
     """Return the peaks of a branch, the highest (or the end of the branch, if that is higher) first, then by frequency."""
-    level = np.log(curve.amplitude)
-    found, _ = find_peaks(level, prominence=math.log1p(PROMINENCE))
-    top = int(np.argmax(level))
-    others = sorted((int(i) for i in found if i != top), key=lambda i: curve.frequency[i])
-    return [_peak(branch, curve, place) for place in (top, *others)]
+    found = [(peak.index, peak.frequency, peak.amplitude, False) for peak in resonances(branch)]
+    top = branch.peak
+    if top not in [index for index, *_ in found]:
+        at_edge = top in (0, branch.frequency.size - 1)
+        found.append((top, float(branch.frequency[top]), float(branch.amplitude[top]), at_edge))
+    first = max(found, key=lambda peak: peak[2])
+    others = sorted((peak for peak in found if peak is not first), key=lambda peak: peak[1])
+    return [_peak(branch, *peak) for peak in (first, *others)]
 
 
-def _peak(branch: Branch, curve: Curve, place: int) -> ResonancePeak:
-    point = round(float(curve.point[place]))
-    harmonic, share = largest_harmonic(branch, point)
-    amplitude = float(curve.amplitude[place])
+def _peak(branch: Branch, point: int, frequency: float, amplitude: float, at_edge: bool) -> ResonancePeak:
+    content = harmonic_content(
+        branch.orbit(point), payload=branch.payload, direction=branch.response_direction, highest=HARMONICS
+    )
+    others = [i for i, order in enumerate(content.order) if order not in (0, 1)]
+    largest = others[int(np.argmax(content.amplitude[others]))]
     return ResonancePeak(
-        frequency=float(curve.frequency[place]),
+        frequency=frequency,
         amplitude=amplitude,
         transmissibility=amplitude / abs(float(branch.acceleration[point])),
         point=point,
-        at_edge=place in (0, curve.amplitude.size - 1),
-        harmonic=harmonic,
-        share=share,
+        at_edge=at_edge,
+        order=float(content.order[largest]),
+        harmonic=content.names[largest],
+        share=float(content.amplitude[largest]) / max(content.of(1), 1e-300),
     )
-
-
-def largest_harmonic(branch: Branch, point: int) -> tuple[int, float]:
-    """Return number and share of the largest harmonic above the first in the payload's acceleration."""
-    response = branch.orbit(point).response
-    series = response.bodies[branch.payload].acceleration[:-1] @ unit_vector(branch.response_direction)
-    content = np.abs(np.fft.rfft(series))[branch.periods :: branch.periods][:HARMONICS]
-    if content.size < 2 or content[0] == 0.0:
-        return 1, 0.0
-    number = int(np.argmax(content[1:])) + 1
-    return number + 1, float(content[number] / content[0])

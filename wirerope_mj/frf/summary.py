@@ -26,7 +26,7 @@ class Findings:
     @cached_property
     def peaks(self) -> list[ResonancePeak]:
         """Peaks of the branch, the highest first."""
-        return [] if self.level.branch is None or self.curve is None else peaks_of(self.level.branch, self.curve)
+        return [] if self.level.branch is None else peaks_of(self.level.branch)
 
     @cached_property
     def comparisons(self) -> dict[str, Comparison]:
