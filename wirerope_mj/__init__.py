@@ -4,6 +4,7 @@ Laws and isolators, MuJoCo models whose mounts have hysteresis, base motions, si
 """
 
 from wirerope_mj.bench import cyclic_test as cyclic_test
+from wirerope_mj.bench import read_cycles as read_cycles
 from wirerope_mj.bench import read_cyclic_test as read_cyclic_test
 from wirerope_mj.bench import write_cyclic_test as write_cyclic_test
 from wirerope_mj.errors import ConvergenceError as ConvergenceError
@@ -36,14 +37,21 @@ from wirerope_mj.laws import KelvinVoigt as KelvinVoigt
 from wirerope_mj.laws import Loop as Loop
 from wirerope_mj.laws import Masing as Masing
 from wirerope_mj.laws import Ozdemir as Ozdemir
+from wirerope_mj.laws import Smoothed as Smoothed
 from wirerope_mj.laws import SymmetricBoucWen as SymmetricBoucWen
 from wirerope_mj.laws import TinkerCutchins as TinkerCutchins
 from wirerope_mj.laws import VaianaRosati as VaianaRosati
 from wirerope_mj.laws import Zener as Zener
 from wirerope_mj.periodic import Branch as Branch
+from wirerope_mj.periodic import HarmonicBranch as HarmonicBranch
+from wirerope_mj.periodic import HarmonicOrbit as HarmonicOrbit
 from wirerope_mj.periodic import PeriodicOrbit as PeriodicOrbit
+from wirerope_mj.periodic import equivalent_linear as equivalent_linear
 from wirerope_mj.periodic import follow_branch as follow_branch
+from wirerope_mj.periodic import follow_harmonic_balance as follow_harmonic_balance
+from wirerope_mj.periodic import harmonic_balance as harmonic_balance
 from wirerope_mj.periodic import periodic_orbit as periodic_orbit
+from wirerope_mj.periodic import simplified_peak as simplified_peak
 from wirerope_mj.recording import record_rerun as record_rerun
 from wirerope_mj.response import Peak as Peak
 from wirerope_mj.response import Response as Response

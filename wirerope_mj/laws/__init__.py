@@ -14,6 +14,7 @@ from wirerope_mj.laws.ni import AsymmetricBoucWen as AsymmetricBoucWen
 from wirerope_mj.laws.ni import SymmetricBoucWen as SymmetricBoucWen
 from wirerope_mj.laws.semi_empirical import EquivalentViscous as EquivalentViscous
 from wirerope_mj.laws.semi_empirical import TinkerCutchins as TinkerCutchins
+from wirerope_mj.laws.smoothed import Smoothed as Smoothed
 from wirerope_mj.laws.vaiana_rosati import VaianaRosati as VaianaRosati
 from wirerope_mj.laws.viscoelastic import KelvinVoigt as KelvinVoigt
 from wirerope_mj.laws.viscoelastic import Zener as Zener
