@@ -48,6 +48,14 @@ def test_elements_that_do_not_slip_stand_where_the_record_left_them():
         assert zero == pytest.approx(10.0, abs=1e-3 * np.ptp(loop.force))
 
 
+@pytest.mark.parametrize("cycles", [2, 5])
+def test_zero_of_the_force_is_that_of_the_load_cell_while_cycles_still_change(cycles):
+    record = rig_record(LAW, AMPLITUDES, operating_point=-5e-3, points=500.0, noise=0.0, zero=40.0, cycles=cycles)
+    for loop in prepare(steady_loops(*record[1:], time=record[0])):
+        zero = np.mean(loop.force - loop.model_force(LAW))
+        assert zero == pytest.approx(40.0, abs=1e-3 * np.ptp(loop.force))  # the force relaxes by 150 N in the smallest
+
+
 def test_record_that_begins_loaded_counts_as_steady():
     time, deflection, force = rig_record(LAW, AMPLITUDES, operating_point=-5e-3, noise=0.0)
     cut = steady_loops(deflection[time > 1.0], force[time > 1.0], time=time[time > 1.0])

@@ -31,16 +31,18 @@ class RecordedLoop(Loop):
 def mean_of_cycles(forces: Array, elapsed: Array) -> Array:
     """Return what is made of the forces of successive cycles [N], (n_t,): their mean, without a zero that drifts linearly.
 
-    The drift is that of the cycles' mean forces, or of a single one's ends, and the ends of what comes back are one sample.
+    The drift is that of the cycles' mean forces, or of a single one's ends, and is none at the end of the last cycle. The ends
+    of what comes back are one sample.
 
     Args:
         forces: of each cycle [N], (n_cycles, n_t).
         elapsed: time since its begin over its period, from 0 to 1, (n_t,).
     """
     if forces.shape[0] == 1:
-        return forces[0] - (forces[0, -1] - forces[0, 0]) * elapsed
+        return forces[0] - (forces[0, -1] - forces[0, 0]) * (elapsed - 1.0)
     means = np.asarray(np.trapezoid(forces, elapsed, axis=1))
     drift = (means[-1] - means[0]) / (forces.shape[0] - 1)
-    mean = np.asarray(forces.mean(axis=0) - drift * elapsed)
+    # Cycle k has drifted by k + elapsed, and their mean k is (n - 1) / 2.
+    mean = np.asarray(forces.mean(axis=0) - drift * (elapsed - 0.5 * (forces.shape[0] + 1)))
     mean[[0, -1]] = 0.5 * (mean[0] + mean[-1])
     return mean
