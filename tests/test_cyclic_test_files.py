@@ -179,7 +179,11 @@ def swapped(number, text):
         (None, GOOD + rows("2") + rows("1"), r"line 28: loop 1 goes on here.*ended in line 14"),
         (None, GOOD[:5], r"lines 2 to 6: loop 1 has 5 samples; a cycle needs at least 8"),
         (None, rows(points=10), r"lines 2 to 11: loop 1 is not one cycle: its last sample is far from its first"),
-        (None, rows(points=37), r"lines 2 to 38: loop 1 is not one cycle: .*to and fro 7 times.*column \"loop\""),
+        (
+            None,
+            rows(points=37),
+            r"lines 2 to 38: loop 1 is not one cycle: .*to and fro 7 times.*`read_cycles` reads.*column \"loop\"",
+        ),
         (None, rows(scale=0.0), r"the deflection of loop 1 never changes"),
         ("amplitude [m],time [s],deflection [mm],force [kN]", rows("1"), r"amplitude is 1000 mm but .*\+-1 mm"),
         (None, [], r"there are no rows behind the header in line 1"),

@@ -192,7 +192,8 @@ def _loop(path: Path, samples: Samples) -> Loop:
         found = f"its deflection runs to and fro {legs} times" if legs > 3 else "its last sample is far from its first"
         raise RecordError(
             f"{place}: loop {samples.label} is not one cycle: {found}. "
-            'Number the cycles in a column "loop"; each ends where it began.'
+            "`read_cycles` reads records of several cycles, amplitudes and operating points; or number the cycles in a column "
+            '"loop"; each ends where it began.'
         )
     loop = Loop.from_samples(x, force)
     if gap <= 0.5 * min(steps[0], steps[-1]):

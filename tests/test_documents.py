@@ -1,0 +1,36 @@
+"""The blocks of Python in the documents run as they stand."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+
+def blocks(name, heading=""):
+    """Return the blocks of Python behind a heading of a document, joined."""
+    text = (ROOT / name).read_text(encoding="utf-8")
+    assert heading in text
+    return "\n".join(re.findall(r"```python\n(.*?)```", text[text.index(heading) :], flags=re.DOTALL))
+
+
+def test_identification_runs_from_a_record_to_an_isolator(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(compile(blocks("docs/identification.md"), "identification.md", "exec"), names)
+    found, device = names["found"], names["device"]
+    for name, value in (("z_max", 800.0), ("x_y", 2e-3), ("sigma", 0.7), ("n", 1.4), ("k", 5e4)):
+        p = found.parameters[name]
+        assert abs(p.value - value) < 3.0 * p.standard_error, name
+    assert names["table"].best.law == "bouc-wen"
+    assert names["both"].parameters["sigma"].standard_error < 0.5 * names["tips"].parameters["sigma"].standard_error
+    assert names["pair"].spread.parameters
+    assert names["isolator"].axial.normalised.z_max == pytest.approx(device.normalised.z_max, rel=0.02)
+    assert "not fitted" not in capsys.readouterr().out
+
+
+def test_readme_identifies_a_law(monkeypatch, capsys):
+    monkeypatch.chdir(ROOT)
+    exec(compile(blocks("README.md", "From cyclic tests to an isolator"), "README.md", "exec"), {})
+    assert "AsymmetricBoucWen(alpha=" in capsys.readouterr().out
