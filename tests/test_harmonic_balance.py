@@ -192,7 +192,7 @@ def test_a_hardening_law_folds_and_has_three_motions_between_its_folds():
 
 def test_a_search_that_fails_says_what_was_tried():
     with pytest.raises(
-        ConvergenceError, match=r"no periodic motion with 3 harmonics .* from 1 estimates and from small"
+        ConvergenceError, match=r"no periodic motion with 3 harmonics .* from equivalent linearisation and from small"
     ):
         pure(0.5, 0.5, 0.8, harmonics=3, samples=64, tolerance=1e-30)  # below rounding
 

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.errors import ConvergenceError
-from wirerope_mj.laws import Law
+from wirerope_mj.laws import Law, Smoothed
 from wirerope_mj.periodic.cycle import Array, largest, steady_cycle
 from wirerope_mj.periodic.equivalent import require_oscillator
 from wirerope_mj.periodic.fourier import Balance, Solution, newton
@@ -119,7 +119,7 @@ def harmonic_balance(
         gravity: acceleration that acts on the mass towards compression [m/s^2].
         harmonics: retained, H.
         samples: of one period, at least 8 for each harmonic.
-        guess: coefficients to start from, such as those of a neighbour; (n,) complex, the mean first.
+        guess: coefficients to start from, and from nothing else, such as those of a neighbour; (n,) complex, the mean first.
         tolerance: of the residual.
 
     Raises:
@@ -129,23 +129,27 @@ def harmonic_balance(
     require_oscillator(law, mass=mass, frequency=frequency, acceleration=acceleration, gravity=gravity)
     balance = Balance(law, mass, gravity, checked_harmonics(harmonics, samples), samples)
     omega = 2.0 * np.pi * frequency
-    if guess is not None:
-        starts = [balance.from_coefficients(np.asarray(guess, dtype=np.complex128))]
+    if guess is None:
+        starts, tried = (
+            _estimates(balance, omega, acceleration),
+            "equivalent linearisation and from small accelerations",
+        )
     else:
-        orbits = linearised_orbits(law, mass=mass, frequency=frequency, acceleration=acceleration, gravity=gravity)
-        starts = [balance.from_coefficients(np.array([o.oscillator.offset, o.phasor])) for o in orbits]
+        starts, tried = [balance.from_coefficients(np.asarray(guess, dtype=np.complex128))], "the `guess`"
     best = np.inf
     for start in starts:
         solution = newton(balance, start, omega, acceleration, tolerance)
         if solution.residual <= tolerance:
             return orbit_of(balance, solution, omega, acceleration)
         best = min(best, solution.residual)
-    solution = _raised(balance, omega, acceleration, tolerance)
-    if solution.residual <= tolerance:
-        return orbit_of(balance, solution, omega, acceleration)
+    if guess is None:
+        solution = _raised(balance, omega, acceleration, tolerance)
+        if solution.residual <= tolerance:
+            return orbit_of(balance, solution, omega, acceleration)
+        best = min(best, solution.residual)
     raise ConvergenceError(
         f"no periodic motion with {harmonics} harmonics at {frequency:.6g} Hz and {acceleration:.6g} m/s^2: the residual stays "
-        f"at {min(best, solution.residual):.2g} of the excitation from {len(starts)} estimates and from small accelerations. "
+        f"at {best:.2g} of the excitation, started from {tried}. "
         "Try more harmonics, or `follow_harmonic_balance` from a frequency far from the resonance."
     )
 
@@ -181,16 +185,20 @@ def orbit_of(balance: Balance, solution: Solution, omega: float, acceleration: f
     )  # fmt: skip
 
 
+def _estimates(balance: Balance, omega: float, acceleration: float) -> list[Array]:
+    """Return where to start from by equivalent linearisation, the smallest motion first; a smoothed law is near its law."""
+    law = balance.law.law if isinstance(balance.law, Smoothed) else balance.law
+    orbits = linearised_orbits(
+        law, mass=balance.mass, frequency=omega / (2.0 * np.pi), acceleration=acceleration, gravity=balance.gravity
+    )
+    return [balance.from_coefficients(np.array([orbit.oscillator.offset, orbit.phasor])) for orbit in orbits]
+
+
 def _raised(balance: Balance, omega: float, acceleration: float, tolerance: float) -> Solution:
     """Return where the motion leads as the acceleration is raised from small ones; steps in it are halved where they fail."""
-    law, mass = balance.law, balance.mass
-    level, factor, u, before = _SMALLEST_LEVEL, 2.0, np.zeros(0), 0.0
-    orbits = linearised_orbits(
-        law, mass=mass, frequency=omega / (2.0 * np.pi), acceleration=level * acceleration, gravity=balance.gravity
-    )
-    u = balance.from_coefficients(
-        np.array([orbits[0].oscillator.offset, orbits[0].phasor]) if orbits else np.zeros(1, complex)
-    )
+    level, factor, before = _SMALLEST_LEVEL, 2.0, 0.0
+    estimates = _estimates(balance, omega, level * acceleration)
+    u = estimates[0] if estimates else np.zeros(2 * balance.harmonics + 1)
     while True:
         solution = newton(balance, u, omega, level * acceleration, tolerance)
         if solution.residual <= tolerance:
