@@ -213,3 +213,33 @@ def test_sweeps_alone_have_envelopes_and_no_recording(tmp_path, capsys, monkeypa
     names = {path.name for path in (tmp_path / "r").iterdir() if path.is_file()}
     pictures = {"frequency_response.png", "transmissibility.png"}
     assert names == {"sweeps.parquet", "settings.toml", "frequency_response.json", *pictures}
+
+
+def test_a_hardening_mount_folds_and_sweeps_jump_there(tmp_path, monkeypatch):
+    (tmp_path / "isolators").mkdir()
+    shutil.copyfile(models_folder() / "sdof_shaker.xml", tmp_path / "hard.xml")
+    law = wr.SymmetricBoucWen(alpha=4e4, beta=2000.0, gamma=0.0, n=1, k1=114100.0, k2=0.0, k3=2e10)
+    provenance = wr.Provenance(kind="illustrative", source="made up for this test")
+    wr.Isolator(name="hard", axial=law, provenance=provenance).save(tmp_path / "isolators" / "sdof_36hz.toml")
+    monkeypatch.chdir(tmp_path)
+    arguments = ("--acceleration", "6", "--start", "32", "--stop", "44", "--method", "both", "--rate", "4")
+    assert main(["frf", "hard.xml", *arguments, "--out", "r"]) == 0
+    (level,) = json.loads((tmp_path / "r" / "frequency_response.json").read_text())["levels"]
+    upper, lower = level["continuation"]["bifurcations"]
+    assert [upper["kind"], lower["kind"]] == ["fold", "fold"]
+    assert upper["frequency"] > lower["frequency"]
+    assert [(e["unstable_before"], e["unstable_after"]) for e in (upper, lower)] == [(0, 1), (1, 0)]
+    points = pq.read_table("r/branches.parquet").to_pydict()
+    unstable = np.flatnonzero(~np.array(points["stable"]))
+    folds = [i for i, words in enumerate(points["bifurcation"]) if words.startswith("fold")]
+    # A fold itself stands at the edge of stability: either way is right there.
+    assert set(range(folds[0] + 1, folds[1])) <= set(unstable) <= set(range(folds[0], folds[1] + 1))
+    rising, falling = level["continuation"]["jumps"]
+    assert (rising["rising"], falling["rising"]) == (True, False)
+    assert rising["landing"] < rising["amplitude"] < 1.01 * level["continuation"]["peaks"][0]["amplitude"]
+    assert falling["landing"] > falling["amplitude"]
+    for way, fold in (("sweep_up", upper), ("sweep_down", lower)):
+        ((at, jumped),) = level[way]["jumps"]
+        assert at == pytest.approx(fold["frequency"], rel=1e-9)
+        past = (jumped / at - 1.0) * (1.0 if way == "sweep_up" else -1.0)
+        assert 0.0 < past < 0.03  # at 4 octaves/min; the steepest change comes some cycles after the branch has ended

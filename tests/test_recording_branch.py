@@ -125,13 +125,15 @@ def test_motions_are_drawn_larger_about_their_mean_and_mounts_still_reach_the_bo
     np.testing.assert_array_equal(large.mounts["m1"].force, response.mounts["m1"].force)
 
 
-def test_words_say_stability_multipliers_and_the_other_level(chunks):
+def test_words_say_amplitude_stability_and_multipliers(chunks, film):
     *_, texts = rows_of(chunks, "/motion", "TextDocument:text")
     words = texts[30][0].as_py()
     assert "5 m/s²: stable" in words
-    assert "| 2 m/s² |" in words
+    assert f"Amplitude **{film.strip.amplitude[30]:.4g} m/s²**" in words
     assert "Floquet multiplier" in words
     assert "Mount m1, axial:" in words
+    *_, labels = rows_of(chunks, "/response/data/here/level_1", "Points2D:labels")
+    assert labels[30][0].as_py().startswith("2 m/s²: ")
 
 
 def test_sweeps_alone_are_no_branches_to_record(result, findings, tmp_path):

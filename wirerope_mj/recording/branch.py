@@ -85,7 +85,7 @@ def _write(result: FrequencyResponse, findings: list[Findings], path: Path) -> N
         layout = branch_blueprint(scene, film, frames, factor)
         rec.send_blueprint(layout, make_active=True, make_default=True)  # before the data: right from the first moment
         rec.send_recording_name(f"{result.name}: frequency response")
-        log_texts(rec, result, findings, film, strips)
+        log_texts(rec, result, findings, film)
         log_response(rec, findings, film, strips)
         log_multipliers(rec, film, width=SQUARE)
         if shown_loops(film):

@@ -22,27 +22,25 @@ def log_texts(
     result: FrequencyResponse,
     findings: list[Findings],
     film: Film,
-    strips: list[Strip],
 ) -> None:
     """Log a text for every motion of the film, and one about all levels."""
     import rerun as rr
 
-    texts = [motion_text(film, strips, place) for place in range(film.strip.points.size)]
+    texts = [motion_text(film, place) for place in range(film.strip.points.size)]
     kind = rr.MediaType.MARKDOWN
     columns = rr.TextDocument.columns(text=texts, media_type=[kind] * len(texts))
     rec.send_columns(entity(MOTION), at_points(film, film.strip), columns)
     rec.log(entity(ABOUT), rr.TextDocument(about_text(result, findings), media_type=kind), static=True)
 
 
-def motion_text(film: Film, strips: list[Strip], place: int) -> str:
-    """Return Markdown about the motion at a place of the film, and about those of the other levels beside it."""
+def motion_text(film: Film, place: int) -> str:
+    """Return Markdown about the motion at a place of the film."""
     strip = film.strip
     branch, orbit, point = strip.branch, strip.orbits[place], int(strip.points[place])
     parts = [f"### {orbit.frequency:.5g} Hz, {strip.level:.4g} m/s²: {'stable' if orbit.stable else 'UNSTABLE'}"]
     parts += [f"**{event.words}**" for event in _near(strip, place)]
-    rows = ["| level | frequency | amplitude | transmissibility | |", "|--:|--:|--:|--:|:--|"]
-    rows += [_row(other, place) for other in strips]
-    parts.append("\n".join(rows))
+    amplitude, ratio = branch.amplitude[point], branch.transmissibility[point]
+    parts.append(f"Amplitude **{amplitude:.4g} m/s²**, transmissibility **{ratio:.4g}**")
     values = orbit.floquet_multipliers[:_MOST_MULTIPLIERS]
     rows = ["| Floquet multiplier | modulus |", "|--:|--:|"]
     rows += [f"| {value.real:+.4f} {value.imag:+.4f} i | {abs(value):.4f} |" for value in values]
@@ -76,14 +74,6 @@ def about_text(result: FrequencyResponse, findings: list[Findings]) -> str:
     ]
     ended = [f.level.branch.message for f in findings if f.level.branch is not None and not f.level.branch.complete]
     return "\n\n".join([*lines, *(f"**A branch ended early: {message}.**" for message in ended)])
-
-
-def _row(strip: Strip, place: int) -> str:
-    branch, point = strip.branch, int(strip.points[place])
-    numbers = (
-        f"{branch.frequency[point]:.5g} Hz | {branch.amplitude[point]:.4g} m/s² | {branch.transmissibility[point]:.4g}"
-    )
-    return f"| {strip.level:.4g} m/s² | {numbers} | {'' if branch.stable[point] else 'unstable'} |"
 
 
 def _near(strip: Strip, place: int) -> list[Bifurcation]:

@@ -52,7 +52,15 @@ def log_response(rec: Any, findings: list[Findings], film: Film, strips: list[St
         )
         rec.log(path, look, static=True)
         places = np.column_stack([np.log10(strip.frequency), np.log10(strip.amplitude)])
-        rec.send_columns(path, at_points(film, strip), rr.Points2D.columns(positions=places))
+        columns = rr.Points2D.columns(positions=places, labels=[_words(strip, int(point)) for point in strip.points])
+        rec.send_columns(path, at_points(film, strip), columns)
+
+
+def _words(strip: Strip, point: int) -> str:
+    """Return what is said of a motion when the mouse is over its marker."""
+    branch = strip.branch
+    state = "stable" if branch.stable[point] else "unstable"
+    return f"{strip.level:.4g} m/s²: {branch.frequency[point]:.5g} Hz, {branch.amplitude[point]:.4g} m/s², {state}"
 
 
 def _plot(findings: list[Findings]) -> Plot:
