@@ -29,6 +29,9 @@ FIRST = 0.2
 AIM = 4
 """Corrector iterations that the step length is steered to."""
 
+BEND = 0.1
+"""Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend."""
+
 SAVE_EVERY = 2.0
 """Seconds between two looks at the disk: what a killed process loses."""
 
@@ -119,7 +122,8 @@ class Walk:
             self.message = f"ended after {len(self.rows)} points at {self._where(point)}"
         if self.folder is not None and time.monotonic() - self._saved > SAVE_EVERY:
             self._save()
-        return point, min(1.0, length * float(np.clip(AIM / max(point.corrections, 1), 0.5, 1.6)))
+        wanted = min(AIM / max(point.corrections, 1), BEND / max(_angle(last, point), 1e-6))
+        return point, min(1.0, length * float(np.clip(wanted, 0.5, 1.6)))
 
     def _first(self, guess: State | None) -> Point:
         question = self.question
@@ -236,3 +240,10 @@ class Walk:
             model_steps=self.search.flow.steps + self._earlier_steps,
             message=self.message,
         )
+
+
+def _angle(a: Point, b: Point) -> float:
+    """Return the angle between the tangents of two points [rad], in the units of the first."""
+    turned = b.tangent * np.append(b.shot.scale / a.shot.scale, 1.0)
+    cosine = float(a.tangent @ turned / np.linalg.norm(turned))
+    return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
