@@ -27,4 +27,4 @@ def linear_ticks(low: float, high: float, *, most: int = 6) -> Array:
     rough = math.log10((high - low) / most)
     steps = math.floor(rough) + np.log10([1.0, 2.0, 5.0, 10.0])
     step = float(10.0 ** steps[np.abs(steps - rough).argmin()])
-    return np.asarray(np.arange(math.ceil(low / step * (1 - 1e-9)), math.floor(high / step * (1 + 1e-9)) + 1) * step)
+    return np.asarray(np.arange(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1) * step)

@@ -8,7 +8,7 @@ from typing import Any
 
 import tomli_w
 
-from wirerope_mj.excitation.checks import direction_text
+from wirerope_mj.excitation.checks import direction_text, plain_direction
 from wirerope_mj.frf import FrequencyResponse
 from wirerope_mj.frf.storage import save_tables
 from wirerope_mj.frf.summary import Findings, summary
@@ -60,9 +60,9 @@ def _settings(result: FrequencyResponse, model: str) -> dict[str, Any]:
         "question": {
             "accelerations": list(asked.accelerations),
             "method": asked.method,
-            "direction": direction_text(asked.direction),
+            "direction": plain_direction(asked.direction),
             "payload": asked.payload,
-            "response_direction": direction_text(asked.response_direction),
+            "response_direction": plain_direction(asked.response_direction),
             "start": start,
             "stop": stop,
             "range_from": asked.range_from,
