@@ -33,6 +33,17 @@ def test_forces_alone_are_those_of_the_trace(law):
     np.testing.assert_allclose(alone, whole, rtol=0.0, atol=near * np.abs(whole).max())
 
 
+@pytest.mark.parametrize("n", [7.0, 8.0, 10.0, 12.0, 20.0])
+def test_high_powers_do_not_leap_over_the_place_where_they_bend(n):
+    # Samples just past z = 0: there the series' last terms vanish, though it reaches no further than where |z|^n begins to matter.
+    law = wr.BoucWen(alpha=1.0, beta=0.6, gamma=0.4, n=n)
+    path = np.concatenate([[0.0, 1e-4, 0.3, 0.9, 1.5, 0.6, 0.1, -0.4, -0.45], np.linspace(-0.4, 2.0, 40)])
+    parameters = law.kernel_parameters()
+    whole = follow_path(law.kernel, parameters, path, np.zeros(1), 1)[0]
+    alone = follow_force(law.kernel, parameters, path, np.zeros(1), 1)
+    np.testing.assert_allclose(alone, whole, rtol=0.0, atol=1e-10)
+
+
 @pytest.mark.parametrize("n", [0.3, 0.8, 1.4, 3.0, 6.0])
 def test_power_series_keep_the_length_between_two_states(n):
     # u' = 1 - u^n joins 0 and u over the length u 2F1(1, 1/n; 1 + 1/n; u^n); 900 samples cross every step of the series.

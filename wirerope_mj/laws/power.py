@@ -184,6 +184,8 @@ def follow_power(p, deflection, z, out):
             carry_power(p, 0, deflection[t - 1], deflection[t], z, 0, c, a)
             s, done, reach = math.copysign(1.0, dx), 0.0, -1.0
             sign, way = math.copysign(1.0, z[0]), math.copysign(1.0, z[0] * s)
-            if z[0] != 0.0:
-                reach = series(p[0], p[2] + way * p[1], p[3], abs(z[0]), way, c, a)
+            # Near zero a series of a high power has gaps as long as itself, and its last terms say nothing of its reach.
+            b = p[2] + way * p[1]
+            if z[0] != 0.0 and (2.0 * p[3] < ORDER or abs(b) * abs(z[0]) ** p[3] >= NEAR * p[0]):
+                reach = series(p[0], b, p[3], abs(z[0]), way, c, a)
         out[t] = z[0]
