@@ -142,6 +142,18 @@ def test_a_loop_that_still_changes_is_named(folder, simple, capsys):
     assert re.search(named, (folder / "a-report" / "report.md").read_text(encoding="utf-8"))
 
 
+def test_a_record_that_does_not_begin_unloaded_is_named(folder, simple, capsys):
+    # The device was left at x = 0 by a test of 8 mm: its force relaxes over many small cycles, and no law knows why.
+    time, deflection, force = rig_record(SIMPLE, [8e-3, 0.2e-3], seed=4)
+    later = time >= 5.0
+    write_record(folder / "t.csv", time[later], deflection[later], force[later])
+    out = run(capsys, simple, "t.csv", "--law", "bouc-wen", "--out", "a.toml")
+    assert re.search(r"t\.csv: the last cycle of ±0\.2 mm about 0 mm ends [\d.]+ % .* was the device unloaded", out), (
+        out
+    )
+    assert out.count("was the device unloaded") == 1
+
+
 def test_what_the_data_leave_open_stands_in_the_file(folder, simple, capsys, monkeypatch):
     words = "z_max and x_y are not told apart to better than 229 %"
     changed(monkeypatch, open_combinations=(words,))

@@ -56,6 +56,15 @@ def test_zero_of_the_force_is_that_of_the_load_cell_while_cycles_still_change(cy
         assert zero == pytest.approx(40.0, abs=1e-3 * np.ptp(loop.force))  # the force relaxes by 150 N in the smallest
 
 
+def test_closure_of_the_law_is_that_of_the_record():
+    record = rig_record(LAW, AMPLITUDES, operating_point=-5e-3, points=500.0, noise=0.0, drift=300.0)
+    loops = steady_loops(*record[1:], time=record[0])
+    for loop, ready in zip(loops, prepare(loops), strict=True):
+        assert ready.law_closure(LAW) == pytest.approx(
+            loop.closure, rel=0.1, abs=1e-3
+        )  # smoothing at the turning points
+
+
 def test_record_that_begins_loaded_counts_as_steady():
     time, deflection, force = rig_record(LAW, AMPLITUDES, operating_point=-5e-3, noise=0.0)
     cut = steady_loops(deflection[time > 1.0], force[time > 1.0], time=time[time > 1.0])

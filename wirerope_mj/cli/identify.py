@@ -223,7 +223,7 @@ def _write_report(
     title = f"{request.name or request.out.stem}, {request.axis}: {result.law.name}"
     for name, figure in zip(PICTURES, (fit_figure, residual_figure, measures_figure), strict=True):
         figure(fits, title=title).savefig(folder / name)
-    sources = [f"{path}: {held(loops)}" for path, loops in tests.items()] + remarks(tests)
+    sources = [f"{path}: {held(loops)}" for path, loops in tests.items()] + remarks(tests, result)
     given = [words for words in _given(request, result) if not words.startswith(("the data leave", "the fit did"))]
     text = report_text(result, fits, title=title, sources=sources, given=given)
     (folder / _REPORT).write_text(text, encoding="utf-8")
@@ -244,7 +244,7 @@ def _print(
     screen.print(f"  {escape(law_words(result))}", soft_wrap=True)
     for rows in (parameter_rows(result), loop_rows(fits), stage_rows(result)):
         screen.print(_table(rows))
-    for words in sentences(result, fits) + remarks(tests):
+    for words in sentences(result, fits) + remarks(tests, result):
         screen.print(f"  {escape(words)}", soft_wrap=True)
 
 

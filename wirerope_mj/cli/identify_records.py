@@ -10,6 +10,7 @@ from wirerope_mj.bench.clipping import is_level
 from wirerope_mj.bench.recorded import RecordedLoop
 from wirerope_mj.cli.identify_report import millimetres
 from wirerope_mj.errors import RecordError
+from wirerope_mj.identification.identify import Identification
 from wirerope_mj.identification.measured import prepare
 from wirerope_mj.laws import Loop
 
@@ -46,9 +47,9 @@ def read_tests(files: Sequence[Path]) -> dict[Path, list[Loop]]:
     return tests
 
 
-def remarks(tests: Tests) -> list[str]:
+def remarks(tests: Tests, result: Identification) -> list[str]:
     """Return what is to be known of loops before their fit is believed, one sentence each."""
-    return _unsteady(tests) + _level(tests)
+    return _unsteady(tests) + _unexplained(tests, result) + _level(tests)
 
 
 def _unsteady(tests: Tests) -> list[str]:
@@ -64,11 +65,30 @@ def _unsteady(tests: Tests) -> list[str]:
     ]
 
 
+def _unexplained(tests: Tests, result: Identification) -> list[str]:
+    """Return which loops change from cycle to cycle otherwise than the law on its way from the unloaded device, in words."""
+    words = []
+    for path, loops in tests.items():
+        for loop in loops:
+            if not (isinstance(loop, RecordedLoop) and loop.averaged > 1):
+                continue
+            law_closure = prepare([loop])[0].law_closure(result.law)
+            # Besides its noise, which the residual is a measure of.
+            if abs(loop.closure - law_closure) > _STEADY + result.residual:
+                size, point = f"±{1e3 * loop.amplitude:.3g} mm", millimetres(loop.operating_point)
+                words.append(
+                    f"{path}: the last cycle of {size} about {point} mm ends {100.0 * loop.closure:.2g} % of its force range "
+                    f"from where it began, the law's {100.0 * law_closure:.2g} %: was the device unloaded when the record began? "
+                    "If not, parameters may be off by more than their errors; record all amplitudes at once, or more cycles"
+                )
+    return words
+
+
 def _level(tests: Tests) -> list[str]:
     """Return which loops have a force that stays level at an end, in words."""
     return [
         f"{path}: the force of ±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm is level at an end "
-        "of its stroke: the device yields there, or the load cell cut a little off"
+        "of its stroke: the device yields there, the load cell cut a little off, or one channel lags behind the other"
         for path, loops in tests.items()
         for loop in loops
         if is_level(loop)

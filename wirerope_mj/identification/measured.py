@@ -79,7 +79,7 @@ class MeasuredLoop:
         unloaded device to the operating point leaves them.
         """
         if self.averaged:
-            return self._led_force(law)
+            return mean_of_cycles(self._led_forces(law), self.elapsed)
         x, parameters = self.deflection, law.kernel_parameters()
         first, second = sorted((int(np.argmax(x)), int(np.argmin(x))))
         turning = np.array([x[0], x[first], x[second], x[-1]])
@@ -91,8 +91,20 @@ class MeasuredLoop:
             follow_force(law.kernel, parameters, np.array([0.0, middle, *turning, *turning]), states, law.n_states)
         return follow_force(law.kernel, parameters, x, states, law.n_states)
 
-    def _led_force(self, law: Law) -> Array:
-        """Return what is made of the force of a law that came the way of the history."""
+    def law_closure(self, law: Law) -> float:
+        """Return how far apart the ends of the last cycle of a law that is led there stand, as a record's `closure` does.
+
+        It is without the drift of the cycles' means, over the measured force range; 0 for a loop that counts as steady.
+        """
+        if self.averaged < 2:
+            return 0.0
+        forces = self._led_forces(law)
+        means = np.asarray(np.trapezoid(forces[[0, -1]], self.elapsed, axis=1))
+        drift = (means[1] - means[0]) / (self.averaged - 1)
+        return float(abs(forces[-1, -1] - forces[-1, 0] - drift) / np.ptp(self.force))
+
+    def _led_forces(self, law: Law) -> Array:
+        """Return the forces of a law that came the way of the history in every averaged cycle [N], (n_cycles, n_t)."""
         x, parameters, states = self.deflection, law.kernel_parameters(), np.zeros(law.n_states)
         follow_force(law.kernel, parameters, np.append(self.history, x[0]), states, law.n_states)
         forces = np.empty((self.averaged, x.size))
@@ -101,7 +113,7 @@ class MeasuredLoop:
             forces[cycle:] = follow_force(law.kernel, parameters, x, states, law.n_states)
             if np.abs(states - before).max() <= STEADY * float(np.ptp(self.force)):
                 break
-        return mean_of_cycles(forces, self.elapsed)
+        return forces
 
 
 def prepare(loops: Sequence[Loop], *, weights: str = "range") -> list[MeasuredLoop]:
