@@ -154,6 +154,17 @@ def test_a_record_that_does_not_begin_unloaded_is_named(folder, simple, capsys):
     assert out.count("was the device unloaded") == 1
 
 
+def test_kilonewtons_taken_for_newtons_are_asked_about(folder, capsys):
+    write_record(
+        folder / "t.csv", *rig_record(SIMPLE, [1e-3, 4e-3], seed=4),
+        header="time [s],deflection [mm],force [N]",  # of numbers in kN
+    )  # fmt: skip
+    out = run(capsys, "t.csv", "--law", "enhanced-dry-friction", "--out", "a.toml")
+    assert re.search(
+        r"t\.csv: its secant stiffness of at most \d+ N/m .* are the forces in kN where N is said\?", out
+    ), out
+
+
 def test_what_the_data_leave_open_stands_in_the_file(folder, simple, capsys, monkeypatch):
     words = "z_max and x_y are not told apart to better than 229 %"
     changed(monkeypatch, open_combinations=(words,))

@@ -22,6 +22,9 @@ _STEADY = 0.01
 _ONE_CYCLE = 0.05
 """The same of a single cycle, whose ends have the noise of samples."""
 
+_SOFT = 1e3
+"""Secant stiffness [N/m] below which a device carries less than a kilogram on a centimetre."""
+
 _OTHER_UNITS = 100.0
 """Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold."""
 
@@ -49,7 +52,7 @@ def read_tests(files: Sequence[Path]) -> dict[Path, list[Loop]]:
 
 def remarks(tests: Tests, result: Identification) -> list[str]:
     """Return what is to be known of loops before their fit is believed, one sentence each."""
-    return _unsteady(tests) + _unexplained(tests, result) + _level(tests)
+    return _unsteady(tests) + _unexplained(tests, result) + _level(tests) + _soft(tests)
 
 
 def _unsteady(tests: Tests) -> list[str]:
@@ -78,8 +81,9 @@ def _unexplained(tests: Tests, result: Identification) -> list[str]:
                 size, point = f"±{1e3 * loop.amplitude:.3g} mm", millimetres(loop.operating_point)
                 words.append(
                     f"{path}: the last cycle of {size} about {point} mm ends {100.0 * loop.closure:.2g} % of its force range "
-                    f"from where it began, the law's {100.0 * law_closure:.2g} %: was the device unloaded when the record began? "
-                    "If not, parameters may be off by more than their errors; record all amplitudes at once, or more cycles"
+                    f"from where it began, the law's {100.0 * law_closure:.2g} %: was the device unloaded when the record "
+                    "began? If not, parameters may be off by more than their errors; record all amplitudes in one, "
+                    "or more cycles"
                 )
     return words
 
@@ -92,6 +96,17 @@ def _level(tests: Tests) -> list[str]:
         for path, loops in tests.items()
         for loop in loops
         if is_level(loop)
+    ]
+
+
+def _soft(tests: Tests) -> list[str]:
+    """Return which files hold a device so soft that its forces may be kilonewtons taken for newtons, in words."""
+    stiffness = {path: max(loop.secant_stiffness for loop in loops) for path, loops in tests.items()}
+    return [
+        f"{path}: its secant stiffness of at most {size:.3g} N/m is that of a very soft device; "
+        "are the forces in kN where N is said?"
+        for path, size in stiffness.items()
+        if size < _SOFT
     ]
 
 
