@@ -1,5 +1,6 @@
 """A branch on its way: from point to point until it ends, kept on disk if a folder is given."""
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -192,6 +193,19 @@ class Walk:
                 after=unstable(b),
             )
         )
+        self._forget_ripple()
+
+    def _forget_ripple(self) -> None:
+        """Drop the last two folds if they are nearer to each other than the accuracy.
+
+        The derivative of the stepped motion jumps where a mount's reversal passes a stage of a step; where a branch is steep
+        that turns it back and forth by less than the steps' own error.
+        """
+        if len(self.events) < 2 or any(event.kind != "fold" for event in self.events[-2:]):
+            return
+        first, second = (event.frequency * event.acceleration for event in self.events[-2:])  # one of the two is fixed
+        if abs(math.log(second / first)) < self.question.accuracy:
+            del self.events[-2:]
 
     def _add(self, point: Point, index: int | None = None) -> None:
         row = row_of(self.system, point, self.question.payload, self.question.response_direction)
