@@ -22,6 +22,8 @@ The timeline is `sim_time` [s]. What is drawn is thinned to what a picture can s
 /scenario  /peaks                       texts
 /state/time|base|bodies|points|mounts   float64 samples, SI; their `columns` are the names in response.parquet
 ```
+
+Branches of periodic motions have a recording of their own, see `wirerope_mj.recording.branch`.
 """
 
 from wirerope_mj.recording.record import record_rerun as record_rerun

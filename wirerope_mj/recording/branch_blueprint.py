@@ -92,7 +92,7 @@ def _loops(film: Film) -> list[Any]:
 def _plane(origin: str, name: str, width: float) -> Any:
     import rerun.blueprint as rrb
 
-    bounds = rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-4.0, HEIGHT + 17.0])
+    bounds = rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-8.0, HEIGHT + 15.0])
     return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=bounds)
 
 
