@@ -12,26 +12,28 @@ Eindhoven DCT 2004/28, redrawn with this library. Below each stands what the the
 that, with numbers, and which parameters it was drawn with: the thesis' own where they are known, else ours.
 
 `python docs/gallery/build.py` draws all of it again. The numbers in the text are computed, and the tests hold them against
-closed forms; they also fail where this page is no longer what the command writes.
+closed forms and solutions by other means; they also fail where this page is no longer what the command writes.
 
 x is the deflection, positive in tension; z the hysteretic force; α, β, γ and n are the parameters of the Bouc-Wen law (3.7),
 `dz/dx = α − [γ + β sgn(dx/dt) sgn(z)] |z|ⁿ`. "Loading" moves away from zero force, "unloading" back to it. Loops are closed:
-they are cycles that repeat themselves. The area of a loop is the energy dissipated in a cycle.
+they are cycles that repeat themselves. The area of a loop is the energy dissipated in a cycle. Responses over frequency are
+periodic motions found by shooting and followed over frequency, the largest absolute acceleration of the mass in each; thin
+curves are sweeps as the thesis ran them, upwards by two octaves per minute from rest.
 """
 
 _TAIL = """\
 ## Not here
 
 - Figure 3.11 is a sketch of one mass on an isolator, without numbers.
-- Figures 3.12 to 3.17 (the response of that mass over frequency for different β, γ, α and n, and its subharmonic at n = 10) and
-  figures 3.21 and 3.22 (the same for the modified law, with its superharmonics) need frequency sweeps. They follow with the
-  library's frequency sweep.
 """
 
 _CHAPTERS = {
     "3.2.1": "Static behaviour: β and γ (section 3.2.1)",
     "3.2.2": "Static behaviour: α and n (section 3.2.2)",
+    "3.3.1": "Dynamic behaviour: β and γ (section 3.3.1)",
+    "3.3.2": "Dynamic behaviour: α and n (section 3.3.2)",
     "3.4.1": "The modified law (section 3.4.1)",
+    "3.4.2": "The modified law in dynamics (section 3.4.2)",
 }
 
 
