@@ -15,8 +15,8 @@ from wirerope_mj.laws import (
     VaianaRosati,
     Zener,
 )
-from wirerope_mj.periodic.balance import harmonic_balance
-from wirerope_mj.periodic.harmonic_branch import follow_harmonic_balance
+from wirerope_mj.oscillator.balance import harmonic_balance
+from wirerope_mj.oscillator.harmonic_branch import follow_harmonic_balance
 
 TURN = 2.0 * np.pi
 

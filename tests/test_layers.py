@@ -13,7 +13,7 @@ PACKAGE = Path(wirerope_mj.__file__).parent
 LAYERS = (
     ("errors", "units", "resources", "state", "jit", "whole"),
     ("laws", "excitation", "spectra"),
-    ("isolator", "bench"),
+    ("isolator", "bench", "oscillator"),
     ("identification",),
     ("system", "control"),
     ("statics",),

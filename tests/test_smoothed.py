@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 import wirerope_mj as wr
 from wirerope_mj.laws import LAWS, BoucWen, Masing, Zener, kernels
 from wirerope_mj.laws.smoothed import Smoothed
-from wirerope_mj.periodic.balance import harmonic_balance
+from wirerope_mj.oscillator.balance import harmonic_balance
 
 NAMES = [
     "asymmetric-bouc-wen", "bouc-wen", "enhanced-dry-friction", "ozdemir", "symmetric-bouc-wen", "vaiana-rosati",

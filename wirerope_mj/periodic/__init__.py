@@ -1,25 +1,14 @@
 """Periodic motions of a system: shooting, branches, stability."""
 
-from wirerope_mj.periodic.balance import HarmonicOrbit as HarmonicOrbit
-from wirerope_mj.periodic.balance import harmonic_balance as harmonic_balance
 from wirerope_mj.periodic.branch import Bifurcation as Bifurcation
 from wirerope_mj.periodic.branch import Branch as Branch
 from wirerope_mj.periodic.branch import Jump as Jump
 from wirerope_mj.periodic.follow import follow_branch as follow_branch
-from wirerope_mj.periodic.harmonic_branch import HarmonicBranch as HarmonicBranch
-from wirerope_mj.periodic.harmonic_branch import HarmonicFold as HarmonicFold
-from wirerope_mj.periodic.harmonic_branch import follow_harmonic_balance as follow_harmonic_balance
 from wirerope_mj.periodic.harmonics import HarmonicContent as HarmonicContent
 from wirerope_mj.periodic.harmonics import harmonic_content as harmonic_content
-from wirerope_mj.periodic.linearisation import EquivalentLinear as EquivalentLinear
-from wirerope_mj.periodic.linearisation import LinearisedOrbit as LinearisedOrbit
-from wirerope_mj.periodic.linearisation import equivalent_linear as equivalent_linear
-from wirerope_mj.periodic.linearisation import linearised_orbits as linearised_orbits
 from wirerope_mj.periodic.orbit import PeriodicOrbit as PeriodicOrbit
 from wirerope_mj.periodic.orbit import periodic_orbit as periodic_orbit
 from wirerope_mj.periodic.resonance import Backbone as Backbone
 from wirerope_mj.periodic.resonance import Resonance as Resonance
 from wirerope_mj.periodic.resonance import backbone as backbone
 from wirerope_mj.periodic.resonance import resonances as resonances
-from wirerope_mj.periodic.simplified import SimplifiedPeak as SimplifiedPeak
-from wirerope_mj.periodic.simplified import simplified_peak as simplified_peak

@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 from wirerope_mj.laws import BoucWenBaberNoori, Law, Loop
 from wirerope_mj.laws.timed import follow_time
-from wirerope_mj.periodic.closing import (
+from wirerope_mj.oscillator.closing import (
     closed_states,
     closed_states_in_time,
     path_between,

@@ -21,10 +21,10 @@ import numpy.typing as npt
 
 from wirerope_mj.errors import ConvergenceError
 from wirerope_mj.laws import Law, Smoothed
-from wirerope_mj.periodic.cycle import Array, largest, steady_cycle
-from wirerope_mj.periodic.equivalent import require_oscillator
-from wirerope_mj.periodic.fourier import Balance, Solution, newton
-from wirerope_mj.periodic.linearisation import linearised_orbits
+from wirerope_mj.oscillator.cycle import Array, largest, steady_cycle
+from wirerope_mj.oscillator.equivalent import require_oscillator
+from wirerope_mj.oscillator.fourier import Balance, Solution, newton
+from wirerope_mj.oscillator.linearisation import linearised_orbits
 
 _FINE = 8192
 """Samples of the cycle whose extremes are read: a smooth one between two of them is missed by 7e-8 of itself."""

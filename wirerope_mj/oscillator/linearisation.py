@@ -14,8 +14,8 @@ import numpy.typing as npt
 from scipy.optimize import brentq, minimize_scalar
 
 from wirerope_mj.laws import Law
-from wirerope_mj.periodic.cycle import Array, steady_cycle
-from wirerope_mj.periodic.equivalent import SAMPLES, EquivalentOscillator, oscillator_at, require_oscillator
+from wirerope_mj.oscillator.cycle import Array, steady_cycle
+from wirerope_mj.oscillator.equivalent import SAMPLES, EquivalentOscillator, oscillator_at, require_oscillator
 
 _DECADES, _PER_DECADE = 6.0, 24
 """Amplitudes looked at: from a tenth of what the unloaded stiffness would give, finely enough to tell three roots apart."""

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.laws import Law
-from wirerope_mj.periodic.cycle import Array, cycle_force, is_neutral
+from wirerope_mj.oscillator.cycle import Array, cycle_force, is_neutral
 
 _STEP = 1e-6
 """Differences of the Jacobian as a share of the deflection: far above rounding, far below what bends the force."""

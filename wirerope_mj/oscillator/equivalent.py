@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from wirerope_mj.laws import Law
-from wirerope_mj.periodic.cycle import Array, cycle_force, is_neutral, largest, require_steady
+from wirerope_mj.oscillator.cycle import Array, cycle_force, is_neutral, largest, require_steady
 
 SAMPLES = 256
 """Samples of a cycle: the area of a loop with a sharp tip is then right to 1e-6."""

@@ -8,9 +8,9 @@ import numpy.typing as npt
 
 from wirerope_mj.errors import ConvergenceError
 from wirerope_mj.laws import Law
-from wirerope_mj.periodic.balance import HarmonicOrbit, checked_harmonics, harmonic_balance, orbit_of
-from wirerope_mj.periodic.cycle import Array
-from wirerope_mj.periodic.fourier import Balance, Solution, newton
+from wirerope_mj.oscillator.balance import HarmonicOrbit, checked_harmonics, harmonic_balance, orbit_of
+from wirerope_mj.oscillator.cycle import Array
+from wirerope_mj.oscillator.fourier import Balance, Solution, newton
 
 _FIRST, _SMALLEST = 0.02, 1e-6
 """Arclength of the first step and of the shortest; 1 is the whole deflection, or a factor e in frequency."""

@@ -7,8 +7,8 @@ import numpy as np
 
 from wirerope_mj.errors import ConvergenceError
 from wirerope_mj.laws import Law
-from wirerope_mj.periodic.cycle import require_steady
-from wirerope_mj.periodic.equivalent import oscillator_at
+from wirerope_mj.oscillator.cycle import require_steady
+from wirerope_mj.oscillator.equivalent import oscillator_at
 
 _ITERATIONS = 200
 """Amplitudes tried: about 30 bring a smooth spectrum to ten digits."""
