@@ -396,6 +396,16 @@ def test_large_exponents_ring_on_at_the_frequency_of_the_spring(gallery):
     assert n["small_own"] < 1e-3
     assert n["large_multiplier"] == pytest.approx(1.0, abs=1e-5)
     assert n["small_multiplier"] == pytest.approx(0.62, abs=0.01)
+    # Energy A^2/2 alpha, loop 4 beta alpha^n A^(n+2) / (n+2), in kN and m.
+    assert n["loss_half"] == pytest.approx(8.0 * 0.5 * 0.01**0.5 / 2.5)
+    assert n["loss_one"] == pytest.approx(8.0 * 0.5 * 0.01 / 3.0)
+
+
+def test_beat_of_forced_and_free_motion_stands_still_at_twice_the_own_frequency(gallery):
+    n = gallery["3.17"].numbers
+    assert n["ragged_beside"] > 10.0 * n["ragged_twice"]
+    # Within 0.1 Hz the forced share itself changes by 0.2 Hz of 10, twice, and by a little more for the resonance below.
+    assert n["ragged_twice"] < 0.06
 
 
 def test_sweep_at_a_large_exponent_holds_what_the_resonance_left(gallery):

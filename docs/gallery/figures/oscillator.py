@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 import wirerope_mj as wr
 from wirerope_mj.laws import Law
+from wirerope_mj.periodic import harmonic_content
 
 Array = npt.NDArray[np.float64]
 
@@ -87,5 +88,4 @@ def peak(frequency: Array, amplitude: Array, middle: int | None = None) -> tuple
 
 def harmonics(orbit: wr.PeriodicOrbit, number: int) -> Array:
     """Return the amplitudes of harmonics 1 to `number` of the mass' absolute acceleration [m/s^2]."""
-    acceleration = orbit.response.bodies["mass"].acceleration[:-1, 2]
-    return np.asarray(2.0 * np.abs(np.fft.rfft(acceleration))[1 : number + 1] / acceleration.size)
+    return harmonic_content(orbit, payload="mass", highest=number).amplitude[1:]

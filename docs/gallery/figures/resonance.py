@@ -204,7 +204,8 @@ def _exponent() -> Figure:
         f"{n['n_10_swept_10']:.0f} m/s²; with n = 0.5 they are {n['n_0.5_steady_10']:.2f} and {n['n_0.5_swept_10']:.2f} "
         "m/s². A loop of amplitude A loses 4βαⁿAⁿ⁺²/(n+2): below yielding, a large n is a spring without damping. The "
         "periodic motions themselves have no peak near 10 Hz for any n here, and neither has our sweep: what it has is the "
-        "level at which the resonance left the mass ringing. Figure 3.17 shows what that looks like at 10 Hz.",
+        "level at which the resonance left the mass ringing. Figure 3.17 shows what that looks like at 10 Hz, and what may be "
+        "taken for a peak.",
         parameters="α = 1, β = 0.5 and γ = −0.4 as in the thesis, with z in kN, so that n may be varied; its values are our "
         "own. Mass and level as in figure 3.12.",
         numbers=n,

@@ -1,15 +1,16 @@
-"""Figure 3.17: the response to a steady 10 Hz for a small and a large exponent."""
+"""Figure 3.17: the response to a steady 10 Hz for a small and a large exponent, and why the large one rings."""
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure as Picture
 
 import wirerope_mj as wr
-from figures.drawing import COLOURS, GUIDE, canvas, explain, inscribe
+from figures.drawing import COLOURS, GUIDE, canvas, explain, inscribe, note
 from figures.figure import Figure
-from figures.resonance import LEVEL, UNIT, Case
+from figures.resonance import EXPONENTS, LEVEL, UNIT, Case
 
 Array = npt.NDArray[np.float64]
 
@@ -18,6 +19,9 @@ FREQUENCY, BESIDE = 10.0, 9.5  # [Hz]
 OWN = UNIT**0.5 / (2.0 * np.pi)  # [Hz]: of 1 kg on 1 kN/m
 END = 22.0  # [s]
 STEP = 1e-3  # [s]
+DOWN = (30.0, 7.0)  # [Hz] of a sweep that does not pass the resonance
+BAND = 0.1  # [Hz]: what belongs to one place of its envelope
+AMPLITUDES = np.geomspace(1e-3, 1.0, 50)  # [m]
 
 
 def figures() -> list[Figure]:
@@ -36,7 +40,12 @@ def figures() -> list[Figure]:
             f"would keep {n['linear']:.2f} m/s², and n = 10 is a linear spring far below its bound. Per period of the "
             f"excitation a disturbance is multiplied by {n['small_multiplier']:.2f} for n = 0.1 and by 1 within "
             f"1e-5 for n = 10. Excited with {BESIDE:g} Hz, the mass rings at {n['beside_own_frequency']:.2f} "
-            f"Hz all the same ({n['beside_own']:.2f} m/s²): it is not locked to the excitation, as a subharmonic would be.",
+            f"Hz all the same ({n['beside_own']:.2f} m/s²): it is not locked to the excitation, as a subharmonic would be. "
+            f"What may be taken for a peak: in a sweep down from {DOWN[0]:g} Hz the beat of the two motions makes the envelope "
+            f"ragged, by {100 * n['ragged_beside']:.0f} % within {BAND:g} Hz of {BESIDE:g} Hz; at {2 * OWN:.2f} Hz, twice the "
+            f"own frequency, the beat stands still and it is smooth ({100 * n['ragged_twice']:.0f} %). A free oscillation of "
+            "amplitude A loses the share 8βαⁿ⁻¹Aⁿ/(n+2) of its energy in a cycle: at 10 mm "
+            f"{100 * n['loss_half']:.0f} % for n = 0.5, {100 * n['loss_one']:.1f} % for n = 1, nothing for n = 10.",
             parameters="As figure 3.16, with n = 0.1 and n = 10 as in the thesis.",
             numbers=n,
             draw=_draw,
@@ -69,6 +78,25 @@ def spectrum(time: Array, acceleration: Array) -> tuple[Array, Array]:
     return np.fft.rfftfreq(size, time[1] - time[0]), amplitude
 
 
+@cache
+def envelope() -> tuple[Array, Array]:
+    """Return frequency [Hz] and largest acceleration [m/s^2] of the cycles of the sweep down."""
+    sweep = LARGE.sweep(DOWN)
+    return sweep.frequency, sweep.amplitude
+
+
+def ragged(frequency: float) -> float:
+    """Return by what share of its mean the envelope varies near a frequency [Hz]."""
+    places, amplitude = envelope()
+    near = amplitude[np.abs(places - frequency) < BAND]
+    return float(np.ptp(near) / near.mean())
+
+
+def loss(case: Case, amplitude: Array) -> Array:
+    """Return the share of its energy that a free oscillation loses in a cycle, for small amplitudes [m]."""
+    return np.asarray(8.0 * case.beta * case.alpha ** (case.n - 1.0) * amplitude**case.n / (case.n + 2.0))
+
+
 def measure() -> dict[str, float]:
     """Return amplitudes at the excitation's frequency and at the mass' own, and Floquet multipliers."""
     numbers = {}
@@ -83,15 +111,21 @@ def measure() -> dict[str, float]:
     ratio = FREQUENCY / OWN
     return numbers | {
         "linear": LEVEL * ratio / (ratio**2 - 1.0),
+        "ragged_twice": ragged(2.0 * OWN),
+        "ragged_beside": ragged(BESIDE),
+        "loss_half": float(loss(EXPONENTS[0], np.array(0.01))),
+        "loss_one": float(loss(EXPONENTS[1], np.array(0.01))),
         "beside_own": parts(*beside, (BESIDE, OWN))[1],
         "beside_own_frequency": float(frequency[low][np.argmax(amplitude[low])]),
     }
 
 
 def _draw() -> Picture:
-    picture, (over_time, lines) = canvas(2)
+    picture, (over_time, lines, down, decay) = canvas(2, rows=2, height=3.3)
     lines.lines[0].remove()  # a logarithmic axis has no zero
     over_time.lines[1].remove()
+    for line in down.lines[:2] + decay.lines[:2]:
+        line.remove()
     for case, colour in ((SMALL, COLOURS[0]), (LARGE, COLOURS[1])):
         time, acceleration = history(case, FREQUENCY)
         last = time >= END - 1.0
@@ -110,4 +144,31 @@ def _draw() -> Picture:
     inscribe(lines, f"spectrum of the last {END / 2:.0f} s", "frequency [Hz]", "amplitude [m/s²]")
     explain(over_time, columns=3, place="upper center")
     explain(lines, place="upper right")
+    _draw_envelope(down)
+    _draw_loss(decay)
     return picture
+
+
+def _draw_envelope(panel: Any) -> None:
+    frequency, amplitude = envelope()
+    ratio = frequency / OWN
+    panel.plot(frequency, amplitude, color=COLOURS[1], lw=0.8, label="n = 10, sweep down")
+    panel.plot(frequency, LEVEL / (ratio**2 - 1.0), color=COLOURS[0], lw=1.4, label="periodic motion")
+    for order in (2, 3, 4):
+        panel.axvline(order * OWN, color=GUIDE, lw=0.9, ls="--")
+        note(panel, f"{order} f₀", (order * OWN, 5.6), ha="center", colour=GUIDE)
+    panel.set_xlim(8.0, 22.0)
+    panel.set_ylim(0.0, 8.0)
+    inscribe(panel, "largest acceleration of each cycle", "frequency [Hz]", "acceleration [m/s²]")
+    explain(panel, place="upper right")
+
+
+def _draw_loss(panel: Any) -> None:
+    for case, colour in zip(EXPONENTS, (COLOURS[0], COLOURS[2], COLOURS[3], COLOURS[1]), strict=True):
+        panel.plot(AMPLITUDES, loss(case, AMPLITUDES), color=colour, lw=1.6, label=case.label)
+    panel.set_xlim(AMPLITUDES[0], AMPLITUDES[-1])
+    panel.set_ylim(1e-6, 10.0)
+    panel.set_xscale("log")
+    panel.set_yscale("log")
+    inscribe(panel, "energy lost in a free cycle, small amplitudes", "amplitude [m]", "share [-]")
+    explain(panel, place="lower right")
