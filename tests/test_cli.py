@@ -58,7 +58,7 @@ def test_an_interrupted_run_leaves_nothing_and_exits_130(tmp_path):
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert err == "wirerope: interrupted; nothing was left behind.\n"
+    assert err == "wirerope: interrupted; no half-written result was left behind.\n"
     assert out == ""
     assert list(tmp_path.iterdir()) == []
 

@@ -24,7 +24,7 @@ app = App(
     name="wirerope",
     version=version("wirerope-mj"),
     help="Shock and vibration of equipment and floors on wire-rope isolators.",
-    suppress_keyboard_interrupt=False,  # `main` says that nothing was left behind
+    suppress_keyboard_interrupt=False,  # `main` says what was left behind
 )
 # The scenario's own options are not known before its file is read: everything behind its name is handed on as it is.
 run_app = App(name="run", help_flags=[], version_flags=[], suppress_keyboard_interrupt=False)
@@ -236,7 +236,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt:
-        print("wirerope: interrupted; nothing was left behind.", file=sys.stderr)
+        print("wirerope: interrupted; no half-written result was left behind.", file=sys.stderr)
         return INTERRUPTED
     except (WireRopeError, ValueError, OSError, CycloptsError) as error:
         print(f"wirerope: {error}", file=sys.stderr)

@@ -1,6 +1,7 @@
 """System + base motion -> Response."""
 
 import math
+from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
@@ -82,12 +83,18 @@ def simulate(
             error_estimate=step.error,
             steps=int(grid.steps.sum()),
             callback=done.callback,
-            versions={name: version(name) for name in ("wirerope-mj", "mujoco", "numpy", "numba")},
+            versions=dict(_versions()),
         )
         return recorder.finish(start, done, numerics)
     except BaseException:
         recorder.discard()
         raise
+
+
+@cache
+def _versions() -> dict[str, str]:
+    """Return the versions of the packages that compute a response; reading them takes half as long as a short one."""
+    return {name: version(name) for name in ("wirerope-mj", "mujoco", "numpy", "numba")}
 
 
 def _check_arguments(*, duration: float, sample_rate: float, accuracy: float, timestep: float | None) -> None:

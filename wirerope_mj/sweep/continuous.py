@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from wirerope_mj.excitation import Sine, Sweep
 from wirerope_mj.excitation.checks import positive
+from wirerope_mj.simulation.progress import Update, share_bar
 from wirerope_mj.simulation.simulate import check_direction
 from wirerope_mj.state import State
 from wirerope_mj.statics import History
@@ -23,7 +24,6 @@ from wirerope_mj.sweep.arguments import (
 from wirerope_mj.sweep.collector import Collector
 from wirerope_mj.sweep.cycles import at_start, stepping
 from wirerope_mj.sweep.envelope import FrequencySweep
-from wirerope_mj.sweep.progress import Update, frequency_bar
 from wirerope_mj.sweep.settling import settle
 from wirerope_mj.system import System
 
@@ -92,7 +92,10 @@ def frequency_sweep(
     wait = None if settled is None else positive("settled", settled)
     most = at_least_one("largest_cycles", largest_cycles)
     start = starting_state(system, history=history, initial=initial)
-    with Collector(system, direction=sweep.direction, out=out) as collector, frequency_bar(enabled=progress) as update:
+    with (
+        Collector(system, direction=sweep.direction, out=out) as collector,
+        share_bar("sweeping", "Hz", enabled=progress) as update,
+    ):
         step = chosen_step(system, sweep, start, duration=float(instants[-1]), timestep=timestep, accuracy=accuracy)
         led, warnings = _lead_in(system, sweep, start, collector, step.timestep, wait, most)
         start = at_start(system, sweep, led)

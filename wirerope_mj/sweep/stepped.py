@@ -9,6 +9,7 @@ import numpy.typing as npt
 from wirerope_mj.excitation import Sine, Sweep
 from wirerope_mj.excitation.checks import Direction, checked_direction, plain_direction, positive
 from wirerope_mj.excitation.harmonic import the_one_level
+from wirerope_mj.simulation.progress import share_bar
 from wirerope_mj.simulation.simulate import check_direction
 from wirerope_mj.state import State
 from wirerope_mj.statics import History
@@ -23,7 +24,6 @@ from wirerope_mj.sweep.arguments import (
 from wirerope_mj.sweep.collector import Collector
 from wirerope_mj.sweep.cycles import at_start
 from wirerope_mj.sweep.envelope import FrequencySweep
-from wirerope_mj.sweep.progress import frequency_bar
 from wirerope_mj.sweep.settling import settle
 from wirerope_mj.system import System
 
@@ -101,7 +101,10 @@ def stepped_sine(
     start = starting_state(system, history=history, initial=initial)
     pilot = _pilot(sines, quantity, level, base)
     excitation = {"kind": KIND, quantity: level, "direction": plain_direction(base)}
-    with Collector(system, direction=base, out=out) as collector, frequency_bar(enabled=progress) as update:
+    with (
+        Collector(system, direction=base, out=out) as collector,
+        share_bar("stepping", "Hz", enabled=progress) as update,
+    ):
         step, unsettled = chosen_step(system, pilot, start, duration=PILOT, timestep=timestep, accuracy=accuracy), []
         state = start = at_start(system, sines[0], start)
         for number, sine in enumerate(sines):
