@@ -359,10 +359,14 @@ def test_29_an_adaptive_integrator_and_the_law_s_kinks_make_stable_motions_unsta
     assert max(fine) < 0.96
 
 
-def test_29_the_library_calls_none_of_them_unstable_with_the_law_as_it_is():
-    branch = library(MODIFIED)
+@pytest.mark.parametrize("smoothing", [None, 0.01])
+def test_29_the_library_calls_none_of_them_unstable_with_or_without_a_smooth_law(smoothing):
+    """All columns of its matrix take the same steps, here as few as 14 in a period."""
+    branch = library(MODIFIED, smoothing=smoothing, accuracy=1e-2, tolerance=1e-3)
     assert branch.complete
+    assert branch.steps.min() == 14
     assert branch.stable.all()
+    assert not branch.bifurcations
     assert np.nanmax(np.abs(branch.floquet_multipliers)) == pytest.approx(0.94, abs=0.01)
 
 
