@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[1]
@@ -34,3 +35,13 @@ def test_readme_identifies_a_law(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
     exec(compile(blocks("README.md", "From cyclic tests to an isolator"), "README.md", "exec"), {})
     assert "AsymmetricBoucWen(alpha=" in capsys.readouterr().out
+
+
+def test_frequency_response_runs_from_python(capsys):
+    names = {}
+    exec(compile(blocks("docs/frequency_response.md"), "frequency_response.md", "exec"), names)
+    assert names["orbit"].stable
+    assert names["branch"].complete
+    assert names["level"].complete
+    assert (np.diff(names["line"].frequency) < 0.0).all()  # softening: the higher level resonates lower
+    assert "superharmonic 3" in capsys.readouterr().out
