@@ -7,7 +7,7 @@ from house import sdof, sdof_text
 import wirerope_mj as wr
 from wirerope_mj.periodic import backbone, harmonic_content, resonances
 from wirerope_mj.periodic.continuation import Continuation
-from wirerope_mj.periodic.orbit import Search
+from wirerope_mj.periodic.search import Search
 from wirerope_mj.periodic.shooting import close, monodromy, shot
 from wirerope_mj.periodic.variational import Variational
 from wirerope_mj.periodic.walk import Walk

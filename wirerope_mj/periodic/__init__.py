@@ -7,8 +7,8 @@ from wirerope_mj.periodic.follow import follow_branch as follow_branch
 from wirerope_mj.periodic.harmonics import HarmonicContent as HarmonicContent
 from wirerope_mj.periodic.harmonics import harmonic_content as harmonic_content
 from wirerope_mj.periodic.orbit import PeriodicOrbit as PeriodicOrbit
-from wirerope_mj.periodic.orbit import periodic_orbit as periodic_orbit
 from wirerope_mj.periodic.resonance import Backbone as Backbone
 from wirerope_mj.periodic.resonance import Resonance as Resonance
 from wirerope_mj.periodic.resonance import backbone as backbone
 from wirerope_mj.periodic.resonance import resonances as resonances
+from wirerope_mj.periodic.search import periodic_orbit as periodic_orbit

@@ -19,7 +19,7 @@ from wirerope_mj.periodic.branch import Parameter
 from wirerope_mj.periodic.coordinates import scales
 from wirerope_mj.periodic.multipliers import Stability, stability
 from wirerope_mj.periodic.observe import ranges
-from wirerope_mj.periodic.orbit import Search
+from wirerope_mj.periodic.search import Search
 from wirerope_mj.periodic.shooting import DIFFERENCE, Shot, least_solution, monodromy, shot
 from wirerope_mj.periodic.track import Drive
 from wirerope_mj.periodic.variational import Variational

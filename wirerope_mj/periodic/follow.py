@@ -7,7 +7,7 @@ from wirerope_mj.excitation import Sine
 from wirerope_mj.excitation.checks import checked_direction, positive
 from wirerope_mj.periodic.branch import Branch, Parameter
 from wirerope_mj.periodic.observe import observed_bodies
-from wirerope_mj.periodic.orbit import Search, whole
+from wirerope_mj.periodic.search import Search, whole
 from wirerope_mj.periodic.walk import Question, Walk
 from wirerope_mj.simulation.progress import share_bar
 from wirerope_mj.simulation.simulate import check_direction

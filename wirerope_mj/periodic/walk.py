@@ -15,8 +15,8 @@ from wirerope_mj.periodic.branch import Bifurcation, Branch, Parameter
 from wirerope_mj.periodic.continuation import Continuation, Point
 from wirerope_mj.periodic.events import locate, unstable
 from wirerope_mj.periodic.observe import travel_exceeded
-from wirerope_mj.periodic.orbit import ITERATIONS, Search
 from wirerope_mj.periodic.rows import Row, row_of
+from wirerope_mj.periodic.search import ITERATIONS, Search
 from wirerope_mj.periodic.shooting import close, shot
 from wirerope_mj.periodic.storage import fingerprint, load_rows, save_rows
 from wirerope_mj.state import State
