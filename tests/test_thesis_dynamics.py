@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 import wirerope_mj as wr
 from wirerope_mj.oscillator import harmonic_balance
 from wirerope_mj.periodic import harmonic_content
-from wirerope_mj.periodic.orbit import Search
+from wirerope_mj.periodic.search import Search
 from wirerope_mj.periodic.shooting import close, shot
 from wirerope_mj.periodic.track import Drive
 
