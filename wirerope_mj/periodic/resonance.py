@@ -92,8 +92,9 @@ def _top(branch: Branch, i: int) -> tuple[float, float]:
     f, a = np.log(branch.frequency[i - 1 : i + 2]), branch.amplitude[i - 1 : i + 2]
     if not f[0] < f[1] < f[2] and not f[0] > f[1] > f[2]:
         return float(branch.frequency[i]), float(a[1])
-    curve = np.polyfit(f - f[1], a, 2)
-    if curve[0] >= 0.0:
+    left, right = (a[1] - a[0]) / (f[1] - f[0]), (a[2] - a[1]) / (f[2] - f[1])
+    curvature = (right - left) / (f[2] - f[0])
+    if curvature == 0.0:
         return float(branch.frequency[i]), float(a[1])
-    shift = float(np.clip(-curve[1] / (2.0 * curve[0]), min(f[0], f[2]) - f[1], max(f[0], f[2]) - f[1]))
-    return float(np.exp(f[1] + shift)), float(np.polyval(curve, shift))
+    top = float(np.clip(0.5 * (f[0] + f[1] - left / curvature), min(f[0], f[2]), max(f[0], f[2])))
+    return float(np.exp(top)), float(a[0] + (top - f[0]) * (left + curvature * (top - f[1])))

@@ -147,7 +147,7 @@ class Search:
             f"no motion of period {periods} / ({frequency:.6g} Hz) was found at {acceleration:.4g} m/s^2: the residual stays "
             f"at {best:.2g} (asked {tolerance:.2g}) after Newton's method from {'the guess and from ' if guess else ''}"
             f"{', '.join(str(n) for n in np.cumsum(SETTLING))} periods of settling. The motion may not be periodic there: try "
-            "another frequency and follow the branch from it, a lower acceleration, or `periods=2` or 3."
+            "another frequency and follow the branch from it, a lower acceleration, a finer `accuracy`, or `periods=2` or 3."
         )
 
     def _closed(self, x: Array, drive: Drive, tolerance: float) -> Shot:
