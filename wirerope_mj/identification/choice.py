@@ -197,7 +197,13 @@ def _refitted(fit: Identification, loops: Sequence[Loop], elements: int, weights
     """Return the fit to fewer loops, begun at the fit to all, else from the grid."""
     if not loops:
         raise ValueError("there is only one amplitude.")
-    options: dict[str, Any] = {"law": type(fit.law), "elements": elements, "weights": weights, "method": "time"}
+    options: dict[str, Any] = {
+        "law": type(fit.law),
+        "elements": elements,
+        "weights": weights,
+        "method": "time",
+        "profiles": False,
+    }
     try:
         return identify(loops, start=fit.law, grid=False, **options)
     except ValueError:

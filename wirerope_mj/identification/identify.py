@@ -9,10 +9,10 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.identification.arguments import require_finite, require_kind, require_loops, require_options
-from wirerope_mj.identification.certainty import Certainty, Parameter
+from wirerope_mj.identification.certainty import Certainty, Parameter, certainty_of
 from wirerope_mj.identification.coordinates import FAMILIES, Coordinate, Family, masing_family
 from wirerope_mj.identification.measured import MeasuredLoop, prepare, scales_of
-from wirerope_mj.identification.profiles import survey
+from wirerope_mj.identification.profiles import Survey, survey
 from wirerope_mj.identification.residuals import THIN, Data, Residual, joined, loop_residual, rms
 from wirerope_mj.identification.search import Found, Search
 from wirerope_mj.identification.stages import Method, Stage, run_stages
@@ -98,6 +98,7 @@ def identify(
     weights: str = "range",
     noise: float | None = None,
     grid: bool = True,
+    profiles: bool = True,
 ) -> Identification:
     """Return the law of a class that fits closed cyclic loops best, and what they leave open.
 
@@ -122,6 +123,8 @@ def identify(
         weights: "range": loops count alike; "equal": a newton counts alike.
         noise: standard deviation of the force relative to `weights`, if it is known; None: what the fit leaves.
         grid: whether the grid is tried; False needs a start.
+        profiles: whether standard errors are checked by moving every value and fitting the others again; False takes those of
+            the Jacobian, and is quicker.
 
     Raises:
         ValueError: the loops or the arguments cannot be used, there are too few amplitudes, or a free parameter does not move
@@ -158,7 +161,7 @@ def identify(
             ends.append(_End(found=found, stages=stages, started=origin))
     if not ends:
         raise ValueError(failures[0] if failures else f"no {law.name} law could be evaluated on these loops.")
-    return _result(search, measured, full, ends, noise)
+    return _result(search, measured, full, ends, noise, profiles)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -263,14 +266,18 @@ def _require_movement(search: Search, residual: Residual, values: Mapping[str, f
 
 
 def _result(
-    search: Search, loops: list[MeasuredLoop], full: Residual, ends: list[_End], noise: float | None
+    search: Search, loops: list[MeasuredLoop], full: Residual, ends: list[_End], noise: float | None, profiles: bool
 ) -> Identification:
     evaluations = sum(stage.evaluations for end in ends for stage in end.stages)
     for left in range(DEEPER, -1, -1):
         least = min(end.found.cost for end in ends)
         best = next(end for end in ends if end.found.cost <= least * (1.0 + SAME / end.found.residual.size))
         rivals = [end.found for end in ends if end is not best]
-        surveyed = survey(search, full, best.found, rivals, noise)
+        surveyed = (
+            survey(search, full, best.found, rivals, noise)
+            if profiles
+            else Survey(certainty=certainty_of(search, best.found, noise), better=None, evaluations=0)
+        )
         evaluations += surveyed.evaluations
         if surveyed.better is None or left == 0:
             break

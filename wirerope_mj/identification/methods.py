@@ -77,7 +77,7 @@ def compare_methods(loops: Sequence[Loop], *, starts: Mapping[str, Law], weights
 def _row(loops: Sequence[Loop], name: str, start: Law, method: Method, weights: str) -> MethodRow:
     """Return how one method did from one start."""
     try:
-        fit = identify(loops, law=type(start), start=start, method=method, weights=weights, grid=False)
+        fit = identify(loops, law=type(start), start=start, method=method, weights=weights, grid=False, profiles=False)
     except ValueError as failure:
         return MethodRow(
             method=method, start=name, iterations=0, evaluations=0, error=float("inf"), converged=False,
