@@ -35,7 +35,7 @@ def test_forces_alone_are_those_of_the_trace(law):
 
 @pytest.mark.parametrize("n", [7.0, 8.0, 10.0, 12.0, 20.0])
 def test_high_powers_do_not_leap_over_the_place_where_they_bend(n):
-    # Samples just past z = 0: there the series' last terms vanish, though it reaches no further than where |z|^n begins to matter.
+    # Samples just past z = 0: there the series' last terms vanish, and it reaches no further than where |z|^n begins to matter.
     law = wr.BoucWen(alpha=1.0, beta=0.6, gamma=0.4, n=n)
     path = np.concatenate([[0.0, 1e-4, 0.3, 0.9, 1.5, 0.6, 0.1, -0.4, -0.45], np.linspace(-0.4, 2.0, 40)])
     parameters = law.kernel_parameters()

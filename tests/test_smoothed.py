@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from house import quiet, sdof
-from hypothesis import given, settings
+from hypothesis import given, reject, settings
 from hypothesis import strategies as st
 from laws_for_tests import MIRRORED, STRATEGIES, example, passive, smooth_path, turning_points
 from scipy.integrate import solve_ivp
@@ -67,7 +67,10 @@ def test_it_is_bouc_wens_equation_with_the_sign_of_the_velocity_rounded():
 def test_slower_by_a_factor_it_needs_a_narrower_width(name, data, points, slower):
     law = smoothed(data, name)
     x, time, rate = smooth_path(points, per_segment=8)
-    loop = law.trace(x, time=time, rate=rate)
+    try:
+        loop = law.trace(x, time=time, rate=rate)
+    except ValueError:  # far below the width z has no bound, and some laws end at a finite deflection there
+        reject()
     same = replace(law, width=law.width / slower).trace(x, time=slower * time, rate=rate / slower)
     np.testing.assert_allclose(same.force, loop.force, rtol=0, atol=1e-8 * size(loop.force))  # steps of 1e-11 each
     with pytest.raises(ValueError, match="`time` must be given"):

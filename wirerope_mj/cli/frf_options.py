@@ -18,7 +18,7 @@ def frf(
     response_direction: str | None = None,
     payload: str | None = None,
     rate: float = 1.0,
-    periods: int = 1,
+    periods: float = 1,
     largest_step: float = 0.02,
     smallest_step: float = 1e-5,
     smoothing: float | None = None,
@@ -56,7 +56,8 @@ def frf(
 
     question = Question(
         accelerations=levels(acceleration, acceleration_g), method=method, start=start, stop=stop,
-        direction=direction_of("--direction", direction), payload=payload, rate=rate, periods=periods,
+        direction=direction_of("--direction", direction), payload=payload, rate=rate,
+        periods=int(periods) if float(periods).is_integer() else periods,  # type: ignore[arg-type]  # refused by name below
         response_direction=None if response_direction is None
         else direction_of("--response-direction", response_direction),
         largest_step=largest_step, smallest_step=smallest_step, smoothing=smoothing,

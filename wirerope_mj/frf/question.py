@@ -76,6 +76,10 @@ class Question:
         start, stop, words = _range(system, self.start, self.stop)
         if isinstance(self.periods, bool) or not isinstance(self.periods, int) or self.periods < 1:
             raise ValueError(f"`periods` must be a whole number >= 1, got {self.periods!r}.")
+        if self.method == "sweep" and (self.smoothing is not None or self.periods != 1):
+            raise ValueError(
+                "`smoothing` and `periods` belong to the continuation: a sweep has neither. Leave them out."
+            )
         largest, smallest = positive("largest_step", self.largest_step), positive("smallest_step", self.smallest_step)
         if not smallest < largest < 1.0:
             raise ValueError(

@@ -45,7 +45,10 @@ class Bifurcation:
     @property
     def words(self) -> str:
         """One sentence for a reader."""
-        course = "is lost" if self.after > self.before else "is regained" if self.after < self.before else "stays lost"
+        if self.after == self.before:
+            course = "stays lost" if self.after else "is kept"
+        else:
+            course = "is lost" if self.after > self.before else "is regained"
         return f"{self.kind} at {self.frequency:.5g} Hz, {self.acceleration:.4g} m/s^2: stability {course}"
 
 
@@ -91,6 +94,7 @@ class Branch:
         residual: how far each motion is from repeating itself, in shares of its ranges, (n,).
         history: equilibrium about which the motions are.
         complete: whether the end that was asked for was reached.
+        gaps: values of the parameter between which the branch could not be followed and was taken up again.
         model_steps: of all integrations.
         message: why it ended.
     """
@@ -115,6 +119,7 @@ class Branch:
     residual: Array = field(repr=False)
     history: History
     complete: bool
+    gaps: tuple[tuple[float, float], ...]
     model_steps: int
     message: str
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from wirerope_mj.excitation import Sine
-from wirerope_mj.excitation.checks import checked_direction, positive
+from wirerope_mj.excitation.checks import Direction, checked_direction, positive
 from wirerope_mj.periodic.branch import Branch, Parameter
 from wirerope_mj.periodic.observe import observed_bodies
 from wirerope_mj.periodic.search import Search, whole
@@ -133,10 +133,17 @@ def _question(
         other=other,
         direction=moved,
         payload=payload,
-        response_direction=moved if response_direction is None else checked_direction(response_direction),
+        response_direction=moved if response_direction is None else _response_direction(response_direction),
         periods=periods,
         history=history,
         most_points=most_points,
         smoothing=None if smoothing is None else positive("smoothing", smoothing),
         **values,
     )
+
+
+def _response_direction(direction: str | Sequence[float]) -> Direction:
+    try:
+        return checked_direction(direction)
+    except ValueError as error:
+        raise ValueError(str(error).replace("`direction`", "`response_direction`")) from None

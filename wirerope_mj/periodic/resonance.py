@@ -64,6 +64,8 @@ def backbone(branches: Sequence[Branch]) -> Backbone:
     Raises:
         ValueError: a branch has no peak between its ends, or was followed in acceleration.
     """
+    if not branches:
+        raise ValueError("`branches` must hold at least one branch, got none.")
     rows = []
     for branch in branches:
         peaks = resonances(branch)

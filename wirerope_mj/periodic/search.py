@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+import mujoco
 import numpy as np
 import numpy.typing as npt
 
@@ -20,6 +21,7 @@ from wirerope_mj.periodic.steps import Steps
 from wirerope_mj.periodic.track import Drive
 from wirerope_mj.simulation import simulate
 from wirerope_mj.simulation.simulate import check_direction
+from wirerope_mj.simulation.stepper import STATE
 from wirerope_mj.state import State
 from wirerope_mj.statics import History
 from wirerope_mj.system import System
@@ -87,6 +89,8 @@ def periodic_orbit(
     )  # fmt: skip
     whole("periods", periods)
     check_direction(system, sine)
+    if guess is not None:
+        _require_state(system, guess)
     search = Search(
         system, direction=sine.direction, history=history, accuracy=positive("accuracy", accuracy), smoothing=smoothing
     )
@@ -101,6 +105,15 @@ def whole(name: str, value: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int) or value < 1:
         raise ValueError(f"`{name}` must be a whole number >= 1, got {value!r}.")
     return value
+
+
+def _require_state(system: System, guess: State) -> None:
+    """Raise ValueError unless the guess is a state of this system."""
+    if not isinstance(guess, State):
+        raise ValueError(f"`guess` must be a State, as `PeriodicOrbit.state` is one; got {type(guess).__name__}.")
+    size = mujoco.mj_stateSize(system.model, STATE)
+    if guess.values.shape != (size,):
+        raise ValueError(f"`guess` has {guess.values.size} values; a state of this system has {size}.")
 
 
 class Search:
@@ -177,9 +190,14 @@ class Search:
         carried = self.coordinates.carried(drive.frequency, drive.acceleration)
         sine = Sine(frequency=drive.frequency, acceleration=drive.acceleration, direction=self.coordinates.direction)
         state, step = State(values=self.coordinates.to_state(x, carried), time=0.0), drive.duration / drive.steps
-        simulate(
-            self.system, sine, duration=drive.duration, initial=state, timestep=step, sample_rate=1.0 / drive.duration
-        )
+        try:
+            simulate(
+                self.system, sine, duration=drive.duration, initial=state, timestep=step,
+                sample_rate=1.0 / drive.duration,
+            )  # fmt: skip
+        except SimulationError as error:
+            level = f"at {drive.frequency:.5g} Hz and {abs(drive.acceleration):.4g} m/s^2"
+            raise SimulationError(f"{level} the motion is too large: {error} Lower the acceleration.") from None
         raise SimulationError(f"the motion at {drive.frequency:.6g} Hz grew without bound.")
 
     def judged(self, found: Shot, tolerance: float, words: str) -> PeriodicOrbit:

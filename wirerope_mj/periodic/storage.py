@@ -71,7 +71,7 @@ def load_rows(folder: Path, content: dict[str, Any]) -> tuple[list[Row], list[Bi
     except Exception as error:
         raise RecordError(f"{path}: no branch can be read from it ({error}).") from None
     for key, value in content.items():
-        if key in stored and stored[key] != value and key not in ("complete", "message", "model_steps"):
+        if key in stored and stored[key] != value and key not in ("complete", "message", "model_steps", "gaps"):
             raise RecordError(
                 f"{path} holds another branch: its {key} is {stored[key]!r}, asked is {value!r}. Give another folder."
             )

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.excitation.checks import Direction
+from wirerope_mj.excitation.checks import Direction, direction_text
 from wirerope_mj.periodic.branch import Bifurcation, Branch, Parameter
 from wirerope_mj.periodic.continuation import Continuation, Point
-from wirerope_mj.periodic.events import locate, unstable
+from wirerope_mj.periodic.events import locate, turns, unstable
 from wirerope_mj.periodic.observe import travel_exceeded
 from wirerope_mj.periodic.rows import Row, row_of
 from wirerope_mj.periodic.search import ITERATIONS, Search
@@ -30,8 +30,17 @@ FIRST = 0.2
 AIM = 4
 """Corrector iterations that the step length is steered to."""
 
+LEAPS = (0.25, 0.5, 1.0, 2.0, 4.0)
+"""Steps, in units of the largest, by which a branch that cannot be followed is taken up again."""
+
+RIPPLE = 5.0
+"""Distance of two folds in units of the accuracy within which they may be the steps': three were seen."""
+
 BEND = 0.1
 """Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend."""
+
+STILL = 1e-12
+"""Share of the base's acceleration below which a payload stands still but for rounding."""
 
 SAVE_EVERY = 2.0
 """Seconds between two looks at the disk: what a killed process loses."""
@@ -82,6 +91,7 @@ class Walk:
         )
         self.rows: list[Row] = []
         self.events: list[Bifurcation] = []
+        self.gaps: list[tuple[float, float]] = []
         self.complete, self.message, self._earlier_steps = False, "", 0
         self._saved = time.monotonic()
 
@@ -97,13 +107,34 @@ class Walk:
             self._save()
         return self._branch()
 
+    def _leap(self, last: Point) -> Point | None:
+        """Return a motion a little further on, found anew from the last one, None if there is none."""
+        question = self.question
+        towards = 1.0 if last.tangent[-1] > 0.0 else -1.0
+        for leap in LEAPS:
+            value = last.parameter * math.exp(towards * leap * question.largest_step)
+            if (value - question.stop) * question.sign > 0.0:
+                return None
+            start = shot(self.search.flow, last.shot.x, self.path.drive(value))
+            found, _ = close(self.search.flow, start, tolerance=question.tolerance, iterations=ITERATIONS)
+            if found.residual <= question.tolerance:
+                self.gaps.append((last.parameter, value))
+                return self.path.point(found, value, before=None, sign=towards)
+        return None
+
     def _advance(self, last: Point, length: float) -> tuple[Point, float]:
         """Take one step and note what it says; `message` is set where the branch ends."""
         question = self.question
-        point, length = self._next(last, length)
+        (point, length), leapt = self._next(last, length), False
+        if point is None or (turns(last, point) and unstable(last) == unstable(point)):
+            # A step that fails, or a fold at which no multiplier passes 1: motions with a long memory, as those of axes that
+            # hardly move or of a needle of a resonance, have lost the tangent's direction.
+            beyond = self._leap(last)
+            point, length, leapt = (beyond, FIRST, True) if beyond is not None else (point, length, False)
         if point is None:
             self.message = (
-                f"stopped at {self._where(last)}: no point within {question.smallest_step:.1g} of it was found"
+                f"stopped at {self._where(last)}: no point within {question.smallest_step:.1g} of it was found, nor up to "
+                f"{LEAPS[-1] * question.largest_step:.2g} beyond it. Start beyond it, or take another `largest_step`."
             )
             return last, length
         over = travel_exceeded(self.system, point.shot.track)
@@ -112,10 +143,11 @@ class Walk:
             return last, length
         if (point.parameter - question.stop) * question.sign >= 0.0:
             point = self.path.at_value(last, question.stop) or point
-            self.complete, self.message = True, f"reached {self._where(point)}"
+            passed = "".join(f"; not followed from {a:.5g} to {b:.5g}" for a, b in self.gaps)
+            self.complete, self.message = True, f"reached {self._where(point)}{passed}"
         elif (point.parameter - question.start) * question.sign < 0.0 and len(self.rows) > 2:
-            self.message = f"came back to its start at {self._where(point)}"
-        else:
+            self.message = f"ended at {self._where(point)}: it passed its start again"
+        elif not leapt:
             self._between(last, point, length)
         self._add(point)
         self.search.adapt(point.shot)
@@ -136,6 +168,9 @@ class Walk:
         x = self.search.coordinates.from_state(orbit.state.values, carried)
         point = self._at(x, question.start, before=None)
         self._add(point)
+        if self.rows[-1].amplitude <= STILL * abs(drive.acceleration):
+            along = direction_text(question.response_direction)
+            raise ValueError(f"`response_direction`: {question.payload} does not move along {along} in this motion.")
         return point
 
     def _at(self, x: Array, value: float, before: Array | None) -> Point:
@@ -151,6 +186,7 @@ class Walk:
             return None
         self.rows, self.events, stored = known
         self._earlier_steps = stored["model_steps"]
+        self.gaps = [(float(a), float(b)) for a, b in stored["gaps"]]
         if stored["message"]:
             self.complete, self.message = stored["complete"], stored["message"]
             return None
@@ -196,7 +232,7 @@ class Walk:
         self._forget_ripple()
 
     def _forget_ripple(self) -> None:
-        """Drop the last two folds if they are nearer to each other than the accuracy.
+        """Drop the last two folds if they are hardly farther from each other than the accuracy.
 
         The derivative of the stepped motion jumps where a mount's reversal passes a stage of a step; where a branch is steep
         that turns it back and forth by less than the steps' own error.
@@ -204,7 +240,7 @@ class Walk:
         if len(self.events) < 2 or any(event.kind != "fold" for event in self.events[-2:]):
             return
         first, second = (event.frequency * event.acceleration for event in self.events[-2:])  # one of the two is fixed
-        if abs(math.log(second / first)) < self.question.accuracy:
+        if abs(math.log(second / first)) < RIPPLE * self.question.accuracy:
             del self.events[-2:]
 
     def _add(self, point: Point, index: int | None = None) -> None:
@@ -216,8 +252,9 @@ class Walk:
 
     def _content(self) -> dict[str, Any]:
         asked = {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self.question).items()}
+        asked["acceleration" if self.question.parameter == "frequency" else "frequency"] = asked.pop("other")
         steps = self.search.flow.steps + self._earlier_steps
-        told = {"complete": self.complete, "message": self.message, "model_steps": steps}
+        told = {"complete": self.complete, "message": self.message, "model_steps": steps, "gaps": self.gaps}
         return {"system": fingerprint(self.system), **asked, **told}
 
     def _save(self) -> None:
@@ -251,6 +288,7 @@ class Walk:
             residual=np.array([row.residual for row in rows]),
             history=question.history,
             complete=self.complete,
+            gaps=tuple(self.gaps),
             model_steps=self.search.flow.steps + self._earlier_steps,
             message=self.message,
         )
