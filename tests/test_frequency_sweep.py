@@ -582,3 +582,14 @@ def test_the_floor_has_an_envelope_for_every_body_and_mount():
     np.testing.assert_array_equal(r.amplitude, r.envelopes["floor"].acceleration[:, 0])
     # A crest stands up to a quarter of a cycle beside the middle: half of K / f = 8 % of frequency, the level's growth.
     np.testing.assert_allclose(r.base_amplitude, 5e-3 * 2 * np.pi * r.frequency, rtol=4e-2)
+
+
+def test_peaks_of_a_law_that_turns_sharply_keep_the_accuracy_told():
+    """Pure Bouc-Wen turns with a jump of its slope: z_max 0.73428704 (domain facts 6.2) is the mass' largest acceleration."""
+    law = wr.BoucWen(alpha=1.0, beta=1.0, gamma=0.0, n=1.0)
+    for accuracy, missed in ((1e-4, 3e-4), (1e-5, 3e-5)):
+        found = wr.stepped_sine(
+            sdof(law, mass=1.0), frequencies=[0.8 / (2 * np.pi)], acceleration=0.3, direction="z", payload="mass",
+            accuracy=accuracy,
+        )  # fmt: skip
+        assert found.amplitude[0] == pytest.approx(0.73428704, rel=missed)

@@ -30,7 +30,10 @@ def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise RecordError(f"{folder}: no folder can be made there ({error.strerror}).") from None
     columns: dict[str, Any] = {
         name: [getattr(row, name) for row in rows]
         for name in (
