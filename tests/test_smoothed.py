@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from house import quiet, sdof
-from hypothesis import given, reject, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from laws_for_tests import MIRRORED, STRATEGIES, example, passive, smooth_path, turning_points
 from scipy.integrate import solve_ivp
@@ -24,8 +24,13 @@ widths = st.floats(0.01, 1.0)
 TURN = 2.0 * np.pi
 
 
+def bounded(law):
+    """Return whether z stays finite far below the width, where its slope is alpha - gamma |z|^n whatever beta is."""
+    return getattr(law, "gamma", 0.0) >= 0.0 or law.n <= 1.0
+
+
 def smoothed(data, name):
-    return Smoothed(law=data.draw(STRATEGIES[name]), width=data.draw(widths))
+    return Smoothed(law=data.draw(STRATEGIES[name].filter(bounded)), width=data.draw(widths))
 
 
 def size(values):
@@ -67,12 +72,10 @@ def test_it_is_bouc_wens_equation_with_the_sign_of_the_velocity_rounded():
 def test_slower_by_a_factor_it_needs_a_narrower_width(name, data, points, slower):
     law = smoothed(data, name)
     x, time, rate = smooth_path(points, per_segment=8)
-    try:
-        loop = law.trace(x, time=time, rate=rate)
-    except ValueError:  # far below the width z has no bound, and some laws end at a finite deflection there
-        reject()
+    loop = law.trace(x, time=time, rate=rate)
     same = replace(law, width=law.width / slower).trace(x, time=slower * time, rate=rate / slower)
-    np.testing.assert_allclose(same.force, loop.force, rtol=0, atol=1e-8 * size(loop.force))  # steps of 1e-11 each
+    # A trace is promised to 1e-8, and these are two: a law that hardly dissipates forgets no step's error.
+    np.testing.assert_allclose(same.force, loop.force, rtol=0, atol=2e-8 * size(loop.force))
     with pytest.raises(ValueError, match="`time` must be given"):
         law.trace(x)
 
@@ -92,7 +95,7 @@ def test_mirrored_path_gives_the_mirrored_force(name, data, points):
 @given(data=st.data(), points=turning_points)
 @settings(max_examples=40, deadline=None)
 def test_no_path_from_the_unloaded_state_gains_work(name, data, points):
-    law = data.draw(STRATEGIES[name].filter(passive))
+    law = data.draw(STRATEGIES[name].filter(lambda law: passive(law) and bounded(law)))
     x, time, rate = smooth_path(points, per_segment=12)
     work = Smoothed(law=law, width=data.draw(widths)).trace(x, time=time, rate=rate).work
     assert work.min() >= -1e-7 * max(1.0, np.abs(work).max())  # n < 1 has an infinite curvature at z = 0
