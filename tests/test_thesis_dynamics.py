@@ -401,7 +401,7 @@ def residual(steps):
     with search.flow.ready():
         start = orbit(PURE, 0.8).state.values
         x = search.coordinates.from_state(start, search.coordinates.carried(drive.frequency, drive.acceleration))
-        found, _ = close(search.flow, shot(search.flow, x, drive), tolerance=1e-9, iterations=20)
+        found = close(search.flow, shot(search.flow, x, drive), tolerance=1e-9, iterations=20)
     return found.residual
 
 

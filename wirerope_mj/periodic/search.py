@@ -169,7 +169,7 @@ class Search:
         for _ in range(WIDTHS):
             changed = self.adapt(found)
             start = shot(self.flow, found.x, drive) if changed else found
-            found, _ = close(self.flow, start, tolerance=tolerance, iterations=ITERATIONS)
+            found = close(self.flow, start, tolerance=tolerance, iterations=ITERATIONS)
             if not changed:
                 break
         return found

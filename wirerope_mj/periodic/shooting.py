@@ -84,9 +84,9 @@ def least_solution(matrix: Array, right: Array) -> Array:
     return np.asarray(v[kept].T @ ((u[:, kept].T @ right) / values[kept]))
 
 
-def close(flow: Flow, first: Shot, *, tolerance: float, iterations: int) -> tuple[Shot, Array | None]:
-    """Return the periodic motion near `first`, or the best that was found, and the last monodromy matrix."""
-    now, phi = first, None
+def close(flow: Flow, first: Shot, *, tolerance: float, iterations: int) -> Shot:
+    """Return the periodic motion near `first`, or the best that was found."""
+    now = first
     for iteration in range(iterations):
         if now.residual <= tolerance or not np.isfinite(now.residual):
             break
@@ -99,7 +99,7 @@ def close(flow: Flow, first: Shot, *, tolerance: float, iterations: int) -> tupl
         if better is None:
             break
         now = replace(better, iterations=iteration + 1)
-    return now, phi
+    return now
 
 
 def _trial(flow: Flow, now: Shot, step: Array) -> Shot | None:

@@ -116,7 +116,7 @@ class Walk:
             if (value - question.stop) * question.sign > 0.0:
                 return None
             start = shot(self.search.flow, last.shot.x, self.path.drive(value))
-            found, _ = close(self.search.flow, start, tolerance=question.tolerance, iterations=ITERATIONS)
+            found = close(self.search.flow, start, tolerance=question.tolerance, iterations=ITERATIONS)
             if found.residual <= question.tolerance:
                 self.gaps.append((last.parameter, value))
                 return self.path.point(found, value, before=None, sign=towards)
@@ -176,7 +176,7 @@ class Walk:
     def _at(self, x: Array, value: float, before: Array | None) -> Point:
         """Return the point of a motion that has been found before."""
         start = shot(self.search.flow, x, self.path.drive(value))
-        found, _ = close(self.search.flow, start, tolerance=self.question.tolerance, iterations=ITERATIONS)
+        found = close(self.search.flow, start, tolerance=self.question.tolerance, iterations=ITERATIONS)
         return self.path.point(found, value, before=before, sign=self.question.sign)
 
     def _resumed(self) -> Point | None:
