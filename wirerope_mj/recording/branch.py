@@ -14,11 +14,9 @@ Timelines: `point` goes from motion to motion along the branches of all levels, 
 ```
 """
 
-import os
 import uuid
 from pathlib import Path
 
-from wirerope_mj.errors import RecordError
 from wirerope_mj.frf import FrequencyResponse
 from wirerope_mj.frf.summary import Findings
 from wirerope_mj.recording.along import AlongBranch
@@ -29,11 +27,12 @@ from wirerope_mj.recording.film import film_of, strips_of
 from wirerope_mj.recording.multipliers import log_multipliers
 from wirerope_mj.recording.orbit_loops import log_orbit_loops, shown_loops
 from wirerope_mj.recording.orbit_text import log_texts
-from wirerope_mj.recording.paths import APPLICATION, FILE
+from wirerope_mj.recording.paths import APPLICATION
 from wirerope_mj.recording.poses import frames_of
 from wirerope_mj.recording.response_curve import log_response
 from wirerope_mj.recording.scene import log_scene
 from wirerope_mj.recording.selection import select
+from wirerope_mj.recording.target import recorded_whole, target_of
 
 
 def record_branches(result: FrequencyResponse, findings: list[Findings], path: str | Path) -> Path:
@@ -48,25 +47,11 @@ def record_branches(result: FrequencyResponse, findings: list[Findings], path: s
         ValueError: no level has a branch.
         RecordError: the environment variable RERUN switches recordings off.
     """
-    import rerun as rr
-    from rerun.error_utils import strict_mode
-
     if not result.branches:
         raise ValueError("there is no branch to record; a sweep alone has no periodic motions.")
-    target = Path(path)
-    target = target / FILE if target.is_dir() or target.suffix != ".rrd" else target
-    target.parent.mkdir(parents=True, exist_ok=True)
-    beside = target.with_name(target.name + ".part")
-    was_strict = strict_mode()
-    rr.set_strict_mode(True)  # otherwise a wrong call loses data with no more than a warning
-    try:
+    target = target_of(path)
+    with recorded_whole(target) as beside:
         _write(result, findings, beside)
-        if not beside.is_file():
-            raise RecordError("nothing was recorded: the environment variable RERUN switches it off. Unset it.")
-        os.replace(beside, target)
-    finally:
-        rr.set_strict_mode(was_strict)
-        beside.unlink(missing_ok=True)
     return target
 
 

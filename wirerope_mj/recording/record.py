@@ -1,21 +1,20 @@
 """One response, one `run.rrd`."""
 
-import os
 import uuid
 from collections.abc import Sequence
 from pathlib import Path
 
-from wirerope_mj.errors import RecordError
 from wirerope_mj.recording.blueprint import blueprint_of
 from wirerope_mj.recording.documents import log_documents
 from wirerope_mj.recording.events import log_events
 from wirerope_mj.recording.histories import log_histories
 from wirerope_mj.recording.loops import log_loops, loops_of
-from wirerope_mj.recording.paths import APPLICATION, FILE
+from wirerope_mj.recording.paths import APPLICATION
 from wirerope_mj.recording.poses import frames_of
 from wirerope_mj.recording.scene import log_scene
 from wirerope_mj.recording.selection import select
 from wirerope_mj.recording.state import log_state
+from wirerope_mj.recording.target import recorded_whole, target_of
 from wirerope_mj.response import Response
 
 
@@ -42,23 +41,9 @@ def record_rerun(
         ValueError: there is no such tab.
         RecordError: the environment variable RERUN switches recordings off.
     """
-    import rerun as rr
-    from rerun.error_utils import strict_mode
-
-    target = Path(path)
-    target = target / FILE if target.is_dir() or target.suffix != ".rrd" else target
-    target.parent.mkdir(parents=True, exist_ok=True)
-    beside = target.with_name(target.name + ".part")
-    was_strict = strict_mode()
-    rr.set_strict_mode(True)  # otherwise a wrong call loses data with no more than a warning
-    try:
+    target = target_of(path)
+    with recorded_whole(target) as beside:
         _write(response, beside, title=title, scenario_text=scenario_text, verdicts=verdicts, tab=tab)
-        if not beside.is_file():
-            raise RecordError("nothing was recorded: the environment variable RERUN switches it off. Unset it.")
-        os.replace(beside, target)
-    finally:
-        rr.set_strict_mode(was_strict)
-        beside.unlink(missing_ok=True)
     return target
 
 
