@@ -84,3 +84,10 @@ def as_times(time: ArrayLike) -> NDArray[np.float64]:
     if times.ndim != 1:
         raise ValueError(f"`time` must be a number or one-dimensional, got shape {times.shape}.")
     return times
+
+
+def at_least_one(name: str, value: int) -> int:
+    """Returns a whole number >= 1, as a plain int; anything else is a ValueError."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
+        raise ValueError(f"`{name}` must be a whole number >= 1, got {value!r}.")
+    return int(value)

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from wirerope_mj.excitation import Sine
-from wirerope_mj.excitation.checks import Direction, checked_direction, positive
+from wirerope_mj.excitation.checks import Direction, at_least_one, checked_direction, positive
 from wirerope_mj.periodic.branch import Branch, Parameter
 from wirerope_mj.periodic.observe import observed_bodies
-from wirerope_mj.periodic.search import Search, whole
+from wirerope_mj.periodic.search import Search
 from wirerope_mj.periodic.walk import Question, Walk
 from wirerope_mj.simulation.progress import share_bar
 from wirerope_mj.simulation.simulate import check_direction
@@ -76,8 +76,8 @@ def follow_branch(
     """
     question = _question(
         system, acceleration=acceleration, frequency=frequency, direction=direction, payload=payload,
-        response_direction=response_direction, periods=whole("periods", periods), history=history,
-        most_points=whole("most_points", most_points), start=start, stop=stop, largest_step=largest_step,
+        response_direction=response_direction, periods=at_least_one("periods", periods), history=history,
+        most_points=at_least_one("most_points", most_points), start=start, stop=stop, largest_step=largest_step,
         smallest_step=smallest_step, tolerance=tolerance, accuracy=accuracy,
         smoothing=smoothing,
     )  # fmt: skip

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from wirerope_mj.errors import ConvergenceError, SimulationError
 from wirerope_mj.excitation import Sine
-from wirerope_mj.excitation.checks import Direction, checked_direction, nonzero, positive
+from wirerope_mj.excitation.checks import Direction, at_least_one, checked_direction, nonzero, positive
 from wirerope_mj.periodic.coordinates import Coordinates
 from wirerope_mj.periodic.flow import Flow
 from wirerope_mj.periodic.multipliers import Stability, stability, wide_monodromy
@@ -87,7 +87,7 @@ def periodic_orbit(
         frequency=positive("frequency", frequency), acceleration=nonzero("acceleration", acceleration),
         direction=checked_direction(direction),
     )  # fmt: skip
-    whole("periods", periods)
+    at_least_one("periods", periods)
     check_direction(system, sine)
     if guess is not None:
         _require_state(system, guess)
@@ -98,13 +98,6 @@ def periodic_orbit(
         return search.find(
             sine.frequency, sine.amplitude, periods, guess=guess, tolerance=positive("tolerance", tolerance)
         )
-
-
-def whole(name: str, value: int) -> int:
-    """Return the value; ValueError unless it is a whole number >= 1."""
-    if isinstance(value, bool) or not isinstance(value, int) or value < 1:
-        raise ValueError(f"`{name}` must be a whole number >= 1, got {value!r}.")
-    return value
 
 
 def _require_state(system: System, guess: State) -> None:

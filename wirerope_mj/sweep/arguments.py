@@ -86,10 +86,3 @@ def acceleration_of(quantity: str, amplitude: float, frequency: float) -> float:
     """Return the acceleration amplitude [m/s^2] of a sine whose amplitude is given in `quantity`."""
     omega = 2.0 * math.pi * frequency
     return amplitude * {"acceleration": 1.0, "velocity": omega, "displacement": omega**2}[quantity]
-
-
-def at_least_one(name: str, value: int) -> int:
-    """Return a whole number >= 1, or raise ValueError."""
-    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
-        raise ValueError(f"`{name}` must be a whole number >= 1, got {value!r}.")
-    return int(value)

@@ -8,14 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.excitation import Sine, Sweep
-from wirerope_mj.excitation.checks import positive
+from wirerope_mj.excitation.checks import at_least_one, positive
 from wirerope_mj.simulation.progress import Update, share_bar
 from wirerope_mj.simulation.simulate import check_direction
 from wirerope_mj.state import State
 from wirerope_mj.statics import History
 from wirerope_mj.sweep.arguments import (
     acceleration_of,
-    at_least_one,
     axis_of,
     chosen_step,
     require_payload,

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.excitation import Sine, Sweep
-from wirerope_mj.excitation.checks import Direction, checked_direction, plain_direction, positive
+from wirerope_mj.excitation.checks import Direction, at_least_one, checked_direction, plain_direction, positive
 from wirerope_mj.excitation.harmonic import the_one_level
 from wirerope_mj.simulation.progress import share_bar
 from wirerope_mj.simulation.simulate import check_direction
@@ -15,7 +15,6 @@ from wirerope_mj.state import State
 from wirerope_mj.statics import History
 from wirerope_mj.sweep.arguments import (
     acceleration_of,
-    at_least_one,
     axis_of,
     chosen_step,
     require_payload,
