@@ -1,0 +1,73 @@
+"""A value against its limit."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+WITHIN, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """What one criterion says of one thing; without a limit, or without a value, nothing is judged.
+
+    Attributes:
+        criterion: what is judged, for instance "acceleration along z" or "travel in compression".
+        subject: of what, for instance the name of a body, a point or a mount.
+        value: what was reached, in `unit`; NaN if it is not known.
+        limit: what is allowed, in `unit`; None if nobody states it.
+        unit: SI unit of both, "" for a ratio.
+        time: instant at which the value was reached [s]; None if it has none.
+        note: why nothing is judged, or what the figure rests on.
+    """
+
+    criterion: str
+    subject: str
+    value: float
+    limit: float | None
+    unit: str
+    time: float | None = None
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        if self.limit is not None and not 0.0 < self.limit < math.inf:
+            raise ValueError(f"`limit` must be a finite number > 0 or None, got {self.limit!r}.")
+
+    @property
+    def share(self) -> float | None:
+        """Value over limit; None = not judged."""
+        return None if self.limit is None or math.isnan(self.value) else self.value / self.limit
+
+    @property
+    def margin(self) -> float | None:
+        """Limit over value minus one: how much more there could be (0.25 = a quarter), negative where it is exceeded.
+
+        None = not judged; infinite where the value is zero.
+        """
+        share = self.share
+        if share is None:
+            return None
+        return 1.0 / share - 1.0 if share > 0.0 else math.inf
+
+    @property
+    def verdict(self) -> str:
+        """Return "within", "exceeded" or "not judged"; a value at its limit is within."""
+        share = self.share
+        if share is None:
+            return NOT_JUDGED
+        return WITHIN if share <= 1.0 else EXCEEDED
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the verdict as plain values; what is not known or not finite is None."""
+        margin = self.margin
+        return {
+            "criterion": self.criterion,
+            "subject": self.subject,
+            "value": None if not math.isfinite(self.value) else self.value,
+            "limit": self.limit,
+            "unit": self.unit,
+            "time_s": self.time,
+            "margin": None if margin is None or not math.isfinite(margin) else margin,
+            "verdict": self.verdict,
+            "note": self.note,
+        }
