@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.limits import PayloadLimit
+
 Array = npt.NDArray[np.float64]
 
 
@@ -85,12 +87,20 @@ class SceneMount:
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
-    """Everything that can be drawn of a system; `base` names its driven base ("" if there is none)."""
+    """Everything that can be drawn of a system, and what its payload can bear.
+
+    Attributes:
+        name: of the model.
+        base: name of the driven base; "" if there is none.
+        bodies, mounts: what there is to draw.
+        limits: of the payload; empty where the model states none: not judged.
+    """
 
     name: str
     base: str
     bodies: tuple[SceneBody, ...]
     mounts: tuple[SceneMount, ...]
+    limits: tuple[PayloadLimit, ...] = ()
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:
@@ -105,7 +115,11 @@ def scene_from_dict(content: dict[str, Any]) -> Scene:
         for body in content["bodies"]
     )
     mounts = tuple(_arrays(SceneMount, mount) for mount in content["mounts"])
-    return Scene(name=content["name"], base=content["base"], bodies=bodies, mounts=mounts)
+    limits = tuple(
+        PayloadLimit(kind=limit["kind"], name=limit["name"], values=tuple(limit["values"]))
+        for limit in content.get("limits", ())  # older responses have none
+    )
+    return Scene(name=content["name"], base=content["base"], bodies=bodies, mounts=mounts, limits=limits)
 
 
 def _plain(value: Any) -> Any:

@@ -42,9 +42,8 @@ def scene_of(system: System) -> Scene:
             )
         )
     mounts = tuple(_mount(model, data, mount) for mount in system.mounts.values())
-    return Scene(
-        name=system.path.stem if system.path else "model", base=system.base, bodies=tuple(bodies), mounts=mounts
-    )
+    name = system.path.stem if system.path else "model"
+    return Scene(name=name, base=system.base, bodies=tuple(bodies), mounts=mounts, limits=system.limits)
 
 
 def _geoms(model: mujoco.MjModel, body: int) -> tuple[Geom, ...]:

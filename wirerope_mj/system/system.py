@@ -10,8 +10,10 @@ import numpy.typing as npt
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator import Isolator
+from wirerope_mj.limits import PayloadLimit
 from wirerope_mj.system.assembly import Assembly, assemble
 from wirerope_mj.system.declared import DeclaredMount, base_body, check_names, declared_mounts
+from wirerope_mj.system.limits import declared_limits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,6 +58,7 @@ class System:
         mjcf: the model as written.
         path: file it was read from, None if it was given as text.
         isolators: isolators by what the model calls them.
+        limits: what the payload can bear, as far as the model says.
         assembly: where the parts of the model stand.
     """
 
@@ -66,6 +69,7 @@ class System:
     mjcf: str
     path: Path | None
     isolators: dict[str, Isolator]
+    limits: tuple[PayloadLimit, ...]
     assembly: Assembly = field(repr=False)
 
 
@@ -118,6 +122,7 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
         mjcf=text,
         path=path,
         isolators={d.isolator_name: d.isolator for d in declared},
+        limits=declared_limits(model),
         assembly=assembly,
     )
 

@@ -1,0 +1,78 @@
+"""Limits of the payload stated in a model: read, named, carried into the response, and refused when they say nothing."""
+
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.limits import PayloadLimit
+from wirerope_mj.resources import models_folder
+
+
+def table_with(numerics):
+    """Return the shock table's model with numerics added."""
+    text = (models_folder() / "shock_table.xml").read_text(encoding="utf-8")
+    return text.replace("<custom>", f"<custom>{numerics}", 1)
+
+
+def limits_of(numerics):
+    return wr.load_system(table_with(numerics)).limits
+
+
+def test_limits_are_read_with_their_axes():
+    found = limits_of(
+        '<numeric name="limit/acceleration/block" data="98.1"/>'
+        '<numeric name="limit/acceleration/block_top" data="0 0 150"/>'
+        '<numeric name="limit/clearance/block_top" data="0.01 0.02 0 0 0.03 0.04"/>'
+    )
+    assert [(limit.kind, limit.name) for limit in found] == [
+        ("acceleration", "block"), ("acceleration", "block_top"), ("clearance", "block_top"),
+    ]  # fmt: skip
+    assert found[0].judged == {"": 98.1}
+    assert found[1].judged == {"z": 150.0}
+    assert found[2].judged == {"-x": 0.01, "+x": 0.02, "-z": 0.03, "+z": 0.04}
+
+
+def test_a_prefix_of_attached_models_belongs_to_the_name():
+    text = table_with('<numeric name="A-limit/acceleration/block" data="98.1"/>')
+    text = text.replace('<body name="block"', '<body name="A-block"')
+    assert [limit.name for limit in wr.load_system(text).limits] == ["A-block"]
+
+
+def test_limits_travel_with_the_response(tmp_path):
+    system = wr.load_system(table_with('<numeric name="limit/clearance/block_top" data="0.01 0.01 0.04"/>'))
+    motion = wr.VelocityStep(velocity=0.1, direction="z")
+    response = wr.simulate(system, motion, duration=0.01)
+    assert response.scene.limits == system.limits
+    response.save(tmp_path)
+    assert wr.load_response(tmp_path).scene.limits == system.limits
+
+
+def test_the_cabinet_states_the_limit_of_its_vendor():
+    limit, *others = wr.load_system(models_folder() / "cabinet.xml").limits
+    assert (limit.kind, limit.name) == ("acceleration", "rack")
+    assert not others
+    assert limit.judged == {"": pytest.approx(10 * wr.STANDARD_GRAVITY, rel=1e-12)}
+
+
+@pytest.mark.parametrize(
+    ("numeric", "message"),
+    [
+        ('<numeric name="limit/acceleration/blok" data="98"/>', "no body or point 'blok'. There are .*block"),
+        ('<numeric name="limit/clearance/block" data="1 1 1"/>', "no point/ site 'block'"),
+        ('<numeric name="limit/speed/block" data="98"/>', "KIND one of acceleration, clearance"),
+        ('<numeric name="limit/acceleration/block" data="1 2"/>', "must be 1 or 3 numbers, got 2"),
+        ('<numeric name="limit/acceleration/block" data="-98"/>', "finite and >= 0"),
+        ('<numeric name="limit/acceleration/block" data="0"/>', "one of them > 0"),
+        (
+            '<numeric name="limit/acceleration/block" data="1"/><numeric name="A-limit/acceleration/block" data="1"/>',
+            "no body or point 'A-block'",
+        ),
+    ],
+)
+def test_a_limit_that_says_nothing_is_refused(numeric, message):
+    with pytest.raises(wr.ModelError, match=message):
+        limits_of(numeric)
+
+
+def test_a_limit_of_an_unknown_kind_is_refused():
+    with pytest.raises(ValueError, match="`kind` must be one of acceleration, clearance"):
+        PayloadLimit(kind="speed", name="block", values=(1.0,))

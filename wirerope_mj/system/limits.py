@@ -1,0 +1,40 @@
+"""The limits of the payload that a model states: <numeric name="limit/acceleration/rack" data="98.1"/>."""
+
+import mujoco
+
+from wirerope_mj.errors import ModelError
+from wirerope_mj.limits import SIZES, PayloadLimit
+
+LIMIT, POINT = "limit/", "point/"
+
+
+def declared_limits(model: mujoco.MjModel) -> tuple[PayloadLimit, ...]:
+    """Return the limits in the order of the model; the name is what stands before and after `limit/KIND/`, joined.
+
+    Raises:
+        ModelError: a limit names no moving body or point, is of an unknown kind, or has the wrong number of values.
+    """
+    points = [model.site(s).name.replace(POINT, "", 1) for s in range(model.nsite) if POINT in model.site(s).name]
+    bodies = [model.body(b).name for b in range(1, model.nbody) if model.body_weldid[b] != 0]
+    known = {"acceleration": [*bodies, *points], "clearance": points}
+    limits: list[PayloadLimit] = []
+    for i in range(model.nnumeric):
+        name = model.numeric(i).name
+        if LIMIT not in name:
+            continue
+        prefix, _, rest = name.partition(LIMIT)
+        kind, _, subject = rest.partition("/")
+        if kind not in SIZES:
+            raise ModelError(f"numeric {name!r}: a limit is called limit/KIND/NAME, KIND one of {', '.join(SIZES)}.")
+        subject = prefix + subject
+        if subject not in known[kind]:
+            where = "body or point" if kind == "acceleration" else "point/ site"
+            raise ModelError(f"numeric {name!r}: there is no {where} {subject!r}. There are {known[kind] or 'none'}.")
+        try:
+            limit = PayloadLimit(kind=kind, name=subject, values=tuple(model.numeric(i).data.tolist()))
+        except ValueError as error:
+            raise ModelError(f"numeric {name!r}: {error}") from None
+        if any((other.kind, other.name) == (kind, subject) for other in limits):
+            raise ModelError(f"numeric {name!r}: the {kind} of {subject!r} is limited twice.")
+        limits.append(limit)
+    return tuple(limits)
