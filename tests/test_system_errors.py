@@ -181,8 +181,10 @@ def test_a_number_that_must_be_positive(name, value):
 
 
 def test_words_that_are_not_known():
-    with pytest.raises(ValueError, match=r"`initial` must be 'settled', 'unloaded' or a State, got 'relaxed'"):
-        wr.simulate(sdof(LAW), SHOCK, duration=0.1, initial="relaxed")
+    with pytest.raises(
+        ValueError, match=r"`initial` must be 'settled', 'relaxed', 'unloaded' or a State, got 'hanging'"
+    ):
+        wr.simulate(sdof(LAW), SHOCK, duration=0.1, initial="hanging")
     with pytest.raises(ValueError, match=r"`callback` must be 'native' or 'python', got 'c'"):
         wr.simulate(sdof(LAW), SHOCK, duration=0.1, timestep=1e-3, initial="unloaded", callback="c")
 

@@ -87,7 +87,7 @@ def _checked_arguments(scenario: Scenario) -> dict[str, Any]:
             raise ModelError(f"scenario {scenario.name!r}: `{name}` must be a number, got {arguments[name]!r}.")
     if not isinstance(arguments.get("initial", "settled"), str):
         raise ModelError(
-            f"scenario {scenario.name!r}: `initial` must be 'settled' or 'unloaded', so that a file can say it."
+            f"scenario {scenario.name!r}: `initial` must be 'settled', 'relaxed' or 'unloaded', so that a file can say it."
         )
     return arguments
 

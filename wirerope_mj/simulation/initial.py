@@ -1,4 +1,4 @@
-"""Where a simulation starts: settled, unloaded, or a given state, moving with the base."""
+"""Where a simulation starts: settled, relaxed, unloaded, or a given state, moving with the base."""
 
 import mujoco
 import numpy as np
@@ -25,7 +25,7 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State) -> S
     Args:
         system: the system.
         motion: base motion.
-        initial: "settled", "unloaded" or a state.
+        initial: "settled", "relaxed", "unloaded" or a state.
     """
     if isinstance(initial, State):
         size = mujoco.mj_stateSize(system.model, STATE)
@@ -34,12 +34,14 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State) -> S
         state = initial
     elif initial == "settled":
         state = equilibrium(system).state
+    elif initial == "relaxed":
+        state = equilibrium(system, history="relaxed").state
     elif initial == "unloaded":
         values = np.empty(mujoco.mj_stateSize(system.model, STATE))
         mujoco.mj_getState(system.model, mujoco.MjData(system.model), values, STATE)
         state = State(values=values, time=0.0)
     else:
-        raise ValueError(f"`initial` must be 'settled', 'unloaded' or a State, got {initial!r}.")
+        raise ValueError(f"`initial` must be 'settled', 'relaxed', 'unloaded' or a State, got {initial!r}.")
     return moving_with_base(system, motion, state)
 
 

@@ -45,8 +45,9 @@ def simulate(
         system: the system.
         motion: base motion; every component needs a driven slide of the base.
         duration: simulated time [s].
-        initial: "settled" (equilibrium under gravity on the virgin path), "unloaded" (modelled geometry at rest relative to
-            the base), or a State, from whose instant the simulation goes on.
+        initial: "settled" (equilibrium under gravity on the virgin path), "relaxed" (equilibrium after long vibration, see
+            `wirerope_mj.equilibrium`), "unloaded" (modelled geometry at rest relative to the base), or a State, from whose
+            instant the simulation goes on.
         timestep: largest step [s]; None chooses it before the run for `accuracy`.
         accuracy: error of samples and refined peaks allowed, relative to the peaks; used if `timestep` is None.
         sample_rate: samples per second [Hz], at k / sample_rate.
