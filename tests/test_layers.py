@@ -26,7 +26,13 @@ LAYERS = (
 )
 LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}
 ENGINE_ROOMS = {"system", "control", "statics", "simulation", "modes", "sweep", "periodic"}
-OWNERS = {"rerun": {"recording"}, "matplotlib": {"plots"}, "mujoco": ENGINE_ROOMS, "jinja2": {"report"}}
+OWNERS = {
+    "rerun": {"recording"},
+    "matplotlib": {"plots"},
+    "mujoco": ENGINE_ROOMS,
+    "jinja2": {"report"},
+    "weasyprint": {"report"},
+}
 
 
 def files():
