@@ -1,12 +1,7 @@
-"""Equilibrium of a system under gravity, by a static solve along the loading path."""
-
-from dataclasses import dataclass
-from typing import Literal
-from weakref import WeakKeyDictionary
+"""A system on its way from weightlessness to its full weight."""
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.control import installed
 from wirerope_mj.control import layout as at
@@ -14,10 +9,8 @@ from wirerope_mj.errors import ConvergenceError
 from wirerope_mj.laws.kernels import BIAXIAL
 from wirerope_mj.laws.path import SCRATCH, advance
 from wirerope_mj.state import State
+from wirerope_mj.statics.result import Array, Equilibrium, History, MountLoad
 from wirerope_mj.system import System
-
-Array = npt.NDArray[np.float64]
-History = Literal["virgin", "relaxed"]
 
 AXIAL = 2
 """Place of the axial axis; a coupling is between the other two."""
@@ -38,54 +31,7 @@ ITERATIONS = 30
 """Newton iterations of one load step: ten times what a smooth step takes."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class MountLoad:
-    """Deflection [m] and force [N] of a mount in its axes roll, shear, axial, (3,)."""
-
-    deflection: Array
-    force: Array
-
-
-@dataclass(frozen=True, kw_only=True)
-class Equilibrium:
-    """Where a system rests.
-
-    Attributes:
-        state: integration state to start a simulation from.
-        mounts: deflection and force of every mount.
-        history: "virgin" (gravity applied slowly to the unloaded mounts) or "relaxed" (z = 0 throughout, after long
-            vibration has let the hysteretic share of the load leak away).
-        residual: largest acceleration left [m/s^2 or rad/s^2].
-    """
-
-    state: State
-    mounts: dict[str, MountLoad]
-    history: History
-    residual: float
-
-
-_known: WeakKeyDictionary[System, dict[str, Equilibrium]] = WeakKeyDictionary()
-
-
-def equilibrium(system: System, *, history: History = "virgin") -> Equilibrium:
-    """Return the equilibrium of `system` under its gravity, base at rest; found once per system and history.
-
-    Gravity grows from 0 in steps. In each, Newton's method makes MuJoCo's own accelerations vanish, contacts and joint springs
-    included; the hysteretic states of a trial position are integrated along the law from the last step's, so that they lie
-    exactly on the loading path.
-
-    Raises:
-        ConvergenceError: there is no equilibrium, or it was not found; names the mount that cannot carry its load.
-    """
-    if history not in ("virgin", "relaxed"):
-        raise ValueError(f"`history` must be 'virgin' or 'relaxed', got {history!r}.")
-    found = _known.setdefault(system, {})
-    if history not in found:
-        found[history] = _Loading(system, history).solve()
-    return found[history]
-
-
-class _Loading:
+class Loading:
     """A system on its way from weightlessness to its full weight."""
 
     def __init__(self, system: System, history: History) -> None:
@@ -110,6 +56,7 @@ class _Loading:
         ]
 
     def solve(self) -> Equilibrium:
+        """Return the equilibrium under the full weight."""
         scale = max(float(np.linalg.norm(self.gravity)), 1.0)  # without gravity rounding is still that of the forces
         with installed(self.model, self.data):
             qpos, load, step = self.model.qpos0.copy(), 0.0, 1.0 / LOAD_STEPS

@@ -1,0 +1,27 @@
+"""Equilibrium of a system under gravity, by a static solve along the loading path."""
+
+from weakref import WeakKeyDictionary
+
+from wirerope_mj.statics.loading import Loading
+from wirerope_mj.statics.result import Equilibrium, History
+from wirerope_mj.system import System
+
+_known: WeakKeyDictionary[System, dict[str, Equilibrium]] = WeakKeyDictionary()
+
+
+def equilibrium(system: System, *, history: History = "virgin") -> Equilibrium:
+    """Return the equilibrium of `system` under its gravity, base at rest; found once per system and history.
+
+    Gravity grows from 0 in steps. In each, Newton's method makes MuJoCo's own accelerations vanish, contacts and joint springs
+    included; the hysteretic states of a trial position are integrated along the law from the last step's, so that they lie
+    exactly on the loading path.
+
+    Raises:
+        ConvergenceError: there is no equilibrium, or it was not found; names the mount that cannot carry its load.
+    """
+    if history not in ("virgin", "relaxed"):
+        raise ValueError(f"`history` must be 'virgin' or 'relaxed', got {history!r}.")
+    found = _known.setdefault(system, {})
+    if history not in found:
+        found[history] = Loading(system, history).solve()
+    return found[history]
