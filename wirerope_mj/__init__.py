@@ -10,6 +10,7 @@ from wirerope_mj.bench import write_cyclic_test as write_cyclic_test
 from wirerope_mj.errors import ConvergenceError as ConvergenceError
 from wirerope_mj.errors import ModelError as ModelError
 from wirerope_mj.errors import RecordError as RecordError
+from wirerope_mj.errors import RecordWarning as RecordWarning
 from wirerope_mj.errors import SimulationError as SimulationError
 from wirerope_mj.errors import WireRopeError as WireRopeError
 from wirerope_mj.excitation import HalfSine as HalfSine
@@ -59,6 +60,8 @@ from wirerope_mj.response import load_response as load_response
 from wirerope_mj.runfolder import run_scenario as run_scenario
 from wirerope_mj.scenario import Scenario as Scenario
 from wirerope_mj.simulation import simulate as simulate
+from wirerope_mj.spectra import ShockResponseSpectrum as ShockResponseSpectrum
+from wirerope_mj.spectra import shock_response_spectrum as shock_response_spectrum
 from wirerope_mj.state import State as State
 from wirerope_mj.statics import equilibrium as equilibrium
 from wirerope_mj.sweep import FrequencySweep as FrequencySweep
