@@ -1,13 +1,12 @@
 """How the recording opens: scene and close-up beside tabs, scenario and events below, paused before the event."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from wirerope_mj.recording.camera import Camera, close_up, scene_extent, whole_scene
+from wirerope_mj.recording.camera import close_up, scene_extent, whole_scene
 from wirerope_mj.recording.events import lane_paths
-from wirerope_mj.recording.frame import HEIGHT, Plot
+from wirerope_mj.recording.frame import Plot
 from wirerope_mj.recording.histories import (
     DIRECTIONS,
     TOTAL,
@@ -19,15 +18,11 @@ from wirerope_mj.recording.histories import (
 )
 from wirerope_mj.recording.loops import Loop, grid_shape, loop_path
 from wirerope_mj.recording.mounts import BESIDE, devices_of
-from wirerope_mj.recording.paths import TIMELINE, child, entity
+from wirerope_mj.recording.paths import child, entity
 from wirerope_mj.recording.poses import Frame
 from wirerope_mj.recording.selection import Selection
+from wirerope_mj.recording.views import event_view, layout, loop_view, scene_view, series_view, time_axis
 from wirerope_mj.response import Response
-
-SLOW_MOTION = 0.05
-"""Playback speed for a shock: an event of half a second takes ten."""
-
-_BACKGROUND = [24, 27, 31]
 
 
 def blueprint_of(
@@ -38,7 +33,6 @@ def blueprint_of(
     Raises:
         ValueError: there is no such tab.
     """
-    import rerun as rr
     import rerun.blueprint as rrb
 
     top = rrb.Horizontal(
@@ -46,36 +40,10 @@ def blueprint_of(
     )
     below = rrb.Horizontal(
         rrb.TextDocumentView(origin=entity("scenario"), name="Scenario"),
-        rrb.TextLogView(
-            origin=entity("events"),
-            name="Events",
-            columns=rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["loglevel", "body"]),
-        ),
+        event_view(entity("events")),
         column_shares=[5, 6],
     )
-    start, end = (rr.TimeInt(seconds=instant) for instant in selection.window)
-    return rrb.Blueprint(
-        rrb.Vertical(top, below, row_shares=[41, 9]),
-        rrb.TimePanel(
-            state="collapsed",
-            timeline=TIMELINE,
-            playback_speed=_speed(selection),
-            play_state="paused",
-            loop_mode="selection",
-            time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
-        ),
-        rrb.BlueprintPanel(state="hidden"),
-        rrb.SelectionPanel(state="hidden"),
-        rrb.TopPanel(state="hidden"),
-        auto_views=False,
-        auto_layout=False,
-    )
-
-
-def _speed(selection: Selection) -> float:
-    """Return slow motion for a shock, and real time for what lasts longer than ten seconds anyway."""
-    start, end = selection.window
-    return SLOW_MOTION if end - start < 10.0 else 1.0
+    return layout(rrb.Vertical(top, below, row_shares=[41, 9]), selection.window)
 
 
 def _scenes(response: Response, selection: Selection, frames: dict[str, Frame]) -> Any:
@@ -83,7 +51,8 @@ def _scenes(response: Response, selection: Selection, frames: dict[str, Frame]) 
 
     base = response.scene.base
     origin = frames[base].path if base in response.bodies else entity("world")
-    whole = _scene_view(origin, f"{response.scene.name}, seen from the base", whole_scene(response))
+    everything = "+ " + entity("world") + "/**"
+    whole = scene_view(origin, [everything], f"{response.scene.name}, seen from the base", whole_scene(response))
     name = selection.governing
     if name is None:
         return whole
@@ -93,23 +62,9 @@ def _scenes(response: Response, selection: Selection, frames: dict[str, Frame]) 
     share = selection.share(name, selection.axes[0])
     used = "" if np.isnan(share) else f", {100 * share:.0f} % of its rated {selection.axes[0]} travel"
     paths = [frames[body].path for body in {mount.base_body for mount in response.scene.mounts}]
-    near = _scene_view(origin, f"Mount {name}{used}", camera, without=[f"{path}/{e}" for path in paths for e in BESIDE])
+    without = [f"- {path}/{beside}" for path in paths for beside in BESIDE]
+    near = scene_view(origin, [everything, *without], f"Mount {name}{used}", camera)
     return rrb.Vertical(whole, near, row_shares=[3, 2])
-
-
-def _scene_view(origin: str, name: str, camera: Camera, *, without: Sequence[str] = ()) -> Any:
-    import rerun.blueprint as rrb
-
-    return rrb.Spatial3DView(
-        origin=origin,
-        contents=["+ " + entity("world") + "/**", *(f"- {path}" for path in without)],
-        name=name,
-        background=_BACKGROUND,
-        line_grid=rrb.LineGrid3D(visible=False),
-        eye_controls=rrb.EyeControls3D(
-            kind=rrb.Eye3DKind.Orbital, position=camera.eye, look_target=camera.target, eye_up=[0.0, 0.0, 1.0]
-        ),
-    )
 
 
 def _tabs(response: Response, selection: Selection, loops: list[Loop], tab: str) -> Any:
@@ -138,7 +93,10 @@ def _overview(response: Response, selection: Selection) -> Any:
     lanes = lane_paths(selection)
     views.append(
         rrb.StateTimelineView(
-            origin=entity("lanes"), contents=lanes, name="Base motion and rated travel", time_view=_time_axis(selection)
+            origin=entity("lanes"),
+            contents=lanes,
+            name="Base motion and rated travel",
+            time_view=time_axis(selection.window),
         )
     )
     return rrb.Vertical(*views, row_shares=[*([4.0] * (len(views) - 1)), 1.5 + 0.8 * len(lanes)], name="Overview")
@@ -148,7 +106,7 @@ def _acceleration_plot(response: Response, selection: Selection, direction: str)
     peak = acceleration_peak(response, selection, direction)
     which = "norm" if direction == TOTAL else direction
     name = f"Acceleration {which} [g]" + (f": {peak.text}" if peak else "")
-    return _plot(acceleration_path(direction), name, selection)
+    return series_view(acceleration_path(direction), name, selection.window)
 
 
 def _mount_plot(response: Response, selection: Selection, quantity: str, axis: str) -> Any:
@@ -156,27 +114,7 @@ def _mount_plot(response: Response, selection: Selection, quantity: str, axis: s
     which = f", {shown} of {total} mounts" if shown < total else ""
     peak = mount_peak(response, selection, quantity, axis)
     name = f"{axis.capitalize()} {quantity} [{UNITS[quantity][1]}]{which}: {peak.text}"
-    return _plot(mount_path(quantity, axis), name, selection)
-
-
-def _plot(origin: str, name: str, selection: Selection) -> Any:
-    import rerun.blueprint as rrb
-
-    return rrb.TimeSeriesView(
-        origin=origin,
-        name=name,
-        axis_x=_time_axis(selection),
-        plot_legend=rrb.PlotLegend(visible=True, corner=rrb.Corner2D.RightTop),
-    )
-
-
-def _time_axis(selection: Selection) -> Any:
-    import rerun as rr
-    import rerun.blueprint as rrb
-
-    boundary = rrb.TimeRangeBoundary
-    start, end = (boundary.absolute(seconds=instant) for instant in selection.window)
-    return rrb.TimeAxis(view_range=rr.TimeRange(start=start, end=end))
+    return series_view(mount_path(quantity, axis), name, selection.window)
 
 
 def _loop_grid(selection: Selection, axis: str, loops: list[Loop]) -> Any:
@@ -187,17 +125,8 @@ def _loop_grid(selection: Selection, axis: str, loops: list[Loop]) -> Any:
 
 
 def _loop_view(selection: Selection, loop: Loop, plot: Plot) -> Any:
-    import rerun.blueprint as rrb
-
     path = loop_path(loop.axis, loop.mount)
-    boundary = rrb.TimeRangeBoundary
-    start = boundary.infinite() if loop.trail is None else boundary.cursor_relative(seconds=-loop.trail)
-    past = rrb.VisibleTimeRanges([rrb.VisibleTimeRange(TIMELINE, start=start, end=boundary.cursor_relative())])
     share = selection.share(loop.mount, loop.axis)
     used = "" if np.isnan(share) else f", {100 * share:.0f} % of rated travel"
-    return rrb.Spatial2DView(
-        origin=path,
-        name=f"{loop.mount}: kN over mm{used}",
-        visual_bounds=rrb.VisualBounds2D(x_range=[-16.0, plot.width + 4.0], y_range=[-4.0, HEIGHT + 17.0]),
-        overrides={child(path, "data", "trail"): [past]},
-    )
+    trails = {child(path, "data", "trail"): loop.trail}
+    return loop_view(path, f"{loop.mount}: kN over mm{used}", width=plot.width, trails=trails)

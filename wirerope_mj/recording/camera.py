@@ -14,7 +14,7 @@ _TANGENT = 0.88 * np.tan(np.radians(55.0 / 2))
 """Of half the viewer's angle of view from below to above, less a margin."""
 
 _ASPECT = 1.75
-"""Width over height of the pane of the whole scene on a full-HD screen."""
+"""Width over height of the pane of the whole scene on a full-HD screen, where a run is alone."""
 
 _CLOSE = 1.4
 """Distance of the close-up over the diagonal of the mount."""
@@ -35,8 +35,8 @@ class Camera:
     target: Array
 
 
-def whole_scene(response: Response) -> Camera:
-    """Return a camera that sees everything, as near as its pane allows."""
+def whole_scene(response: Response, *, aspect: float = _ASPECT) -> Camera:
+    """Return a camera that sees everything, as near as its pane, `aspect` times as wide as high, allows."""
     points = _in_base(response, _corners(response.scene))
     back = _LOOK_FROM / np.linalg.norm(_LOOK_FROM)
     right = np.cross([0.0, 0.0, 1.0], back)
@@ -49,7 +49,7 @@ def whole_scene(response: Response) -> Camera:
         depth = np.maximum(-seen @ back, 1e-3 * distance)
         x, y = seen @ right / depth, seen @ up / depth
         target = target + 0.25 * distance * ((x.min() + x.max()) * right + (y.min() + y.max()) * up)
-        distance *= max(np.ptp(x) / (2.0 * _TANGENT * _ASPECT), np.ptp(y) / (2.0 * _TANGENT)) ** 0.5
+        distance *= max(np.ptp(x) / (2.0 * _TANGENT * aspect), np.ptp(y) / (2.0 * _TANGENT)) ** 0.5
     return Camera(eye=target + distance * back, target=target)
 
 

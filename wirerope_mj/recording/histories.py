@@ -15,10 +15,10 @@ DIRECTIONS = ("x", "y", "z")
 TOTAL = "total"
 UNITS = {"deflection": (1e-3, "mm"), "force": (1e3, "kN")}
 
-_FINE = 1 / 400
+FINE = 1 / 400
 """Share of the largest value that a drawn line may be off; below a pixel of a plot of 200."""
 
-_SHOWN_LIMIT = 0.5
+SHOWN_LIMIT = 0.5
 """Rated travel is drawn if the deflection reaches this share of it; otherwise it would only flatten the curves."""
 
 _LATE = 10.0
@@ -68,7 +68,7 @@ def mount_peak(response: Response, selection: Selection, quantity: str, axis: st
     """Return the largest peak of the deflection or force of the mounts that are shown in an axis."""
     unit, unit_name = UNITS[quantity]
     peaks = {name: getattr(response.peaks.mounts[name], quantity) for name in selection.shown(axis)}
-    markers = [_extreme(name, peak, AXES.index(axis), unit, unit_name) for name, peak in peaks.items()]
+    markers = [extreme_marker(name, peak, AXES.index(axis), unit, unit_name) for name, peak in peaks.items()]
     return max(markers, key=lambda marker: abs(marker.value))
 
 
@@ -82,17 +82,22 @@ def _log_accelerations(rec: Any, response: Response, selection: Selection) -> No
     for number, direction in enumerate((*DIRECTIONS, TOTAL)):
         drawn = np.linalg.norm(values, axis=2) if direction == TOTAL else values[:, :, number]
         path = acceleration_path(direction)
-        _log_lines(rec, path, response.time, drawn, [f"{name} [g]" for name in parts], colors, tolerance=_FINE * top)
-        _log_marker(rec, path, acceleration_peak(response, selection, direction))
+        log_lines(rec, path, response.time, drawn, [f"{name} [g]" for name in parts], colors, tolerance=FINE * top)
+        log_marker(rec, path, acceleration_peak(response, selection, direction))
 
 
 def _acceleration_marker(name: str, peak: Peak, direction: str) -> Marker:
     if direction != TOTAL:
-        return _extreme(name, peak, DIRECTIONS.index(direction), STANDARD_GRAVITY, "g")
-    return _marker(name, peak.time, peak.value / STANDARD_GRAVITY, "g")
+        return extreme_marker(name, peak, DIRECTIONS.index(direction), STANDARD_GRAVITY, "g")
+    return norm_marker(name, peak, STANDARD_GRAVITY, "g")
 
 
-def _extreme(name: str, peak: Peak, axis: int, unit: float, unit_name: str) -> Marker:
+def norm_marker(name: str, peak: Peak, unit: float, unit_name: str) -> Marker:
+    """Return the marker of the largest norm."""
+    return _marker(name, peak.time, peak.value / unit, unit_name)
+
+
+def extreme_marker(name: str, peak: Peak, axis: int, unit: float, unit_name: str) -> Marker:
     """Return the marker of the extreme of a component that is farther from zero."""
     high = peak.maximum[axis] >= -peak.minimum[axis]
     value = float((peak.maximum if high else peak.minimum)[axis]) / unit
@@ -113,33 +118,38 @@ def _log_mounts(rec: Any, response: Response, selection: Selection, axis: str) -
         top = max(float(np.ptp(values)), 1e-9)
         path = mount_path(quantity, axis)
         names = [f"{name} [{unit_name}]" for name in shown]
-        _log_lines(rec, path, response.time, values, names, colors, tolerance=_FINE * top)
-        _log_marker(rec, path, mount_peak(response, selection, quantity, axis))
+        log_lines(rec, path, response.time, values, names, colors, tolerance=FINE * top)
+        log_marker(rec, path, mount_peak(response, selection, quantity, axis))
     _log_limits(rec, response, selection, axis)
 
 
 def _log_limits(rec: Any, response: Response, selection: Selection, axis: str) -> None:
     """Log the rated travel of the mount that uses most of it."""
-    import rerun as rr
-
     name = selection.shown(axis)[0]
     mount = next(mount for mount in response.scene.mounts if mount.name == name)
     number = AXES.index(axis)
     peak = response.peaks.mounts[name].deflection
     reached = (float(peak.minimum[number]), float(peak.maximum[number]))
     limits = travel_limits(mount, axis)
-    ends = response.time[[0, -1]]
     for side, limit, value in zip(("lowest", "highest"), limits, reached, strict=True):
-        if np.isfinite(limit) and value / limit >= _SHOWN_LIMIT:
+        if np.isfinite(limit) and value / limit >= SHOWN_LIMIT:
             path = child(mount_path("deflection", axis), f"{side}_rated")
-            label = f"rated travel of {name} {1e3 * limit:.1f} mm"
-            rec.log(path, rr.SeriesLines(names=label, colors=_LIMIT, widths=1.0), static=True)
-            rec.send_columns(path, at(ends), rr.Scalars.columns(scalars=np.full(2, 1e3 * limit)))
+            log_limit(rec, path, f"rated travel of {name}", limit, ends=response.time[[0, -1]])
 
 
-def _log_lines(
+def log_limit(rec: Any, path: str, name: str, limit: float, *, ends: Array) -> None:
+    """Log a rated travel [m] as a line between two instants [s]."""
+    import rerun as rr
+
+    look = rr.SeriesLines(names=f"{name} {1e3 * limit:.1f} mm", colors=_LIMIT, widths=1.0)
+    rec.log(path, look, static=True)
+    rec.send_columns(path, at(ends), rr.Scalars.columns(scalars=np.full(2, 1e3 * limit)))
+
+
+def log_lines(
     rec: Any, path: str, time: Array, values: Array, names: list[str], colors: list[Any], *, tolerance: float
 ) -> None:
+    """Log series (n_t, k) as lines that stay within `tolerance` of every value."""
     import rerun as rr
 
     rows = rows_of_line(time, values, tolerance)
@@ -150,11 +160,12 @@ def _log_lines(
     rec.send_columns(path, at(time[rows]), rr.Scalars.columns(scalars=np.ascontiguousarray(values[rows])))
 
 
-def _log_marker(rec: Any, path: str, marker: Marker | None) -> None:
+def log_marker(rec: Any, path: str, marker: Marker | None, *, color: tuple[int, int, int] = _PEAK) -> None:
+    """Log a peak below the series at `path`, if there is one."""
     import rerun as rr
 
     if marker is None:
         return
-    look = rr.SeriesPoints(names=marker.text, markers="Diamond", marker_sizes=7.0, colors=_PEAK)
+    look = rr.SeriesPoints(names=marker.text, markers="Diamond", marker_sizes=7.0, colors=color)
     rec.log(child(path, "peak"), look, static=True)
     rec.send_columns(child(path, "peak"), at(marker.time), rr.Scalars.columns(scalars=[marker.value]))

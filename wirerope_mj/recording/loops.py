@@ -1,11 +1,12 @@
 """Force-deflection loops: a frame with ticks, the whole loop dimly, the trail up to the time cursor, and the cursor."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from wirerope_mj.recording.frame import HEIGHT, Plot, log_frame, ticks
+from wirerope_mj.recording.frame import HEIGHT, Color, Plot, log_frame, ticks
 from wirerope_mj.recording.paths import AXES, Array, Rows, at, child, entity
 from wirerope_mj.recording.selection import Selection, travel_limits
 from wirerope_mj.recording.thin import MOST_ROWS, rows_of_extremes, rows_of_line, rows_of_steps
@@ -107,13 +108,16 @@ def log_loops(rec: Any, response: Response, selection: Selection, loops: list[Lo
     for axis in selection.axes:
         others = [loop for loop in loops if loop.axis == axis and loop.plot is None]
         if others:
-            rec.log(entity("loops", axis, "others"), _outlines(others, selection), static=True)
+            names = [loop.mount for loop in others]
+            colors = [selection.colors[name] for name in names]
+            rec.log(entity("loops", axis, "others"), outlines(others, colors, names), static=True)
     for loop in loops:
         if loop.plot is not None:
             path = loop_path(loop.axis, loop.mount)
-            _log_frame(rec, path, loop.plot, mounts[loop.mount], loop.axis)
-            rec.log(child(path, "data"), loop.plot.transform(), _outlines([loop], selection), static=True)
-            _log_trail(rec, child(path, "data"), loop, selection.colors[loop.mount])
+            log_loop_frame(rec, path, loop.plot, [mounts[loop.mount]], loop.axis)
+            colors = [selection.colors[loop.mount]]
+            rec.log(child(path, "data"), loop.plot.transform(), outlines([loop], colors, [loop.mount]), static=True)
+            log_trail(rec, child(path, "data"), loop, *colors)
 
 
 def _trail_rows(time: Array, values: Array, line: Rows) -> Rows:
@@ -148,28 +152,29 @@ def _plot(loop: Array, mount: SceneMount, axis: str, width: float) -> Plot:
     return Plot(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
 
 
-def _log_frame(rec: Any, path: str, plot: Plot, mount: SceneMount, axis: str) -> None:
-    """Log the frame of a loop, its rated travel in red."""
-    (low, high), limits = plot.across, [1e3 * limit for limit in travel_limits(mount, axis)]
+def log_loop_frame(rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount], axis: str) -> None:
+    """Log the frame of a loop, the rated travel of the mounts that it is of in red."""
+    low, high = plot.across
+    limits = dict.fromkeys(1e3 * limit for mount in mounts for limit in travel_limits(mount, axis))
     marked = [(limit, _RATED) for limit in limits if np.isfinite(limit) and low < limit < high]
     across = ticks(low, high, max(2, round(plot.width / 26)))
     log_frame(rec, path, plot, across=across, upward=ticks(*plot.upward, 5), marked=marked)
 
 
-def _outlines(loops: list[Loop], selection: Selection) -> Any:
+def outlines(loops: Sequence[Loop], colors: Sequence[Color], labels: Sequence[str]) -> Any:
     """Return whole loops [mm, kN] as dim lines."""
     import rerun as rr
 
     return rr.LineStrips2D(
         [loop.outline for loop in loops],
-        colors=[[*selection.colors[loop.mount], 105] for loop in loops],
-        labels=[loop.mount for loop in loops],
+        colors=[[*color, 105] for color in colors],
+        labels=labels,
         show_labels=False,
         radii=rr.Radius.ui_points(0.75),
     )
 
 
-def _log_trail(rec: Any, path: str, loop: Loop, color: tuple[int, int, int]) -> None:
+def log_trail(rec: Any, path: str, loop: Loop, color: Color, *, cursor: Color = (255, 255, 255)) -> None:
     """Log the cursor [mm, kN], and the trail as one segment a row, at the same rows so that it reaches the cursor."""
     import rerun as rr
 
@@ -177,6 +182,6 @@ def _log_trail(rec: Any, path: str, loop: Loop, color: tuple[int, int, int]) -> 
     rec.log(child(path, "trail"), rr.LineStrips2D.from_fields(colors=color, radii=width), static=True)
     segments = np.stack([loop.points[:-1], loop.points[1:]], axis=1)
     rec.send_columns(child(path, "trail"), at(loop.time[1:]), rr.LineStrips2D.columns(strips=segments))
-    spot = rr.Points2D.from_fields(colors=(255, 255, 255), radii=rr.Radius.ui_points(4.5), draw_order=50.0)
+    spot = rr.Points2D.from_fields(colors=cursor, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
     rec.log(child(path, "cursor"), spot, static=True)
     rec.send_columns(child(path, "cursor"), at(loop.time), rr.Points2D.columns(positions=loop.points))

@@ -25,9 +25,29 @@ def entity(*parts: str) -> str:
     return str(rr.new_entity_path(list(parts)))
 
 
+def root_of(run: str) -> str:
+    """Return the entity below which a run stands where a recording holds several."""
+    return entity("runs", run)
+
+
 def child(parent: str, *parts: str) -> str:
     """Return the path of an entity below `parent`, which is a path already."""
     return parent + entity(*parts)
+
+
+class Below:
+    """A recording stream that puts every entity below `root`: several responses stand beside each other in one file."""
+
+    def __init__(self, rec: Any, root: str) -> None:
+        self._rec, self._root = rec, root
+
+    def log(self, path: str, *args: Any, **options: Any) -> None:
+        """Log as the stream does."""
+        self._rec.log(self._root + path, *args, **options)
+
+    def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
+        """Send rows as the stream does."""
+        self._rec.send_columns(self._root + path, index, columns)
 
 
 def nanoseconds(time: npt.ArrayLike) -> npt.NDArray[np.timedelta64]:

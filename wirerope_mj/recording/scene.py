@@ -20,8 +20,15 @@ _STILL = 1 / 100
 _ARROW = (255, 196, 60)
 
 
-def log_scene(rec: Any, response: Response, selection: Selection, frames: dict[str, Frame]) -> None:
-    """Log bodies, geoms, mounts and the base's acceleration."""
+def log_scene(
+    rec: Any,
+    response: Response,
+    selection: Selection,
+    frames: dict[str, Frame],
+    *,
+    arrow: tuple[int, int, int] = _ARROW,
+) -> None:
+    """Log bodies, geoms, mounts and the base's acceleration, an arrow of the given colour."""
     import rerun as rr
 
     _, extent = scene_extent(response.scene)
@@ -34,7 +41,7 @@ def log_scene(rec: Any, response: Response, selection: Selection, frames: dict[s
         draw_geoms(rec, frame.path, body.geoms, extent)
     if response.scene.mounts:
         log_mounts(rec, response, selection, frames, rows, extent=extent)
-    _log_base_acceleration(rec, response, frames, extent)
+    _log_base_acceleration(rec, response, frames, extent, arrow)
 
 
 def scene_rows(response: Response, frames: dict[str, Frame]) -> Rows:
@@ -68,7 +75,9 @@ def _log_pose(rec: Any, response: Response, frame: Frame, rows: Rows) -> None:
     rec.send_columns(frame.path, at(response.time[rows]), poses)
 
 
-def _log_base_acceleration(rec: Any, response: Response, frames: dict[str, Frame], extent: float) -> None:
+def _log_base_acceleration(
+    rec: Any, response: Response, frames: dict[str, Frame], extent: float, color: tuple[int, int, int]
+) -> None:
     """Log the acceleration of the base as an arrow beside it, so that the shock is seen although the camera rides."""
     import rerun as rr
 
@@ -83,7 +92,7 @@ def _log_base_acceleration(rec: Any, response: Response, frames: dict[str, Frame
     corner = np.max([np.abs(g.position) + reach(g) for g in body.geoms] or [np.full(3, 0.5 * extent)], axis=0)
     path = child(frames[base].path, "acceleration")
     look = rr.Arrows3D.from_fields(
-        origins=[[-corner[0], -corner[1], 0.0]], colors=[_ARROW], radii=[0.004 * extent], show_labels=True
+        origins=[[-corner[0], -corner[1], 0.0]], colors=[color], radii=[0.004 * extent], show_labels=True
     )
     rec.log(path, look, static=True)
     levels = np.linalg.norm(acceleration[rows], axis=1) / STANDARD_GRAVITY

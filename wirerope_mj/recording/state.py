@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.errors import RecordError
-from wirerope_mj.recording.paths import TIMELINE, Array, at, entity
+from wirerope_mj.recording.paths import TIMELINE, Array, at, entity, root_of
 from wirerope_mj.response import Response
 
 ROOT = "state"
@@ -34,18 +34,23 @@ def log_state(rec: Any, response: Response) -> None:
         first = last
 
 
-def read_state(path: str | Path) -> dict[str, Array]:
+def read_state(path: str | Path, *, run: str = "") -> dict[str, Array]:
     """Return the columns under /state of a `run.rrd`, (n_t,) each, by name and in the order of `response.parquet`.
+
+    Args:
+        path: the recording.
+        run: whose columns, where the recording lays several runs over each other.
 
     Raises:
         RecordError: the file holds none.
     """
     from rerun.chunk import RrdReader
 
+    root = root_of(run) + entity(ROOT) if run else entity(ROOT)
     names: dict[str, tuple[int, list[str]]] = {}
     blocks: dict[str, list[tuple[int, Array]]] = {}
     for chunk in RrdReader(str(path)).stream():
-        kind = str(chunk.entity_path).removeprefix(f"/{ROOT}/")
+        kind = str(chunk.entity_path).removeprefix(f"{root}/")
         if kind == str(chunk.entity_path):
             continue
         batch = chunk.to_record_batch()
@@ -56,7 +61,7 @@ def read_state(path: str | Path) -> dict[str, Array]:
         elif "columns" in batch.schema.names:
             names[kind] = (batch["first"].flatten()[0].as_py(), batch["columns"].flatten().to_pylist())
     if not blocks or set(blocks) != set(names):
-        raise RecordError(f"{path}: there are no samples under /{ROOT} here; record the response again.")
+        raise RecordError(f"{path}: there are no samples under {root} here; record the response again.")
     arrays = {
         kind: np.concatenate([values for _, values in sorted(parts, key=lambda part: part[0])])
         for kind, parts in blocks.items()

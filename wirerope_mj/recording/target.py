@@ -9,10 +9,10 @@ from wirerope_mj.errors import RecordError
 from wirerope_mj.recording.paths import FILE
 
 
-def target_of(path: str | Path) -> Path:
-    """Return the file that a recording at `path` is: a folder gets a `run.rrd`."""
+def target_of(path: str | Path, *, file: str = FILE) -> Path:
+    """Return the file that a recording at `path` is: a folder gets one called `file`."""
     target = Path(path)
-    return target / FILE if target.is_dir() or target.suffix != ".rrd" else target
+    return target / file if target.is_dir() or target.suffix != ".rrd" else target
 
 
 @contextmanager
