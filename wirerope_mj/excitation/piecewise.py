@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
+
+_BLOCK = 4096
+"""Knots between two whose velocity and displacement are kept: a record may have millions of knots."""
 
 
 class PiecewiseLinear:
@@ -15,46 +21,73 @@ class PiecewiseLinear:
         v = v_i + a_i tau + s_i tau^2 / 2
         x = x_i + v_i tau + a_i tau^2 / 2 + s_i tau^3 / 6
 
-    where s_i is the slope. v and x are zero up to the first knot; after the last one v stays as it is.
+    where s_i is the slope. v and x are zero up to the first knot; after the last one v stays as it is. v_i and x_i are summed
+    from knot to knot; only every 4096th is kept, and those between are summed again when they are asked for.
 
     Args:
-        knots: Instants [s], in order, shape (n,). Two equal ones are a jump.
-        values: Acceleration at the knots [m/s^2], shape (n,) or (n, 3).
+        knots: Instants [s], in order, shape (n,). Two equal ones are a jump. Not copied.
+        values: Acceleration at the knots [m/s^2], shape (n,) or (n, 3). Not copied.
     """
 
     def __init__(self, knots: NDArray[np.float64], values: NDArray[np.float64]) -> None:
-        step = np.diff(knots).reshape((-1,) + (1,) * (values.ndim - 1))
-        slope = np.divide(np.diff(values, axis=0), step, out=np.zeros_like(values[1:]), where=step > 0)
-        left = values[:-1]
-        velocity = np.cumsum(step * (left + values[1:]) / 2, axis=0)
-        entry = np.concatenate([np.zeros_like(values[:1]), velocity[:-1]])
-        displacement = np.cumsum(entry * step + (2 * left + values[1:]) * step**2 / 6, axis=0)
-
-        # Row 0 holds before the first knot, row i from knot i-1 to knot i, the last row after the last knot.
-        rest = np.zeros_like(values[:1])
-        self._knots = knots
-        self._origin = np.concatenate([knots[:1], knots])
-        self._value = np.concatenate([rest, left, rest])
-        self._slope = np.concatenate([rest, slope, rest])
-        self._velocity = np.concatenate([rest, rest, velocity])
-        self._displacement = np.concatenate([rest, rest, displacement])
+        self._knots, self._values = knots, values
+        count = -(-knots.size // _BLOCK)
+        self._velocity = np.zeros((count, *values.shape[1:]))
+        self._displacement = np.zeros_like(self._velocity)
+        for block in range(count - 1):
+            velocity, displacement = self._sums(block)
+            self._velocity[block + 1], self._displacement[block + 1] = velocity[-1], displacement[-1]
 
     def acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
         """Returns the acceleration [m/s^2] at the times (n_t,) [s]."""
-        i, tau = self._locate(t)
-        return self._value[i] + self._slope[i] * tau
+        value, slope, tau = self._pieces(t, np.searchsorted(self._knots, t, side="right"))
+        return value + slope * tau
 
     def velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
         """Returns the velocity [m/s] at the times (n_t,) [s]."""
-        i, tau = self._locate(t)
-        return self._velocity[i] + tau * (self._value[i] + tau * self._slope[i] / 2)
+        found = np.zeros((t.size, *self._values.shape[1:]))
+        for at, row, (velocity, _), (value, slope, tau) in self._by_block(t):
+            found[at] = velocity[row] + tau * (value + tau * slope / 2)
+        return found
 
     def displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
         """Returns the displacement [m] at the times (n_t,) [s]."""
-        i, tau = self._locate(t)
-        return self._displacement[i] + tau * (self._velocity[i] + tau * (self._value[i] / 2 + tau * self._slope[i] / 6))
+        found = np.zeros((t.size, *self._values.shape[1:]))
+        for at, row, (velocity, displacement), (value, slope, tau) in self._by_block(t):
+            found[at] = displacement[row] + tau * (velocity[row] + tau * (value / 2 + tau * slope / 6))
+        return found
 
-    def _locate(self, t: NDArray[np.float64]) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-        """Returns the row of each time and the time since that row's origin; a knot belongs to what follows it."""
-        i = np.searchsorted(self._knots, t, side="right")
-        return i, (t - self._origin[i]).reshape((-1,) + (1,) * (self._value.ndim - 1))
+    def _pieces(
+        self, t: NDArray[np.float64], after: NDArray[np.intp]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Returns value and slope at the knot before each time, and the time since it; `after` is the knot behind it.
+
+        A knot belongs to what follows it.
+        """
+        last = self._knots.size - 1
+        left, right = np.clip(after - 1, 0, last), np.clip(after, 0, last)
+        shape = (-1,) + (1,) * (self._values.ndim - 1)
+        inside = ((after > 0) & (after <= last)).reshape(shape)
+        value = np.where(inside, self._values[left], 0.0)
+        step = (self._knots[right] - self._knots[left]).reshape(shape)
+        rise = self._values[right] - self._values[left]
+        slope = np.divide(rise, step, out=np.zeros_like(rise), where=inside & (step > 0))
+        return value, slope, (t - self._knots[left]).reshape(shape)
+
+    def _by_block(self, t: NDArray[np.float64]) -> Iterator[tuple[Any, ...]]:
+        """Yields places in `t` that lie in one block of knots, their rows in its sums, the sums, and their pieces."""
+        after = np.searchsorted(self._knots, t, side="right")
+        blocks = (after - 1) // _BLOCK  # -1 before the first knot
+        for block in np.unique(blocks[after > 0]):
+            at = np.flatnonzero(blocks == block)
+            yield at, after[at] - 1 - block * _BLOCK, self._sums(int(block)), self._pieces(t[at], after[at])
+
+    def _sums(self, block: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Returns velocity and displacement at the knots of a block and at the first one behind it."""
+        part = slice(block * _BLOCK, (block + 1) * _BLOCK + 1)
+        knots, values = self._knots[part], self._values[part]
+        step = np.diff(knots).reshape((-1,) + (1,) * (values.ndim - 1))
+        left, right = values[:-1], values[1:]
+        velocity = np.cumsum(np.concatenate([self._velocity[block][None], step * (left + right) / 2]), axis=0)
+        gains = velocity[:-1] * step + (2 * left + right) * step**2 / 6
+        return velocity, np.cumsum(np.concatenate([self._displacement[block][None], gains]), axis=0)

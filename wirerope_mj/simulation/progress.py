@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from wirerope_mj.simulation.grid import Grid
+from wirerope_mj.simulation.grid import TimeGrid
 
 Update = Callable[[float, float], None]
 
@@ -41,15 +41,15 @@ def share_bar(word: str, unit: str, *, enabled: bool) -> Iterator[Update]:
 
 
 @contextmanager
-def progress_bar(grid: Grid, *, enabled: bool) -> Iterator[Callable[[float], None] | None]:
+def progress_bar(grid: TimeGrid, *, enabled: bool) -> Iterator[Callable[[float], None] | None]:
     """Show simulated time, rate and time left on standard error while the block runs.
 
     Yields:
         What to call with the simulated time [s], or None if no bar is shown.
     """
-    if not enabled or not grid.stop.size:
+    if not enabled:
         yield None
         return
-    start, stop = float(grid.start[0]), float(grid.stop[-1])
+    start, stop = grid.start, grid.stop
     with share_bar("simulating", f"of {stop:.4g} s", enabled=True) as update:
         yield lambda now: update((now - start) / (stop - start), now)

@@ -10,7 +10,7 @@ from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response.columns import ColumnPlan
 from wirerope_mj.response.response import MemorySamples, Numerics, Response
 from wirerope_mj.response.storage import FILE, SampleWriter, build_response, load_response, response_metadata
-from wirerope_mj.simulation.grid import Grid
+from wirerope_mj.simulation.grid import TimeGrid
 from wirerope_mj.simulation.run import Run, point_name
 from wirerope_mj.simulation.scene import scene_of
 from wirerope_mj.state import State
@@ -25,7 +25,7 @@ STREAM_ROWS = 4096
 class Recorder:
     """Takes the samples of a run, in memory or to a file, and makes the response of them."""
 
-    def __init__(self, system: System, motion: BaseMotion, grid: Grid, out: Path | None) -> None:
+    def __init__(self, system: System, motion: BaseMotion, grid: TimeGrid, out: Path | None) -> None:
         """Prepare for the samples of `grid`; `out` is the folder they are streamed to, None to keep them in memory."""
         self._system, self._motion, self._times = system, motion, grid.sample_times
         model, assembly = system.model, system.assembly

@@ -12,7 +12,8 @@ from wirerope_mj.control import layout as at
 from wirerope_mj.control.install import Kind
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response.peaks import BodyPeaks, MountPeaks, Peak, Peaks, PointPeaks
-from wirerope_mj.simulation.grid import Grid, StageTables
+from wirerope_mj.simulation.grid import TimeGrid
+from wirerope_mj.simulation.stages import StageTables
 from wirerope_mj.simulation.stepper import Stepper
 from wirerope_mj.state import State
 from wirerope_mj.system import System
@@ -25,18 +26,29 @@ CHECK_EVERY = 64
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """What stepping leaves behind: final state, peaks, the callback that made the forces, and whether bodies touched."""
+    """What stepping leaves behind.
+
+    Attributes:
+        final_state: state at the grid's end.
+        peaks: peaks over every step.
+        callback: what made the forces.
+        touches: whether bodies touched.
+        steps: number of steps.
+        largest_step: largest of them [s].
+    """
 
     final_state: State
     peaks: Peaks
     callback: Kind
     touches: bool
+    steps: int
+    largest_step: float
 
 
 def run(
     system: System,
     motion: BaseMotion,
-    grid: Grid,
+    grid: TimeGrid,
     initial: State,
     *,
     callback: Kind,
@@ -57,33 +69,43 @@ def run(
     Raises:
         SimulationError: MuJoCo warned that the state is not valid any more.
     """
-    stepper = Stepper(system, motion, grid, initial)
+    stepper = Stepper(system, motion, initial)
     data, values = stepper.data, stepper.data.sensordata[system.assembly.sensor :]
-    sample, touches = 0, False
-    tables = StageTables(grid, motion)
+    sample, touches, all_steps, largest = 0, False, 0, 0.0
+    tables = StageTables(motion)
     with installed(stepper.model, data, callback) as kind:
-        for base in tables:
-            piece = base.number
-            if piece % CHECK_EVERY == 0:
-                stepper.check()
-                if progress is not None:
-                    progress(float(grid.start[piece]))
-            stepper.begin(base)
-            steps = int(grid.steps[piece])
-            if grid.sampled[piece]:
-                mujoco.mj_step(stepper.model, data)
-                sink(sample, values)
-                sample, steps = sample + 1, steps - 1
-                touches |= data.ncon > 0
-            if steps:
-                mujoco.mj_step(stepper.model, data, nstep=steps)
+        for block in grid.blocks():
+            stepper.enter(block)
+            all_steps, largest = all_steps + int(block.steps.sum()), max(largest, block.largest_step)
+            for base in tables.pieces(block):
+                piece = base.number
+                if piece % CHECK_EVERY == 0:
+                    stepper.check()
+                    if progress is not None:
+                        progress(float(block.start[piece]))
+                stepper.begin(base)
+                steps = int(block.steps[piece])
+                if block.sampled[piece]:
+                    mujoco.mj_step(stepper.model, data)
+                    sink(sample, values)
+                    sample, steps = sample + 1, steps - 1
+                    touches |= data.ncon > 0
+                if steps:
+                    mujoco.mj_step(stepper.model, data, nstep=steps)
         final = stepper.finish()
         if sample < grid.sample_times.size:
             sink(sample, values)
         stepper.check()
-    if progress is not None and grid.stop.size:
-        progress(float(grid.stop[-1]))
-    return Run(final_state=final, peaks=_peaks(system, stepper.user, tables.peak), callback=kind, touches=touches)
+    if progress is not None:
+        progress(grid.stop)
+    return Run(
+        final_state=final,
+        peaks=_peaks(system, stepper.user, tables.peak),
+        callback=kind,
+        touches=touches,
+        steps=all_steps,
+        largest_step=largest,
+    )
 
 
 def _peaks(system: System, user: Array, base: Peak) -> Peaks:

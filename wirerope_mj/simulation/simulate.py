@@ -79,10 +79,10 @@ def simulate(
         with progress_bar(grid, enabled=progress) as update:
             done = run(system, motion, grid, start, callback=callback, sink=recorder.add, progress=update)
         numerics = Numerics(
-            timestep=grid.largest_step,
+            timestep=done.largest_step,
             accuracy=accuracy if timestep is None else math.nan,
             error_estimate=step.error,
-            steps=int(grid.steps.sum()),
+            steps=done.steps,
             callback=done.callback,
             versions=dict(_versions()),
         )

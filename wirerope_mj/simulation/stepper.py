@@ -9,7 +9,8 @@ import numpy.typing as npt
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import SimulationError
 from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.simulation.grid import SAME_TIME, Grid, Piece
+from wirerope_mj.simulation.grid import SAME_TIME, Grid
+from wirerope_mj.simulation.stages import Piece
 from wirerope_mj.state import State
 from wirerope_mj.system import System
 
@@ -22,10 +23,10 @@ _NEAR = 0.8
 
 
 class Stepper:
-    """A copy of a system's model with its data, taken from piece to piece of a grid."""
+    """A copy of a system's model with its data, taken from piece to piece of one grid after the other."""
 
-    def __init__(self, system: System, motion: BaseMotion, grid: Grid, initial: State) -> None:
-        self.system, self.motion, self.grid = system, motion, grid
+    def __init__(self, system: System, motion: BaseMotion, initial: State) -> None:
+        self.system, self.motion, self._grid = system, motion, Grid.empty()
         self.model, self.data = copy.copy(system.model), mujoco.MjData(system.model)
         mujoco.mj_setState(self.model, self.data, initial.values, STATE)
         assembly = system.assembly
@@ -36,10 +37,15 @@ class Stepper:
         self._since_check: list[Piece] = []
         self._checked = _integration_state(self.model, self.data)
 
+    def enter(self, grid: Grid) -> None:
+        """Take the pieces that follow from `grid`."""
+        self.check()  # a second look at earlier pieces needs the grid that they belong to
+        self._grid = grid
+
     def begin(self, base: Piece) -> None:
         """Prepare the steps of a piece: the base stands and moves exactly as its motion says, jumps included."""
         self._since_check.append(base)
-        grid, user, piece, accelerations = self.grid, self.user, base.number, base.accelerations
+        grid, user, piece, accelerations = self._grid, self.user, base.number, base.accelerations
         start, length = grid.start[piece], grid.stop[piece] - grid.start[piece]
         self._place_base(base.displacement, base.velocity)
         user[at.EVENT] = grid.event[piece]
@@ -53,8 +59,8 @@ class Stepper:
         """Return the final state, and observe the last instant with the acceleration just before it."""
         self.check()
         model, data, user = self.model, self.data, self.user
-        if self.grid.stop.size:
-            data.time = self.grid.stop[-1]
+        if self._grid.stop.size:
+            data.time = self._grid.stop[-1]
             last = np.array([data.time])
             velocity = self.motion.velocity(last)[0] - velocity_jump(self.motion, float(data.time))
             self._place_base(self.motion.displacement(last)[0], velocity)
@@ -85,7 +91,7 @@ class Stepper:
         mujoco.mj_setState(self.model, self.data, self._checked, STATE)
         for piece in pieces:
             self.begin(piece)
-            for _ in range(int(self.grid.steps[piece.number])):
+            for _ in range(int(self._grid.steps[piece.number])):
                 deflections = self._deflections()
                 mujoco.mj_step(self.model, self.data)
                 for kind, warning in enumerate(self.data.warning):

@@ -12,8 +12,9 @@ from wirerope_mj.control import installed
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import SimulationError
 from wirerope_mj.excitation import Sine, Sweep
-from wirerope_mj.simulation.grid import Grid, StageTables
+from wirerope_mj.simulation.grid import Grid
 from wirerope_mj.simulation.initial import moving_with_base
+from wirerope_mj.simulation.stages import StageTables
 from wirerope_mj.simulation.stepper import STATE, Stepper
 from wirerope_mj.state import State
 from wirerope_mj.sweep.channels import Channels
@@ -56,7 +57,7 @@ class Cycles:
         self.steps, self.largest_step = 0, 0.0
         self._motion, self._timestep = motion, timestep
         self._lawful, self._mounts = Lawful(system), Channels.of(system).mounts
-        self._stepper = Stepper(system, motion, cycle_grid(np.array([start.time]), timestep)[0], start)
+        self._stepper = Stepper(system, motion, start)
         user = system.assembly.tables.user
         memory = self._stepper.user[user.channels : user.channels + at.CHANNEL_MEMORY * user.n_channels]
         self._memory = memory.reshape(user.n_channels, at.CHANNEL_MEMORY)  # a view: the tracker writes it
@@ -69,12 +70,13 @@ class Cycles:
                 valid any more; says at which frequency.
         """
         stepper = self._stepper
-        stepper.grid, ends = cycle_grid(instants, self._timestep)
+        grid, ends = cycle_grid(instants, self._timestep)
+        stepper.enter(grid)
         lowest, highest = np.empty((2, ends.size, self._memory.shape[0], 3))
         cycle, user = 0, stepper.user
-        for base in StageTables(stepper.grid, self._motion):
+        for base in StageTables(self._motion).pieces(grid):
             stepper.begin(base)
-            steps = int(stepper.grid.steps[base.number])
+            steps = int(grid.steps[base.number])
             if not user[at.OBSERVING]:  # this instant was seen as the last of the cycle before
                 mujoco.mj_step(stepper.model, stepper.data)
                 user[at.OBSERVING], steps = 1.0, steps - 1
@@ -89,8 +91,8 @@ class Cycles:
         middles = (instants[:-1] + instants[1:]) / 2.0
         self._lawful.require(frequencies_at(self._motion, middles), found.largest[:, self._mounts])
         self._check()
-        self.steps += int(stepper.grid.steps.sum())
-        self.largest_step = max(self.largest_step, stepper.grid.largest_step)
+        self.steps += int(grid.steps.sum())
+        self.largest_step = max(self.largest_step, grid.largest_step)
         return found
 
     def finish(self) -> State:
@@ -133,7 +135,6 @@ def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, npt.NDArray[np.i
         sampled=np.zeros(cycle.size, dtype=bool),
         event=np.full(cycle.size, at.SMOOTH),
         corner_after=np.zeros(cycle.size, dtype=bool),
-        sample_times=np.zeros(0),
     )
     return grid, ends - 1
 
