@@ -11,6 +11,7 @@ from wirerope_mj.errors import ConvergenceError as ConvergenceError
 from wirerope_mj.errors import ModelError as ModelError
 from wirerope_mj.errors import RecordError as RecordError
 from wirerope_mj.errors import RecordWarning as RecordWarning
+from wirerope_mj.errors import RecordWarning as RecordWarning
 from wirerope_mj.errors import SimulationError as SimulationError
 from wirerope_mj.errors import WireRopeError as WireRopeError
 from wirerope_mj.excitation import HalfSine as HalfSine
@@ -59,8 +60,11 @@ from wirerope_mj.response import Response as Response
 from wirerope_mj.response import load_response as load_response
 from wirerope_mj.runfolder import run_scenario as run_scenario
 from wirerope_mj.scenario import Scenario as Scenario
+from wirerope_mj.selection import select_isolators as select_isolators
 from wirerope_mj.simulation import simulate as simulate
+from wirerope_mj.spectra import PowerSpectralDensity as PowerSpectralDensity
 from wirerope_mj.spectra import ShockResponseSpectrum as ShockResponseSpectrum
+from wirerope_mj.spectra import power_spectral_density as power_spectral_density
 from wirerope_mj.spectra import shock_response_spectrum as shock_response_spectrum
 from wirerope_mj.state import State as State
 from wirerope_mj.statics import equilibrium as equilibrium

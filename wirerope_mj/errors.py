@@ -13,6 +13,10 @@ class RecordError(WireRopeError):
     """A measured record or a results folder cannot be read as what it should be."""
 
 
+class RecordWarning(UserWarning):
+    """A measured record can be used, but something about it is suspicious or had to be changed."""
+
+
 class SimulationError(WireRopeError):
     """A simulation cannot start, or ended before its time."""
 
