@@ -11,7 +11,6 @@ from wirerope_mj.errors import ConvergenceError as ConvergenceError
 from wirerope_mj.errors import ModelError as ModelError
 from wirerope_mj.errors import RecordError as RecordError
 from wirerope_mj.errors import RecordWarning as RecordWarning
-from wirerope_mj.errors import RecordWarning as RecordWarning
 from wirerope_mj.errors import SimulationError as SimulationError
 from wirerope_mj.errors import WireRopeError as WireRopeError
 from wirerope_mj.excitation import HalfSine as HalfSine
@@ -44,6 +43,7 @@ from wirerope_mj.laws import SymmetricBoucWen as SymmetricBoucWen
 from wirerope_mj.laws import TinkerCutchins as TinkerCutchins
 from wirerope_mj.laws import VaianaRosati as VaianaRosati
 from wirerope_mj.laws import Zener as Zener
+from wirerope_mj.modes import modes as modes
 from wirerope_mj.oscillator import HarmonicBranch as HarmonicBranch
 from wirerope_mj.oscillator import HarmonicOrbit as HarmonicOrbit
 from wirerope_mj.oscillator import equivalent_linear as equivalent_linear

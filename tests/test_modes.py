@@ -1,0 +1,247 @@
+"""Modes about the sagged position: closed forms of rigid bodies on springs, tipping over, histories and what is refused."""
+
+import numpy as np
+import pytest
+from house import deck, mjcf, sdof
+
+import wirerope_mj as wr
+from wirerope_mj.modes import modes
+
+G = wr.STANDARD_GRAVITY
+PLACES = {"p1": (0.5, 0.4), "p2": (0.5, -0.3), "p3": (-0.6, 0.4), "p4": (-0.6, -0.3)}
+HALF = (0.35, 0.45, 0.25)
+"""Half lengths of the box [m]."""
+
+
+def box_text(*, places, height, mass=120.0, gravity=G, turned=""):
+    """Return a free box whose centre stands `height` above mounts at `places`; `turned` are attributes of all base sites."""
+    sites = {f"b{name}": f'pos="{x} {y} 1" {turned}' for name, (x, y) in places.items()}
+    points = "".join(f'<site name="{name}" pos="{x} {y} {-height}"/>' for name, (x, y) in places.items())
+    size = " ".join(map(str, HALF))
+    box = f'<body name="box" pos="0 0 {1 + height}"><freejoint/><geom type="box" size="{size}" mass="{mass}"/>{points}</body>'
+    return mjcf(deck(sites) + box, [(f"m{n}", n, f"b{n}", "a") for n in places], gravity=gravity)
+
+
+def springs(roll, shear, axial, c=0.0):
+    """Return an isolator of linear springs [N/m] with dampers [N s/m]."""
+    laws = {name: wr.KelvinVoigt(k=k, c=c) for name, k in (("roll", roll), ("shear", shear), ("axial", axial))}
+    return {"a": wr.Isolator(name="a", **laws)}
+
+
+def rigid_stiffness(places, height, k, axes, *, weight):
+    """Return K = sum G^T R diag(k) R^T G - W h on roll and pitch, about the centre of mass, (6, 6)."""
+    total = np.zeros((6, 6))
+    for x, y in places.values():
+        rx, ry, rz = x, y, -height
+        skew = np.array([[0, -rz, ry], [rz, 0, -rx], [-ry, rx, 0]])
+        g = np.hstack([np.eye(3), -skew])
+        total += g.T @ axes @ np.diag(k) @ axes.T @ g
+    total[3, 3] -= weight * height
+    total[4, 4] -= weight * height
+    return total
+
+
+def box_mass(mass):
+    """Return the mass matrix of the box about its centre, (6, 6)."""
+    x, y, z = (2.0 * half for half in HALF)
+    inertia = mass / 12.0 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
+    return np.diag([mass] * 3 + inertia.tolist())
+
+
+def frequencies_of(stiffness, mass):
+    values = np.sort(np.linalg.eigvals(np.linalg.solve(mass, stiffness)).real)
+    return np.sqrt(values) / (2.0 * np.pi)
+
+
+def test_a_box_on_springs_has_the_six_frequencies_of_the_textbook():
+    # Places symmetric about x = -0.05 and y = 0.05 would tilt the box: without gravity the closed form is exact.
+    k = (3e4, 5e4, 9e4)
+    s = wr.load_system(box_text(places=PLACES, height=0.3, gravity=0.0), isolators=springs(*k))
+    expected = frequencies_of(rigid_stiffness(PLACES, 0.3, k, np.eye(3), weight=0.0), box_mass(120.0))
+    # Central differences of 1e-6 leave 1e-9 of the stiffness; the site's coordinates are exact.
+    np.testing.assert_allclose(modes(s).frequencies, expected, rtol=1e-7)
+
+
+def test_turned_mounts_act_along_their_own_axes():
+    k = (3e4, 5e4, 9e4)
+    axes = np.array([[0.6, 0.0, 0.8], [0.0, 1.0, 0.0], [-0.8, 0.0, 0.6]])  # x of the site is (0.6, 0, -0.8)
+    text = box_text(places=PLACES, height=0.3, gravity=0.0, turned='xyaxes="0.6 0 -0.8 0 1 0"')
+    expected = frequencies_of(rigid_stiffness(PLACES, 0.3, k, axes, weight=0.0), box_mass(120.0))
+    np.testing.assert_allclose(modes(wr.load_system(text, isolators=springs(*k))).frequencies, expected, rtol=1e-7)
+
+
+SYMMETRIC = {"p1": (0.3, 0.2), "p2": (0.3, -0.2), "p3": (-0.3, 0.2), "p4": (-0.3, -0.2)}
+
+
+def test_weight_above_the_mounts_takes_w_times_h_from_the_tilting_stiffness():
+    k, weight = (6e4, 6e4, 4e4), 120.0 * G
+    s = wr.load_system(box_text(places=SYMMETRIC, height=0.4), isolators=springs(*k))
+    expected = rigid_stiffness(SYMMETRIC, 0.4, k, np.eye(3), weight=weight)
+    found = modes(s)
+    np.testing.assert_allclose(found.frequencies, frequencies_of(expected, box_mass(120.0)), rtol=1e-7)
+    without = frequencies_of(rigid_stiffness(SYMMETRIC, 0.4, k, np.eye(3), weight=0.0), box_mass(120.0))
+    assert np.abs(without / found.frequencies - 1.0).max() > 1e-2  # the term is seen in this test
+
+
+def test_gravity_factor_and_rise_are_those_of_a_body_on_four_springs():
+    """det of sway and tilt vanishes where W h equals the tilting stiffness of the axial springs about the mount plane."""
+    weight, height, axial = 120.0 * G, 0.4, 4e4
+    s = wr.load_system(box_text(places=SYMMETRIC, height=height), isolators=springs(6e4, 6e4, axial))
+    tilting = 4.0 * axial * 0.2**2  # the softer one: about x, arms of 0.2 m
+    stability = modes(s).stability
+    assert stability.stable
+    assert stability.word == "stable"
+    assert stability.gravity_factor == pytest.approx(tilting / (weight * height), rel=1e-6)
+    assert stability.rise == pytest.approx(tilting / weight - height, rel=1e-6)
+
+
+def test_a_body_that_is_too_high_tips_over():
+    s = wr.load_system(box_text(places=SYMMETRIC, height=1.2), isolators=springs(6e4, 6e4, 3e3))
+    found = modes(s)
+    assert 120.0 * G * 1.2 > 4.0 * 3e3 * 0.2**2
+    assert found.stability.word == "tips over"
+    assert not found.stability.stable
+    assert np.isnan(found.frequencies[0])
+    assert np.isnan(found.damping_ratio[0])
+    assert np.abs(found.payloads["box"].rotation[0] @ [1.0, 0.0, 0.0]) > 0.5  # it tilts about x, the narrow way
+    assert np.isfinite(found.frequencies[2:]).all()
+
+
+def test_shapes_are_scaled_by_the_mount_that_moves_most_and_participation_sums_to_the_mass():
+    s = wr.load_system(box_text(places=PLACES, height=0.3), isolators=springs(3e4, 5e4, 9e4))
+    found = modes(s)
+    largest = np.max([np.linalg.norm(shape, axis=1) for shape in found.mounts.values()], axis=0)
+    np.testing.assert_allclose(largest, 1.0, rtol=1e-12)
+    np.testing.assert_allclose(found.participation.sum(axis=0), 1.0, rtol=1e-9)
+    assert found.shapes.shape == (s.model.nv, 6)
+    np.testing.assert_array_equal(found.shapes[s.assembly.driven_dofs], 0.0)
+
+
+def test_words_say_what_moves():
+    places = {**SYMMETRIC}
+    found = modes(wr.load_system(box_text(places=places, height=0.0, gravity=0.0), isolators=springs(2e4, 3e4, 4e4)))
+    # The mount plane passes through the centre: all six are decoupled.
+    assert set(found.words) == {
+        "sway x", "sway y", "bounce z", "rocking about x", "rocking about y", "yaw about z",
+    }  # fmt: skip
+    place = found.words.index("bounce z")
+    assert found.frequencies[place] == pytest.approx(np.sqrt(4 * 4e4 / 120.0) / (2 * np.pi), rel=1e-8)
+    np.testing.assert_allclose(found.payloads["box"].translation[place], [0.0, 0.0, 1.0], atol=1e-9)
+    np.testing.assert_allclose(found.participation[place], [0.0, 0.0, 1.0], atol=1e-9)
+    rocking = found.words.index("rocking about x")
+    # one metre at a mount 0.2 m beside the axis: 5 rad
+    np.testing.assert_allclose(np.abs(found.payloads["box"].rotation[rocking]), [5.0, 0.0, 0.0], atol=1e-8)
+
+
+def chain_text():
+    """Return a mass on a mount that carries another mass on a joint with a spring and a damper."""
+    inner = (
+        '<body name="top" pos="0 0 .3"><joint type="slide" axis="0 0 1" stiffness="7000" damping="30"/>'
+        '<geom size=".1" mass="2"/></body>'
+    )
+    payload = (
+        '<body name="mass" pos="0 0 .3"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="5"/>'
+        f'<site name="p" pos="0 0 -.1"/>{inner}</body>'
+    )
+    return mjcf(deck({"b": 'pos="0 0 .2"'}, slides="z") + payload, [("m1", "p", "b", "a")], gravity=0.0)
+
+
+def test_a_mass_on_a_jointed_payload_gives_the_two_frequencies_of_a_chain():
+    s = wr.load_system(chain_text(), isolators={"a": wr.Isolator(name="a", axial=wr.KelvinVoigt(k=20e3, c=0.0))})
+    mass, stiffness = np.diag([5.0, 2.0]), np.array([[27e3, -7e3], [-7e3, 7e3]])
+    found = modes(s)
+    np.testing.assert_allclose(found.frequencies, frequencies_of(stiffness, mass), rtol=1e-7)
+    # Damping of the joint alone: c (phi_top - phi_mass)^2 / (2 w m_modal), in the joint's own coordinate.
+    shape, omega = found.shapes[s.assembly.driven_dofs[0] + 1 :, 0], 2 * np.pi * found.frequencies[0]
+    modal = shape @ found.mass @ shape
+    assert found.damping_ratio[0] == pytest.approx(30.0 * shape[1] ** 2 / (2.0 * omega * modal), rel=1e-7)
+    assert "top on mass" in found.words[1]
+    assert found.payloads["mass"].mass == pytest.approx(7.0)
+
+
+def test_two_payloads_are_named():
+    def mass(name, x, m):
+        return (
+            f'<body name="{name}" pos="{x} 0 .3"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="{m}"/>'
+            f'<site name="p{name}" pos="0 0 -.1"/></body>'
+        )
+
+    sites = {"bone": 'pos="0 0 .2"', "btwo": 'pos="1 0 .2"'}
+    world = deck(sites, slides="z") + mass("one", 0, 4) + mass("two", 1, 9)
+    text = mjcf(world, [("m1", "pone", "bone", "a"), ("m2", "ptwo", "btwo", "a")], gravity=G)
+    found = modes(wr.load_system(text, isolators={"a": wr.Isolator(name="a", axial=wr.KelvinVoigt(k=1e4, c=0.0))}))
+    assert found.words == ("two: bounce z", "one: bounce z")
+    np.testing.assert_allclose(found.frequencies, np.sqrt(1e4 / np.array([9.0, 4.0])) / (2 * np.pi), rtol=1e-7)
+    np.testing.assert_allclose(found.participation[:, 2], [9 / 13, 4 / 13], rtol=1e-9)
+
+
+def test_a_viscous_mount_gives_its_damping_ratio_and_a_zener_mount_its_storage_stiffness():
+    k, c, mass = 2e4, 60.0, 3.5
+    found = modes(sdof(wr.KelvinVoigt(k=k, c=c), mass=mass, gravity=G))
+    assert found.damping_ratio[0] == pytest.approx(c / (2.0 * np.sqrt(k * mass)), rel=1e-7)
+    law = wr.Zener(k0=2e4, k1=3e4, c=200.0)
+    zener = modes(sdof(law, mass=mass, gravity=G))
+    omega = 2.0 * np.pi * zener.frequencies[0]
+    complex_stiffness = law.k0 + law.k1 * 1j * omega / (law.k1 / law.c + 1j * omega)
+    assert omega**2 * mass == pytest.approx(complex_stiffness.real, rel=1e-6)
+    assert zener.damping_ratio[0] == pytest.approx(complex_stiffness.imag / (2.0 * complex_stiffness.real), rel=1e-6)
+
+
+LAW = wr.AsymmetricBoucWen(alpha=1e5, beta=900.0, gamma=-200.0, n=1.3, k1=6e4, k2=1e6, k3=2e8, b=np.e, c=12.0)
+
+
+@pytest.mark.parametrize("history", ["virgin", "relaxed"])
+def test_small_amplitudes_see_alpha_and_the_history_its_own_tangents(history):
+    """Closed forms of domain knowledge: F2 (slope of z + F1') + lambda F, with z of the history in the tangents."""
+    s = sdof(LAW, mass=20.0, gravity=G)
+    found = modes(s, history=history)
+    x = found.equilibrium.mounts["m1"].deflection[2]
+    f2, size = np.exp(12.0 * x), abs(x)
+    f1, f1_slope = x * (6e4 + 1e6 * size + 2e8 * x * x), 6e4 + 2e6 * size + 6e8 * x * x
+    z = 0.0 if history == "relaxed" else -20.0 * G / f2 - f1
+    assert found.equilibrium.mounts["m1"].force[2] == pytest.approx(-20.0 * G, rel=1e-9)
+
+    def frequency(slope, z):
+        return np.sqrt((f2 * (slope + f1_slope) + 12.0 * f2 * (z + f1)) / 20.0) / (2 * np.pi)
+
+    power = abs(z) ** 1.3
+    assert found.frequencies[0] == pytest.approx(frequency(1e5, 0.0), rel=1e-7)
+    assert found.loading[0] == pytest.approx(frequency(1e5 - 700.0 * power, z), rel=1e-7)
+    assert found.unloading[0] == pytest.approx(frequency(1e5 + 1100.0 * power, z), rel=1e-7)
+    if history == "virgin":
+        assert found.loading[0] < 0.98 * found.frequencies[0] < 0.96 * found.unloading[0]
+    assert found.damping_ratio[0] == 0.0
+
+
+def test_masings_sliders_stick_in_small_cycles():
+    law = wr.Masing(stiffness=[3e4, 2e4], slip_force=[20.0, 200.0], k=1e4)
+    found = modes(sdof(law, mass=7.0, gravity=G))
+    assert found.frequencies[0] == pytest.approx(np.sqrt(6e4 / 7.0) / (2 * np.pi), rel=1e-7)
+    # Under 69 N the first slides: further loading moves the rest only.
+    assert found.loading[0] == pytest.approx(np.sqrt(3e4 / 7.0) / (2 * np.pi), rel=1e-7)
+    assert found.unloading[0] == pytest.approx(found.frequencies[0], rel=1e-7)
+
+
+def test_what_nothing_holds_is_not_called_stable():
+    iso = {"a": wr.Isolator(name="a", axial=wr.KelvinVoigt(k=1e4, c=0.0))}
+    found = modes(wr.load_system(box_text(places=SYMMETRIC, height=0.0, gravity=0.0), isolators=iso))
+    assert found.stability.word == "not held"
+    assert (found.frequencies[:3] == 0.0).all()  # both sways and yaw
+
+
+@pytest.mark.parametrize("amplitude", [0.0, -1e-3, np.nan, np.inf])
+def test_amplitudes_that_are_none_are_refused(amplitude):
+    with pytest.raises(ValueError, match="`amplitude` must be finite and > 0"):
+        modes(sdof(LAW, gravity=G), amplitude=amplitude)
+
+
+def test_histories_that_are_none_are_refused():
+    with pytest.raises(ValueError, match="`history` must be"):
+        modes(sdof(LAW, gravity=G), history="young")
+
+
+def test_a_law_without_elastic_part_has_modes_but_no_relaxed_ones():
+    s = sdof(wr.BoucWen(alpha=1e5, beta=500.0, gamma=500.0, n=1.0), mass=3.5, gravity=G)  # carries 100 N
+    assert modes(s).frequencies[0] == pytest.approx(np.sqrt(1e5 / 3.5) / (2 * np.pi), rel=1e-7)
+    with pytest.raises(wr.ConvergenceError, match="no relaxed equilibrium"):
+        modes(s, history="relaxed")

@@ -1,0 +1,106 @@
+"""How far a system is from tipping over."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import eigvalsh
+
+from wirerope_mj.modes.eigen import FREE, solve
+from wirerope_mj.modes.rest import AtRest
+from wirerope_mj.statics.payloads import payloads_of
+from wirerope_mj.system import System
+
+Array = npt.NDArray[np.float64]
+
+AMPLE = 3.0
+"""Gravity factor from which a payload stands safely; less is called slender."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stability:
+    """Distance of the stiffness from being indefinite, with the tangents of the mounts as they are at rest.
+
+    Attributes:
+        smallest_eigenvalue: of stiffness over mass [(rad/s)^2]; below zero the payload tips over, at zero nothing holds it.
+        gravity_factor: times the weight, preload included, at which it tips over; infinite if it never does.
+        rise: by which the centre of mass could stand higher before it tips over [m]; infinite if it cannot.
+        softest: the gravity factor with the mounts' tangents on further loading instead of small cycles.
+    """
+
+    smallest_eigenvalue: float
+    gravity_factor: float
+    rise: float
+    softest: float
+
+    @property
+    def stable(self) -> bool:
+        """Whether every displacement is brought back."""
+        return self.smallest_eigenvalue > 0.0
+
+    @property
+    def word(self) -> str:
+        """Return "stable", "slender" (gravity factor below 3), "not held" (a motion without stiffness) or "tips over"."""
+        if self.smallest_eigenvalue < 0.0:
+            return "tips over"
+        if self.smallest_eigenvalue == 0.0:
+            return "not held"
+        return "stable" if self.gravity_factor >= AMPLE else "slender"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the figures as plain values; what is infinite is None."""
+        figures = {
+            "smallest_eigenvalue_1_s2": self.smallest_eigenvalue,
+            "gravity_factor": self.gravity_factor,
+            "rise_m": self.rise,
+            "gravity_factor_on_loading": self.softest,
+        }
+        return {"word": self.word, **{name: v if np.isfinite(v) else None for name, v in figures.items()}}
+
+
+def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> Stability:
+    """Return the stability of a system.
+
+    Args:
+        system: the system.
+        rest: where it rests.
+        tangent: stiffness of the mounts in small cycles, (n, n).
+        loading: their stiffness on further loading, (n, n).
+    """
+    stiffness = rest.other + rest.weight + tangent
+    values, _ = solve(stiffness, rest.mass)
+    return Stability(
+        smallest_eigenvalue=float(values.min(initial=np.inf)),
+        gravity_factor=_critical(rest.other + tangent, -rest.weight),
+        rise=_critical(stiffness, _overturning(system, rest)),
+        softest=_critical(rest.other + loading, -rest.weight),
+    )
+
+
+def _critical(stiffness: Array, load: Array) -> float:
+    """Return the smallest factor > 0 at which stiffness - factor * load is no longer positive definite."""
+    try:
+        grows = eigvalsh(load, stiffness)  # load v = (1 / factor) stiffness v
+    except np.linalg.LinAlgError:
+        return 0.0  # not positive definite without any load
+    largest = float(grows.max(initial=0.0))
+    return 1.0 / largest if largest > FREE else np.inf
+
+
+def _overturning(system: System, rest: AtRest) -> Array:
+    """Return what a payload's weight takes from the stiffness against tilting per metre of height [N], (n, n)."""
+    model, data = system.model, rest.data
+    up = -model.opt.gravity
+    size = float(np.linalg.norm(up))
+    load = np.zeros_like(rest.mass)
+    if size == 0.0:
+        return load
+    level = np.eye(3) - np.outer(up, up) / size**2
+    for payload in payloads_of(system):
+        turn, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv))
+        mujoco.mj_jacBody(model, data, unused, turn, payload.root)
+        tilt = level @ turn[:, rest.free]
+        load += payload.mass * size * tilt.T @ tilt
+    return load
