@@ -19,7 +19,7 @@ LAYERS = (
     ("statics",),
     ("simulation", "response"),
     ("modes", "sweep", "periodic", "criteria", "verdicts"),
-    ("study", "frf"),
+    ("study", "frf", "selection"),
     ("plots", "recording", "report"),
     ("scenario", "runfolder"),
     ("cli",),

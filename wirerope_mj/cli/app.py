@@ -15,6 +15,7 @@ from cyclopts.exceptions import CycloptsError
 from wirerope_mj.cli.frf_options import frf
 from wirerope_mj.cli.isolators import print_isolator, print_isolators
 from wirerope_mj.cli.run import list_scenarios, run_command
+from wirerope_mj.cli.select_options import select
 from wirerope_mj.errors import WireRopeError
 
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
@@ -176,6 +177,7 @@ def identify_records(
 
 
 app.command(frf)
+app.command(select)
 
 isolators_app = App(name="isolators", help="Show the isolators of the catalogue, or fit one from a data sheet.")
 app.command(isolators_app)

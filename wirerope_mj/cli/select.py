@@ -1,0 +1,217 @@
+"""`wirerope select`: the catalogue parts that meet a worksheet, and what a simulation says of the best of them."""
+
+import math
+import re
+import sys
+from collections.abc import Mapping
+
+from rich.markup import escape
+from rich.table import Table
+
+from wirerope_mj.cli.tables import _table, console
+from wirerope_mj.errors import WireRopeError
+from wirerope_mj.excitation import HalfSine, Sawtooth, Trapezoid, VelocityStep
+from wirerope_mj.selection import Candidate, Selection, SimulatedShock, Worksheet, simulate_candidate
+from wirerope_mj.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY, Shock
+
+NOTHING_FOUND = 1
+"""Exit code if no part does."""
+
+_RISE = 0.1
+"""Rise and fall of a trapezoid over its length, as the shock standards draw it."""
+
+_FIRST, _NEAREST = 12, 5
+"""Candidates shown unless all are asked for; parts shown with their reasons if none does."""
+
+_PULSE = re.compile(r"([-+.\deE]+)\s*g[\s,]+([-+.\deE]+)\s*ms[\s,]+([a-z][a-z -]*)", re.IGNORECASE)
+_STEP = re.compile(r"([-+.\deE]+)\s*m/s", re.IGNORECASE)
+_EXAMPLES = '"15 g 11 ms half-sine", "20 g 11 ms sawtooth", "10 g 18 ms trapezoid" or "2 m/s"'
+
+
+def g_units(value: float) -> float:
+    """Return in m/s^2 what the worksheet calls so many g."""
+    return value * WORKSHEET_GRAVITY
+
+
+def parse_shock(text: str) -> Shock:
+    """Return the shock that a text such as `15 g 11 ms half-sine` or `2 m/s` says."""
+    step = _STEP.fullmatch(text.strip())
+    if step:
+        return VelocityStep(velocity=_positive(text, step[1]), direction="z")
+    found = _PULSE.fullmatch(text.strip())
+    shape = re.sub(r"[ -]", "", found[3].lower()) if found else ""
+    if found is None or shape not in ("halfsine", "sawtooth", "terminalpeaksawtooth", "trapezoid"):
+        raise ValueError(f"`--shock` must be like {_EXAMPLES}; got {text!r}.")
+    peak, duration = g_units(_positive(text, found[1])), 1e-3 * _positive(text, found[2])
+    if shape == "halfsine":
+        return HalfSine(peak=peak, duration=duration, direction="z")
+    if shape == "trapezoid":
+        return Trapezoid(peak=peak, duration=duration, rise=_RISE * duration, direction="z")
+    return Sawtooth(peak=peak, duration=duration, direction="z")
+
+
+def select_command(selection: Selection, *, rejected: bool, best: int) -> int:
+    """Print a selection, and the simulation of its best candidates; return the exit code."""
+    simulated, failures = _simulate(selection, best)
+    screen = console()
+    _print_worksheet(selection.worksheet)
+    if selection.candidates:
+        screen.print(_candidates(selection, simulated, None if rejected else _FIRST))
+        _print_notes(selection, simulated, failures)
+    else:
+        screen.print("\n  [bold red]No part of the tables does.[/]")
+    if selection.rejected and (rejected or not selection.candidates):
+        screen.print(_rejected(selection, None if rejected else _NEAREST))
+    elif selection.rejected:
+        screen.print(f"  {len(selection.rejected)} parts do not do; --all shows every part and says why.")
+    return 0 if selection.candidates else NOTHING_FOUND
+
+
+def _simulate(selection: Selection, best: int) -> tuple[dict[str, SimulatedShock], dict[str, str]]:
+    """Return the simulated candidates by name, and why others could not be simulated."""
+    simulated, failures = {}, {}
+    for candidate in selection.candidates[:best]:
+        name = candidate.part.name
+        if sys.stderr.isatty():
+            print(f"simulating {name} ..", file=sys.stderr, flush=True)
+        try:
+            simulated[name] = simulate_candidate(candidate, selection.worksheet)
+        except WireRopeError as error:
+            failures[name] = str(error)
+    return simulated, failures
+
+
+def _print_worksheet(sheet: Worksheet) -> None:
+    """Print what the mounts must be like."""
+    rows = [f"{sheet.load:.1f} N on each of {sheet.mounts} mounts, {_words(sheet.loading)}"]
+    rows.append(f"velocity change {sheet.velocity:.3f} m/s, {_words(sheet.direction)}")
+    if sheet.largest_frequency is not None and sheet.largest_vibration_stiffness is not None:
+        stiffness = 1e-3 * sheet.largest_vibration_stiffness
+        rows.append(
+            f"natural frequency at most {sheet.largest_frequency:.2f} Hz ({sheet.disturbance:.4g} Hz / "
+            f"{sheet.isolation_ratio:.4g}): vibration stiffness at most {stiffness:.0f} N/mm"
+        )
+    if sheet.smallest_travel is not None and sheet.largest_shock_stiffness is not None:
+        rows.append(
+            f"{_g(sheet.fragility):.4g} g need at least {1e3 * sheet.smallest_travel:.1f} mm of travel: shock stiffness at "
+            f"most {1e-3 * sheet.largest_shock_stiffness:.0f} N/mm"
+        )
+    if sheet.travel is not None:
+        rows.append(f"room for {1e3 * sheet.travel:.4g} mm")
+    screen = console()
+    screen.print(f"[bold]Worksheet[/]  {sheet.mass:.6g} kg, g = {sheet.gravity:.6g} m/s^2")
+    for row in rows:
+        screen.print(f"  {escape(row)}")
+
+
+def _candidates(selection: Selection, simulated: Mapping[str, SimulatedShock], most: int | None) -> Table:
+    """Return the table of candidates, those with the largest smallest margin first."""
+    heads = ["load\n[%]", "f\n[Hz]", "travel\n[mm]", "of rated\n[%]", "peak\n[g]", "margin\n[%]"]
+    of = "" if most is None or len(selection.candidates) <= most else f", the first {most}"
+    simulating = ["simul.\n[mm]", "of rated\n[%]", "simul.\n[g]", "margin\n[%]"] if simulated else []
+    table = _table(f"{len(selection.candidates)} parts do{of}", "part", heads)
+    table.add_column("governs", no_wrap=True)
+    for head in simulating:
+        table.add_column(escape(head), justify="right", no_wrap=True)
+    for found in selection.candidates[:most]:
+        rated = found.part.modes[selection.worksheet.direction].travel
+        cells = [_percent(found.load_share), f"{found.frequency:.2f}", f"{1e3 * found.travel:.1f}"]
+        cells += [_percent(None if rated is None else found.travel / rated), f"{_g(found.acceleration):.2f}"]
+        cells += [_margin(found.margin), _governing(found)]
+        if simulated:
+            cells += _simulated_cells(simulated.get(found.part.name), rated)
+        table.add_row(escape(found.part.name), *cells)
+    return table
+
+
+def _simulated_cells(run: SimulatedShock | None, rated: float | None) -> list[str]:
+    if run is None:
+        return ["", "", "", ""]
+    share = None if rated is None else run.deflection / rated
+    judged = [verdict.margin for verdict in run.verdicts if verdict.margin is not None]
+    peak = f"{_g(run.acceleration):.2f}"
+    return [f"{1e3 * run.travel:.1f}", _percent(share), peak, _margin(min(judged, default=math.inf))]
+
+
+def _rejected(selection: Selection, most: int | None) -> Table:
+    """Return the table of parts that do not do, nearest first."""
+    shown = selection.rejected[:most]
+    of = "" if len(shown) == len(selection.rejected) else f", the nearest {len(shown)}"
+    table = _table(f"{len(selection.rejected)} parts do not do{of}", "part", ("margin\n[%]",))
+    table.add_column("why")
+    for part in shown:
+        table.add_row(escape(part.part.name), _margin(part.margin), escape("; ".join(part.reasons)))
+    return table
+
+
+def _print_notes(selection: Selection, simulated: Mapping[str, SimulatedShock], failures: Mapping[str, str]) -> None:
+    """Print what the table rests on."""
+    screen, sheet = console(), selection.worksheet
+    notes = [f"{name} is not simulated: {reason}" for name, reason in failures.items()]
+    longest = max(found.impulse for found in selection.candidates)
+    if not all(found.impulse_holds for found in selection.candidates):
+        notes.append(
+            f"the pulse is long for some parts (natural frequency x length up to {longest:.3f}, the rule holds below "
+            f"{IMPULSE:g}): their travel and acceleration are on the safe side"
+        )
+    elif sheet.shock.duration > 0.0:
+        notes.append(
+            f"natural frequency x length of the pulse is below {IMPULSE:g} for each: its velocity change alone counts"
+        )
+    if any(found.unrated for found in selection.candidates):
+        notes.append("- is not rated by the vendor: not judged; those parts come last")
+    for value, words in (
+        (sheet.fragility, "--fragility"),
+        (sheet.travel, "--travel"),
+        (sheet.disturbance, "--disturbance-rpm"),
+    ):
+        if value is None:
+            notes.append(f"{words} is not given: not judged")
+    if simulated and "45" in (sheet.loading, sheet.direction):
+        notes.append(
+            "fitted along the axes alone, the parts are 40 to 60 % stiffer at 45 degrees than the vendor states for shock"
+        )
+    if simulated:
+        notes.append(
+            "simulated: isolators fitted from the rows, with tension and damping as assumed for the catalogue; travel from the "
+            "settled position, its share of the rated one from the unloaded position, sag included"
+        )
+    for note in notes:
+        screen.print(f"  {escape(note)}", soft_wrap=True)
+
+
+def _governing(found: Candidate) -> str:
+    verdict = found.governing
+    return "[dim]nothing judged[/]" if verdict is None else verdict.criterion
+
+
+def _margin(value: float) -> str:
+    if not math.isfinite(value):
+        return "[dim]-[/]"
+    style = "bold red" if value < 0.0 else "none"
+    return f"[{style}]{100.0 * value:+.0f}[/]"
+
+
+def _percent(share: float | None) -> str:
+    return "[dim]-[/]" if share is None else f"{100.0 * share:.0f}"
+
+
+def _g(value: float | None) -> float:
+    return math.nan if value is None else value / WORKSHEET_GRAVITY
+
+
+def _words(mode: str) -> str:
+    """Return a mode's name in a sentence."""
+    return {"45": "at 45 degrees", "shear": "in shear or roll"}.get(mode, f"in {mode}")
+
+
+def _positive(text: str, number: str) -> float:
+    try:
+        value = float(number)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise ValueError(
+            f"`--shock`: {number!r} must be a finite number > 0 in {text!r}; write for instance {_EXAMPLES}."
+        )
+    return value

@@ -1,0 +1,70 @@
+"""The options of `wirerope select`."""
+
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+Mode = Literal["compression", "45", "shear", "roll"]
+
+
+def select(
+    *,
+    mass: float,
+    mounts: int,
+    shock: str | None = None,
+    velocity: float | None = None,
+    drop: float | None = None,
+    rebound: float = 0.0,
+    travel: float | None = None,
+    fragility: float | None = None,
+    disturbance_rpm: float | None = None,
+    disturbance_hz: float | None = None,
+    isolation_ratio: float = 3.0,
+    loading: Mode = "compression",
+    direction: Mode | None = None,
+    loops: Annotated[list[int] | None, Parameter(consume_multiple=True, negative=())] = None,
+    all: Annotated[bool, Parameter(negative=())] = False,  # noqa: A002  # the option's name
+    simulate: Annotated[bool, Parameter(negative=())] = False,
+    best: int = 5,
+) -> int:
+    """Choose isolators by the vendors' worksheet: what carries the load and keeps travel, frequency and acceleration.
+
+    Every g here is 9.81 m/s^2, as in the vendors' sheets. A pulse counts by its velocity change. Exits 1 if no part does.
+
+    Args:
+        mass: of the payload [kg], its centre of mass in the middle of the mounts.
+        mounts: how many share it.
+        shock: of the base: "15 g 11 ms half-sine" (or sawtooth, trapezoid), or "2 m/s".
+        velocity: sudden velocity of the base instead [m/s].
+        drop: or height of its fall onto a stop [m].
+        rebound: velocity after the fall over the one before it.
+        travel: room that the payload has to move [mm].
+        fragility: acceleration that the payload stands [g].
+        disturbance_rpm: lowest disturbance that must be isolated [revolutions per minute].
+        disturbance_hz: the same [Hz].
+        isolation_ratio: disturbing over natural frequency.
+        loading: how the weight loads the mounts.
+        direction: how the shock does; as the weight by default.
+        loops: also try the parts with so many loops; load and stiffness in proportion.
+        all: show the parts that do not do as well, with the reasons.
+        simulate: fit the best parts from their rows and put their simulated shock beside the worksheet.
+        best: how many are simulated.
+    """
+    from wirerope_mj.cli.select import g_units, parse_shock, select_command
+    from wirerope_mj.selection import select_isolators
+
+    if disturbance_rpm is not None and disturbance_hz is not None:
+        raise ValueError("give the disturbance as `--disturbance-rpm` or as `--disturbance-hz`, not both.")
+    if disturbance_rpm is not None:
+        disturbance_hz = disturbance_rpm / 60.0
+    if sum(given is not None for given in (shock, velocity, drop)) != 1:
+        raise ValueError('give one shock: `--shock "15 g 11 ms half-sine"`, `--velocity` [m/s] or `--drop` [m].')
+    if best < 1:
+        raise ValueError(f"`--best` must be >= 1, got {best}.")
+    selection = select_isolators(
+        mass=mass, mounts=mounts, pulse=None if shock is None else parse_shock(shock), velocity=velocity, drop=drop,
+        rebound=rebound, travel=None if travel is None else 1e-3 * travel,
+        fragility=None if fragility is None else g_units(fragility), disturbance=disturbance_hz, loading=loading,
+        direction=direction, isolation_ratio=isolation_ratio, loops=loops or (),
+    )  # fmt: skip
+    return select_command(selection, rejected=all, best=best if simulate else 0)
