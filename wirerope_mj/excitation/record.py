@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import re
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,7 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wirerope_mj.errors import RecordError
+from wirerope_mj.errors import RecordWarning
 from wirerope_mj.excitation.checks import (
     Direction,
     as_times,
@@ -21,14 +21,18 @@ from wirerope_mj.excitation.checks import (
     finite,
     nonzero,
     plain_direction,
+    positive,
     unit_vector,
 )
-from wirerope_mj.excitation.motion import BaseMotion, unique_times
+from wirerope_mj.excitation.motion import BaseMotion
 from wirerope_mj.excitation.piecewise import PiecewiseLinear
-from wirerope_mj.excitation.record_file import ACCELERATION_UNITS, TIME_UNITS, Header, read_header, read_numbers
+from wirerope_mj.excitation.record_baseline import BASELINES, take_baseline_off
+from wirerope_mj.excitation.record_checks import doubts_about_motion, doubts_about_reading
+from wirerope_mj.excitation.record_csv import csv_channels, read_csv
+from wirerope_mj.excitation.record_file import ACCELERATION_UNITS
+from wirerope_mj.excitation.record_sampling import even, resampled
+from wirerope_mj.excitation.record_uff import is_uff, read_uff, uff_channels
 from wirerope_mj.units import STANDARD_GRAVITY
-
-_AXIS_COLUMN = re.compile(r"(?:(?:a|acc|acceleration)[ _]?)?([xyz])", re.IGNORECASE)
 
 # A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.
 _SAMPLES_PER_PERIOD = 4
@@ -36,7 +40,7 @@ _SAMPLES_PER_PERIOD = 4
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Record(BaseMotion):
-    """Measured acceleration, linear between its samples and zero before and after; made by `load_record`.
+    """Measured acceleration, linear between evenly spaced samples and zero before and after; made by `load_record`.
 
     Velocity and displacement are its exact integrals from rest. After the record the base coasts at the velocity that
     is left; `baseline` says what was done about it.
@@ -47,8 +51,12 @@ class Record(BaseMotion):
         samples: Acceleration [m/s^2], scaled and baseline-corrected, shape (n, 3).
         channels: Columns and their directions as asked for; None: the columns named x, y and z.
         scale: Factor on the acceleration.
-        baseline: `"none"`, `"mean"` or `"velocity"`.
+        baseline: `"none"`, `"mean"`, `"velocity"` or `"highpass"`.
         start: Instant of the first sample [s].
+        highpass: Cutoff of the high-pass baseline [Hz]; None for the others.
+        resample: Rate that was asked for [Hz]; None: that of the file.
+        gaps: `"refuse"` or `"fill"`.
+        unit: Of the accelerations, in place of what the file says; None: what it says.
     """
 
     kind: ClassVar[str] = "record"
@@ -60,6 +68,10 @@ class Record(BaseMotion):
     scale: float = 1.0
     baseline: str = "none"
     start: float = 0.0
+    highpass: float | None = None
+    resample: float | None = None
+    gaps: str = "refuse"
+    unit: str | None = None
     duration: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -87,15 +99,16 @@ class Record(BaseMotion):
         """Instant of the last sample [s]."""
         return float(self.time[-1])
 
-    @cached_property
+    @property
     def corners(self) -> NDArray[np.float64]:
         """Every sample instant [s], shape (n,): the slope of the acceleration may change at each."""
-        return unique_times(self.time)
+        return self.time
 
     @property
     def description(self) -> str:
         """For instance `record deck.csv, 2.5 s, peak 14.2 g`."""
-        peak = float(np.max(np.linalg.norm(self.samples, axis=1))) / STANDARD_GRAVITY
+        squares = np.einsum("ij,ij->i", self.samples, self.samples)
+        peak = float(np.sqrt(squares.max())) / STANDARD_GRAVITY
         return f"record {self.path.name}, {self.duration:.4g} s, peak {peak:.4g} g"
 
     @property
@@ -105,8 +118,8 @@ class Record(BaseMotion):
 
     @property
     def shortest_time(self) -> float:
-        """Four usual sample intervals [s]."""
-        return _SAMPLES_PER_PERIOD * float(np.median(np.diff(self.time)))
+        """Four sample intervals [s]."""
+        return _SAMPLES_PER_PERIOD * self.duration / (self.time.size - 1)
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -117,7 +130,22 @@ class Record(BaseMotion):
         values: dict[str, Any] = {"path": files.get(self.path, str(self.path))}
         if self.channels is not None:
             values["channels"] = {name: plain_direction(direction) for name, direction in self.channels.items()}
-        return {**values, "scale": self.scale, "baseline": self.baseline, "start": self.start}
+        values |= {"scale": self.scale, "baseline": self.baseline, "start": self.start}
+        if self.gaps != "refuse":
+            values["gaps"] = self.gaps
+        asked = {"highpass": self.highpass, "resample": self.resample, "unit": self.unit}
+        return values | {name: value for name, value in asked.items() if value is not None}
+
+    def as_measured(self) -> Record:
+        """Returns the same record without a baseline correction, read from its file again; its warnings were given."""
+        if self.baseline == "none":
+            return self
+        arguments = {**self.to_dict(), "baseline": "none"}
+        for name in ("kind", "highpass"):
+            arguments.pop(name, None)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RecordWarning)
+            return load_record(**arguments)
 
     @cached_property
     def _piecewise(self) -> PiecewiseLinear:
@@ -131,52 +159,96 @@ def load_record(
     scale: float = 1.0,
     baseline: str = "none",
     start: float = 0.0,
+    highpass: float | None = None,
+    resample: float | None = None,
+    gaps: str = "refuse",
+    unit: str | None = None,
 ) -> Record:
-    """Returns the base motion that a CSV file holds: time in the first column, accelerations in others.
+    """Returns the base motion that a CSV file or a universal file (dataset 58) holds, on up to three axes at once.
 
-    The header names the columns with their units, for instance `time [s], x [g], z [m/s^2]`; cells are separated by
-    commas, semicolons or tabs; lines before the header may begin with #. Sampling need not be uniform.
+    The header of a CSV file names its columns with their units, for instance `time [s], x [g], z [m/s^2]`; time is the first;
+    cells are separated by commas, semicolons or tabs; lines before the header may begin with #. A universal file names a
+    channel by its response node and direction, `12:z` or `12:-x`; its unit is the ordinate's label or that of dataset 164.
+
+    The base moves in straight lines between evenly spaced samples. A record that is sampled unevenly is resampled at its usual
+    interval. What had to be done, and what looks wrong (a pulse that is cut off, a saturated sensor, values in another unit,
+    a drift), is said by a `RecordWarning` with its reason.
 
     Args:
         path: The file.
-        channels: Which column moves the base in which direction, for instance `{"ch3": "z"}`; other columns are not
-            used. None: the columns named x, y, z (or ax, acc_x, acceleration_x, ...).
+        channels: Which channel moves the base in which direction, for instance `{"ch3": "z"}`; others are not used. None: the
+            columns named x, y, z (or ax, acc_x, acceleration_x, ...), or all directions of a universal file of one node.
         scale: Factor on the acceleration.
         baseline: `"none"`: as measured. `"mean"`: the mean of the samples is subtracted from each direction.
-            `"velocity"`: the constant acceleration is subtracted that makes the final velocity zero.
+            `"velocity"`: the constant acceleration is subtracted that makes the final velocity zero. `"highpass"`: what is
+            slower than `highpass` is filtered out, without phase; the final velocity is then small, not zero.
         start: Instant at which the first sample is played [s], whatever the file's own clock says.
+        highpass: Cutoff of the baseline `"highpass"` [Hz], where the filter's gain is one half.
+        resample: Samples per second to play [Hz], through an anti-alias filter; None: those of the file.
+        gaps: `"refuse"`: a record with gaps is an error. `"fill"`: they are filled with straight lines.
+        unit: Of the accelerations, in place of what the file says; for a file that does not say it, or says it wrong.
 
     Raises:
         RecordError: The file does not hold a usable record; the message names the line.
         ValueError: An argument is out of its range.
     """
-    if baseline not in ("none", "mean", "velocity"):
-        raise ValueError(f'`baseline` must be "none", "mean" or "velocity", got {baseline!r}.')
     scale, start = nonzero("scale", scale), finite("start", start)
+    highpass = _checked_cutoff(baseline, highpass)
+    rate = None if resample is None else positive("resample", resample)
+    _one_of("gaps", gaps, ("refuse", "fill"))
+    if unit is not None:
+        _one_of("unit", unit, tuple(ACCELERATION_UNITS))
     wanted = None if channels is None else _checked_channels(channels)
     file = Path(path).absolute()
 
-    header = read_header(file)
-    directions = _axis_columns(header) if wanted is None else _named_columns(header, wanted)
-    columns = [0, *directions]
-    factors = [header.factor(0, TIME_UNITS), *(header.factor(column, ACCELERATION_UNITS) for column in directions)]
-    numbers = read_numbers(header, columns) * factors
-
-    time = start + (numbers[:, 0] - numbers[0, 0])
-    axes = np.array([unit_vector(direction) for direction in directions.values()])
-    samples = _corrected(time, scale * (numbers[:, 1:] @ axes), baseline)
+    reading = even(file, (read_uff if is_uff(file) else read_csv)(file, wanted, unit), gaps=gaps)
+    for doubt in doubts_about_reading(reading):
+        warnings.warn(f"{file}: {doubt}", RecordWarning, stacklevel=2)
+    if rate is not None:
+        reading = resampled(reading, rate)
+    time, samples = reading.time, reading.samples
+    time += start - time[0]
+    samples *= scale
+    if highpass is not None and highpass >= (0.5 - 1e-9) / (time[1] - time[0]):
+        raise ValueError(
+            f"`highpass` must be below half the sampling rate, {0.5 / (time[1] - time[0]):.6g}, got {highpass!r}."
+        )
+    take_baseline_off(time, samples, baseline, highpass)
+    for doubt in doubts_about_motion(time, samples):
+        warnings.warn(f"{file}: {doubt}", RecordWarning, stacklevel=2)
     for array in (time, samples):
         array.flags.writeable = False
-    return Record(path=file, time=time, samples=samples, channels=wanted, scale=scale, baseline=baseline, start=start)
+    return Record(
+        path=file, time=time, samples=samples, channels=wanted, scale=scale, baseline=baseline, start=start,
+        highpass=highpass, resample=rate, gaps=gaps, unit=unit,
+    )  # fmt: skip
 
 
-def _corrected(time: NDArray[np.float64], samples: NDArray[np.float64], baseline: str) -> NDArray[np.float64]:
-    """Returns the samples with the baseline taken off that was asked for."""
-    if baseline == "mean":
-        return samples - samples.mean(axis=0)
-    if baseline == "velocity":
-        return samples - np.trapezoid(samples, time, axis=0) / (time[-1] - time[0])
-    return samples
+def record_channels(path: str | Path) -> tuple[str, ...]:
+    """Returns the names of a record's channels, as `load_record` takes them.
+
+    Raises:
+        RecordError: The file is no record.
+    """
+    file = Path(path).absolute()
+    return uff_channels(file) if is_uff(file) else csv_channels(file)
+
+
+def _one_of(name: str, value: str, known: Sequence[str]) -> None:
+    if value not in known:
+        listed = ", ".join(f'"{item}"' for item in known[:-1])
+        raise ValueError(f'`{name}` must be {listed} or "{known[-1]}", got {value!r}.')
+
+
+def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:
+    _one_of("baseline", baseline, BASELINES)
+    if baseline != "highpass":
+        if highpass is not None:
+            raise ValueError(f'`highpass` is the cutoff of baseline="highpass"; the baseline is {baseline!r}.')
+        return None
+    if highpass is None:
+        raise ValueError('baseline="highpass" needs its cutoff [Hz], for instance highpass=1.0.')
+    return positive("highpass", highpass)
 
 
 def _checked_channels(channels: Mapping[str, str | Sequence[float]]) -> dict[str, Direction]:
@@ -188,37 +260,3 @@ def _checked_channels(channels: Mapping[str, str | Sequence[float]]) -> dict[str
         if len(twins) > 1:
             raise ValueError(f"`channels` gives {name} and {twins[1]} the same direction {direction_text(direction)}.")
     return wanted
-
-
-def _named_columns(header: Header, wanted: Mapping[str, Direction]) -> dict[int, Direction]:
-    """Returns the column numbers of the channels asked for, with their directions."""
-    for name in wanted:
-        found = header.names[1:].count(name)
-        if found != 1:
-            fault = f'there is no column "{name}"' if found == 0 else f'there are {found} columns "{name}"'
-            raise RecordError(
-                f"{header.path}, line {header.line}: {fault}; the columns are {', '.join(header.names[1:])}."
-            )
-    return {header.names.index(name, 1): direction for name, direction in wanted.items()}
-
-
-def _axis_columns(header: Header) -> dict[int, Direction]:
-    """Returns the numbers of the columns that are named after an axis, with their directions."""
-    found: dict[int, Direction] = {}
-    for column, name in enumerate(header.names[1:], start=1):
-        match = _AXIS_COLUMN.fullmatch(name)
-        if not match:
-            continue
-        if match[1].lower() in found.values():
-            raise RecordError(
-                f'{header.path}, line {header.line}: "{name}" is a second column for direction {match[1].lower()}. '
-                "Choose with `channels`."
-            )
-        found[column] = match[1].lower()
-    if not found:
-        raise RecordError(
-            f"{header.path}, line {header.line}: no column is named x, y or z; the columns are "
-            f"{', '.join(header.names)}. Name one with `channels`, for instance "
-            f'{{"{header.names[-1] if len(header.names) > 1 else "ch1"}": "z"}}.'
-        )
-    return found

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,8 +25,16 @@ ACCELERATION_UNITS = {
     "g": STANDARD_GRAVITY,
     "mm/s^2": 1e-3,
     "mm/s2": 1e-3,
+    "cm/s^2": 1e-2,
+    "cm/s2": 1e-2,
+    "gal": 1e-2,
+    "in/s^2": 0.0254,
+    "ft/s^2": 0.3048,
 }
 """Known units of acceleration and what one of them is in m/s^2."""
+
+_BLOCK = 50_000
+"""Rows that are read at once: a record may be longer than what fits into memory several times over."""
 
 
 @dataclass(frozen=True)
@@ -100,35 +108,33 @@ def _time_first(header: Header) -> Header:
     return header
 
 
-def read_numbers(header: Header, columns: Sequence[int]) -> NDArray[np.float64]:
-    """Returns the columns' numbers, shape (n_t, n_columns); the first of them is time.
+def read_blocks(header: Header, columns: Sequence[int]) -> Iterator[NDArray[np.float64]]:
+    """Yields the columns' numbers block by block, shape (n, n_columns); the first of them is time.
 
     Raises:
-        RecordError: A row is short, no number or not finite, times do not increase, or there are fewer than two rows.
+        RecordError: A row is short, no number or not finite.
     """
-    try:
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", "loadtxt: input contained no data")
-            numbers = np.loadtxt(
-                header.path,
-                delimiter=header.delimiter,
-                comments=None,
-                skiprows=header.line,
-                usecols=columns,
-                ndmin=2,
-                encoding="latin-1",  # numbers are ASCII, and comments of any encoding are skipped without an error
-            )
-    except ValueError as error:
-        _name_bad_line(header, columns)
-        raise RecordError(f"{header.path}: the rows cannot be read as numbers ({error}).") from None
-    if len(numbers) < 2:
-        raise RecordError(f"{header.path}: a record needs at least 2 rows of numbers, this one has {len(numbers)}.")
-    if not np.all(np.isfinite(numbers)) or np.any(np.diff(numbers[:, 0]) <= 0):
-        _name_bad_line(header, columns)
-    return numbers
+    with header.path.open(encoding="latin-1") as file:  # numbers are ASCII; comments of any encoding are skipped
+        for _ in range(header.line):
+            file.readline()
+        while True:
+            try:
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore", UserWarning)  # empty lines, and no line at all at the end
+                    block = np.loadtxt(
+                        file, delimiter=header.delimiter, comments=None, usecols=columns, ndmin=2, max_rows=_BLOCK
+                    )
+            except ValueError as error:
+                name_bad_line(header, columns)
+                raise RecordError(f"{header.path}: the rows cannot be read as numbers ({error}).") from None
+            if not len(block):
+                return
+            if not np.all(np.isfinite(block)):
+                name_bad_line(header, columns)
+            yield block
 
 
-def _name_bad_line(header: Header, columns: Sequence[int]) -> None:
+def name_bad_line(header: Header, columns: Sequence[int]) -> None:
     """Raises a RecordError that names the first line that cannot belong to a record."""
     before = -math.inf
     with header.path.open(encoding="utf-8-sig", errors="replace") as lines:

@@ -1,0 +1,100 @@
+"""A measured record from a CSV file: which columns are meant, and their numbers on the three axes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from wirerope_mj.errors import RecordError
+from wirerope_mj.excitation.checks import Direction
+from wirerope_mj.excitation.record_file import (
+    ACCELERATION_UNITS,
+    TIME_UNITS,
+    Header,
+    name_bad_line,
+    read_blocks,
+    read_header,
+)
+from wirerope_mj.excitation.record_reading import Reading, axes_of
+
+_AXIS_COLUMN = re.compile(r"(?:(?:a|acc|acceleration)[ _]?)?([xyz])", re.IGNORECASE)
+
+
+def csv_channels(path: Path) -> tuple[str, ...]:
+    """Returns the names of all columns but the time."""
+    return read_header(path).names[1:]
+
+
+def read_csv(path: Path, channels: Mapping[str, Direction] | None, unit: str | None) -> Reading:
+    """Returns what the columns of a CSV file hold.
+
+    Args:
+        path: The file.
+        channels: Columns and their directions; None: the columns named x, y and z.
+        unit: Of the accelerations, in place of what the header says; None: the header's.
+    """
+    header = read_header(path)
+    directions = _axis_columns(header) if channels is None else _named_columns(header, channels)
+    columns, axes = [0, *directions], axes_of(directions.values())
+    time_factor = header.factor(0, TIME_UNITS)
+    units = [unit if unit is not None else _unit(header, column) for column in directions]
+    factors = np.array([ACCELERATION_UNITS[name] for name in units])
+
+    blocks = []
+    for numbers in read_blocks(header, columns):
+        samples = np.matmul(numbers[:, 1:] * factors, axes)
+        blocks.append((numbers[:, 0] * time_factor, samples))
+    size = sum(len(times) for times, _ in blocks)
+    if size < 2:
+        raise RecordError(f"{path}: a record needs at least 2 rows of numbers, this one has {size}.")
+    time, samples = np.empty(size), np.empty((size, 3))
+    filled = 0
+    while blocks:  # a block is given back as soon as it is copied: a long record stands in memory once
+        times, values = blocks.pop(0)
+        time[filled : filled + len(times)], samples[filled : filled + len(times)] = times, values
+        filled += len(times)
+    if np.any(time[1:] <= time[:-1]):
+        name_bad_line(header, columns)
+    return Reading(time=time, samples=samples, units=tuple(dict.fromkeys(units)))
+
+
+def _unit(header: Header, column: int) -> str:
+    header.factor(column, ACCELERATION_UNITS)
+    return str(header.units[column])
+
+
+def _named_columns(header: Header, wanted: Mapping[str, Direction]) -> dict[int, Direction]:
+    """Returns the column numbers of the channels asked for, with their directions."""
+    for name in wanted:
+        found = header.names[1:].count(name)
+        if found != 1:
+            fault = f'there is no column "{name}"' if found == 0 else f'there are {found} columns "{name}"'
+            raise RecordError(
+                f"{header.path}, line {header.line}: {fault}; the columns are {', '.join(header.names[1:])}."
+            )
+    return {header.names.index(name, 1): direction for name, direction in wanted.items()}
+
+
+def _axis_columns(header: Header) -> dict[int, Direction]:
+    """Returns the numbers of the columns that are named after an axis, with their directions."""
+    found: dict[int, Direction] = {}
+    for column, name in enumerate(header.names[1:], start=1):
+        match = _AXIS_COLUMN.fullmatch(name)
+        if not match:
+            continue
+        if match[1].lower() in found.values():
+            raise RecordError(
+                f'{header.path}, line {header.line}: "{name}" is a second column for direction {match[1].lower()}. '
+                "Choose with `channels`."
+            )
+        found[column] = match[1].lower()
+    if not found:
+        raise RecordError(
+            f"{header.path}, line {header.line}: no column is named x, y or z; the columns are "
+            f"{', '.join(header.names)}. Name one with `channels`, for instance "
+            f'{{"{header.names[-1] if len(header.names) > 1 else "ch1"}": "z"}}.'
+        )
+    return found

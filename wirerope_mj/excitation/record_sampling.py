@@ -1,0 +1,145 @@
+"""Equal intervals for a measured record: small jitter, gaps, uneven sampling, and another rate on request."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirerope_mj.errors import RecordError, RecordWarning
+from wirerope_mj.excitation.record_reading import Reading
+
+_ROUNDED = 1e-3
+"""Share of an interval by which an instant may be off without further reason: far below what a clock's jitter does."""
+
+_COARSE = 1 / 3
+"""The same for instants that are printed with few digits: with fewer still the sampling cannot be told from uneven one."""
+
+_REGULAR = 0.9
+"""Share of equal intervals from which on the others are gaps in an even sampling."""
+
+_GAP = 1.5
+"""Usual intervals from which on a longer one is a gap."""
+
+_FINEST = 8
+"""Instants per usual interval at which an uneven record is interpolated, at most, before the filter."""
+
+_STOP_DB, _PASS = 80.0, 0.8
+"""Anti-alias filter: attenuation from the Nyquist frequency up, and share of it up to which all passes."""
+
+_LARGEST_FACTOR = 10_000
+"""Of a change of rate, as a fraction: the filter has some fifty taps for each."""
+
+
+def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
+    """Returns the record at equal intervals; a RecordWarning says what had to be done for it.
+
+    Args:
+        path: Of the file, for messages.
+        reading: As measured.
+        gaps: `"refuse"`: a gap is an error. `"fill"`: it is filled with a straight line.
+
+    Raises:
+        RecordError: There is a gap.
+    """
+    time = reading.time
+    step = float(time[-1] - time[0]) / (time.size - 1)
+    even_time = time[0] + step * np.arange(time.size)
+    allowed = max(_ROUNDED * step, _printed(time, step))
+    if float(np.max(np.abs(time - even_time))) <= allowed:
+        return replace(reading, time=even_time)
+    intervals = np.diff(time)
+    usual = float(np.quantile(intervals, 0.5, method="lower"))
+    regular = np.abs(intervals - usual) <= max(_ROUNDED * usual, 2.0 * _printed(time, usual))
+    if np.mean(regular) >= _REGULAR and np.all(intervals[~regular] >= _GAP * usual):
+        return _without_gaps(path, reading, np.flatnonzero(~regular), usual, fill=gaps == "fill")
+    warnings.warn(
+        f"{path}: the sampling is not uniform, its intervals lie between {intervals.min():.4g} and {intervals.max():.4g} s; "
+        f"resampled at the usual interval, {usual:.6g} s.",
+        RecordWarning,
+        stacklevel=3,
+    )
+    return _evened(reading, usual, float(intervals.min()))
+
+
+def resampled(reading: Reading, rate: float) -> Reading:
+    """Returns an evenly sampled record at another rate [Hz], through a zero-phase anti-alias filter.
+
+    The filter (a Kaiser window, applied in polyphase form) passes what lies below 0.8 of the lower of the two Nyquist
+    frequencies to 1e-4 and attenuates what lies above it by 80 dB.
+
+    Raises:
+        ValueError: The two rates are no fraction of whole numbers up to 10 000.
+    """
+    step = float(reading.time[1] - reading.time[0])
+    ratio = Fraction(rate * step).limit_denominator(_LARGEST_FACTOR)
+    if ratio.numerator == 0 or ratio.numerator > _LARGEST_FACTOR or abs(float(ratio) / (rate * step) - 1.0) > 1e-6:
+        raise ValueError(
+            f"`resample` must be a simple fraction of the record's {1.0 / step:.9g} Hz, such as "
+            f"{0.5 / step:.9g}, got {rate!r}."
+        )
+    if ratio == 1:
+        return reading
+    samples = _filtered(reading.samples, ratio.numerator, ratio.denominator)
+    time = reading.time[0] + step / float(ratio) * np.arange(len(samples))
+    inside = time <= reading.time[-1] + 1e-9 * step
+    return replace(reading, time=time[inside], samples=samples[inside])
+
+
+def _filtered(samples: NDArray[np.float64], up: int, down: int) -> NDArray[np.float64]:
+    from scipy.signal import firwin, kaiserord, resample_poly
+
+    most = max(up, down)
+    taps, beta = kaiserord(_STOP_DB, (1.0 - _PASS) / most)
+    window = firwin(taps | 1, (1.0 + _PASS) / 2.0 / most, window=("kaiser", beta))
+    # The straight line between the ends is taken off before and put back: a step there would ring.
+    columns = [resample_poly(column, up, down, window=window, padtype="line") for column in samples.T]
+    return np.column_stack(columns)
+
+
+def _printed(time: NDArray[np.float64], step: float) -> float:
+    """Returns the last decimal place of the instants [s], as far as the first thousand show it; 0 if it explains nothing."""
+    first = time[:1000] - time[0]
+    for places in range(10):
+        scaled = first * 10.0**places
+        if np.all(np.abs(scaled - np.round(scaled)) < 1e-3):
+            return float(10.0**-places) if 10.0**-places <= _COARSE * step else 0.0
+    return 0.0
+
+
+def _without_gaps(path: Path, reading: Reading, gaps: NDArray[np.intp], usual: float, *, fill: bool) -> Reading:
+    """Returns the record with straight lines in its gaps, or raises RecordError."""
+    time = reading.time
+    places = [f"{time[gap]:.6g} to {time[gap + 1]:.6g} s" for gap in gaps[:3]] + ["..."] * (gaps.size > 3)
+    missing = sum(round(float(time[gap + 1] - time[gap]) / usual) - 1 for gap in gaps)
+    words = f"{gaps.size} {'gap' if gaps.size == 1 else 'gaps'} ({', '.join(places)}) of {missing} samples in all"
+    if not fill:
+        raise RecordError(
+            f"{path}: the record has {words}, where others are {usual:.6g} s apart. Nobody knows how the base moved there: "
+            'use what lies before or behind, or have them filled with straight lines, gaps="fill" (--gaps fill).'
+        )
+    warnings.warn(f"{path}: {words} filled with straight lines.", RecordWarning, stacklevel=4)
+    count = round(float(time[-1] - time[0]) / usual) + 1
+    return _at(reading, np.linspace(time[0], time[-1], count))
+
+
+def _evened(reading: Reading, usual: float, shortest: float) -> Reading:
+    """Returns an uneven record at its usual interval: straight lines, finer where samples are dense, then the filter."""
+    time = reading.time
+    fine = int(np.clip(np.ceil(usual / shortest), 1, _FINEST))
+    count = int(np.floor(float(time[-1] - time[0]) / usual * (1.0 + 1e-9))) + 1
+    if count < 2:
+        count = 2
+    finely = _at(reading, time[0] + usual / fine * np.arange((count - 1) * fine + 1))
+    if fine == 1:
+        return finely
+    return replace(reading, time=finely.time[::fine], samples=_filtered(finely.samples, 1, fine))
+
+
+def _at(reading: Reading, time: NDArray[np.float64]) -> Reading:
+    columns = [np.interp(time, reading.time, column) for column in reading.samples.T]
+    return replace(reading, time=time, samples=np.column_stack(columns))
