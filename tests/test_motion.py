@@ -9,13 +9,19 @@ import pytest
 
 from wirerope_mj.errors import ModelError, RecordError
 from wirerope_mj.excitation import (
+    DecayingSine,
+    DoubleHalfSine,
+    DoubleTriangle,
     HalfSine,
+    RandomVibration,
     Sawtooth,
+    ShockTableImpact,
     Sine,
     SumOfMotions,
     Sweep,
     Trapezoid,
     VelocityStep,
+    VibrationLines,
     load_record,
     motion_from_dict,
 )
@@ -37,6 +43,28 @@ MOTIONS = {
     "slow sweep": Sweep(start=5.0, stop=5.2, rate=1.0, acceleration=2.0, direction="x"),
     "fast sweep up": Sweep(start=0.3, stop=4.0, rate=60.0, acceleration=2.0, direction="x"),
     "fast sweep down": Sweep(start=8.0, stop=0.2, rate=150.0, acceleration=2.0, direction="x"),
+    "double half-sine": DoubleHalfSine(peak=600.0, velocity=2.25, displacement=0.0525, direction="z", start=0.03),
+    "double triangle": DoubleTriangle(peak=-600.0, velocity=-2.25, displacement=-0.0525, direction=(1, 0, 2), r2=0.6),
+    "double triangle that begins with a jump": DoubleTriangle(
+        peak=600.0, velocity=2.25, displacement=0.0525, direction="x", r1=0.0, r2=1.0, start=0.1
+    ),
+    "table that stops at once": ShockTableImpact(drop_height=0.5, rebound=0.3, start=0.02),
+    "table on a programmer": ShockTableImpact(drop_height=0.5, rebound=0.3, pulse_duration=0.008, direction="x"),
+    "table that falls first": ShockTableImpact(
+        drop_height=0.1, rebound=0.3, pulse_duration=0.02, fall=True, start=0.05
+    ),
+    "struck deck": DecayingSine(frequency=14.0, damping=0.05, velocity=-2.0, direction="z", start=0.1),
+    "deck under a blow": DecayingSine(
+        frequency=8.0, damping=0.1, acceleration=90.0, direction="y", impact_duration=0.02
+    ),
+    "endless lines": VibrationLines(velocity=[(5.0, 0.01), (12.0, 0.004)], direction="z", phases=[0.3, -1.0]),
+    "endless lines that rise": VibrationLines(acceleration=[(6.0, 1.0), (7.0, 2.0)], direction="z", seed=3, rise=0.4),
+    "lines of a while": VibrationLines(
+        displacement=[(8.0, 1e-3)], direction=(1, 1, 0), duration=1.1, fall=0.2, start=0.2
+    ),
+    "random": RandomVibration(
+        psd=[(5.0, 1.0), (20.0, 3.0), (40.0, 0.5)], duration=2.0, seed=7, direction="x", start=0.1
+    ),
     "record": load_record(DATA / "deck_shock.csv", channels={"ax": "x", "ch3": (0.0, 1.0, 1.0)}, start=0.3),
 }
 MOTIONS["sum"] = MOTIONS["half-sine"] + MOTIONS["sawtooth"] + MOTIONS["velocity step"] + MOTIONS["record"]
@@ -130,7 +158,7 @@ def test_stored_parameters_are_values_that_toml_knows(motion):
             for item in value:
                 check(item)
         else:
-            assert type(value) in (str, float)
+            assert type(value) in (str, float, int, bool)
 
     check(motion.to_dict())
 

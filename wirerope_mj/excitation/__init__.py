@@ -1,21 +1,40 @@
-"""Base motion: pulses, steps, sines, sweeps and measured records; motions add with +."""
+"""Base motion: shocks, sines, sweeps, random vibration and measured records; motions add with +."""
 
+from wirerope_mj.excitation.decaying import DecayingSine
+from wirerope_mj.excitation.design_spectrum import DesignSpectrum
+from wirerope_mj.excitation.double_half_sine import DoubleHalfSine
+from wirerope_mj.excitation.double_triangle import DoubleTriangle
 from wirerope_mj.excitation.harmonic import Sine, Sweep
 from wirerope_mj.excitation.motion import BaseMotion, SumOfMotions
+from wirerope_mj.excitation.psd_lines import psd_from_g, psd_level, psd_rms
 from wirerope_mj.excitation.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
+from wirerope_mj.excitation.random_vibration import RandomVibration
 from wirerope_mj.excitation.record import Record, load_record
 from wirerope_mj.excitation.restore import motion_from_dict
+from wirerope_mj.excitation.table_shock import ShockTableImpact
+from wirerope_mj.excitation.vibration_lines import VibrationLines, banded_lines
 
 __all__ = [
     "BaseMotion",
+    "DecayingSine",
+    "DesignSpectrum",
+    "DoubleHalfSine",
+    "DoubleTriangle",
     "HalfSine",
+    "RandomVibration",
     "Record",
     "Sawtooth",
+    "ShockTableImpact",
     "Sine",
     "SumOfMotions",
     "Sweep",
     "Trapezoid",
     "VelocityStep",
+    "VibrationLines",
+    "banded_lines",
     "load_record",
     "motion_from_dict",
+    "psd_from_g",
+    "psd_level",
+    "psd_rms",
 ]

@@ -91,3 +91,10 @@ def at_least_one(name: str, value: int) -> int:
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
         raise ValueError(f"`{name}` must be a whole number >= 1, got {value!r}.")
     return int(value)
+
+
+def checked_seed(seed: int) -> int:
+    """Returns a whole number >= 0, as a plain int; anything else is a ValueError."""
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise ValueError(f"`seed` must be a whole number >= 0, got {seed!r}.")
+    return int(seed)

@@ -8,10 +8,16 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import ModelError
+from wirerope_mj.excitation.decaying import DecayingSine
+from wirerope_mj.excitation.double_half_sine import DoubleHalfSine
+from wirerope_mj.excitation.double_triangle import DoubleTriangle
 from wirerope_mj.excitation.harmonic import Sine, Sweep
 from wirerope_mj.excitation.motion import BaseMotion, SumOfMotions
 from wirerope_mj.excitation.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
+from wirerope_mj.excitation.random_vibration import RandomVibration
 from wirerope_mj.excitation.record import Record, load_record
+from wirerope_mj.excitation.table_shock import ShockTableImpact
+from wirerope_mj.excitation.vibration_lines import VibrationLines
 
 _MAKERS: dict[str, Callable[..., BaseMotion]] = {
     HalfSine.kind: HalfSine,
@@ -20,6 +26,12 @@ _MAKERS: dict[str, Callable[..., BaseMotion]] = {
     VelocityStep.kind: VelocityStep,
     Sine.kind: Sine,
     Sweep.kind: Sweep,
+    DoubleHalfSine.kind: DoubleHalfSine,
+    DoubleTriangle.kind: DoubleTriangle,
+    ShockTableImpact.kind: ShockTableImpact,
+    DecayingSine.kind: DecayingSine,
+    VibrationLines.kind: VibrationLines,
+    RandomVibration.kind: RandomVibration,
     Record.kind: load_record,
 }
 

@@ -1,0 +1,56 @@
+"""Power spectral densities given by points: levels, exact integrals, and the published shapes."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from wirerope_mj.excitation import psd_from_g, psd_level, psd_rms
+from wirerope_mj.excitation.psd_lines import psd_power
+
+G = 9.80665
+MINIMUM_INTEGRITY = [(20, 0.04), (1000, 0.04), (2000, 0.01)]  # MIL-STD-810H 514.8: -6 dB/octave from 1000 to 2000 Hz
+NAVMAT = [(20, 0.01), (80, 0.04), (350, 0.04), (2000, 0.007)]  # NAVMAT P-9492
+
+
+@pytest.mark.parametrize(("shape", "rms"), [(MINIMUM_INTEGRITY, 7.69), (NAVMAT, 6.06)], ids=["810H", "NAVMAT"])
+def test_published_shapes_have_their_published_rms(shape, rms):
+    assert psd_rms(shape) == pytest.approx(rms, abs=0.005)  # g, as printed
+    assert psd_rms(psd_from_g(shape)) == pytest.approx(G * psd_rms(shape), rel=1e-14)
+
+
+@pytest.mark.parametrize("slope", [-3.0, -1.0, -1.0 + 1e-9, 0.0, 2.5])
+def test_the_integral_is_exact_for_every_slope(slope):
+    shape = [(10.0, 2.0), (90.0, 2.0 * 9.0**slope)]
+    low, high = psd_power(shape, [30.0, 70.0])
+    numerical, _ = quad(lambda f: 2.0 * (f / 10.0) ** slope, 30.0, 70.0, epsabs=0, epsrel=1e-13)
+    # The slope itself is only known to 1e-16/ln 9 from the points; the quadrature was asked for 1e-13.
+    assert high - low == pytest.approx(numerical, rel=1e-12)
+
+
+def test_levels_are_straight_on_logarithmic_axes_and_zero_outside():
+    levels = psd_level(MINIMUM_INTEGRITY, [19.9, 20.0, 500.0, 1000.0, math.sqrt(2) * 1000.0, 2000.0, 2000.1])
+    np.testing.assert_allclose(levels, [0.0, 0.04, 0.04, 0.04, 0.02, 0.01, 0.0], rtol=1e-13)
+    total = psd_power(MINIMUM_INTEGRITY, [0.0, 20.0, 1000.0, 2000.0, 9999.0])
+    # 0.04 * 980, and 0.04 * 1000^2 (1/1000 - 1/2000) = 20 for the slope -2
+    np.testing.assert_allclose(total, [0.0, 0.0, 39.2, 59.2, 59.2], rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [
+        ([(20, 0.04), (10, 0.04)], "frequencies of `psd` must increase, got 10 Hz after 20 Hz, as point 2"),
+        ([(20, 0.04), (20, 0.01)], "frequencies of `psd` must increase"),
+        ([(20, 0.04), (30, 0.0)], "`psd`, point 2: `level` must be > 0, got 0.0"),
+        ([(20, -0.04), (30, 1.0)], "`psd`, point 1: `level` must be > 0, got -0.04"),
+        ([(0, 0.04), (30, 1.0)], "`psd`, point 1: `frequency` must be > 0, got 0.0"),
+        ([(20, math.nan), (30, 1.0)], "`psd`, point 1: `level` must be a finite number, got nan"),
+        ([(20, 0.04)], "`psd` must have at least 2 points, got 1"),
+        ([20, 0.04], "`psd` must be pairs of frequency .* got 20 as point 1"),
+        ([(20, 0.04, 1), (30, 1)], "`psd` must be pairs"),
+    ],
+)
+def test_points_that_are_no_density_are_refused(points, message):
+    with pytest.raises(ValueError, match=message):
+        psd_rms(points)

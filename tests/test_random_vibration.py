@@ -1,0 +1,176 @@
+"""Random vibration: the density, the rms and the distribution that were asked for, from rest to rest."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.signal import csd, welch
+
+from wirerope_mj.excitation import RandomVibration, motion_from_dict, psd_from_g, psd_level, psd_rms
+from wirerope_mj.excitation.random_phases import random_phases
+from wirerope_mj.excitation.spline import UniformSpline
+
+G = 9.80665
+SHAPE = ((20.0, 0.5), (60.0, 2.0), (120.0, 2.0), (200.0, 0.3))
+LENGTH = 120.0
+RATE = 8 * 8 * 200.0  # eight samples between knots, so that the images of the straight lines are not folded back
+SAMPLES = 2048 * 8  # of a segment: lines of 0.78 Hz
+MOTION = RandomVibration(psd=SHAPE, duration=LENGTH, seed=1, direction="z", rise=1.0, fall=1.0)
+
+
+def stationary(motion=MOTION):
+    first, last = motion.steady
+    return motion.acceleration(np.arange(math.ceil(first * RATE), math.floor(last * RATE)) / RATE)[:, 2]
+
+
+@pytest.fixture(scope="module")
+def history():
+    return stationary()
+
+
+def test_the_density_is_that_asked_for_within_the_statistical_error(history):
+    frequency, density = welch(history, RATE, nperseg=SAMPLES, noverlap=0)
+    segments = history.size // SAMPLES
+    # Two lines (the window's own width) from the ends of the band, where the window looks past them.
+    inside = (frequency > 20.0 + 2.5 * RATE / SAMPLES) & (frequency < 200.0 - 2.5 * RATE / SAMPLES)
+    ratio = density[inside] / psd_level(SHAPE, frequency[inside])
+    error = 1 / math.sqrt(segments)  # standard error of an estimate from so many independent segments
+    assert segments > 80
+    assert np.abs(ratio - 1).max() < 4.5 * error  # about 220 lines: one in 600 such tests would exceed this by chance
+    # Lines a window apart are independent: about 2/3 of their number for Hann. A wrong factor of the interpolation, up
+    # to 5 % in amplitude at the upper end, would show in the upper half alone.
+    for half in np.array_split(ratio, 2):
+        assert half.mean() == pytest.approx(1.0, abs=4 * error / math.sqrt(2 / 3 * half.size))
+
+
+def test_nothing_is_outside_the_band_but_the_images_of_the_straight_lines(history):
+    frequency, density = welch(history, RATE, nperseg=SAMPLES)
+    total = np.sum(density)
+    below, above = frequency < 17.0, (frequency > 203.0)
+    assert density[below].sum() < 1e-5 * total  # what the Hann window lets through four lines away
+    assert density[above].sum() < 4e-4 * total  # (1/7)^4 of the power at the highest frequency, less below
+    assert density[(frequency > 203.0) & (frequency < 1390.0)].sum() < 1e-5 * total  # images begin at 1600 - 200 Hz
+
+
+def test_the_rms_is_the_root_of_the_integral(history):
+    assert MOTION.rms == psd_rms(SHAPE)
+    # The period of the noise is rms exactly; of it the rises take 2 in 120 s. Statistical error of that remainder: 1/(2
+    # sqrt(B T)) = 0.4 % for B = 130 Hz and the whole length would be an upper limit.
+    assert history.std() == pytest.approx(MOTION.rms, rel=4e-3)
+    assert abs(history.mean()) < 1e-3 * MOTION.rms
+
+
+def test_the_values_are_gaussian(history):
+    scaled = history / history.std()
+    independent = 2 * 130 * LENGTH  # values, twice bandwidth times length
+    assert np.mean(scaled**3) == pytest.approx(0.0, abs=4 * math.sqrt(15 / independent))
+    assert np.mean(scaled**4) == pytest.approx(3.0, abs=4 * math.sqrt(96 / independent))
+    assert np.mean(np.abs(scaled) > 3) == pytest.approx(0.0027, abs=4 * math.sqrt(0.0027 / independent))
+
+
+def test_the_base_is_at_rest_before_and_after_and_does_not_drift():
+    outside = [-1.0, 0.0, LENGTH, LENGTH + 100.0]
+    for function in (MOTION.acceleration, MOTION.velocity, MOTION.displacement):
+        np.testing.assert_array_equal(function(outside), np.zeros((4, 3)))
+    time = np.linspace(0.0, LENGTH, 240_001)
+    # The largest of 120 s of Gaussian noise is below six rms values; rms of v and x from the density over w^2 and w^4.
+    omega = 2 * np.pi * np.geomspace(20.0, 200.0, 20_001)
+    levels = psd_level(SHAPE, omega / (2 * np.pi))
+    for function, power in ((MOTION.velocity, 2), (MOTION.displacement, 4)):
+        rms = math.sqrt(np.trapezoid(levels / omega**power, omega / (2 * np.pi)))
+        values = function(time)[:, 2]
+        assert np.abs(values).max() < 6 * rms
+        middle = values[(time > 1.0) & (time < LENGTH - 1.0)]
+        assert middle.std() == pytest.approx(rms, rel=0.02)  # half the bandwidth of the acceleration, so 4 x 0.4 %
+        assert abs(middle.mean()) < 0.01 * rms
+
+
+def test_rise_and_fall_are_smooth():
+    motion = RandomVibration(psd=SHAPE, duration=10.0, seed=4, direction="x", rise=2.0, fall=3.0)
+    time = np.linspace(0.0, 10.0, 20_001)
+    values = np.abs(motion.acceleration(time)[:, 0])
+    assert values[time < 0.1].max() < 0.01 * motion.rms  # s^3 10 = 0.00125 of up to five rms
+    assert values[time > 9.9].max() < 0.01 * motion.rms
+    assert values[(time > 0.9) & (time < 1.1)].max() < 0.7 * 5 * motion.rms
+    assert motion.steady == (2.0, 7.0)
+
+
+def test_the_seed_chooses_the_motion_and_nothing_else():
+    again = RandomVibration(psd=SHAPE, duration=LENGTH, seed=1, direction="z", rise=1.0, fall=1.0)
+    time = np.linspace(10.0, 11.0, 1001)
+    assert again.displacement(time).tobytes() == MOTION.displacement(time).tobytes()
+    assert motion_from_dict(MOTION.to_dict()).acceleration(time).tobytes() == MOTION.acceleration(time).tobytes()
+    other = RandomVibration(psd=SHAPE, duration=LENGTH, seed=2, direction="z", rise=1.0, fall=1.0)
+    assert np.abs(other.acceleration(time) - MOTION.acceleration(time)).max() > MOTION.rms
+
+
+def test_the_stream_of_phases_is_fixed():
+    # The first numbers of PCG64 with seed 0, published with NumPy's own stream tests: random() gives raw >> 11 over 2^53.
+    expected = 2 * np.pi * np.array([0.6369616873214543, 0.2697867137638703, 0.04097352393619469])
+    np.testing.assert_allclose(random_phases(0, 3), expected, rtol=1e-15)
+
+
+def test_axes_with_seeds_of_their_own_are_independent(history):
+    other = stationary(RandomVibration(psd=SHAPE, duration=LENGTH, seed=2, direction="z", rise=1.0, fall=1.0))
+    frequency, cross = csd(history, other, RATE, nperseg=SAMPLES, noverlap=0)
+    inside = (frequency > 24.0) & (frequency < 196.0)
+    coherence = np.abs(cross[inside]) ** 2 / psd_level(SHAPE, frequency[inside]) ** 2
+    segments = history.size // SAMPLES
+    # Of independent signals it is exponentially distributed about 1/segments; one in e^12 = 160 000 exceeds 12 times that,
+    # and the mean over 220 lines is within 4/sqrt(220) of it.
+    assert coherence.max() < 12 / segments
+    assert coherence.mean() == pytest.approx(1 / segments, rel=4 / math.sqrt(2 / 3 * 220))
+
+
+def test_axes_add():
+    x = RandomVibration(psd=SHAPE, duration=5.0, seed=1, direction="x")
+    z = RandomVibration(psd=SHAPE, duration=5.0, seed=2, direction="z")
+    time = np.linspace(0.0, 5.0, 501)
+    np.testing.assert_array_equal((x + z).acceleration(time), x.acceleration(time) + z.acceleration(time))
+    np.testing.assert_array_equal((x + z).directions, [[1, 0, 0], [0, 0, 1]])
+
+
+def test_the_spline_is_the_b_spline():
+    spline = UniformSpline(2.0, 0.5, np.array([0.0, 0.0, 6.0, 0.0, 0.0]))
+    knots = 2.0 + 0.5 * np.arange(5)
+    np.testing.assert_allclose(spline.displacement(knots), [0, 1, 4, 1, 0], rtol=1e-15)
+    np.testing.assert_allclose(spline.velocity(knots), [0, 6, 0, -6, 0], rtol=1e-15)
+    np.testing.assert_allclose(spline.acceleration(knots), [0, 24, -48, 24, 0], rtol=1e-15)
+    np.testing.assert_allclose(spline.displacement(np.array([2.75, 3.25])), [23 / 8, 23 / 8], rtol=1e-15)
+
+
+def test_ten_minutes_to_two_thousand_hertz_keep_one_number_a_knot():
+    motion = RandomVibration(
+        psd=psd_from_g([(20, 0.04), (1000, 0.04), (2000, 0.01)]), duration=600.0, seed=1, direction="z"
+    )
+    knots = 600 * 2000 * 8 + 1
+    assert motion.corners.size == knots
+    assert motion._spline._c.size == knots + 2
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"psd": [(20, 1.0), (10, 1.0)]}, "frequencies of `psd` must increase"),
+        ({"psd": [(20, 1.0), (40, -1.0)]}, "`psd`, point 2: `level` must be > 0, got -1.0"),
+        ({"duration": 0.0}, "`duration` must be > 0"),
+        ({"duration": 0.09}, r"`duration` must leave room for rise and fall, 0.05 s and 0.05 s, got 0.09"),
+        ({"rise": 0.01}, r"`rise` must be at least one period of the lowest frequency, 0.05 s.*got 0.01"),
+        ({"fall": -1.0}, "`fall` must be > 0, got -1.0"),
+        ({"seed": -1}, "`seed` must be a whole number >= 0, got -1"),
+        ({"seed": 1.5}, "`seed` must be a whole number >= 0, got 1.5"),
+        ({"seed": True}, "`seed` must be a whole number >= 0, got True"),
+    ],
+)
+def test_arguments_out_of_range_are_refused(change, message):
+    with pytest.raises(ValueError, match=message):
+        RandomVibration(**{"psd": SHAPE, "duration": 10.0, "seed": 0, "direction": "z", **change})
+
+
+def test_descriptions_and_events_are_for_people():
+    motion = RandomVibration(
+        psd=psd_from_g([(20, 0.04), (1000, 0.04), (2000, 0.01)]), duration=60.0, seed=3, direction="z"
+    )
+    assert motion.description == "random 20 to 2000 Hz, 7.694 g rms, 60 s, seed 3 along z"
+    assert [time for time, _ in motion.events] == [0.0, 0.5, 59.5, 60.0]  # ten periods of 20 Hz
+    assert motion.shortest_time == 1 / 2000
