@@ -4,3 +4,8 @@ from wirerope_mj.statics.find import equilibrium as equilibrium
 from wirerope_mj.statics.result import Equilibrium as Equilibrium
 from wirerope_mj.statics.result import History as History
 from wirerope_mj.statics.result import MountLoad as MountLoad
+from wirerope_mj.statics.table import MountSag as MountSag
+from wirerope_mj.statics.table import PayloadSag as PayloadSag
+from wirerope_mj.statics.table import Sag as Sag
+from wirerope_mj.statics.table import StaticTable as StaticTable
+from wirerope_mj.statics.table import static_table as static_table
