@@ -2,12 +2,14 @@
 
 import os
 import sys
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from signal import SIGTERM, default_int_handler, signal
 from threading import current_thread, main_thread
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import App, Parameter
 from cyclopts.exceptions import CycloptsError
@@ -16,7 +18,9 @@ from wirerope_mj.cli.frf_options import frf
 from wirerope_mj.cli.isolators import print_isolator, print_isolators
 from wirerope_mj.cli.run import list_scenarios, run_command
 from wirerope_mj.cli.select_options import select
-from wirerope_mj.errors import WireRopeError
+from wirerope_mj.cli.shock import shock
+from wirerope_mj.cli.statics import statics
+from wirerope_mj.errors import RecordWarning, WireRopeError
 
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
 """Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers."""
@@ -177,7 +181,9 @@ def identify_records(
 
 
 app.command(frf)
+app.command(shock)
 app.command(select)
+app.command(statics)
 
 isolators_app = App(name="isolators", help="Show the isolators of the catalogue, or fit one from a data sheet.")
 app.command(isolators_app)
@@ -219,17 +225,35 @@ def fit(datasheet: Path, out: Path) -> int:
     return 0
 
 
+@contextmanager
+def _warnings_said() -> Iterator[None]:
+    """Print what a record makes doubtful as one line each on standard error, without file and line of the code."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", RecordWarning)
+        others = warnings.showwarning
+
+        def say(message: Warning | str, category: type[Warning], *where: Any) -> None:
+            if issubclass(category, RecordWarning):
+                print(f"wirerope: warning: {message}", file=sys.stderr)
+            else:
+                others(message, category, *where)
+
+        warnings.showwarning = say  # type: ignore[assignment]
+        yield
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; an error is one message on standard error."""
     if current_thread() is main_thread():  # a batch system ends a job as Ctrl-C does: nothing may be left behind
         signal(SIGTERM, default_int_handler)
     try:
-        code = app(
-            list(sys.argv[1:] if arguments is None else arguments),
-            exit_on_error=False,
-            print_error=False,
-            result_action="return_value",
-        )
+        with _warnings_said():
+            code = app(
+                list(sys.argv[1:] if arguments is None else arguments),
+                exit_on_error=False,
+                print_error=False,
+                result_action="return_value",
+            )
         sys.stdout.flush()
         return code if isinstance(code, int) else 0
     except (

@@ -52,7 +52,8 @@ def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
     histories, systems = _histories(path, unit)
     chosen = _all_of_one_node(path, histories) if channels is None else _named(path, histories, channels)
     heads = dict(histories)
-    units, time, columns = [], np.zeros(0), []
+    time, columns = np.zeros(0), list[NDArray[np.float64]]()
+    units: list[str] = []
     for number in chosen:
         head, name = heads[number], _name(heads[number])
         said, factor = _unit(path, head, unit, systems)

@@ -10,6 +10,10 @@ RK4_LIMIT = 2.7
 """RK4 is stable for |lambda| h < 2.785 on the negative real axis and 2.828 on the imaginary one; a little less is used."""
 
 
+SLOWEST_RATE = 1.0
+"""Angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely."""
+
+
 def mount_matrices(system: System) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Return stiffness [N/m, ...] and damping of all mounts in MuJoCo's velocity coordinates, (n_v, n_v) each.
 
@@ -52,3 +56,10 @@ def stable_step(system: System) -> float:
     decay = max((law.relaxation_rate for law in laws), default=0.0)
     fastest = max(float(np.abs(eigenvalues(system)).max(initial=0.0)), decay)
     return RK4_LIMIT / fastest if fastest > 0.0 else np.inf
+
+
+def slowest_period(system: System) -> float:
+    """Return the period of the slowest mode [s] for small amplitudes of the unloaded mounts, 1 s if nothing oscillates."""
+    rates = np.abs(eigenvalues(system).imag)
+    moving = rates[rates > SLOWEST_RATE]
+    return float(2.0 * np.pi / moving.min()) if moving.size else 1.0
