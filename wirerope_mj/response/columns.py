@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.response.response import BaseResponse, BodyResponse, MountResponse, PointResponse, Samples
+from wirerope_mj.response.response import BaseResponse, BodyResponse, MountResponse, PointResponse, Response, Samples
 
 Array = npt.NDArray[np.float64]
 _XYZ = ("x", "y", "z")
@@ -72,3 +72,12 @@ class ColumnPlan:
             mounts[name] = MountResponse(samples, column, z, states)
             column += 6 + len(states)
         return base, bodies, points, mounts
+
+
+def column_of(response: Response, name: str) -> Array:
+    """Return one sampled column such as "bodies/floor/acceleration/z", (n_t,).
+
+    Nothing else of the samples is read or kept, so that of a long response in a file only this column is in memory.
+    """
+    place = response.samples.names.index(name)
+    return response.samples.columns(place, place + 1)[:, 0]

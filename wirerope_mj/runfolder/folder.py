@@ -11,6 +11,9 @@ from wirerope_mj.errors import RecordError
 
 SCENARIO, SUMMARY = "scenario.toml", "summary.json"
 
+FORMAT = 1
+"""Of these two files."""
+
 
 def check_target(folder: Path, *, force: bool, kind: str = "run", marks: Sequence[str] = (SCENARIO, SUMMARY)) -> None:
     """Raise RecordError unless `folder` may be written: nothing is there, or a folder of its kind that `force` replaces.

@@ -1,22 +1,15 @@
 """A run computed again from its folder alone."""
 
 import tempfile
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from wirerope_mj.errors import RecordError
-from wirerope_mj.excitation.motion import BaseMotion
-from wirerope_mj.excitation.restore import motion_from_dict
 from wirerope_mj.response import Response, load_response
-from wirerope_mj.runfolder.folder import SCENARIO
-from wirerope_mj.runfolder.model_files import missing_isolators
-from wirerope_mj.runfolder.write import FORMAT, is_streamed
+from wirerope_mj.runfolder.sources import scenario_content, system_and_motion
+from wirerope_mj.runfolder.write import is_streamed
 from wirerope_mj.simulation import simulate
-from wirerope_mj.system import System, load_system
 
 AGREES = 1e-9
 """Largest difference relative to a column's peak that another processor's rounding explains; a wrong input is far above."""
@@ -53,8 +46,8 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
         RecordError: the folder is not a complete run.
     """
     folder = Path(folder)
-    content = _content(folder)
-    system, motion = _inputs(folder, content)
+    content = scenario_content(folder)
+    system, motion = system_and_motion(folder, content)
     arguments = {key: value for key, value in content["simulate"].items() if key != "accuracy"}
     stored = load_response(folder)
     long = is_streamed(arguments)
@@ -68,42 +61,6 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
         column=column,
         response=None if long else again,
     )
-
-
-def _content(folder: Path) -> dict[str, Any]:
-    path = folder / SCENARIO
-    if not path.is_file():
-        raise RecordError(f"{folder}: this is not a run; there is no {SCENARIO} here.")
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-        if content["format"] != FORMAT:
-            raise RecordError(f"{path}: format {content['format']} is not {FORMAT}; use the version that wrote it.")
-        for table, key in (
-            ("model", "file"),
-            ("simulate", "duration"),
-            ("simulate", "sample_rate"),
-            ("motion", "kind"),
-        ):
-            content[table][key]
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError) as error:
-        raise RecordError(f"{path}: this is not the scenario of a run ({type(error).__name__}: {error}).") from None
-    return content
-
-
-def _inputs(folder: Path, content: dict[str, Any]) -> tuple[System, BaseMotion]:
-    """Return system and motion; RecordError if one of their files is not in the folder."""
-    model = folder / content["model"]["file"]
-    if not model.resolve().is_relative_to(folder.resolve()) or not model.is_file():
-        raise RecordError(f"{folder}: the model {content['model']['file']!r} is not in the run's folder.")
-    motion = {key: value for key, value in content["motion"].items() if key != "description"}
-    for term in motion.get("terms", [motion]):
-        if "path" in term and not (folder / term["path"]).resolve().is_relative_to(folder.resolve()):
-            raise RecordError(f"{folder}: the record {term['path']!r} is not in the run's folder.")
-    system = load_system(model)
-    missing = missing_isolators(system, model.parent)
-    if missing:  # the catalogue stepped in, which may have changed since
-        raise RecordError(f"{folder}: the isolator file {missing[0]!r} is missing in {model.parent.name}/.")
-    return system, motion_from_dict(motion, folder=folder)
 
 
 def _difference(stored: Response, again: Response) -> tuple[float, str]:

@@ -14,14 +14,12 @@ import tomli_w
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.response import Response, load_response
-from wirerope_mj.runfolder.folder import SCENARIO, SUMMARY, check_target, written_whole
+from wirerope_mj.runfolder.folder import FORMAT, SCENARIO, SUMMARY, check_target, written_whole
 from wirerope_mj.runfolder.model_files import write_model
 from wirerope_mj.scenario import Scenario
 from wirerope_mj.simulation import simulate
 from wirerope_mj.system import load_system
 from wirerope_mj.verdicts import summary, verdict_lines
-
-FORMAT = 1
 
 STREAM_SAMPLES = 10_000
 """Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
