@@ -1,0 +1,138 @@
+"""Figures as images for a report: vector graphics where they are small, pixels where they are not."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+import matplotlib
+import numpy as np
+import numpy.typing as npt
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
+
+from wirerope_mj.frf.axes import log_ticks
+
+Array = npt.NDArray[np.float64]
+
+WIDTH = 7.0
+"""Width of a figure [in]: that of the text on A4."""
+
+COLOURS = ("#08519c", "#d95f0e", "#31a354")
+"""Of three lines or axes that stand beside each other; told apart by most colour-blind readers too."""
+
+BASE, RATED = "0.55", "#b30000"
+
+_LARGEST_SVG = 200_000
+"""Bytes above which a figure is stored as pixels: those of a full-width figure take about as much."""
+
+_PIXELS = 150
+"""Of a figure stored as pixels, per inch: its letters stay sharp in print."""
+
+_STEPS = 1000
+"""Stretches of a thinned line: about one for each pixel of a full-width panel."""
+
+_MM = 25.4  # of an inch
+
+_STYLE = {
+    "font.size": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.titleweight": "bold",
+    "legend.fontsize": 7.0,
+    "legend.framealpha": 0.85,
+    "lines.linewidth": 0.9,
+    "path.simplify_threshold": 0.3,
+    "svg.hashsalt": "wirerope",  # the same picture gives the same bytes
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Image:
+    """A drawn picture.
+
+    Attributes:
+        data: bytes of the file.
+        kind: "svg" or "png".
+        width, height: size on paper [mm].
+    """
+
+    data: bytes
+    kind: str
+    width: float
+    height: float
+
+
+@contextmanager
+def report_style() -> Iterator[None]:
+    """Draw what the block draws with the letters and lines of a report."""
+    with matplotlib.rc_context(_STYLE):
+        yield
+
+
+def image_of(figure: Figure) -> Image:
+    """Return a finished figure as SVG, or as PNG if the SVG is large."""
+    with report_style():
+        vector = BytesIO()
+        figure.savefig(vector, format="svg", metadata={"Date": None})
+        data, kind = _rounded(vector.getvalue()), "svg"
+        if len(data) > _LARGEST_SVG:
+            pixels = BytesIO()
+            figure.savefig(pixels, format="png", dpi=_PIXELS)
+            data, kind = pixels.getvalue(), "png"
+    width, height = (float(round(_MM * size, 1)) for size in figure.get_size_inches())
+    return Image(data=data, kind=kind, width=width, height=height)
+
+
+def thinned(time: Array, values: Array) -> tuple[Array, Array]:
+    """Return instants and values that draw the same line: lowest and highest of each stretch, in their order.
+
+    Args:
+        time: instants, (n_t,).
+        values: series, (n_t,).
+    """
+    length = time.size // _STEPS
+    if length <= 2:
+        return time, values
+    whole = length * _STEPS
+    parts = values[:whole].reshape(_STEPS, length)
+    starts = length * np.arange(_STEPS)
+    rows = np.concatenate(
+        [starts + parts.argmin(axis=1), starts + parts.argmax(axis=1), [0], np.arange(whole, time.size)]
+    )
+    rows = np.unique(rows)
+    return time[rows], values[rows]
+
+
+def line(panel: Any, time: Array, values: Array, label: str | None, colour: str, **style: Any) -> None:
+    """Draw a thinned line."""
+    panel.plot(*thinned(time, values), color=colour, label=label, **style)
+
+
+def dress(panel: Any, *, ylabel: str) -> None:
+    """Give a panel of a history its grid and its name."""
+    panel.set_ylabel(ylabel)
+    panel.grid(color="0.92")
+    panel.set_axisbelow(True)
+    panel.margins(x=0.0)
+
+
+def legend_above(figure: Figure, *panels: Any) -> None:
+    """Say above a figure, where it hides nothing, what the lines of its panels are; each name once."""
+    entries = {label: line for panel in panels for line, label in zip(*panel.get_legend_handles_labels(), strict=True)}
+    if entries:
+        figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=5, frameon=False)
+
+
+def round_ticks(axis: Any, low: float, high: float) -> None:
+    """Give a logarithmic axis from `low` to `high` ticks at round numbers, written as such."""
+    ticks = log_ticks(low, high)
+    axis.set_major_locator(FixedLocator(ticks.tolist()))
+    axis.set_major_formatter(FixedFormatter([f"{tick:.6g}" for tick in ticks]))
+    axis.set_minor_locator(NullLocator())
+
+
+def _rounded(svg: bytes) -> bytes:
+    """Return the file with the points of its paths to a hundredth of a printer's point: nobody sees more."""
+    return re.sub(rb' d="[^"]*"', lambda match: re.sub(rb"(\.\d\d)\d+", rb"\1", match[0]), svg)

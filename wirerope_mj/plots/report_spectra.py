@@ -1,0 +1,74 @@
+"""Shock response spectra as pictures for a report."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from wirerope_mj.plots.report_image import BASE, COLOURS, WIDTH, legend_above, report_style, round_ticks
+from wirerope_mj.plots.report_response import short
+from wirerope_mj.spectra import ShockResponseSpectrum
+from wirerope_mj.units import STANDARD_GRAVITY
+
+_DECADES = 2.5  # below the largest that are drawn: less is nothing to design for
+_ABOVE = 1.15  # of the largest, where the axis ends
+
+
+def base_spectrum_figure(spectra: Mapping[str, ShockResponseSpectrum]) -> Figure:
+    """Return the base's spectra: absolute acceleration and pseudo-velocity over frequency, a line for each axis.
+
+    Args:
+        spectra: by axis, "x", "y", "z".
+    """
+    with report_style():
+        figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
+        left, right = figure.subplots(1, 2)
+        for number, (axis, spectrum) in enumerate(spectra.items()):
+            style = {"color": COLOURS["xyz".index(axis)], "label": axis, "lw": 1.0 + 0.9 * (len(spectra) - 1 - number)}
+            left.plot(spectrum.frequencies, spectrum.maximax / STANDARD_GRAVITY, **style)
+            right.plot(spectrum.frequencies, spectrum.pseudo_velocity, **style)
+        _dress(left, "acceleration, maximax [g]")
+        _dress(right, "pseudo-velocity [m/s]")
+        legend_above(figure, left)
+    return figure
+
+
+def payload_spectra_figure(spectra: Mapping[str, Mapping[str, ShockResponseSpectrum]]) -> Figure:
+    """Return spectra of base and payload, a panel for each axis.
+
+    Args:
+        spectra: by axis and name; the one called "base" is grey.
+    """
+    with report_style():
+        figure = Figure(figsize=(WIDTH, 2.9 if len(spectra) > 1 else 3.3), layout="constrained")
+        panels = np.atleast_1d(figure.subplots(1, len(spectra)))
+        for panel, (axis, lines) in zip(panels, spectra.items(), strict=True):
+            colours = iter(COLOURS)
+            for name, spectrum in lines.items():
+                colour = BASE if name == "base" else next(colours)
+                panel.plot(spectrum.frequencies, spectrum.maximax / STANDARD_GRAVITY, color=colour, label=short(name))
+            panel.set_title(f"along {axis}")
+            _dress(panel, "acceleration, maximax [g]" if panel is panels[0] else "")
+        legend_above(figure, *panels)
+    return figure
+
+
+def _dress(panel: Any, label: str) -> None:
+    """Give a panel logarithmic axes with round numbers."""
+    panel.set_xscale("log")
+    panel.set_yscale("log")
+    x, y = (
+        [np.asarray(data) for data in part] for part in zip(*(line.get_data() for line in panel.lines), strict=True)
+    )
+    high = _ABOVE * max(float(values.max()) for values in y)
+    low = max(min(float(values.min()) for values in y) / _ABOVE, high * 10.0**-_DECADES)
+    first, last = min(float(values[0]) for values in x), min(float(values[-1]) for values in x)
+    panel.set_xlim(first, last)
+    panel.set_ylim(low, high)
+    round_ticks(panel.xaxis, first, last)
+    round_ticks(panel.yaxis, low, high)
+    panel.set_xlabel("frequency [Hz]")
+    panel.set_ylabel(label)
+    panel.grid(color="0.9")
+    panel.set_axisbelow(True)

@@ -1,0 +1,133 @@
+"""Verdicts in words and in tables: what is exceeded, how much is left, what nobody can judge."""
+
+import math
+from collections.abc import Sequence
+
+from wirerope_mj.criteria import EXCEEDED, NOT_JUDGED, WITHIN, Verdict
+from wirerope_mj.report.content import Block, Cell, Listing, Mark, Paragraph, Table
+from wirerope_mj.report.display import ABSENT, fixed, listed, several, shown, shown_unit, with_unit
+
+TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"}
+_NAMED = 3  # verdicts that the answer names one by one
+_AMPLE = 10.0  # margin from which only its size is said: nobody needs 1234 %
+
+
+def headline(verdicts: Sequence[Verdict]) -> Mark:
+    """Return the answer in a few words."""
+    judged, over = _judged(verdicts), _exceeded(verdicts)
+    if not judged:
+        return Mark(text="Nothing is judged: no limit is stated for anything in this run.", tone="unjudged")
+    left = several(len(verdicts) - len(judged), "figure is not judged", "figures are not judged")
+    rest = f"; {left}" if len(judged) < len(verdicts) else ""
+    if over:
+        # "of" the judged, so that it is not read as a share of everything
+        return Mark(text=f"Exceeded: {len(over)} of {several(len(judged), 'limit')}{rest}.", tone="exceeded")
+    return Mark(text=f"Within {'its limit' if len(judged) == 1 else f'all {len(judged)} limits'}{rest}.", tone="within")
+
+
+def answer(verdicts: Sequence[Verdict]) -> tuple[Block, ...]:
+    """Return the worst margins, what is exceeded and what is not judged, as one paragraph and the reasons."""
+    judged, over = _judged(verdicts), _exceeded(verdicts)
+    sentences = []
+    if over:
+        words = [_sentence(row) for row in over[:_NAMED]]
+        more = f"; and {len(over) - _NAMED} more, listed below" if len(over) > _NAMED else ""
+        sentences.append(f"Exceeded: {'; '.join(words)}{more}.")
+    within = [row for row in judged if row.verdict == WITHIN]
+    if within:
+        words = [_sentence(row) for row in _one_each(within)[:_NAMED]]
+        sentences.append(f"{'Elsewhere the' if over else 'The'} smallest margins are: {'; '.join(words)}.")
+    blocks: list[Block] = [Paragraph(text=" ".join(sentences))] if sentences else []
+    reasons = unjudged(verdicts)
+    if reasons:
+        blocks += [Paragraph(text="Not judged:", tone="unjudged"), Listing(items=reasons)]
+    return tuple(blocks)
+
+
+def unjudged(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
+    """Return a sentence for each criterion that is not judged, with the reason; subjects of the same reason together."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for row in verdicts:
+        if row.verdict == NOT_JUDGED:
+            reason = row.note.rsplit("; ", 1)[-1]  # what stands before it says where the figure was taken
+            groups.setdefault((row.criterion, reason), []).append(row.subject)
+    return tuple(
+        f"{criterion} of {listed(subjects)}: {reason or 'no limit is stated'}."
+        for (criterion, reason), subjects in groups.items()
+    )
+
+
+def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
+    """Return the worst verdict of every criterion; None without verdicts."""
+    rows = _one_each(ordered(verdicts))
+    if not rows:
+        return None
+    counts = {row.criterion: sum(other.criterion == row.criterion for other in verdicts) for row in rows}
+    head = ("criterion", "figures", "where", "value", "limit", "unit", "margin", "verdict")
+    return Table(
+        caption="The worst of every criterion",
+        head=head,
+        align="lrlrrlrl",
+        rows=tuple((row.criterion, str(counts[row.criterion]), *_cells(row)) for row in rows),
+        note="Margin: limit over value less one, how much more there could be; negative where the limit is exceeded.",
+    )
+
+
+def full_table(verdicts: Sequence[Verdict]) -> Table | None:
+    """Return every verdict, exceeded ones first, then by margin, those not judged last; None without verdicts."""
+    if not verdicts:
+        return None
+    head = ("criterion", "where", "value", "limit", "unit", "margin", "at [s]", "verdict", "note")
+    rows = []
+    for row in ordered(verdicts):
+        *figures, verdict = _cells(row)
+        time = ABSENT if row.time is None else fixed(row.time, 4)
+        rows.append((row.criterion, *figures, time, verdict, row.note))
+    return Table(caption="Every figure against its limit", head=head, align="llrrlrrlt", rows=tuple(rows))
+
+
+def ordered(verdicts: Sequence[Verdict]) -> list[Verdict]:
+    """Return the verdicts, smallest margin first; those not judged last."""
+    return sorted(verdicts, key=lambda row: math.inf if row.share is None else -row.share)
+
+
+def margin(row: Verdict) -> str:
+    """Return the margin in per cent."""
+    if row.margin is None:
+        return ABSENT
+    if row.margin > _AMPLE:
+        return f"> {fixed(100.0 * _AMPLE, 0)} %"
+    return f"{fixed(100.0 * row.margin, 1 if abs(row.margin) < 0.1 else 0)} %"
+
+
+def _cells(row: Verdict) -> tuple[Cell, ...]:
+    """Return subject, value, limit, unit, margin and verdict."""
+    return (
+        row.subject,
+        shown(row.value, row.unit),
+        shown(row.limit, row.unit),
+        shown_unit(row.unit),
+        margin(row),
+        Mark(text=row.verdict, tone=TONE[row.verdict]),
+    )
+
+
+def _sentence(row: Verdict) -> str:
+    value, limit = with_unit(row.value, row.unit), with_unit(row.limit, row.unit)
+    return f"{row.criterion} of {row.subject}, {value} of {limit} (margin {margin(row)})"
+
+
+def _judged(verdicts: Sequence[Verdict]) -> list[Verdict]:
+    return [row for row in ordered(verdicts) if row.verdict != NOT_JUDGED]
+
+
+def _exceeded(verdicts: Sequence[Verdict]) -> list[Verdict]:
+    return [row for row in ordered(verdicts) if row.verdict == EXCEEDED]
+
+
+def _one_each(rows: Sequence[Verdict]) -> list[Verdict]:
+    """Return the first of every criterion."""
+    first: dict[str, Verdict] = {}
+    for row in rows:
+        first.setdefault(row.criterion, row)
+    return list(first.values())

@@ -1,0 +1,43 @@
+"""A report as one HTML page that needs nothing but itself."""
+
+from base64 import b64encode
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from wirerope_mj.plots.report_image import Image
+from wirerope_mj.report.content import Listing, Paragraph, ReportContent, Table
+
+_FOLDER = Path(__file__).parent
+_LONG_WORD = 18  # letters of a word in a table that may be broken anywhere rather than widen its column
+_MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
+
+
+def report_html(content: ReportContent) -> str:
+    """Return the page: styles and pictures are inside it, and every text of the content is escaped."""
+    # The style sheet is ours alone; whatever a user has named reaches the page through the template, which escapes it.
+    css = Markup((_FOLDER / "report.css").read_text(encoding="utf-8").strip())
+    template = _environment().get_template("report.html.jinja")
+    return template.render(content=content, css=css, version=version("wirerope-mj")) + "\n"
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+    )
+    environment.filters |= {"data_uri": _data_uri, "breakable": _breakable}
+    for name, kind in (("paragraph", Paragraph), ("listing", Listing), ("table", Table)):
+        environment.tests[name] = lambda item, kind=kind: isinstance(item, kind)
+    return environment
+
+
+def _data_uri(image: Image) -> str:
+    return f"data:{_MEDIA[image.kind]};base64,{b64encode(image.data).decode('ascii')}"
+
+
+def _breakable(text: str) -> str:
+    return " long" if max(map(len, text.split()), default=0) > _LONG_WORD else ""

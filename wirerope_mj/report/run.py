@@ -1,0 +1,89 @@
+"""What a report is told of a finished run."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.criteria import Verdict
+from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.isolator import Isolator
+from wirerope_mj.modes import Modes
+from wirerope_mj.plots.report_response import MOST
+from wirerope_mj.response import Response
+from wirerope_mj.spectra import ShockResponseSpectrum
+from wirerope_mj.statics import Equilibrium
+from wirerope_mj.verdicts import body_peaks
+
+BASE = "base"
+"""What the base is called among the spectra."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Absent:
+    """Something that this run does not have, and a sentence that says why."""
+
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class FinishedRun:
+    """A run with everything that is known of it.
+
+    Attributes:
+        name: of the scenario.
+        question: of the scenario, paragraphs apart by an empty line.
+        written: when it was simulated.
+        model: name of the model's file.
+        options: of the scenario, by name.
+        initial: where the simulation started: "settled", "relaxed" or "unloaded".
+        duration: simulated time [s].
+        sample_rate: of the response [Hz].
+        motion: of the base.
+        response: what came out.
+        isolators: of every mount, by the mount's name.
+        gravity: of the model [m/s^2].
+        rests: where the system rests by history, "virgin" and "relaxed".
+        modes: about these, by history.
+        spectra: shock response spectra by axis ("x", "y", "z") and name of body or point; that of the base is `BASE`.
+        verdicts: every judged figure.
+        versions: of the packages that computed it.
+    """
+
+    name: str
+    question: str
+    written: str
+    model: str
+    options: Mapping[str, Any]
+    initial: str
+    duration: float
+    sample_rate: float
+    motion: BaseMotion
+    response: Response
+    isolators: Mapping[str, Isolator]
+    gravity: float
+    rests: Mapping[str, Equilibrium | Absent]
+    modes: Mapping[str, Modes | Absent]
+    spectra: Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent
+    verdicts: tuple[Verdict, ...]
+    versions: Mapping[str, str]
+
+    @property
+    def title(self) -> str:
+        """The scenario's name as words."""
+        words = self.name.replace("_", " ").strip()
+        return words[:1].upper() + words[1:]
+
+
+def worst_names(response: Response) -> list[str]:
+    """Return the bodies and points with the largest accelerations, three at most; of those that move alike, the first."""
+    found: list[str] = []
+    peaks: list[tuple[float, ...]] = []
+    for row in body_peaks(response):
+        size = (row.value, *row.axes)
+        alike = any(np.allclose(size, other, rtol=1e-6, atol=1e-9) for other in peaks)  # a point of what cannot turn
+        if row.kind != "base" and not alike:
+            found.append(row.name)
+            peaks.append(size)
+    return found[:MOST]
