@@ -8,12 +8,11 @@ from pathlib import Path
 from rich.markup import escape
 
 from wirerope_mj.cli.frf_tables import print_response
+from wirerope_mj.cli.models import model_path
 from wirerope_mj.cli.tables import console
-from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation.checks import Direction
 from wirerope_mj.frf import Question, frequency_response
 from wirerope_mj.frf.summary import findings_of
-from wirerope_mj.resources import models_folder
 from wirerope_mj.runfolder.folder import check_target
 from wirerope_mj.runfolder.frequency_response import KIND, MARKS, write_frequency_response
 from wirerope_mj.system import load_system
@@ -28,7 +27,7 @@ DEFAULT = 1.0
 
 def frf_command(model: str, question: Question, *, keep: Path | None, out: Path | None, force: bool) -> int:
     """Compute a frequency response, write its folder, print what was found; return the exit code."""
-    path = _model(model)
+    path = model_path(model)
     folder = out or Path("runs") / f"{path.stem}-frf-{datetime.now():%Y%m%d-%H%M%S}"
     check_target(folder, force=force, kind=KIND, marks=MARKS)
     system = load_system(path)
@@ -62,16 +61,6 @@ def direction_of(option: str, text: str) -> Direction:
     except ValueError:
         raise ValueError(f"`{option}` must be x, y, z or a vector such as 1,0,1; got {text!r}.") from None
     return (x, y, z)
-
-
-def _model(name: str) -> Path:
-    """Return the path of a model file, or of a model that ships with the package, by name."""
-    wanted = name if name.endswith(".xml") else f"{name}.xml"
-    for place in (Path(name), Path(wanted), models_folder() / wanted):
-        if place.is_file():
-            return place
-    shipped = ", ".join(sorted(path.stem for path in models_folder().glob("*.xml")))
-    raise ModelError(f"{name}: there is no such model file. The package ships {shipped}.")
 
 
 def _report(words: str) -> None:

@@ -1,0 +1,156 @@
+"""Sag and load of every mount: closed forms, the weight that adds up, ratings, and equilibria that do not exist."""
+
+import json
+
+import numpy as np
+import pytest
+from house import deck, hysteresis, mjcf, sdof
+
+import wirerope_mj as wr
+from wirerope_mj.cli.app import main
+from wirerope_mj.criteria.static_load import static_load_verdicts
+from wirerope_mj.resources import models_folder
+from wirerope_mj.statics import static_table
+
+G = wr.STANDARD_GRAVITY
+PLACES = {"p1": (0.5, 0.4), "p2": (0.5, -0.4), "p3": (-0.5, 0.4), "p4": (-0.5, -0.4)}
+
+
+def offset_box(*, offset, mass=100.0, k=5e4):
+    """Return a box on four equal springs whose centre of mass stands `offset` from their middle, in their plane."""
+    sites = {f"b{name}": f'pos="{x} {y} 1"' for name, (x, y) in PLACES.items()}
+    points = "".join(f'<site name="{name}" pos="{x} {y} 0"/>' for name, (x, y) in PLACES.items())
+    where = f"{offset[0]} {offset[1]} 0"
+    box = f'<body name="box" pos="0 0 1"><freejoint/><inertial pos="{where}" mass="{mass}" diaginertia="9 9 9"/>{points}</body>'
+    text = mjcf(deck(sites) + box, [(f"m{n}", n, f"b{n}", "a") for n in PLACES], gravity=G)
+    laws = dict.fromkeys(("roll", "shear", "axial"), wr.KelvinVoigt(k=k, c=0.0))
+    rated = wr.Isolator(name="a", **laws, limits=wr.Limits(static_load=280.0))
+    return wr.load_system(text, isolators={"a": rated})
+
+
+def test_an_offset_centre_splits_the_weight_as_the_textbook_says():
+    """N_i = W [1/n + ex xi / sum x^2 + ey yi / sum y^2], four mounts at +-0.5, +-0.4 m."""
+    table = static_table(offset_box(offset=(0.06, -0.03)))
+    for sag in (table.virgin, table.relaxed):
+        for name, (x, y) in PLACES.items():
+            expected = 0.25 + 0.06 * x / 1.0 - 0.03 * y / 0.64
+            row = sag.mounts[f"m{name}"]
+            # Tilts of a milliradian turn forces by its square.
+            assert row.split == pytest.approx(expected, rel=1e-4)
+            assert row.carries == pytest.approx(expected * 100.0 * G, rel=1e-4)
+            assert row.deflection[2] == pytest.approx(-expected * 100.0 * G / 5e4, rel=1e-4)
+            assert row.share == pytest.approx(expected * 100.0 * G / 280.0, rel=1e-4)
+
+
+def test_the_payload_tilts_towards_its_heavy_side():
+    sag = static_table(offset_box(offset=(0.06, -0.03))).virgin
+    payload = sag.payloads["box"]
+    load = 100.0 * G
+    assert payload.displacement[2] == pytest.approx(
+        -load / 2e5 - 0.06 * payload.rotation[1] - 0.03 * payload.rotation[0], rel=1e-3
+    )
+    # Heavy to the front (x > 0): the front sinks, a positive turn about y; heavy to the right (y < 0): positive about x.
+    assert payload.rotation[1] == pytest.approx(load * 0.06 / (5e4 * 1.0), rel=1e-3)
+    assert payload.rotation[0] == pytest.approx(load * 0.03 / (5e4 * 0.64), rel=1e-3)
+    np.testing.assert_allclose(payload.centre, [0.06, -0.03, 1.0])
+
+
+@pytest.mark.parametrize("name", ["sdof_shaker", "shock_table", "cabinet"])
+def test_loads_add_up_to_the_weight(name):
+    table = static_table(wr.load_system(models_folder() / f"{name}.xml"))
+    assert set(table.sags) == {"virgin", "relaxed"}
+    assert not table.missing
+    for sag in table.sags.values():
+        assert sag.on_mounts == pytest.approx(sag.weight, rel=1e-9)
+        assert sum(row.split for row in sag.mounts.values()) == pytest.approx(1.0, rel=1e-9)
+        assert abs(sag.elsewhere) < 1e-8 * sag.weight
+
+
+def test_a_payload_on_its_stops_leaves_the_rest_to_contacts():
+    stop = '<geom name="s" type="sphere" size=".02" pos="0 0 -.1" mass="0"/>'
+    pad = '<geom name="t" type="box" size=".1 .1 .01" pos="0 0 .165" mass="1"/>'  # its top lies 5 mm below the stop
+    mass = (
+        '<body name="mass" pos="0 0 .3"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="30"/>'
+        f'<site name="p" pos="0 0 -.1"/>{stop}</body>'
+    )
+    pair = '<contact><pair geom1="s" geom2="t" condim="1" solref="-20000 -35" solimp="0.001 0.001 0.001"/></contact>'
+    text = mjcf(
+        deck({"b": 'pos="0 0 .2"'}, slides="z", inside=pad) + mass, [("m1", "p", "b", "a")], gravity=G, other=pair
+    )
+    law = wr.KelvinVoigt(k=2e4, c=0.0)
+    sag = static_table(wr.load_system(text, isolators={"a": wr.Isolator(name="a", axial=law)})).virgin
+    assert sag.on_mounts == pytest.approx(2e4 * -sag.mounts["m1"].deflection[2], rel=1e-9)
+    assert 1.0 < sag.on_mounts < 0.5 * sag.weight
+    assert sag.on_contacts == pytest.approx(sag.weight - sag.on_mounts, rel=1e-6)
+
+
+def test_springs_of_joints_are_what_carries_the_rest():
+    mass = (
+        '<body name="mass" pos="0 0 .3"><joint type="slide" axis="0 0 1" stiffness="30000"/><geom size=".1" mass="30"/>'
+        '<site name="p" pos="0 0 -.1"/></body>'
+    )
+    text = mjcf(deck({"b": 'pos="0 0 .2"'}, slides="z") + mass, [("m1", "p", "b", "a")], gravity=G)
+    sag = static_table(
+        wr.load_system(text, isolators={"a": wr.Isolator(name="a", axial=wr.KelvinVoigt(k=1e4, c=0.0))})
+    ).virgin
+    assert sag.elsewhere == pytest.approx(0.75 * 30.0 * G, rel=1e-9)
+
+
+def test_the_wr12_400_sags_at_its_rating_as_it_did_when_it_was_measured():
+    """Rated load of 1068 N: relaxed where F2 F1 = -W; virgin on the loading path of its fit."""
+    isolator = wr.load_isolator(models_folder() / "isolators" / "enidine_wr12_400.toml")
+    law = isolator.axial
+    text = sdof(law, mass=1068.0 / G, gravity=G)
+    table = static_table(text)
+    relaxed, virgin = (sag.mounts["m1"].deflection[2] for sag in (table.relaxed, table.virgin))
+    assert np.exp(law.c * relaxed) * law.k1 * relaxed == pytest.approx(-1068.0, rel=1e-9)
+    path = law.trace(np.array([0.0, virgin]))
+    assert path.force[-1] == pytest.approx(-1068.0, rel=1e-8)
+    assert 1e3 * relaxed == pytest.approx(-9.70, abs=0.01)  # the design notes' figure
+    assert 1e3 * virgin == pytest.approx(-5.53, abs=0.01)  # of the catalogue's fit as it ships
+
+
+def test_without_elastic_part_the_relaxed_column_says_why():
+    system = sdof(wr.BoucWen(**hysteresis(alpha=1e5, z_max=100.0)), mass=3.5, gravity=G)
+    table = static_table(system)
+    assert table.relaxed is None
+    assert table.virgin is not None
+    assert "no elastic part" in table.missing["relaxed"]
+    assert table.to_dict()["missing"] == table.missing
+
+
+def test_what_cannot_be_carried_at_all_is_an_error():
+    with pytest.raises(wr.ConvergenceError, match="carries at most"):
+        static_table(sdof(wr.BoucWen(**hysteresis(alpha=1e5, z_max=20.0)), mass=3.5, gravity=G))
+
+
+def test_verdicts_judge_what_is_rated():
+    verdicts = static_load_verdicts(static_table(offset_box(offset=(0.06, -0.03))))
+    assert len(verdicts) == 8
+    by_name = {v.subject: v for v in verdicts if "virgin" in v.criterion}
+    assert by_name["mp2"].verdict == "exceeded"  # 0.299 of 981 N over 280 N
+    assert by_name["mp3"].verdict == "within"
+
+
+def test_unrated_mounts_are_not_judged():
+    verdicts = static_load_verdicts(static_table(sdof(wr.KelvinVoigt(k=1e4, c=0.0), gravity=G)))
+    assert {v.verdict for v in verdicts} == {"not judged"}
+    assert all("states no static load" in v.note for v in verdicts)
+
+
+def test_the_command_prints_both_histories_and_writes_plain_figures(capsys, tmp_path):
+    path = tmp_path / "new" / "statics.json"
+    assert main(["statics", "shock_table", "--json", str(path)]) == 0
+    shown = capsys.readouterr().out
+    assert "-2.241 / -4.333" in shown
+    assert "45.9 / 45.9" in shown
+    assert "far from tipping over" in shown
+    content = json.loads(path.read_text())
+    assert content["virgin"]["mounts"]["m1"]["deflection_m"][2] == pytest.approx(-2.24133e-3, rel=1e-5)
+    assert content["stability"]["virgin"]["gravity_factor"] is None
+    assert content["verdicts"][0]["verdict"] == "within"
+
+
+def test_an_unknown_model_is_one_message(capsys):
+    assert main(["statics", "no_such_model"]) == 2
+    assert "The package ships cabinet" in capsys.readouterr().err

@@ -1,0 +1,47 @@
+"""`wirerope statics`: where a model rests under its weight."""
+
+from pathlib import Path
+
+
+def statics(model: str, *, json: Path | None = None) -> int:
+    """Print where a model rests under its weight: sag and load of every mount, tilt of the payloads, verdicts on static loads.
+
+    Virgin is the position after the weight was laid on slowly, relaxed the one after long vibration, when the hysteretic
+    share of the load has leaked away; both stand side by side.
+
+    Args:
+        model: path of an MJCF file with mounts, or the name of one that ships with the package.
+        json: file for the same figures in SI units.
+    """
+    from wirerope_mj.cli.models import model_path
+    from wirerope_mj.cli.statics_tables import print_statics
+    from wirerope_mj.criteria.static_load import static_load_verdicts
+    from wirerope_mj.modes import modes
+    from wirerope_mj.statics import static_table
+    from wirerope_mj.system import load_system
+
+    path = model_path(model)
+    system = load_system(path)
+    table = static_table(system)
+    verdicts = static_load_verdicts(table)
+    stability = {history: modes(system, history=sag.history).stability for history, sag in table.sags.items()}
+    print_statics(path.stem, table, verdicts, stability)
+    if json is not None:
+        content = table.to_dict() | {
+            "verdicts": [verdict.to_dict() for verdict in verdicts],
+            "stability": {history: figures.to_dict() for history, figures in stability.items()},
+        }
+        write_json(content, json)
+        print(f"  written to {json}")
+    return 0
+
+
+def write_json(content: dict[str, object], path: Path) -> None:
+    """Write plain values, whole or not at all."""
+    import json
+
+    from wirerope_mj.whole import written_whole
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with written_whole(path) as beside:
+        beside.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
