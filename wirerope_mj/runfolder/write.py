@@ -157,6 +157,7 @@ def _summary_text(scenario: Scenario, response: Response, seconds: float) -> str
 def _write_pictures(scenario: Scenario, response: Response, folder: Path) -> None:
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
     from wirerope_mj.plots.histories import save_histories, save_mount_loops
+    from wirerope_mj.plots.record_baseline import records_of, save_record_baseline
     from wirerope_mj.recording import record_rerun
 
     title, text = scenario.name.replace("_", " ").capitalize(), _scenario_markdown(scenario)
@@ -164,6 +165,9 @@ def _write_pictures(scenario: Scenario, response: Response, folder: Path) -> Non
     save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
     if response.scene.mounts:
         save_mount_loops(response, folder / "loops.png", title=title)
+    for number, record in enumerate(records_of(scenario.motion), start=1):
+        name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
+        save_record_baseline(record, folder / name, title=title)
 
 
 def _scenario_markdown(scenario: Scenario) -> str:
