@@ -1,5 +1,19 @@
 """What a response is judged by: each criterion gives a value, its limit, the margin and a verdict."""
 
+from wirerope_mj.criteria.acceleration import acceleration_verdicts as acceleration_verdicts
+from wirerope_mj.criteria.judge import judge as judge
+from wirerope_mj.criteria.mount_load import peak_force_verdicts as peak_force_verdicts
+from wirerope_mj.criteria.mount_load import static_load_verdicts as static_load_verdicts
+from wirerope_mj.criteria.random import judge_random as judge_random
+from wirerope_mj.criteria.random import random_verdicts as random_verdicts
+from wirerope_mj.criteria.rattle import rattle_verdicts as rattle_verdicts
+from wirerope_mj.criteria.ship import iso_6954_1984 as iso_6954_1984
+from wirerope_mj.criteria.ship import iso_6954_2000 as iso_6954_2000
+from wirerope_mj.criteria.ship import iso_6954_2000_of_history as iso_6954_2000_of_history
+from wirerope_mj.criteria.ship import velocity_lines as velocity_lines
+from wirerope_mj.criteria.srs import spectrum_verdict as spectrum_verdict
+from wirerope_mj.criteria.transmissibility import transmissibility_verdict as transmissibility_verdict
+from wirerope_mj.criteria.travel import travel_verdicts as travel_verdicts
 from wirerope_mj.criteria.verdict import EXCEEDED as EXCEEDED
 from wirerope_mj.criteria.verdict import NOT_JUDGED as NOT_JUDGED
 from wirerope_mj.criteria.verdict import WITHIN as WITHIN

@@ -1,0 +1,105 @@
+"""Accelerations against limits: which are judged, by what, and what a filter leaves."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from house import sdof
+from made_up_floor import floor_response
+
+import wirerope_mj as wr
+from wirerope_mj.criteria import acceleration_verdicts, judge
+from wirerope_mj.limits import PayloadLimit
+
+G = wr.STANDARD_GRAVITY
+
+
+def by_name(verdicts):
+    return {(v.subject, v.criterion): v for v in verdicts}
+
+
+def limit(name, *values):
+    return PayloadLimit(kind="acceleration", name=name, values=values)
+
+
+@pytest.fixture(scope="module")
+def floor():
+    return floor_response()
+
+
+def test_without_a_limit_nothing_is_judged(floor):
+    found = acceleration_verdicts(floor)
+    assert [v.subject for v in found] == ["floor", "rack_0", "rack_1", "rack_top"]  # the base is what shakes
+    for verdict in found:
+        assert verdict.verdict == "not judged"
+        assert verdict.value > 0.0
+        assert "no limit" in verdict.note
+
+
+def test_one_value_judges_the_size_of_the_vector(floor):
+    peak = floor.peaks.bodies["rack_0"].acceleration
+    for allowed, word in ((1.001 * peak.value, "within"), (0.999 * peak.value, "exceeded")):
+        verdict = by_name(acceleration_verdicts(floor, [limit("rack_0", allowed)]))["rack_0", "acceleration"]
+        assert verdict.verdict == word
+        assert verdict.value == peak.value
+        assert verdict.time == peak.time
+        assert verdict.margin == pytest.approx(allowed / peak.value - 1.0)
+
+
+def test_three_values_judge_the_components_and_zero_judges_nothing(floor):
+    peak = floor.peaks.points["rack_top"].acceleration
+    largest = np.maximum(-peak.minimum, peak.maximum)
+    found = by_name(acceleration_verdicts(floor, [limit("rack_top", 0.9 * largest[0], 0.0, 1.1 * largest[2])]))
+    along = [found["rack_top", f"acceleration along {axis}"] for axis in "xyz"]
+    assert [v.verdict for v in along] == ["exceeded", "not judged", "within"]
+    np.testing.assert_array_equal([v.value for v in along], largest)
+    for axis, verdict in enumerate(along):
+        when = peak.minimum_time if -peak.minimum[axis] > peak.maximum[axis] else peak.maximum_time
+        assert verdict.time == when[axis]
+
+
+def test_the_limits_of_the_model_are_taken_by_themselves(floor):
+    scene = replace(
+        floor.scene, limits=(limit("floor", 1.0), PayloadLimit(kind="clearance", name="rack_top", values=(1, 1, 1)))
+    )
+    found = by_name(judge(replace(floor, scene=scene)))
+    assert found["floor", "acceleration"].verdict == "exceeded"
+    assert found["rack_top", "rattle space along +z"].verdict == "within"
+
+
+def test_a_limit_of_nothing_is_an_error(floor):
+    with pytest.raises(
+        ValueError, match="'deck', which has no acceleration here. There are: floor, rack_0, rack_1, rack_top"
+    ):
+        acceleration_verdicts(floor, [limit("deck", 10.0)])
+
+
+def test_a_free_payload_on_a_spring_is_judged_by_its_closed_form():
+    """A slow sine of the base moves a mass on a stiff spring along: its acceleration is a / (1 - r^2) plus what rings."""
+    mass, k, zeta = 4.0, 4.0e5, 0.3
+    omega = np.sqrt(k / mass)
+    system = sdof(wr.KelvinVoigt(k=k, c=2.0 * zeta * mass * omega), mass=mass)
+    response = wr.simulate(
+        system,
+        wr.Sine(frequency=2.0, acceleration=20.0, direction="z"),
+        duration=1.0,
+        timestep=1e-3,
+        sample_rate=1000.0,
+    )
+    r = 2.0 * np.pi * 2.0 / omega  # 0.04
+    steady = 20.0 * np.hypot(1.0, 2.0 * zeta * r) / np.hypot(1.0 - r**2, 2.0 * zeta * r)
+    found = by_name(acceleration_verdicts(response, [limit("mass", 25.0)], cutoff=20.0))
+    # 1 %: what rings at 50 Hz after the start of the sine, filtered, and the filter's own 2 Hz
+    assert found["mass", "acceleration"].value == pytest.approx(steady, rel=0.01)
+    assert found["mass", "acceleration"].margin == pytest.approx(25.0 / steady - 1.0, abs=0.015)
+    assert "below 20 Hz" in found["mass", "acceleration"].note
+
+
+def test_a_filter_takes_what_is_above_it(floor):
+    plain = by_name(acceleration_verdicts(floor))["floor", "acceleration"].value
+    slow = by_name(acceleration_verdicts(floor, cutoff=15.0))["floor", "acceleration"].value
+    high = by_name(acceleration_verdicts(floor, cutoff=450.0))["floor", "acceleration"].value
+    assert slow < 0.7 * plain  # the pulse of 11 ms is gone, the ringing stays
+    assert high == pytest.approx(plain, rel=0.01)  # the made-up pulse has corners
+    with pytest.raises(ValueError, match="`cutoff` must be between 0 and half the sampling rate, 500 Hz, got 600"):
+        acceleration_verdicts(floor, cutoff=600.0)

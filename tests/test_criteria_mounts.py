@@ -1,0 +1,145 @@
+"""Travels and loads of mounts: along the axes, combined, static and largest force."""
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from house import deck, mjcf
+from made_up_floor import TRAVEL, floor_response
+
+import wirerope_mj as wr
+from wirerope_mj.criteria import judge, peak_force_verdicts, static_load_verdicts, travel_verdicts
+
+G = wr.STANDARD_GRAVITY
+
+
+def by_name(verdicts):
+    return {(v.subject, v.criterion): v for v in verdicts}
+
+
+@pytest.fixture(scope="module")
+def floor():
+    return floor_response()
+
+
+def test_travels_are_the_peaks_against_their_ratings(floor):
+    found = by_name(travel_verdicts(floor))
+    peak = floor.peaks.mounts["m03"].deflection
+    reached = {
+        "compression": -peak.minimum[2],
+        "tension": peak.maximum[2],
+        "shear": max(-peak.minimum[1], peak.maximum[1]),
+        "roll": max(-peak.minimum[0], peak.maximum[0]),
+    }
+    for rating, value in reached.items():
+        verdict = found["m03", f"travel in {rating}"]
+        assert verdict.value == value
+        assert verdict.limit == TRAVEL[rating]
+        assert verdict.unit == "m"
+        assert verdict.verdict == ("within" if value <= TRAVEL[rating] else "exceeded")
+    assert found["m03", "travel in compression"].time == peak.minimum_time[2]
+    assert found["m03", "travel in tension"].time == peak.maximum_time[2]
+
+
+def test_the_combined_travel_is_that_of_one_instant(floor):
+    d = floor.mounts["m05"].deflection
+    axial = np.where(d[:, 2] < 0.0, d[:, 2] / TRAVEL["compression"], d[:, 2] / TRAVEL["tension"])
+    total = np.sqrt((d[:, 0] / TRAVEL["roll"]) ** 2 + (d[:, 1] / TRAVEL["shear"]) ** 2 + axial**2)
+    verdict = by_name(travel_verdicts(floor))["m05", "travel combined"]
+    # between two samples of 1 ms a motion of 9 Hz may be (2 pi 9 0.001)^2 / 8 = 0.04 % higher
+    assert total.max() <= verdict.value <= 1.0005 * total.max()
+    assert verdict.time == pytest.approx(floor.time[total.argmax()], abs=1e-3)
+    assert verdict.limit == 1.0
+    each = [by_name(travel_verdicts(floor))["m05", f"travel in {rating}"].share for rating in TRAVEL]
+    assert max(each) < verdict.value < np.sqrt(3.0) * max(each)
+
+
+def test_a_missing_rating_is_not_judged_but_may_be_exceeded_by_the_others():
+    some = {"compression": 1.0, "shear": 1.0, "roll": 1.0}
+    roomy = by_name(travel_verdicts(floor_response(travel=some)))
+    assert roomy["m01", "travel in tension"].verdict == "not judged"
+    assert "no travel in tension is rated" in roomy["m01", "travel in tension"].note
+    assert roomy["m01", "travel combined"].verdict == "not judged"
+    assert "without tension" in roomy["m01", "travel combined"].note
+    tight = by_name(travel_verdicts(floor_response(travel=some | {"compression": 0.02})))
+    assert tight["m01", "travel combined"].verdict == "exceeded"
+    none = by_name(travel_verdicts(floor_response(travel={})))
+    assert {v.verdict for v in none.values()} == {"not judged"}
+
+
+def test_beyond_the_rating_it_says_for_how_long():
+    floor = floor_response(travel=TRAVEL | {"compression": 0.01})
+    verdict = by_name(travel_verdicts(floor))["m01", "travel in compression"]
+    beyond = np.count_nonzero(floor.mounts["m01"].deflection[:, 2] < -0.01)  # samples of 1 ms
+    assert verdict.verdict == "exceeded"
+    assert verdict.note == f"beyond it for {beyond} ms in all"
+
+
+def box_on_four(*, gravity=G, hang=False, static_load=25.0, initial="settled", offset=0.0):
+    """Return the response at rest of 9 kg, its mass `offset` along x, on four springs of 4 kN/m at +-0.2 m, or below them."""
+    spots = {"a": (0.2, 0.2), "b": (-0.2, 0.2), "c": (0.2, -0.2), "d": (-0.2, -0.2)}
+    way = -1.0 if hang else 1.0
+    euler = ' euler="180 0 0"' if hang else ""
+    base = {f"d_{n}": f'pos="{x} {y} {0.2 * way}"{euler}' for n, (x, y) in spots.items()}
+    sites = "".join(f'<site name="p_{n}" pos="{x} {y} {-0.1 * way}"/>' for n, (x, y) in spots.items())
+    world = deck(base) + (
+        f'<body name="box" pos="0 0 {0.3 * way}"><freejoint/><geom size=".1" mass="9" pos="{offset} 0 0"/>{sites}</body>'
+    )
+    spring = wr.KelvinVoigt(k=4000.0, c=60.0)
+    isolator = wr.Isolator(name="S", roll=spring, shear=spring, axial=spring, limits=wr.Limits(static_load=static_load))
+    system = wr.load_system(
+        mjcf(world, [(n, f"p_{n}", f"d_{n}", "s") for n in spots], gravity=gravity), isolators={"s": isolator}
+    )
+    motion = wr.HalfSine(peak=2.0 * G, duration=0.011, direction="z", start=0.02)
+    return wr.simulate(system, motion, duration=0.1, timestep=1e-3, initial=initial)
+
+
+def test_static_loads_are_the_shares_of_the_weight():
+    """Four equal mounts, the mass 50 mm off: W (1/4 + e x / sum x^2) on either side."""
+    found = static_load_verdicts(box_on_four(offset=0.05))
+    weight = 9.0 * G
+    near, far = weight * (0.25 + 0.05 * 0.2 / 0.16), weight * (0.25 - 0.05 * 0.2 / 0.16)
+    # 2 %: the box tilts by 14 mrad, which the shares for a flat one do not know
+    assert [v.value for v in found] == pytest.approx([near, far, near, far], rel=0.02)
+    assert [v.verdict for v in found] == ["within" if v.value <= 25.0 else "exceeded" for v in found]
+    assert {v.verdict for v in found} == {"within", "exceeded"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"hang": True}, "hangs"),
+        ({"static_load": None}, "no static load is rated"),
+        ({"initial": "unloaded"}, "does not begin at rest in equilibrium"),
+    ],
+)
+def test_a_static_load_that_the_rating_does_not_speak_of_is_not_judged(changes, reason):
+    for verdict in static_load_verdicts(box_on_four(**changes)):
+        assert verdict.verdict == "not judged"
+        assert reason in verdict.note
+
+
+def test_largest_forces_are_judged_by_what_is_given(floor):
+    peak = floor.peaks.mounts["m02"].force
+    found = by_name(peak_force_verdicts(floor, {"m02": 0.5 * peak.value}))
+    assert found["m02", "peak force"].margin == pytest.approx(-0.5)
+    assert found["m02", "peak force"].time == peak.time
+    assert found["m01", "peak force"].verdict == "not judged"
+    with pytest.raises(ValueError, match="'m99', which is no mount. There are: m01, m02"):
+        peak_force_verdicts(floor, {"m99": 1.0})
+
+
+def test_a_floor_is_judged_fast():
+    floor = floor_response(mounts=24, equipment=10, rows=2000)
+    begin = time.perf_counter()
+    found = judge(floor)
+    assert time.perf_counter() - begin < 0.2 * 5  # asked: 0.2 s; measured 0.02 s, and other work may share the machine
+    assert len({v.criterion for v in found}) == 8
+    assert all(np.isfinite(v.value) for v in found)
+
+
+def test_no_base_is_no_trouble():
+    floor = floor_response(base="")
+    scene = replace(floor.scene, mounts=())
+    assert judge(replace(floor, scene=scene))

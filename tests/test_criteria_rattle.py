@@ -1,0 +1,117 @@
+"""Rattle space: points and corners against clearances, from the modelled place and relative to the base."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from house import rotation
+from made_up_floor import UPRIGHT, box, floor_response
+
+from wirerope_mj.criteria import rattle_verdicts
+from wirerope_mj.criteria.rattle import body_corners, corner_displacements
+from wirerope_mj.limits import PayloadLimit
+
+
+def by_name(verdicts):
+    return {(v.subject, v.criterion): v for v in verdicts}
+
+
+def clearance(name, *values):
+    return PayloadLimit(kind="clearance", name=name, values=values)
+
+
+@pytest.fixture(scope="module")
+def floor():
+    return floor_response()
+
+
+def test_a_point_is_judged_in_both_directions_of_every_axis(floor):
+    peak = floor.peaks.points["rack_top"].relative_displacement
+    found = by_name(rattle_verdicts(floor, [clearance("rack_top", 0.5, 0.0, 1.01 * peak.maximum[2])]))
+    for axis, name in enumerate("xyz"):
+        assert found["rack_top", f"rattle space along -{name}"].value == -peak.minimum[axis]
+        assert found["rack_top", f"rattle space along +{name}"].value == peak.maximum[axis]
+    assert found["rack_top", "rattle space along +x"].verdict == "within"
+    assert found["rack_top", "rattle space along -y"].verdict == "not judged"
+    assert found["rack_top", "rattle space along +z"].margin == pytest.approx(0.01)
+    down = found["rack_top", "rattle space along -z"]
+    assert down.verdict == ("within" if -peak.minimum[2] <= 1.01 * peak.maximum[2] else "exceeded")
+    assert down.time == peak.minimum_time[2]
+
+
+def test_six_values_are_one_for_each_direction(floor):
+    found = by_name(rattle_verdicts(floor, [clearance("rack_top", 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)]))
+    limits = [found["rack_top", f"rattle space along {side}"].limit for side in ("-x", "+x", "-y", "+y", "-z", "+z")]
+    assert limits == [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+
+
+def test_without_a_clearance_the_largest_displacement_is_stated_and_not_judged(floor):
+    found = by_name(rattle_verdicts(floor))
+    peak = floor.peaks.points["rack_top"].relative_displacement
+    assert found["rack_top", "rattle space"].value == peak.value
+    assert set(found) == {(name, "rattle space") for name in ("rack_top", "floor", "rack_0", "rack_1")}  # not the base
+    assert {v.verdict for v in found.values()} == {"not judged"}
+
+
+def test_corners_move_with_the_body_and_its_rotation(floor):
+    body = next(body for body in floor.scene.bodies if body.name == "rack_0")
+    corners = body_corners(body)
+    # a box of half lengths 0.2, 0.2, 0.5 and a capsule of radius 0.05 and half length 0.3 along z
+    np.testing.assert_allclose(corners.max(axis=0), [0.2, 0.2, 0.5])
+    np.testing.assert_allclose(corners.min(axis=0), [-0.2, -0.2, -0.5])
+    assert corners.shape == (8, 3)
+    moved = floor.bodies["rack_0"]
+    turn = rotation(moved.orientation)
+    for corner, displacement in zip(corners, corner_displacements(floor, body, corners), strict=True):
+        expected = moved.position + turn @ corner - floor.base.displacement - (body.position + corner)
+        np.testing.assert_allclose(displacement, expected, atol=1e-12)
+    found = by_name(rattle_verdicts(floor, [clearance("rack_0", 0.05, 0.05, 0.05)]))
+    side = found["rack_0", "rattle space along -z"]
+    least = -corner_displacements(floor, body, corners)[:, :, 2].min()
+    assert least <= side.value <= 1.001 * least  # the parabola between samples of 1 ms
+
+
+def test_a_tilt_moves_the_far_corner_by_its_arm():
+    """At rest but for a tilt of 0.01 about y: a corner 1.5 m along x and 0.5 m up moves by (0.5, 0, -1.5) times that."""
+    floor = floor_response(equipment=0, rows=50)  # nothing happens before 50 ms
+    body = next(body for body in floor.scene.bodies if body.name == "floor")
+    tilted = np.array([np.cos(0.005), 0.0, np.sin(0.005), 0.0])
+    still = replace(body, orientation=UPRIGHT)
+    moved = type("Moved", (), {"orientation": np.tile(tilted, (50, 1)), "position": np.tile(body.position, (50, 1))})
+    turned = replace(floor, bodies={"floor": moved})
+    found = corner_displacements(turned, still, np.array([[1.5, 0.3, 0.5]]))
+    np.testing.assert_allclose(found[0, 0], [0.005, 0.0, -0.015], atol=1e-4)  # 1.5 times 0.01^2 / 2
+
+
+@pytest.mark.parametrize(
+    ("shape", "size", "half"),
+    [
+        ("box", [0.1, 0.2, 0.3], [0.3, 0.2, 0.1]),
+        ("sphere", [0.1, 0.0, 0.0], [0.1, 0.1, 0.1]),
+        ("capsule", [0.1, 0.4, 0.0], [0.5, 0.1, 0.1]),
+        ("cylinder", [0.1, 0.4, 0.0], [0.4, 0.1, 0.1]),
+        ("ellipsoid", [0.1, 0.2, 0.3], [0.3, 0.2, 0.1]),
+    ],
+)
+def test_every_shape_has_its_box(floor, shape, size, half):
+    """Turned by 90 degrees about y, a shape's z lies along x."""
+    turned = np.array([np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0])
+    geom = replace(box("", size, shape=shape), orientation=turned, position=np.array([1.0, 2.0, 3.0]))
+    corners = body_corners(replace(floor.scene.bodies[1], geoms=(geom, box("", [9.0, 9.0, 0.1], shape="plane"))))
+    np.testing.assert_allclose(corners.max(axis=0), np.add([1.0, 2.0, 3.0], half), atol=1e-12)
+    np.testing.assert_allclose(corners.min(axis=0), np.subtract([1.0, 2.0, 3.0], half), atol=1e-12)
+
+
+def test_a_mesh_has_the_box_of_its_vertices(floor):
+    vertices = np.array([[0.0, 0.0, 0.0], [0.4, 0.0, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 0.1]])
+    geom = replace(box("", [0.0, 0.0, 0.0], shape="mesh"), vertices=vertices, position=np.array([0.0, 0.0, 1.0]))
+    corners = body_corners(replace(floor.scene.bodies[1], geoms=(geom,)))
+    np.testing.assert_allclose(corners.max(axis=0), [0.4, 0.2, 1.1])
+    np.testing.assert_allclose(corners.min(axis=0), [0.0, 0.0, 1.0])
+
+
+def test_a_clearance_of_nothing_is_an_error(floor):
+    with pytest.raises(
+        ValueError, match="'rack_9', which has no clearance here. There are: rack_top, floor, rack_0, rack_1"
+    ):
+        rattle_verdicts(floor, [clearance("rack_9", 0.1, 0.1, 0.1)])

@@ -1,0 +1,26 @@
+"""Everything that a plain run can be judged on."""
+
+from collections.abc import Sequence
+
+from wirerope_mj.criteria.acceleration import acceleration_verdicts
+from wirerope_mj.criteria.mount_load import static_load_verdicts
+from wirerope_mj.criteria.rattle import rattle_verdicts
+from wirerope_mj.criteria.travel import travel_verdicts
+from wirerope_mj.criteria.verdict import Verdict
+from wirerope_mj.limits import PayloadLimit
+from wirerope_mj.response import Response
+
+
+def judge(response: Response, limits: Sequence[PayloadLimit] | None = None) -> tuple[Verdict, ...]:
+    """Return the verdicts on accelerations, travels, rattle space and static loads of a run.
+
+    Args:
+        response: of the run.
+        limits: of the payload; without them the model's own.
+    """
+    return (
+        *acceleration_verdicts(response, limits),
+        *travel_verdicts(response),
+        *rattle_verdicts(response, limits),
+        *static_load_verdicts(response),
+    )
