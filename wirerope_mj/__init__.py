@@ -65,6 +65,7 @@ from wirerope_mj.periodic import Branch as Branch
 from wirerope_mj.periodic import PeriodicOrbit as PeriodicOrbit
 from wirerope_mj.periodic import follow_branch as follow_branch
 from wirerope_mj.periodic import periodic_orbit as periodic_orbit
+from wirerope_mj.recording import record_overlay as record_overlay
 from wirerope_mj.recording import record_rerun as record_rerun
 from wirerope_mj.response import Peak as Peak
 from wirerope_mj.response import Response as Response

@@ -14,8 +14,10 @@ from typing import Annotated, Any, Literal
 from cyclopts import App, Parameter
 from cyclopts.exceptions import CycloptsError
 
+from wirerope_mj.cli.compare import compare
 from wirerope_mj.cli.frf_options import frf
 from wirerope_mj.cli.isolators import print_isolator, print_isolators
+from wirerope_mj.cli.report import report
 from wirerope_mj.cli.run import list_scenarios, run_command
 from wirerope_mj.cli.select_options import select
 from wirerope_mj.cli.shock import shock
@@ -181,6 +183,8 @@ def identify_records(
 
 
 app.command(frf)
+app.command(report)
+app.command(compare)
 app.command(shock)
 app.command(select)
 app.command(statics)

@@ -23,9 +23,11 @@ The timeline is `sim_time` [s]. What is drawn is thinned to what a picture can s
 /state/time|base|bodies|points|mounts   float64 samples, SI; their `columns` are the names in response.parquet
 ```
 
-Branches of periodic motions have a recording of their own, see `wirerope_mj.recording.branch`.
+Branches of periodic motions have a recording of their own, see `wirerope_mj.recording.branch`; so have several responses over
+each other, see `wirerope_mj.recording.overlay`.
 """
 
+from wirerope_mj.recording.overlay import record_overlay as record_overlay
 from wirerope_mj.recording.record import record_rerun as record_rerun
 from wirerope_mj.recording.state import read_state as read_state
 from wirerope_mj.recording.viewer import show as show

@@ -147,7 +147,15 @@ def log_limit(rec: Any, path: str, name: str, limit: float, *, ends: Array) -> N
 
 
 def log_lines(
-    rec: Any, path: str, time: Array, values: Array, names: list[str], colors: list[Any], *, tolerance: float
+    rec: Any,
+    path: str,
+    time: Array,
+    values: Array,
+    names: list[str],
+    colors: list[Any],
+    *,
+    tolerance: float,
+    width: float = 1.6,
 ) -> None:
     """Log series (n_t, k) as lines that stay within `tolerance` of every value."""
     import rerun as rr
@@ -155,7 +163,7 @@ def log_lines(
     rows = rows_of_line(time, values, tolerance)
     # The viewer averages what falls into one pixel unless it is told to keep the extremes: a sweep would vanish.
     keep = ["MinMax"] * len(names)
-    look = rr.SeriesLines(names=names, colors=colors, widths=[1.6] * len(names), aggregation_policy=keep)
+    look = rr.SeriesLines(names=names, colors=colors, widths=[width] * len(names), aggregation_policy=keep)
     rec.log(path, look, static=True)
     rec.send_columns(path, at(time[rows]), rr.Scalars.columns(scalars=np.ascontiguousarray(values[rows])))
 

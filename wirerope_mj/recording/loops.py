@@ -152,13 +152,15 @@ def _plot(loop: Array, mount: SceneMount, axis: str, width: float) -> Plot:
     return Plot(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
 
 
-def log_loop_frame(rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount], axis: str) -> None:
-    """Log the frame of a loop, the rated travel of the mounts that it is of in red."""
+def log_loop_frame(
+    rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount], axis: str, *, lift: float = 8.0
+) -> None:
+    """Log the frame of a loop, the rated travel of the mounts that it is of in red; `lift` is that of `log_frame`."""
     low, high = plot.across
     limits = dict.fromkeys(1e3 * limit for mount in mounts for limit in travel_limits(mount, axis))
     marked = [(limit, _RATED) for limit in limits if np.isfinite(limit) and low < limit < high]
     across = ticks(low, high, max(2, round(plot.width / 26)))
-    log_frame(rec, path, plot, across=across, upward=ticks(*plot.upward, 5), marked=marked)
+    log_frame(rec, path, plot, across=across, upward=ticks(*plot.upward, 5), marked=marked, lift=lift)
 
 
 def outlines(loops: Sequence[Loop], colors: Sequence[Color], labels: Sequence[str]) -> Any:

@@ -1,0 +1,82 @@
+"""`wirerope compare`: two or more runs over each other, as tables on the screen and as one recording."""
+
+from collections.abc import Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from wirerope_mj.errors import RecordError
+
+
+def compare(
+    *runs: Path,
+    out: Path | None = None,
+    names: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    align: Literal["start", "shock"] = "start",
+    force: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Lay two or more runs over each other: peaks side by side on the screen, and one recording that shows what differs.
+
+    The recording holds the scenes side by side and as ghosts in one, the histories of all runs in the same axes, their loops,
+    and tables of what differs, where and when. Runs of different models are compared in what they share by name; the rest is
+    listed. Differences are those to the first run.
+
+    Args:
+        runs: folders of runs, two or more.
+        out: recording to write (.rrd); runs/compare-DATE-TIME.rrd by default.
+        names: what the runs are called, one for each; the names of their folders by default.
+        align: start: runs begin together; shock: their base motions do.
+        force: replace a recording that is there.
+    """
+    from wirerope_mj.cli.compare_tables import print_comparison
+    from wirerope_mj.recording.overlay import write_overlay
+    from wirerope_mj.recording.overlay_runs import overlay_of
+    from wirerope_mj.response import load_response
+    from wirerope_mj.runfolder.inputs import run_inputs
+
+    if len(runs) < 2:
+        raise ValueError(f"compare takes two runs or more, got {len(runs)}: wirerope compare RUN RUN [RUN ..]")
+    called = _names(runs, names)
+    target = _target(out, force=force)
+    responses = {name: load_response(folder) for name, folder in zip(called, runs, strict=True)}
+    inputs = {name: run_inputs(folder) for name, folder in zip(called, runs, strict=True)}
+    overlay = overlay_of(responses, align)
+    write_overlay(overlay, target, inputs=inputs)
+    print_comparison(overlay, inputs, target)
+    return 0
+
+
+def _names(runs: Sequence[Path], names: Sequence[str] | None) -> list[str]:
+    """Return what the runs are called: as is said, or as their folders are, told apart by the folders above or by numbers."""
+    if names is None:
+        paths = [folder.resolve() for folder in runs]
+        found = [path.name for path in paths]
+        longer = [f"{path.parent.name}/{path.name}" for path in paths]
+        if len(set(found)) < len(found) == len(set(longer)):
+            found = longer
+        return [
+            name if name not in found[:place] else f"{name} ({found[: place + 1].count(name)})"
+            for place, name in enumerate(found)
+        ]
+    if len(names) != len(runs):
+        raise ValueError(f"`--names` must be one for each of the {len(runs)} runs, got {len(names)}.")
+    twice = [name for name in names if list(names).count(name) > 1]
+    if twice:
+        raise ValueError(f"`--names` must be different names, got {twice[0]!r} {len(twice)} times.")
+    if not all(name.strip() for name in names):
+        raise ValueError("`--names` must not be empty.")
+    return list(names)
+
+
+def _target(out: Path | None, *, force: bool) -> Path:
+    """Return the file to write; ValueError or RecordError if it must not be written."""
+    target = out or Path("runs") / f"compare-{datetime.now():%Y%m%d-%H%M%S}.rrd"
+    if target.suffix != ".rrd":
+        raise ValueError(f"`--out` must be a file that ends with .rrd, got {target}.")
+    if target.is_dir():
+        raise RecordError(f"{target}: this is a folder; a recording is a file. Choose another place.")
+    if target.exists() and not force:
+        raise RecordError(f"{target}: there is a recording already. Replace it with --force, or choose another place.")
+    return target

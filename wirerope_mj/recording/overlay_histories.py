@@ -1,0 +1,166 @@
+"""Time histories of all runs in the same axes: one plot for every part and direction, and for every mount and axis."""
+
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.recording.histories import (
+    DIRECTIONS,
+    FINE,
+    SHOWN_LIMIT,
+    TOTAL,
+    UNITS,
+    Marker,
+    acceleration_path,
+    extreme_marker,
+    log_limit,
+    log_lines,
+    log_marker,
+    mount_path,
+    norm_marker,
+)
+from wirerope_mj.recording.overlay_apart import difference
+from wirerope_mj.recording.overlay_parts import Part, Run
+from wirerope_mj.recording.overlay_runs import Overlay
+from wirerope_mj.recording.paths import AXES, Array, child, entity
+from wirerope_mj.recording.selection import travel_limits
+from wirerope_mj.units import STANDARD_GRAVITY
+
+MOST_PARTS = 6
+"""Parts whose accelerations are drawn: the base and those with the largest peaks."""
+
+
+def log_overlaid_histories(rec: Any, overlay: Overlay) -> None:
+    """Log the histories of all runs."""
+    for part in shown_parts(overlay):
+        for direction in (TOTAL, *DIRECTIONS):
+            _log_acceleration(rec, overlay, part, direction)
+    for axis in overlay.shared.axes:
+        for mount in overlay.shared.shown(axis):
+            for quantity in UNITS:
+                _log_mount(rec, overlay, mount, quantity, axis)
+            _log_limits(rec, overlay, mount, axis)
+    for thing in differing(overlay):
+        _log_difference(rec, overlay, thing)
+
+
+def shown_parts(overlay: Overlay) -> tuple[Part, ...]:
+    """Return the parts whose accelerations are drawn."""
+    return overlay.parts[:MOST_PARTS]
+
+
+def differing(overlay: Overlay) -> list[Part | str]:
+    """Return the part and the mount whose histories are farthest from those of the first run."""
+    apart = [entry.thing for entry in overlay.apart if np.isfinite(entry.share)]
+    parts = [thing for thing in apart if isinstance(thing, Part) and thing.kind != "base"]
+    mounts = [thing for thing in apart if isinstance(thing, str)]
+    return [*parts[:1], *mounts[:1]]
+
+
+def part_path(part: Part, direction: str) -> str:
+    """Return the entity of the accelerations of a part."""
+    return child(acceleration_path(direction), part.kind, part.name)
+
+
+def overlaid_mount_path(mount: str, quantity: str, axis: str) -> str:
+    """Return the entity of the deflection or force of a mount in an axis."""
+    return child(mount_path(quantity, axis), mount)
+
+
+def difference_path(thing: Part | str) -> str:
+    """Return the entity of the differences of a part or a mount."""
+    kind, name = ("mount", thing) if isinstance(thing, str) else (thing.kind, thing.name)
+    return entity("histories", "difference", kind, name)
+
+
+def part_markers(overlay: Overlay, part: Part, direction: str) -> list[Marker]:
+    """Return the peak of a part in every run that has it."""
+    return [_part_marker(run, part, direction) for run in overlay.having(part)]
+
+
+def mount_markers(overlay: Overlay, mount: str, quantity: str, axis: str) -> list[Marker]:
+    """Return the peak of a mount in an axis in every run that has it."""
+    return [_mount_marker(run, mount, quantity, axis) for run in overlay.having(mount)]
+
+
+def _log_acceleration(rec: Any, overlay: Overlay, part: Part, direction: str) -> None:
+    drawn, markers = {}, {}
+    for run in overlay.having(part):
+        values = part.acceleration(run.response) / STANDARD_GRAVITY
+        drawn[run.name] = (
+            np.linalg.norm(values, axis=1) if direction == TOTAL else values[:, DIRECTIONS.index(direction)]
+        )
+        markers[run.name] = _part_marker(run, part, direction)
+    _log_runs(rec, part_path(part, direction), overlay.having(part), drawn, markers)
+
+
+def _part_marker(run: Run, part: Part, direction: str) -> Marker:
+    peak = part.peak(run.response)
+    if direction == TOTAL:
+        return norm_marker(run.name, peak, STANDARD_GRAVITY, "g")
+    return extreme_marker(run.name, peak, DIRECTIONS.index(direction), STANDARD_GRAVITY, "g")
+
+
+def _log_mount(rec: Any, overlay: Overlay, mount: str, quantity: str, axis: str) -> None:
+    unit, _ = UNITS[quantity]
+    runs = overlay.having(mount)
+    drawn = {
+        run.name: getattr(run.response.mounts[mount], quantity)[:, AXES.index(axis)] / unit for run in runs
+    }  # fmt: skip
+    markers = {run.name: _mount_marker(run, mount, quantity, axis) for run in runs}
+    _log_runs(rec, overlaid_mount_path(mount, quantity, axis), runs, drawn, markers)
+
+
+def _mount_marker(run: Run, mount: str, quantity: str, axis: str) -> Marker:
+    peak = getattr(run.response.peaks.mounts[mount], quantity)
+    return extreme_marker(run.name, peak, AXES.index(axis), *UNITS[quantity])
+
+
+def _log_runs(rec: Any, path: str, runs: list[Run], drawn: dict[str, Array], markers: dict[str, Marker]) -> None:
+    """Log a line and a peak for every run; both have one name, and so one entry in the legend.
+
+    Lines that coincide are all seen: the viewer draws them in the order of their names, and each is thinner than the last.
+    """
+    top = max(max(float(np.ptp(values)) for values in drawn.values()), 1e-9)
+    order = sorted(drawn, reverse=True)
+    step = min(1.7, 3.4 / max(len(order) - 1, 1))
+    for run in runs:
+        marker, below = markers[run.name], child(path, run.name)
+        line = drawn[run.name][:, None]
+        width = 1.5 + step * order.index(run.name)
+        log_lines(rec, below, run.response.time, line, [marker.text], [run.color], tolerance=FINE * top, width=width)
+        log_marker(rec, below, marker, color=run.color)
+
+
+def _log_limits(rec: Any, overlay: Overlay, mount: str, axis: str) -> None:
+    """Log the rated travel that any run comes near, once where it is the same for all."""
+    number = AXES.index(axis)
+    runs = overlay.having(mount)
+    ends = np.array([min(run.response.time[0] for run in runs), max(run.response.time[-1] for run in runs)])
+    near: set[float] = set()
+    for run in runs:
+        entry = next(entry for entry in run.response.scene.mounts if entry.name == mount)
+        peak = run.response.peaks.mounts[mount].deflection
+        for limit, reached in zip(travel_limits(entry, axis), (peak.minimum, peak.maximum), strict=True):
+            if np.isfinite(limit) and reached[number] / limit >= SHOWN_LIMIT:
+                near.add(limit)
+    for limit in sorted(near):
+        path = child(overlaid_mount_path(mount, "deflection", axis), "rated", f"{1e3 * limit:+.3f}")
+        log_limit(rec, path, "rated travel", limit, ends=ends)
+
+
+def _log_difference(rec: Any, overlay: Overlay, thing: Part | str) -> None:
+    """Log how far the histories of a part or a mount are from those of the first run."""
+    first, *others = overlay.having(thing)
+    unit, unit_name = (1e-3, "mm") if isinstance(thing, str) else (STANDARD_GRAVITY, "g")
+    for run in others:
+        time, distance = difference(thing, first, run)
+        if time.size:
+            row, below = int(distance.argmax()), child(difference_path(thing), run.name)
+            words = (
+                f"{run.name} - {first.name}: largest {distance[row] / unit:.2f} {unit_name} @ {1e3 * time[row]:.0f} ms"
+            )
+            marker = Marker(time=float(time[row]), value=float(distance[row]) / unit, text=words)
+            tolerance = FINE * max(float(np.ptp(distance)) / unit, 1e-9)
+            log_lines(rec, below, time, distance[:, None] / unit, [words], [run.color], tolerance=tolerance)
+            log_marker(rec, below, marker, color=run.color)
