@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 from scipy import signal
+from scipy.integrate import cumulative_trapezoid
 
 from wirerope_mj.criteria.verdict import Verdict
 from wirerope_mj.spectra import power_spectral_density
@@ -128,9 +129,9 @@ def velocity_lines(
 ) -> tuple[Array, Array]:
     """Return frequencies [Hz] and peak velocities [m/s] of the lines of an acceleration, for `iso_6954_1984`.
 
-    By Welch's method with a flat-top window: a sine shows its amplitude within 0.1 % wherever it lies between the lines,
-    in about five of them, so that lines must not be added up. What lies below five resolutions cannot be told from the mean
-    and is left out.
+    By Welch's method with a flat-top window on the integrated history: a sine shows its amplitude within 0.1 % wherever it
+    lies between the lines, in about five of them, so that lines must not be added up. What lies below five resolutions
+    cannot be told from the drift of the integral and is left out.
 
     Args:
         time: uniform instants [s], (n,).
@@ -145,11 +146,14 @@ def velocity_lines(
     instants, values = np.asarray(time, dtype=np.float64), np.asarray(acceleration, dtype=np.float64)
     rate = (instants.size - 1) / float(instants[-1] - instants[0])
     size, kept = round(rate / checked.resolution), round(checked.duration * rate)
+    velocity = cumulative_trapezoid(signal.detrend(values[-kept:], type="constant"), dx=1.0 / rate, initial=0.0)
     frequency, square = signal.welch(
-        values[-kept:], fs=rate, window="flattop", nperseg=size, scaling="spectrum", detrend="constant"
+        velocity, fs=rate, window="flattop", nperseg=size, scaling="spectrum", detrend="linear"
     )
-    told = frequency > 4.5 * checked.resolution
-    return frequency[told], np.sqrt(2.0 * square[told]) / (2.0 * math.pi * frequency[told])
+    told = (frequency > 4.5 * checked.resolution) & (frequency < 0.45 * rate)
+    # The trapezoidal rule integrates a sine to (w T / 2) / tan(w T / 2) of its integral.
+    half = math.pi * frequency[told] / rate
+    return frequency[told], np.sqrt(2.0 * square[told]) * np.tan(half) / half
 
 
 def _lines(frequency: npt.ArrayLike, velocity: npt.ArrayLike) -> tuple[Array, Array]:

@@ -1,0 +1,95 @@
+"""Random vibration judged: a linear oscillator on white noise (Miles), and what the settling and the length do."""
+
+import math
+
+import numpy as np
+import pytest
+from house import sdof
+from scipy.signal import lfilter
+
+import wirerope_mj as wr
+from wirerope_mj.criteria import judge_random, random_verdicts
+from wirerope_mj.limits import PayloadLimit
+
+RATE, F, Q, DENSITY = 1000.0, 20.0, 10.0, 0.5
+MILES = math.sqrt(0.5 * math.pi * F * Q * DENSITY)  # 12.5 m/s^2
+
+
+def oscillator(seconds, *, seed=3):
+    """Return time and absolute acceleration of an oscillator on a base with a one-sided white density, from rest."""
+    size = int(seconds * RATE)
+    x = math.sqrt(0.5 * RATE * DENSITY) * np.random.default_rng(seed).normal(size=size)
+    w, z = 2.0 * np.pi * F, 0.5 / Q
+    wd = w * np.sqrt(1.0 - z * z)
+    e, k = np.exp(-z * w / RATE), wd / RATE
+    c, s = e * np.cos(k), e * np.sin(k) / k
+    return np.arange(size) / RATE, lfilter([1.0 - s, 2.0 * (s - c), e * e - s], [1.0, -2.0 * c, e * e], x)
+
+
+def test_an_oscillator_is_judged_by_three_times_the_rms_of_miles():
+    time, y = oscillator(300.0)
+    # 2 % above and below what Miles says for sure: four standard errors 1/(2 sqrt(2 pi zeta f T)) = 1.2 %
+    for limit, word in ((3.0 * MILES * 1.06, "within"), (3.0 * MILES * 0.94, "exceeded")):
+        rms, three, largest = random_verdicts(time, y, subject="rack", discard=2.0, limit=limit, rms_limit=limit / 3.0)
+        assert rms.value == pytest.approx(MILES, rel=0.05)
+        assert three.value == 3.0 * rms.value
+        assert rms.verdict == three.verdict == word
+        assert largest.criterion == "largest acceleration"
+        assert largest.verdict == "exceeded"  # five minutes reach 4.4 sigma
+
+
+def test_the_certainty_is_stated_and_shrinks_with_the_root_of_the_length():
+    found = {}
+    for seconds in (52.0, 202.0):
+        rms, _, _ = random_verdicts(*oscillator(seconds), subject="rack", discard=2.0, resolution=0.5)
+        assert f"{seconds - 2.0:g} s of a bandwidth of" in rms.note
+        found[seconds] = float(rms.note.split()[2])
+    exact = 100.0 * 0.5 / math.sqrt(math.pi / Q * F * 50.0)  # B = 2 pi zeta f = pi f / Q: 2.8 %
+    assert found[52.0] == pytest.approx(exact, rel=0.2)  # two digits, and half a hertz of blur on a peak of 2 Hz
+    assert found[202.0] == pytest.approx(0.5 * exact, rel=0.2)
+
+
+def test_the_largest_value_is_compared_with_what_a_gaussian_reaches():
+    """N = 2 f T half waves: sqrt(2 ln N) + 0.577 / sqrt(2 ln N) sigma; the scatter about it is pi / sqrt(12 ln N)."""
+    time, y = oscillator(300.0)
+    _, _, largest = random_verdicts(time, y, subject="rack", discard=2.0)
+    sigmas, expected = float(largest.note.split()[0]), float(largest.note.split("reach ")[1].split(";")[0])
+    c = math.sqrt(2.0 * math.log(2.0 * F * 298.0))
+    assert expected == pytest.approx(c + 0.5772 / c, rel=0.03)  # the mean frequency of the response is above 20 Hz
+    assert sigmas == pytest.approx(expected, abs=3.0 * math.pi / math.sqrt(6.0) / c)
+    assert y[round(largest.time * RATE)] == pytest.approx(
+        math.copysign(largest.value, y[round(largest.time * RATE)]), rel=0.02
+    )
+    assert largest.verdict == "not judged"
+
+
+def test_what_is_before_the_settling_does_not_count():
+    time, y = oscillator(60.0)
+    loud = np.where(time < 10.0, 50.0 * y, y)
+    found = random_verdicts(time, loud, subject="rack", discard=10.0)
+    same = random_verdicts(time[10000:], y[10000:], subject="rack", discard=0.0)
+    assert [v.value for v in found] == pytest.approx([v.value for v in same])
+    assert found[2].time == pytest.approx(same[2].time)
+
+
+def test_a_run_is_judged_along_the_axes_in_which_it_moves():
+    system = sdof(wr.KelvinVoigt(k=4000.0, c=20.0), mass=3.5)
+    response = wr.simulate(
+        system, wr.Sine(frequency=4.0, acceleration=5.0, direction="z"), duration=3.0, timestep=1e-3, sample_rate=500.0
+    )
+    found = judge_random(
+        response, discard=1.0, limits=[PayloadLimit(kind="acceleration", name="mass", values=(0, 0, 90.0))]
+    )
+    assert [(v.subject, v.criterion) for v in found] == [
+        ("mass", f"{what} acceleration along z") for what in ("rms", "3-sigma", "largest")
+    ]
+    assert [v.limit for v in found] == [None, 90.0, 90.0]
+    later = response.time >= 1.0
+    assert found[0].value == pytest.approx(response.bodies["mass"].acceleration[later, 2].std(), rel=1e-12)
+
+
+def test_too_short_a_record_is_refused():
+    with pytest.raises(ValueError, match="too short for a density"):
+        random_verdicts(*oscillator(1.0), subject="rack", discard=0.999)
+    with pytest.raises(ValueError, match="one history"):
+        random_verdicts([0.0, 1.0] * 0 + list(range(100)), np.ones((100, 2)), subject="rack", discard=0.0)

@@ -1,0 +1,103 @@
+"""ISO 6954: its weighting, its limits, and lines and histories of the same vibration."""
+
+import math
+
+import numpy as np
+import pytest
+
+from wirerope_mj.criteria import iso_6954_1984, iso_6954_2000, iso_6954_2000_of_history, velocity_lines
+from wirerope_mj.criteria.ship import RMS_2000, weighting
+
+
+def test_the_weighting_is_that_of_the_standard():
+    """ISO 8041 gives 0.3362 at 15.915 Hz (100 rad/s); half a decade below 0.79 Hz it falls by 40 dB a decade."""
+    assert weighting(100.0 / (2.0 * math.pi)) == pytest.approx(0.3362, abs=5e-5)
+    assert weighting(1.0) == pytest.approx(0.833, abs=5e-4)  # ISO 2631-2, table of factors
+    low, high = 10.0**-0.1, 100.0
+    # at the corners of the band limits, 3 dB below the passage from acceleration to velocity
+    assert weighting(low) * math.hypot(1.0, 0.028 * 2.0 * math.pi * low) == pytest.approx(math.sqrt(0.5), rel=1e-4)
+    assert weighting(high) * math.hypot(1.0, 0.028 * 2.0 * math.pi * high) == pytest.approx(math.sqrt(0.5), rel=1e-4)
+    assert weighting(0.02) / weighting(0.01) == pytest.approx(4.0, rel=1e-3)
+
+
+def test_the_limits_of_velocity_and_acceleration_belong_together():
+    """The standard's limits of acceleration, 71.5 to 286 mm/s^2, are those of velocity times 1 / 0.028 s, rounded."""
+    pairs = {2e-3: 0.0715, 4e-3: 0.143, 3e-3: 0.107, 6e-3: 0.214, 8e-3: 0.286}
+    for velocity in (limit for pair in RMS_2000.values() for limit in pair):
+        assert velocity / 0.028 == pytest.approx(pairs[velocity], rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("frequency", "lower", "upper"),
+    [
+        (5.0, 4e-3, 9e-3),
+        (80.0, 4e-3, 9e-3),
+        (2.5, 0.126 / (2.0 * math.pi * 2.5), 0.285 / (2.0 * math.pi * 2.5)),
+    ],
+)
+def test_peaks_of_1984(frequency, lower, upper):
+    for factor, words in ((0.99, ("within", "within")), (1.01, ("exceeded", "within"))):
+        found = iso_6954_1984([frequency], [factor * lower], subject="deck")
+        assert tuple(v.verdict for v in found) == words
+        assert [v.limit for v in found] == pytest.approx([lower, upper])
+    assert iso_6954_1984([frequency], [1.01 * upper], subject="deck")[1].verdict == "exceeded"
+
+
+def test_the_worst_line_of_1984_counts_and_those_outside_do_not():
+    found = iso_6954_1984([0.5, 3.0, 20.0, 150.0], [1.0, 4e-3, 3e-3, 1.0], subject="deck")
+    assert found[0].value == 3e-3  # 3 of 4 mm/s at 20 Hz is more than 4 of 6.7 at 3 Hz
+    assert "at 20 Hz" in found[0].note
+    with pytest.raises(ValueError, match="a line from 1 to 100 Hz, got 0.5 to 0.5"):
+        iso_6954_1984([0.5], [1.0], subject="deck")
+
+
+def test_a_fast_line_of_2000_counts_as_its_velocity_and_a_slow_one_as_its_acceleration():
+    """At 30 Hz the weighting for velocity is 0.98; at 2 Hz the weighted velocity is 0.93 a / 35.7."""
+    peak = 4e-3 * math.sqrt(2.0)
+    fast = iso_6954_2000([30.0], [peak], subject="cabin", space="C")[0]
+    factor = 30.0 / math.hypot(30.0, 1.0 / (0.028 * 2.0 * math.pi)) / math.hypot(1.0, 0.3**2)
+    assert fast.value == pytest.approx(4e-3 * factor, rel=1e-6)
+    assert fast.limit == 4e-3
+    slow = iso_6954_2000([2.0], [0.1 / (2.0 * math.pi * 2.0)], subject="cabin", space="C")[0]  # 0.1 m/s^2
+    assert slow.value == pytest.approx(0.028 * 0.1 / math.sqrt(2.0) * weighting(2.0), rel=1e-12)
+
+
+@pytest.mark.parametrize(("space", "lower", "upper"), [("A", 2e-3, 4e-3), ("B", 3e-3, 6e-3), ("C", 4e-3, 8e-3)])
+def test_spaces_have_their_limits(space, lower, upper):
+    found = iso_6954_2000([10.0, 20.0], [4e-3, 4e-3], subject="deck", space=space)
+    assert [v.limit for v in found] == [lower, upper]
+    assert "probable" in found[0].note
+
+
+def test_a_history_says_what_its_lines_say():
+    """Four sines, three of them between the lines; weighted, and as peaks."""
+    time = np.arange(60000) / 1000.0
+    lines = {2.2: 1e-3, 9.3: 3e-3, 24.0: 2e-3, 93.1: 1e-3}
+    acceleration = 1.0 + sum(2.0 * np.pi * f * v * np.sin(2.0 * np.pi * f * time) for f, v in lines.items())
+    from_lines = iso_6954_2000(list(lines), list(lines.values()), subject="deck", space="B")[0]
+    from_history = iso_6954_2000_of_history(time, acceleration, subject="deck", space="B", discard=1.0)[0]
+    assert from_history.value == pytest.approx(from_lines.value, rel=2e-3)  # segments without whole periods
+    f, v = velocity_lines(time, acceleration)
+    for frequency, velocity in lines.items():
+        near = np.abs(f - frequency) < 1.0
+        assert v[near].max() == pytest.approx(velocity, rel=2e-3)  # the flat top of the window, 0.1 %
+    worst = iso_6954_1984(f, v, subject="deck")[0]
+    assert worst.value == pytest.approx(3e-3, rel=2e-3)
+    assert worst.verdict == "within"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: iso_6954_2000([10.0], [1e-3], subject="deck", space="D"), "`space` must be one of A, B, C, got 'D'"),
+        (lambda: iso_6954_2000([10.0], [1e-3, 1e-3], subject="deck", space="A"), "rows of the same length"),
+        (lambda: iso_6954_1984([-10.0], [1e-3], subject="deck"), "`frequency` must be finite and > 0 Hz"),
+        (
+            lambda: iso_6954_2000_of_history(np.arange(100) / 100.0, np.zeros(100), subject="deck", space="A"),
+            "too short for a density at 0.25 Hz",
+        ),
+    ],
+)
+def test_bad_input_is_refused(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
