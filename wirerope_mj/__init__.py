@@ -13,6 +13,7 @@ from wirerope_mj.errors import RecordError as RecordError
 from wirerope_mj.errors import RecordWarning as RecordWarning
 from wirerope_mj.errors import SimulationError as SimulationError
 from wirerope_mj.errors import WireRopeError as WireRopeError
+from wirerope_mj.excitation import EN1998_TYPE_1 as EN1998_TYPE_1
 from wirerope_mj.excitation import DecayingSine as DecayingSine
 from wirerope_mj.excitation import DesignSpectrum as DesignSpectrum
 from wirerope_mj.excitation import DoubleHalfSine as DoubleHalfSine
@@ -22,12 +23,16 @@ from wirerope_mj.excitation import RandomVibration as RandomVibration
 from wirerope_mj.excitation import Sawtooth as Sawtooth
 from wirerope_mj.excitation import ShockTableImpact as ShockTableImpact
 from wirerope_mj.excitation import Sine as Sine
+from wirerope_mj.excitation import SpectrumMatch as SpectrumMatch
 from wirerope_mj.excitation import Sweep as Sweep
 from wirerope_mj.excitation import Trapezoid as Trapezoid
 from wirerope_mj.excitation import VelocityStep as VelocityStep
 from wirerope_mj.excitation import VibrationLines as VibrationLines
+from wirerope_mj.excitation import ac156_spectrum as ac156_spectrum
 from wirerope_mj.excitation import banded_lines as banded_lines
+from wirerope_mj.excitation import en1998_spectrum as en1998_spectrum
 from wirerope_mj.excitation import load_record as load_record
+from wirerope_mj.excitation import match_spectrum as match_spectrum
 from wirerope_mj.excitation import psd_from_g as psd_from_g
 from wirerope_mj.excitation import psd_level as psd_level
 from wirerope_mj.excitation import psd_rms as psd_rms

@@ -11,10 +11,13 @@ from wirerope_mj.excitation.pulses import HalfSine, Sawtooth, Trapezoid, Velocit
 from wirerope_mj.excitation.random_vibration import RandomVibration
 from wirerope_mj.excitation.record import Record, load_record
 from wirerope_mj.excitation.restore import motion_from_dict
+from wirerope_mj.excitation.spectrum_match import SpectrumMatch, match_spectrum
 from wirerope_mj.excitation.table_shock import ShockTableImpact
+from wirerope_mj.excitation.target_spectra import EN1998_TYPE_1, ac156_spectrum, en1998_spectrum
 from wirerope_mj.excitation.vibration_lines import VibrationLines, banded_lines
 
 __all__ = [
+    "EN1998_TYPE_1",
     "BaseMotion",
     "DecayingSine",
     "DesignSpectrum",
@@ -26,13 +29,17 @@ __all__ = [
     "Sawtooth",
     "ShockTableImpact",
     "Sine",
+    "SpectrumMatch",
     "SumOfMotions",
     "Sweep",
     "Trapezoid",
     "VelocityStep",
     "VibrationLines",
+    "ac156_spectrum",
     "banded_lines",
+    "en1998_spectrum",
     "load_record",
+    "match_spectrum",
     "motion_from_dict",
     "psd_from_g",
     "psd_level",

@@ -1,0 +1,219 @@
+"""A base motion whose response spectrum is a given one: for earthquakes, of which only the spectrum is prescribed."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import lfilter
+
+from wirerope_mj.errors import ConvergenceError
+from wirerope_mj.excitation.checks import checked_direction, checked_seed, finite, positive
+from wirerope_mj.excitation.envelope import Envelope, check_room, usual_ramp
+from wirerope_mj.excitation.psd_lines import Points, checked_points
+from wirerope_mj.excitation.random_phases import random_phases
+from wirerope_mj.excitation.vibration_lines import VibrationLines
+from wirerope_mj.spectra import shock_response_spectrum
+
+Array = NDArray[np.float64]
+
+LINES_PER_OCTAVE = 12
+"""Least number of lines, which are also the frequencies at which the spectrum is matched."""
+
+SPACING_PER_DAMPING = 1.2
+"""Largest relative distance of the lines over the damping ratio; an oscillator's half-power band is 2 damping ratios wide, so
+at least one line lies within it. Twelve to an octave for 5 %."""
+
+SAMPLES_PER_PERIOD = 20
+"""Samples in a period of the highest frequency: twice what the spectrum asks for."""
+
+ITERATIONS = 60
+"""Corrections after which the search ends; those seen took fewer than twenty."""
+
+REGULARISATION = 1e-2
+"""Share of a typical squared sensitivity added to all: a correction that gains little must not be large."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpectrumMatch:
+    """A motion and how well its response spectrum meets the target.
+
+    Attributes:
+        motion: The motion: lines between a rise from rest and a fall back to it.
+        frequencies: Frequencies of the comparison [Hz], shape (n,), at least twelve to an octave.
+        target: Absolute acceleration asked for [m/s^2], shape (n,).
+        achieved: Absolute acceleration of the motion's response spectrum [m/s^2], shape (n,).
+        damping: Damping ratio of the oscillators.
+        iterations: Corrections that were made.
+    """
+
+    motion: VibrationLines
+    frequencies: Array
+    target: Array
+    achieved: Array
+    damping: float
+    iterations: int
+
+    @property
+    def mismatch(self) -> Array:
+        """Achieved over target, less one, shape (n,)."""
+        return self.achieved / self.target - 1
+
+    @property
+    def largest_mismatch(self) -> float:
+        """Largest magnitude of the mismatch."""
+        return float(np.abs(self.mismatch).max())
+
+
+def match_spectrum(
+    target: Sequence[Sequence[float]],
+    *,
+    duration: float,
+    seed: int,
+    direction: str | Sequence[float],
+    damping: float = 0.05,
+    tolerance: float = 0.02,
+    rise: float | None = None,
+    fall: float | None = None,
+    start: float = 0.0,
+) -> SpectrumMatch:
+    """Returns a base motion whose response spectrum is the target within the tolerance.
+
+    The motion is a sum of sines, twelve to an octave (more for damping below 5 %), with random phases between a smooth
+    rise and fall, so that base velocity and displacement start and end at zero. Sines and cosines are corrected together
+    by the smallest change that, to first order, moves the largest response of every oscillator to its target at the
+    instant where it occurs, until all spectral values are within the tolerance (the idea of Lilhanand and Tseng, with the
+    motion's own lines for wavelets).
+    The tolerance holds at the frequencies of the comparison; between them the spectrum of the motions seen stayed within
+    about 10 % of the target.
+
+    Args:
+        target: Points (frequency [Hz], absolute acceleration [m/s^2]), straight on logarithmic axes between them.
+        duration: Length of the motion with rise and fall [s].
+        seed: Whole number that chooses the phases to begin with.
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        damping: Damping ratio of the spectrum's oscillators.
+        tolerance: Largest relative mismatch at the frequencies of the comparison.
+        rise: Length of the rise [s], at least a period of the lowest frequency; None: ten such periods, or a tenth of
+            the duration if that is shorter.
+        fall: The same for the fall.
+        start: Instant at which the motion begins [s].
+
+    Raises:
+        ValueError: An argument is out of its range.
+        ConvergenceError: The tolerance was not reached.
+    """
+    points = checked_points("target", target, quantity="acceleration [m/s^2]")
+    if not 0 < finite("damping", damping) < 1:
+        raise ValueError(f"`damping` must lie above 0 and below 1, got {damping!r}.")
+    positive("tolerance", tolerance)
+    checked_direction(direction)
+    checked_seed(seed)
+    length = positive("duration", duration)
+    first, last = (usual_ramp(n, v, lowest=points[0][0], duration=length) for n, v in (("rise", rise), ("fall", fall)))
+    check_room(length, first, last)
+
+    frequencies, wanted = _comparison(points, float(damping))
+    envelope = Envelope(start=0.0, stop=length, rise=first, fall=last)
+    amplitudes, achieved, iterations = _Search(frequencies, wanted, float(damping), envelope).run(seed, tolerance)
+    phases = np.arctan2(amplitudes[1], amplitudes[0]) - 2 * np.pi * frequencies * finite("start", start)
+    motion = VibrationLines(
+        acceleration=list(zip(frequencies.tolist(), np.hypot(*amplitudes).tolist(), strict=True)),
+        phases=phases.tolist(),
+        direction=direction,
+        duration=length,
+        rise=first,
+        fall=last,
+        start=start,
+    )
+    return SpectrumMatch(
+        motion=motion,
+        frequencies=frequencies,
+        target=wanted,
+        achieved=achieved,
+        damping=float(damping),
+        iterations=iterations,
+    )
+
+
+def _comparison(points: Points, damping: float) -> tuple[Array, Array]:
+    """Returns the frequencies of the comparison [Hz] and the target there [m/s^2], shape (n,)."""
+    f, levels = np.array(points).T
+    per_octave = max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * damping))
+    count = math.ceil(per_octave * math.log2(f[-1] / f[0]) - 1e-9) + 1
+    frequencies = np.geomspace(f[0], f[-1], count)
+    return frequencies, np.exp(np.interp(np.log(frequencies), np.log(f), np.log(levels)))
+
+
+class _Search:
+    """The accelerations of all lines at all instants, and the impulse responses of all oscillators."""
+
+    def __init__(self, frequencies: Array, target: Array, damping: float, envelope: Envelope) -> None:
+        self.frequencies, self.target, self.damping = frequencies, target, damping
+        step = 1 / (SAMPLES_PER_PERIOD * frequencies[-1])
+        # Oscillators may answer most after the end: they are watched for a period of the lowest.
+        self.time = step * np.arange(math.ceil((envelope.stop + 1 / frequencies[0]) / step) + 1.0)
+        self.lines = _line_accelerations(self.time, frequencies, envelope)
+        impulse = np.zeros(self.time.size)
+        impulse[0] = 1.0
+        self.filters = [_filter(frequency, damping, step) for frequency in frequencies]
+        self.answers = [lfilter(*coefficients, impulse) for coefficients in self.filters]
+
+    def run(self, seed: int, tolerance: float) -> tuple[Array, Array, int]:
+        """Returns the amplitudes of sine and cosine (2, n), the spectrum (n,) and the number of corrections."""
+        phases = random_phases(seed, self.frequencies.size)
+        q = np.concatenate([self.target * np.cos(phases), self.target * np.sin(phases)])
+        q *= np.median(self.target / self.spectrum(q))
+        best = math.inf
+        for iteration in range(ITERATIONS + 1):
+            achieved = self.spectrum(q)
+            excess = achieved / self.target - 1
+            worst = int(np.argmax(np.abs(excess)))
+            if abs(excess[worst]) <= tolerance:
+                return q.reshape(2, -1), achieved, iteration
+            if abs(excess[worst]) < best:
+                best, where = float(abs(excess[worst])), self.frequencies[worst]
+            q -= self.correction(q, excess)
+        raise ConvergenceError(
+            f"no motion of these lines meets the target within {100 * tolerance:.3g} %; the best of {ITERATIONS} corrections "
+            f"was {100 * best:.3g} % away, at {where:.4g} Hz. Try another `seed`, a longer `duration` or a larger `tolerance`."
+        )
+
+    def spectrum(self, q: Array) -> Array:
+        """Returns the response spectrum of the amplitudes (2 n,), shape (n,)."""
+        quality = 1 / (2 * self.damping)
+        return shock_response_spectrum(self.time, self.lines @ q, self.frequencies, q=quality).maximax
+
+    def correction(self, q: Array, excess: Array) -> Array:
+        """Returns the smallest change of the amplitudes (2 n,) that makes the relative excess (n,), to first order."""
+        acceleration = self.lines @ q
+        kernels = np.zeros((self.frequencies.size, self.time.size))
+        for row, coefficients, answer in zip(kernels, self.filters, self.answers, strict=True):
+            response = lfilter(*coefficients, acceleration)
+            peak = int(np.argmax(np.abs(response)))
+            row[: peak + 1] = np.sign(response[peak]) * answer[peak::-1]
+        size = np.tile(np.hypot(*q.reshape(2, -1)), 2)
+        gains = (kernels @ self.lines) * size / self.target[:, np.newaxis]
+        normal = gains @ gains.T + REGULARISATION * np.eye(self.frequencies.size)
+        return size * (gains.T @ np.linalg.solve(normal, excess))
+
+
+def _line_accelerations(time: Array, frequencies: Array, envelope: Envelope) -> Array:
+    """Returns the accelerations of lines of unit sine and of unit cosine as `VibrationLines` makes them, (n_t, 2 n)."""
+    factor, first, second = (value[:, np.newaxis] for value in envelope.derivatives(time))
+    omega = 2 * np.pi * frequencies
+    sine, cosine = np.sin(np.outer(time, omega)), np.cos(np.outer(time, omega))
+    of_sines = factor * sine - 2 * first * cosine / omega - second * sine / omega**2
+    of_cosines = factor * cosine + 2 * first * sine / omega - second * cosine / omega**2
+    return np.concatenate([of_sines, of_cosines], axis=1)
+
+
+def _filter(frequency: float, damping: float, step: float) -> tuple[list[float], list[float]]:
+    """Returns the ramp-invariant filter of an oscillator's absolute acceleration (Smallwood 1981, ISO 18431-4)."""
+    omega = 2 * math.pi * frequency
+    decay, angle = math.exp(-damping * omega * step), omega * step * math.sqrt(1 - damping**2)
+    c, s = decay * math.cos(angle), decay * math.sin(angle) / angle
+    return [1 - s, 2 * (s - c), decay**2 - s], [1.0, -2 * c, decay**2]
