@@ -1,5 +1,6 @@
 """`wirerope compare`: two or more runs over each other, as tables on the screen and as one recording."""
 
+import os
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
@@ -51,7 +52,7 @@ def compare(
 def _names(runs: Sequence[Path], names: Sequence[str] | None) -> list[str]:
     """Return what the runs are called: as is said, or as their folders are, told apart by the folders above or by numbers."""
     if names is None:
-        paths = [folder.resolve() for folder in runs]
+        paths = [Path(os.path.abspath(folder)) for folder in runs]  # as it is called, also where that is a link
         found = [path.name for path in paths]
         longer = [f"{path.parent.name}/{path.name}" for path in paths]
         if len(set(found)) < len(found) == len(set(longer)):

@@ -181,7 +181,8 @@ def log_trail(rec: Any, path: str, loop: Loop, color: Color, *, cursor: Color = 
     import rerun as rr
 
     width = rr.Radius.ui_points(1.5)
-    rec.log(child(path, "trail"), rr.LineStrips2D.from_fields(colors=color, radii=width), static=True)
+    # Draw orders, because a whole loop at the same one would hide the trail on it in some views and not in others.
+    rec.log(child(path, "trail"), rr.LineStrips2D.from_fields(colors=color, radii=width, draw_order=40.0), static=True)
     segments = np.stack([loop.points[:-1], loop.points[1:]], axis=1)
     rec.send_columns(child(path, "trail"), at(loop.time[1:]), rr.LineStrips2D.columns(strips=segments))
     spot = rr.Points2D.from_fields(colors=cursor, radii=rr.Radius.ui_points(4.5), draw_order=50.0)

@@ -55,7 +55,7 @@ def overlay_blueprint(overlay: Overlay, overlaid: list[OverlaidLoops], *, tab: s
     beside = rrb.Vertical(
         rrb.TextDocumentView(origin=entity(SUMMARY), name="What differs"),
         event_view(entity(EVENTS)),
-        row_shares=[3, 2],
+        row_shares=[2, 1],
     )
     tabs = [_overview(overlay), _accelerations(overlay)]
     tabs += [_mounts(overlay)] if overlay.shared.axes else []

@@ -123,7 +123,7 @@ def _log_runs(rec: Any, path: str, runs: list[Run], drawn: dict[str, Array], mar
     """
     top = max(max(float(np.ptp(values)) for values in drawn.values()), 1e-9)
     order = sorted(drawn, reverse=True)
-    step = min(1.7, 3.4 / max(len(order) - 1, 1))
+    step = min(1.2, 2.4 / max(len(order) - 1, 1))
     for run in runs:
         marker, below = markers[run.name], child(path, run.name)
         line = drawn[run.name][:, None]
