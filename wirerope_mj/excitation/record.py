@@ -37,6 +37,8 @@ from wirerope_mj.units import STANDARD_GRAVITY
 # A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.
 _SAMPLES_PER_PERIOD = 4
 
+_BLOCK = 100_000  # samples that are looked at together, so that a long record is not copied
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Record(BaseMotion):
@@ -80,7 +82,7 @@ class Record(BaseMotion):
     @property
     def directions(self) -> NDArray[np.float64]:
         """Axes of the world in which a sample is not zero, shape (n, 3)."""
-        return np.eye(3)[np.any(self.samples != 0.0, axis=0)]
+        return np.eye(3)[[bool(column.any()) for column in self.samples.T]]
 
     def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
         """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
@@ -107,8 +109,8 @@ class Record(BaseMotion):
     @property
     def description(self) -> str:
         """For instance `record deck.csv, 2.5 s, peak 14.2 g`."""
-        squares = np.einsum("ij,ij->i", self.samples, self.samples)
-        peak = float(np.sqrt(squares.max())) / STANDARD_GRAVITY
+        parts = np.array_split(self.samples, -(-len(self.samples) // _BLOCK))
+        peak = max(float(np.linalg.norm(part, axis=1).max()) for part in parts) / STANDARD_GRAVITY
         return f"record {self.path.name}, {self.duration:.4g} s, peak {peak:.4g} g"
 
     @property

@@ -70,8 +70,10 @@ def doubts_about_motion(time: Array, samples: Array) -> Iterator[str]:
     for axis, a in zip("xyz", samples.T, strict=True):
         if not a.any():
             continue
-        velocity = np.cumsum((a[:-1] + a[1:]) * (step / 2.0))
-        end, speed = float(velocity[-1]), float(np.abs(velocity).max())
+        velocity = a[:-1] + a[1:]
+        velocity *= step / 2.0
+        np.cumsum(velocity, out=velocity)
+        end, speed = float(velocity[-1]), max(float(velocity.max()), -float(velocity.min()))
         travel = float(velocity.sum()) * step
         velocity -= np.linspace(0.0, end, velocity.size)
         small = abs(end) / length < _OFFSET * float(np.abs(a).max())

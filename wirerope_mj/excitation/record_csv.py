@@ -14,6 +14,7 @@ from wirerope_mj.excitation.record_file import (
     ACCELERATION_UNITS,
     TIME_UNITS,
     Header,
+    most_rows,
     name_bad_line,
     read_blocks,
     read_header,
@@ -43,19 +44,16 @@ def read_csv(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
     units = [unit if unit is not None else _unit(header, column) for column in directions]
     factors = np.array([ACCELERATION_UNITS[name] for name in units])
 
-    blocks = []
+    most = most_rows(path)  # memory that is not written to costs nothing: a long record stands in memory once
+    time, samples, size = np.empty(most), np.empty((most, 3)), 0
     for numbers in read_blocks(header, columns):
-        samples = np.matmul(numbers[:, 1:] * factors, axes)
-        blocks.append((numbers[:, 0] * time_factor, samples))
-    size = sum(len(times) for times, _ in blocks)
+        part = slice(size, size + len(numbers))
+        np.multiply(numbers[:, 0], time_factor, out=time[part])
+        np.matmul(numbers[:, 1:] * factors, axes, out=samples[part])
+        size = part.stop
     if size < 2:
         raise RecordError(f"{path}: a record needs at least 2 rows of numbers, this one has {size}.")
-    time, samples = np.empty(size), np.empty((size, 3))
-    filled = 0
-    while blocks:  # a block is given back as soon as it is copied: a long record stands in memory once
-        times, values = blocks.pop(0)
-        time[filled : filled + len(times)], samples[filled : filled + len(times)] = times, values
-        filled += len(times)
+    time, samples = time[:size], samples[:size]
     if np.any(time[1:] <= time[:-1]):
         name_bad_line(header, columns)
     return Reading(time=time, samples=samples, units=tuple(dict.fromkeys(units)))

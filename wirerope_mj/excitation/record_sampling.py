@@ -31,6 +31,9 @@ _FINEST = 8
 _STOP_DB, _PASS = 80.0, 0.8
 """Anti-alias filter: attenuation from the Nyquist frequency up, and share of it up to which all passes."""
 
+_BLOCK = 100_000
+"""Samples that are looked at together."""
+
 _LARGEST_FACTOR = 10_000
 """Of a change of rate, as a fraction: the filter has some fifty taps for each."""
 
@@ -48,10 +51,8 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
     """
     time = reading.time
     step = float(time[-1] - time[0]) / (time.size - 1)
-    even_time = time[0] + step * np.arange(time.size)
-    allowed = max(_ROUNDED * step, _printed(time, step))
-    if float(np.max(np.abs(time - even_time))) <= allowed:
-        return replace(reading, time=even_time)
+    if _largest_miss(time, step) <= max(_ROUNDED * step, _printed(time, step)):
+        return replace(reading, time=_even_time(float(time[0]), step, time.size))
     intervals = np.diff(time)
     usual = float(np.quantile(intervals, 0.5, method="lower"))
     regular = np.abs(intervals - usual) <= max(_ROUNDED * usual, 2.0 * _printed(time, usual))
@@ -64,6 +65,23 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
         stacklevel=3,
     )
     return _evened(reading, usual, float(intervals.min()))
+
+
+def _largest_miss(time: NDArray[np.float64], step: float) -> float:
+    """Returns how far the instants are from equal intervals [s], at most; block by block, to need no memory."""
+    largest = 0.0
+    for first in range(0, time.size, _BLOCK):
+        part = time[first : first + _BLOCK]
+        even_part = time[0] + step * np.arange(first, first + part.size)
+        largest = max(largest, float(np.abs(part - even_part).max()))
+    return largest
+
+
+def _even_time(first: float, step: float, count: int) -> NDArray[np.float64]:
+    time = np.arange(count, dtype=float)
+    time *= step
+    time += first
+    return time
 
 
 def resampled(reading: Reading, rate: float) -> Reading:
