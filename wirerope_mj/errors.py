@@ -23,7 +23,3 @@ class SimulationError(WireRopeError):
 
 class ConvergenceError(WireRopeError):
     """An iteration ended without a solution."""
-
-
-class RecordWarning(UserWarning):
-    """A record can be used, but says less, or something else, than it seems to."""
