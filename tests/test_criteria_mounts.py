@@ -9,7 +9,7 @@ from house import deck, mjcf
 from made_up_floor import TRAVEL, floor_response
 
 import wirerope_mj as wr
-from wirerope_mj.criteria import judge, peak_force_verdicts, static_load_verdicts, travel_verdicts
+from wirerope_mj.criteria import judge, peak_force_verdicts, starting_load_verdicts, travel_verdicts
 
 G = wr.STANDARD_GRAVITY
 
@@ -97,7 +97,7 @@ def box_on_four(*, gravity=G, hang=False, static_load=25.0, initial="settled", o
 
 def test_static_loads_are_the_shares_of_the_weight():
     """Four equal mounts, the mass 50 mm off: W (1/4 + e x / sum x^2) on either side."""
-    found = static_load_verdicts(box_on_four(offset=0.05))
+    found = starting_load_verdicts(box_on_four(offset=0.05))
     weight = 9.0 * G
     near, far = weight * (0.25 + 0.05 * 0.2 / 0.16), weight * (0.25 - 0.05 * 0.2 / 0.16)
     # 2 %: the box tilts by 14 mrad, which the shares for a flat one do not know
@@ -115,7 +115,7 @@ def test_static_loads_are_the_shares_of_the_weight():
     ],
 )
 def test_a_static_load_that_the_rating_does_not_speak_of_is_not_judged(changes, reason):
-    for verdict in static_load_verdicts(box_on_four(**changes)):
+    for verdict in starting_load_verdicts(box_on_four(**changes)):
         assert verdict.verdict == "not judged"
         assert reason in verdict.note
 

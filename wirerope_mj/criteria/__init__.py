@@ -3,7 +3,7 @@
 from wirerope_mj.criteria.acceleration import acceleration_verdicts as acceleration_verdicts
 from wirerope_mj.criteria.judge import judge as judge
 from wirerope_mj.criteria.mount_load import peak_force_verdicts as peak_force_verdicts
-from wirerope_mj.criteria.mount_load import static_load_verdicts as static_load_verdicts
+from wirerope_mj.criteria.mount_load import starting_load_verdicts as starting_load_verdicts
 from wirerope_mj.criteria.random import judge_random as judge_random
 from wirerope_mj.criteria.random import random_verdicts as random_verdicts
 from wirerope_mj.criteria.rattle import rattle_verdicts as rattle_verdicts

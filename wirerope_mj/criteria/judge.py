@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from wirerope_mj.criteria.acceleration import acceleration_verdicts
-from wirerope_mj.criteria.mount_load import static_load_verdicts
+from wirerope_mj.criteria.mount_load import starting_load_verdicts
 from wirerope_mj.criteria.rattle import rattle_verdicts
 from wirerope_mj.criteria.travel import travel_verdicts
 from wirerope_mj.criteria.verdict import Verdict
@@ -22,5 +22,5 @@ def judge(response: Response, limits: Sequence[PayloadLimit] | None = None) -> t
         *acceleration_verdicts(response, limits),
         *travel_verdicts(response),
         *rattle_verdicts(response, limits),
-        *static_load_verdicts(response),
+        *starting_load_verdicts(response),
     )

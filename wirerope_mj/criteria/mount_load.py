@@ -15,8 +15,8 @@ AT_REST = 1e-3 * STANDARD_GRAVITY
 """Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g."""
 
 
-def static_load_verdicts(response: Response) -> tuple[Verdict, ...]:
-    """Return a verdict on the force every mount carries at the start of the run against its rated static load.
+def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
+    """Return a verdict on the compression every mount carries at the start of the run against its rated static load.
 
     The rating holds for compression. A mount that hangs, or carries more across its axis than along it, is not judged, nor
     is a run that does not begin at rest in equilibrium.
@@ -64,9 +64,9 @@ def _static(mount: SceneMount, force: np.ndarray, rest: bool) -> Verdict:
     ]
     note = next((words for holds, words in reasons if holds), "")
     return Verdict(
-        criterion="static load",
+        criterion="static load in compression",
         subject=mount.name,
-        value=float(np.linalg.norm(force)),
+        value=max(-along, 0.0),
         limit=None if note else mount.static_load,
         unit="N",
         note=note,
