@@ -67,6 +67,32 @@ def test_shock_table_takes_a_sudden_velocity_instead_of_the_pulse():
     assert isinstance(scenario.motion, wr.VelocityStep)
 
 
+@pytest.mark.parametrize(
+    ("shape", "motion"),
+    [("half-sine", wr.DoubleHalfSine), ("triangle", wr.DoubleTriangle)],
+    ids=["half-sine", "triangle"],
+)
+def test_the_design_spectrum_becomes_the_double_pulse_asked_for(shape, motion):
+    pulse = load_scenario("floating_floor_double_pulse").make(shape=shape, level_g=50.0, velocity=2.0).motion
+    assert isinstance(pulse, motion)
+    assert pulse.peak == pytest.approx(0.6 * 50 * 9.80665)
+    assert pulse.peak_velocity == pytest.approx(0.75 * 2.0)
+    assert pulse.final_displacement == pytest.approx(1.05 * 0.04)
+
+
+def test_a_design_spectrum_that_no_pulse_can_meet_is_one_message():
+    with pytest.raises(ModelError, match="`velocity` must be below .* where the other two branches meet"):
+        load_scenario("floating_floor_double_pulse").make(displacement_mm=4.0)
+
+
+def test_the_random_vibration_of_the_rack_has_the_rms_asked_for():
+    motion = load_scenario("cabinet_random").make(level_g=0.7, seed=5).motion
+    assert motion.rms == pytest.approx(0.7 * 9.80665, rel=1e-12)
+    assert (motion.seed, motion.duration) == (5, 30.0)
+    assert [frequency for frequency, _ in motion.psd] == [5.0, 50.0, 200.0]
+    assert motion.psd[1][1] / motion.psd[2][1] == pytest.approx(16.0)  # two octaves at 6 dB, each a factor 4
+
+
 def test_a_whole_sweep_is_simulated_unless_a_duration_is_given():
     scenario = load_scenario("sdof_sweep").make()
     assert scenario.simulate["duration"] == pytest.approx(120.0, rel=1e-12)  # four octaves at two per minute, rounding
