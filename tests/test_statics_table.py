@@ -110,6 +110,31 @@ def test_the_wr12_400_sags_at_its_rating_as_it_did_when_it_was_measured():
     assert 1e3 * virgin == pytest.approx(-5.53, abs=0.01)  # of the catalogue's fit as it ships
 
 
+def frame_text():
+    """Return 50 kg on a mount on a frame of 5 kg whose own spring is softer than the mount."""
+    frame = (
+        '<body name="frame" pos="0 0 .2"><joint type="slide" axis="0 0 1" stiffness="20000"/>'
+        '<geom size=".05" mass="5"/><site name="b"/></body>'
+    )
+    mass = (
+        '<body name="mass" pos="0 0 .3"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="50"/>'
+        '<site name="p" pos="0 0 -.1"/></body>'
+    )
+    return mjcf(deck({}, slides="z", inside=frame) + mass, [("m1", "p", "b", "a")], gravity=G)
+
+
+def test_a_mount_on_a_soft_frame_lies_on_its_loading_path():
+    """Trial positions of two bodies deflect the mount both ways, where its law has two slopes."""
+    isolator = wr.load_isolator(models_folder() / "isolators" / "enidine_wr12_400.toml")
+    sag = static_table(wr.load_system(frame_text(), isolators={"a": isolator})).virgin
+    row = sag.mounts["m1"]
+    assert row.force[2] == pytest.approx(-50.0 * G, rel=1e-9)
+    assert isolator.axial.trace(np.array([0.0, row.deflection[2]])).force[-1] == pytest.approx(-50.0 * G, rel=1e-8)
+    # The frame sinks by both weights over its spring; its joint is what carries the frame itself.
+    assert sag.payloads["mass"].displacement[2] == pytest.approx(row.deflection[2] - 55.0 * G / 20000.0, rel=1e-9)
+    assert sag.on_mounts == pytest.approx(sag.weight, rel=1e-9)
+
+
 def test_without_elastic_part_the_relaxed_column_says_why():
     system = sdof(wr.BoucWen(**hysteresis(alpha=1e5, z_max=100.0)), mass=3.5, gravity=G)
     table = static_table(system)

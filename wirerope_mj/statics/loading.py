@@ -85,7 +85,7 @@ class Loading:
         for _ in range(ITERATIONS):
             if norm <= tolerance:
                 break
-            step = np.asarray(np.linalg.lstsq(self._jacobian(qpos, value), -value, rcond=None)[0], dtype=np.float64)
+            step = np.asarray(np.linalg.lstsq(self._jacobian(qpos), -value, rcond=None)[0], dtype=np.float64)
             scale = min(1.0, 0.1 / max(float(np.abs(step).max()), 1e-12))  # 0.1 m or rad is more than any mount travels
             for _halving in range(12):
                 trial = self._moved(qpos, np.asarray(scale * step))
@@ -99,14 +99,17 @@ class Loading:
             qpos, value, norm = trial, trial_value, trial_norm
         return qpos, norm
 
-    def _jacobian(self, qpos: Array, value: Array) -> Array:
-        # 1e-7 m is small against any travel and gives differences eight digits above the rounding of the forces.
+    def _jacobian(self, qpos: Array) -> Array:
+        # 1e-7 m is small against any travel and gives differences eight digits above the rounding of the forces. To both sides:
+        # where a load step begins a law is stiffer one way than the other, and one-sided columns of two bodies that deflect the
+        # same mount against each other would take a slope each.
         epsilon = 1e-7
         columns = []
         for dof in range(self.free.size):
             step = np.zeros(self.free.size)
             step[dof] = epsilon
-            columns.append((self._accelerations(self._moved(qpos, step)) - value) / epsilon)
+            above, below = (self._accelerations(self._moved(qpos, side)) for side in (step, -step))
+            columns.append((above - below) / (2.0 * epsilon))
         return np.stack(columns, axis=1)
 
     def _moved(self, qpos: Array, step: Array) -> Array:
