@@ -14,7 +14,9 @@ from wirerope_mj.runfolder import write as write_module
 from wirerope_mj.scenario import Scenario, load_scenario
 from wirerope_mj.verdicts import mount_peaks
 
-FILES = {"scenario.toml", "response.parquet", "summary.json", "run.rrd", "histories.png", "loops.png", "model"}
+FILES = {
+    "scenario.toml", "response.parquet", "summary.json", "run.rrd", "histories.png", "loops.png", "report.html", "model",
+}  # fmt: skip
 
 
 def short_table(**options) -> Scenario:

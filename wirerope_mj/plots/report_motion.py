@@ -35,7 +35,7 @@ def motion_figure(response: Response, motion: BaseMotion) -> Figure:
     axes = moving_axes(response) or [2]
     time, acceleration = base_acceleration(response, motion)
     with report_style():
-        figure = Figure(figsize=(WIDTH, 4.3), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 3.7), layout="constrained")
         panels = figure.subplots(3, 1, sharex=True)
         for axis in axes:
             # Alike in all axes, the lines lie on each other: each is narrower than the one before.

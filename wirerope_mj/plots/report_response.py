@@ -40,7 +40,7 @@ def accelerations_figure(response: Response, names: Sequence[str], base: tuple[A
         base: instants [s] and acceleration (n_t, 3) of the base [m/s^2].
     """
     with report_style():
-        figure = Figure(figsize=(WIDTH, 5.0), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 4.3), layout="constrained")
         panels = figure.subplots(3, 1, sharex=True)
         for axis, panel in enumerate(panels):
             line(panel, base[0], base[1][:, axis] / STANDARD_GRAVITY, "base", BASE)
@@ -57,7 +57,7 @@ def deflections_figure(response: Response, names: Sequence[str]) -> Figure:
     """Return the deflections of some mounts along roll, shear and axial over time, with the ratings of the first."""
     travel = next(mount.travel for mount in response.scene.mounts if mount.name == names[0])
     with report_style():
-        figure = Figure(figsize=(WIDTH, 5.0), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 4.3), layout="constrained")
         panels = figure.subplots(3, 1, sharex=True)
         for axis, panel in enumerate(panels):
             for name, colour in zip(names[:MOST], COLOURS, strict=False):

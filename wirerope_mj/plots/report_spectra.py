@@ -22,7 +22,7 @@ def base_spectrum_figure(spectra: Mapping[str, ShockResponseSpectrum]) -> Figure
         spectra: by axis, "x", "y", "z".
     """
     with report_style():
-        figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 2.7), layout="constrained")
         left, right = figure.subplots(1, 2)
         for number, (axis, spectrum) in enumerate(spectra.items()):
             style = {"color": COLOURS["xyz".index(axis)], "label": axis, "lw": 1.0 + 0.9 * (len(spectra) - 1 - number)}
@@ -41,7 +41,7 @@ def payload_spectra_figure(spectra: Mapping[str, Mapping[str, ShockResponseSpect
         spectra: by axis and name; the one called "base" is grey.
     """
     with report_style():
-        figure = Figure(figsize=(WIDTH, 2.9 if len(spectra) > 1 else 3.3), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 2.7 if len(spectra) > 1 else 3.3), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(spectra)))
         for panel, (axis, lines) in zip(panels, spectra.items(), strict=True):
             colours = iter(COLOURS)

@@ -12,7 +12,9 @@ from wirerope_mj.plots.report_image import Image
 from wirerope_mj.report.content import Listing, Paragraph, ReportContent, Table
 
 _FOLDER = Path(__file__).parent
-_LONG_WORD = 18  # letters of a word in a table that may be broken anywhere rather than widen its column
+_LONG = (
+    30  # letters of a cell of words that may take several lines, and be broken anywhere, rather than widen its column
+)
 _MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
 
 
@@ -40,4 +42,4 @@ def _data_uri(image: Image) -> str:
 
 
 def _breakable(text: str) -> str:
-    return " long" if max(map(len, text.split()), default=0) > _LONG_WORD else ""
+    return " long" if len(text) > _LONG else ""

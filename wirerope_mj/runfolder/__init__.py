@@ -8,6 +8,7 @@ response.parquet   the response, float64
 summary.json       peaks, limits, verdicts, how it was computed
 run.rrd            the view
 histories.png, loops.png
+report.html        everything of these that an engineer hands over, on one page
 ```
 """
 

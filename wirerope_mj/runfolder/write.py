@@ -3,6 +3,7 @@
 import json
 import math
 import shutil
+import tomllib
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -13,12 +14,13 @@ from typing import Any
 import tomli_w
 
 from wirerope_mj.errors import ModelError
+from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.runfolder.folder import FORMAT, SCENARIO, SUMMARY, check_target, written_whole
 from wirerope_mj.runfolder.model_files import write_model
 from wirerope_mj.scenario import Scenario
 from wirerope_mj.simulation import simulate
-from wirerope_mj.system import load_system
+from wirerope_mj.system import System, load_system
 from wirerope_mj.verdicts import summary, verdict_lines
 
 STREAM_SAMPLES = 10_000
@@ -61,6 +63,7 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
         (beside / SCENARIO).write_text(text, encoding="utf-8")
         (beside / SUMMARY).write_text(_summary_text(scenario, response, seconds), encoding="utf-8")
         _write_pictures(scenario, response, beside)
+        _write_report(text, system, scenario.motion, response, beside)
         del response  # a streamed response reads a file that is about to be renamed
     return load_response(target)
 
@@ -168,6 +171,13 @@ def _write_pictures(scenario: Scenario, response: Response, folder: Path) -> Non
     for number, record in enumerate(records_of(scenario.motion), start=1):
         name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
         save_record_baseline(record, folder / name, title=title)
+
+
+def _write_report(text: str, system: System, motion: BaseMotion, response: Response, folder: Path) -> None:
+    from wirerope_mj.runfolder.report import REPORT, report_page  # late, as the pictures
+
+    page = report_page(tomllib.loads(text), system, motion, response)
+    (folder / REPORT).write_text(page, encoding="utf-8")
 
 
 def _scenario_markdown(scenario: Scenario) -> str:

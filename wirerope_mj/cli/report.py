@@ -1,0 +1,31 @@
+"""`wirerope report`: one page of a run that can be handed over."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+
+def report(
+    folder: Path,
+    *,
+    out: Path | None = None,
+    pdf: Annotated[bool, Parameter(negative=())] = False,
+    force: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Make the report of a run: one HTML page that holds everything it shows, and a PDF of it.
+
+    Question and verdicts first, then model and mounts with the provenance of their figures, statics, modes, the base's motion,
+    peaks, histories, loops and spectra. Everything comes from the run's folder.
+
+    Args:
+        folder: folder of a run.
+        out: the page, .html; report.html in the run's folder by default, where it is made anew.
+        pdf: write a PDF of the page beside it, which needs the extra "pdf" (WeasyPrint).
+        force: replace files that `--out` names.
+    """
+    from wirerope_mj.runfolder.report import write_report
+
+    for path in write_report(folder, out=out, pdf=pdf, force=force):
+        print(f"written: {path} ({path.stat().st_size / 1e6:.2f} MB)")
+    return 0

@@ -1,0 +1,123 @@
+"""The report of a run, from its folder alone: what the run does not hold, statics, modes and spectra, is computed here."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from wirerope_mj.criteria import judge
+from wirerope_mj.errors import RecordError, WireRopeError
+from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.modes import modes
+from wirerope_mj.report import Absent, FinishedRun, check_pdf, report_content, report_html, worst_names, write_pdf
+from wirerope_mj.response import Response, load_response
+from wirerope_mj.runfolder.frequency_response import KIND, MARKS
+from wirerope_mj.runfolder.run_spectra import run_spectra
+from wirerope_mj.runfolder.sources import scenario_content, system_and_motion
+from wirerope_mj.statics import History, equilibrium
+from wirerope_mj.system import System
+from wirerope_mj.whole import written_whole
+
+REPORT = "report.html"
+"""The report in a run's folder."""
+
+_HISTORIES: tuple[History, ...] = ("virgin", "relaxed")
+Found = TypeVar("Found")
+
+
+def write_report(
+    folder: str | Path, *, out: str | Path | None = None, pdf: bool = False, force: bool = False
+) -> list[Path]:
+    """Write the report of a run and return the files, the page first.
+
+    Args:
+        folder: of the run; nothing outside it is read.
+        out: the page, .html; by default report.html in the run's folder, which is made anew.
+        pdf: whether a PDF of the page is written beside it.
+        force: whether files at `out` are replaced.
+
+    Raises:
+        RecordError: the folder is not a run, or a file is there and must not be replaced.
+        WireRopeError: a PDF cannot be made here.
+    """
+    folder = Path(folder)
+    page = folder / REPORT if out is None else Path(out)
+    if page.suffix.lower() not in (".html", ".htm"):
+        raise ValueError(
+            f"`out` must end with .html, got {str(out)!r}; a PDF is written beside it with --pdf (`pdf=True`)."
+        )
+    files = [page, page.with_suffix(".pdf")] if pdf else [page]
+    for path in files:
+        if out is not None and path.exists() and not (force and path.is_file()):
+            raise RecordError(
+                f"{path}: this exists already. Replace it with --force (`force=True`), or choose another name."
+            )
+    if pdf:
+        check_pdf()
+    content = scenario_content(_run_folder(folder))
+    system, motion = system_and_motion(folder, content)
+    text = report_page(content, system, motion, load_response(folder))
+    page.parent.mkdir(parents=True, exist_ok=True)
+    with written_whole(page) as beside:
+        beside.write_text(text, encoding="utf-8")
+    if pdf:
+        with written_whole(files[1]) as beside:
+            write_pdf(text, beside)
+    return files
+
+
+def report_page(content: Mapping[str, Any], system: System, motion: BaseMotion, response: Response) -> str:
+    """Return the report of a run as one HTML page.
+
+    Args:
+        content: of scenario.toml.
+        system: that was simulated.
+        motion: of its base.
+        response: what came out.
+    """
+    arguments = content["simulate"]
+    initial = str(arguments.get("initial", "settled"))
+    histories = _HISTORIES if system.mounts else ()
+    run = FinishedRun(
+        name=str(content.get("name", response.scene.name)),
+        question=str(content.get("question", "")),
+        written=f"{content['written']:%Y-%m-%d %H:%M} UTC" if "written" in content else "at an unknown time",
+        model=Path(content["model"]["file"]).name,
+        options=content.get("options", {}),
+        initial=initial,
+        duration=float(arguments["duration"]),
+        sample_rate=float(arguments["sample_rate"]),
+        motion=motion,
+        response=response,
+        isolators={name: mount.isolator for name, mount in system.mounts.items()},
+        gravity=float(np.linalg.norm(system.model.opt.gravity)),
+        rests={history: _found(partial(equilibrium, system, history=history)) for history in histories},
+        modes={history: _found(partial(modes, system, history=history)) for history in histories},
+        spectra=run_spectra(motion, response, worst_names(response), float(arguments["sample_rate"])),
+        verdicts=tuple(judge(response)),
+        versions=content.get("versions", {}),
+    )
+    return report_html(report_content(run))
+
+
+def _found(compute: Callable[[], Found]) -> Found | Absent:
+    """Return what is computed, or a sentence that says why there is none: a report shows what can be shown."""
+    try:
+        return compute()
+    except (WireRopeError, ValueError) as error:
+        return Absent(reason=str(error))
+
+
+def _run_folder(folder: Path) -> Path:
+    """Return the folder; RecordError if it is something else than a run."""
+    if not folder.is_dir():
+        raise RecordError(
+            f"{folder}: there is no such folder; a report is made of the folder that `wirerope run` wrote."
+        )
+    if all((folder / mark).is_file() for mark in MARKS):
+        raise RecordError(
+            f"{folder}: this is a {KIND}, whose pictures and tables stand in its folder; reports are made of runs."
+        )
+    return folder
