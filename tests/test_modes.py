@@ -175,6 +175,25 @@ def test_two_payloads_are_named():
     np.testing.assert_allclose(found.participation[:, 2], [9 / 13, 4 / 13], rtol=1e-9)
 
 
+def test_a_frame_below_the_mount_takes_part():
+    frame = (
+        '<body name="frame" pos="0 0 .2"><joint type="slide" axis="0 0 1" stiffness="40000"/>'
+        '<geom size=".05" mass="3"/><site name="b"/></body>'
+    )
+    mass = (
+        '<body name="mass" pos="0 0 .3"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="5"/>'
+        '<site name="p" pos="0 0 -.1"/></body>'
+    )
+    text = mjcf(deck({}, slides="z", inside=frame) + mass, [("m1", "p", "b", "a")], gravity=G)
+    found = modes(wr.load_system(text, isolators={"a": wr.Isolator(name="a", axial=wr.KelvinVoigt(k=2e4, c=0.0))}))
+    mass_matrix, stiffness = np.diag([3.0, 5.0]), np.array([[6e4, -2e4], [-2e4, 2e4]])
+    np.testing.assert_allclose(found.frequencies, frequencies_of(stiffness, mass_matrix), rtol=1e-7)
+    np.testing.assert_allclose(found.participation[:, 2].sum(), 1.0, rtol=1e-9)
+    assert found.words[0].startswith("mass: bounce z")
+    assert found.words[1].startswith("frame: bounce z")
+    assert set(found.payloads) == {"mass"}
+
+
 def test_a_viscous_mount_gives_its_damping_ratio_and_a_zener_mount_its_storage_stiffness():
     k, c, mass = 2e4, 60.0, 3.5
     found = modes(sdof(wr.KelvinVoigt(k=k, c=c), mass=mass, gravity=G))

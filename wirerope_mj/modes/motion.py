@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from wirerope_mj.modes.rest import AtRest
 from wirerope_mj.modes.result import PayloadShape
-from wirerope_mj.statics.payloads import Payload, payloads_of
+from wirerope_mj.statics.payloads import Payload, movers_of, payloads_of
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
@@ -49,8 +49,8 @@ def participation_of(system: System, rest: AtRest, shapes: Array) -> Array:
     """
     model = system.model
     force, whole = np.zeros((rest.free.size, 3)), 0.0
-    for payload in payloads_of(system):
-        for body in payload.bodies:
+    for mover in movers_of(system):
+        for body in mover.bodies:
             force += model.body_mass[body] * _jacobians(model, rest, body).centre.T
             whole += float(model.body_mass[body])
     modal = np.einsum("nj,nk,kj->j", shapes, rest.mass, shapes)
@@ -66,12 +66,12 @@ def _word(system: System, rest: AtRest, shape: Array) -> str:
     """Return what holds most of the kinetic energy of a shape, largest first."""
     model = system.model
     energy = float(shape @ rest.mass @ shape)
-    payloads = payloads_of(system)
+    movers = movers_of(system)
     shares: list[tuple[float, str]] = []
-    for payload in payloads:
+    for payload in movers:
         tree = _tree(model, rest, payload)
         velocity, turn = tree.centre @ shape, tree.turn @ shape
-        prefix = f"{payload.name}: " if len(payloads) > 1 else ""
+        prefix = f"{payload.name}: " if len(movers) > 1 else ""
         shares += [(payload.mass * v * v / energy, prefix + w) for v, w in zip(velocity, _TRANSLATIONS, strict=True)]
         spin = turn * (_inertia(model, rest, payload) @ turn) / energy
         shares += [(float(part), prefix + w) for part, w in zip(spin, _ROTATIONS, strict=True)]
