@@ -67,7 +67,7 @@ def test_corners_move_with_the_body_and_its_rotation(floor):
         np.testing.assert_allclose(displacement, expected, atol=1e-12)
     found = by_name(rattle_verdicts(floor, [clearance("rack_0", 0.05, 0.05, 0.05)]))
     side = found["rack_0", "rattle space along -z"]
-    least = -corner_displacements(floor, body, corners)[:, :, 2].min()
+    least = -min(displacement[:, 2].min() for displacement in corner_displacements(floor, body, corners))
     assert least <= side.value <= 1.001 * least  # the parabola between samples of 1 ms
 
 
@@ -79,8 +79,8 @@ def test_a_tilt_moves_the_far_corner_by_its_arm():
     still = replace(body, orientation=UPRIGHT)
     moved = type("Moved", (), {"orientation": np.tile(tilted, (50, 1)), "position": np.tile(body.position, (50, 1))})
     turned = replace(floor, bodies={"floor": moved})
-    found = corner_displacements(turned, still, np.array([[1.5, 0.3, 0.5]]))
-    np.testing.assert_allclose(found[0, 0], [0.005, 0.0, -0.015], atol=1e-4)  # 1.5 times 0.01^2 / 2
+    found = next(corner_displacements(turned, still, np.array([[1.5, 0.3, 0.5]])))
+    np.testing.assert_allclose(found[0], [0.005, 0.0, -0.015], atol=1e-4)  # 1.5 times 0.01^2 / 2
 
 
 @pytest.mark.parametrize(

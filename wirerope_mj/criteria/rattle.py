@@ -1,6 +1,6 @@
 """Rattle space: how far points and the corners of bodies move from their modelled place relative to the base."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -59,28 +59,28 @@ def body_corners(body: SceneBody) -> Array:
     return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
 
 
-def corner_displacements(response: Response, body: SceneBody, corners: Array) -> Array:
-    """Return the displacements of corners from their modelled place relative to the base [m], (n_corners, n_t, 3)."""
+def corner_displacements(response: Response, body: SceneBody, corners: Array) -> Iterator[Array]:
+    """Yield the displacement of one corner after the other from its modelled place relative to the base [m], (n_t, 3)."""
     moved = response.bodies[body.name]
     turns = _rotation(moved.orientation) - _rotation(body.orientation)  # (n_t, 3, 3)
     centre = moved.position - body.position - response.base.displacement
-    return centre + np.einsum("tij,cj->cti", turns, corners)
+    for corner in corners:
+        yield centre + turns @ corner
 
 
 def _judge_corners(response: Response, body: SceneBody, corners: Array, limit: PayloadLimit | None) -> list[Verdict]:
     """Return the verdicts on a body by the corners that move farthest."""
-    moved = corner_displacements(response, body, corners)
-    norms = np.linalg.norm(moved, axis=2)
-    farthest = int(norms.max(axis=1).argmax())
-    value, when = sampled_peak(response.time, norms[farthest])
-    sides = []
-    for axis in range(3):
-        for sign in (-1.0, 1.0):
-            along = sign * moved[:, :, axis]
-            sides.append(sampled_peak(response.time, along[int(along.max(axis=1).argmax())]))
-    place = ", ".join(f"{1e3 * x:.4g}" for x in corners[farthest])
-    where = f"corner at {place} mm from the centre of mass" if limit is None else "the corner that moves farthest"
-    return _judge(body.name, value, when, sides, limit, where)
+    farthest, corner = (-1.0, 0.0), corners[0]
+    sides = [(-np.inf, 0.0)] * 6
+    for place, moved in zip(corners, corner_displacements(response, body, corners), strict=True):
+        reached = sampled_peak(response.time, np.linalg.norm(moved, axis=1))
+        if reached > farthest:
+            farthest, corner = reached, place
+        along = [sampled_peak(response.time, sign * moved[:, axis]) for axis in range(3) for sign in (-1.0, 1.0)]
+        sides = [max(pair) for pair in zip(sides, along, strict=True)]
+    words = ", ".join(f"{1e3 * x:.4g}" for x in corner)
+    where = f"corner at {words} mm from the centre of mass" if limit is None else "the corner that moves farthest"
+    return _judge(body.name, *farthest, sides, limit, where)
 
 
 def _judge(

@@ -68,7 +68,7 @@ def _combined(time: Array, mount: SceneMount, deflection: Array) -> Verdict:
     square, when = sampled_peak(time, total)
     note = "sqrt of the sum of (deflection / rated)^2 at one instant"
     if missing:
-        note += f", without {', '.join(missing)}: no travel is rated"
+        note += f"; no travel in {', '.join(missing)} is rated"
     return Verdict(
         criterion="travel combined",
         subject=mount.name,
