@@ -17,6 +17,7 @@ from cyclopts.exceptions import CycloptsError
 from wirerope_mj.cli.compare import compare
 from wirerope_mj.cli.frf_options import frf
 from wirerope_mj.cli.isolators import print_isolator, print_isolators
+from wirerope_mj.cli.modes import modes
 from wirerope_mj.cli.report import report
 from wirerope_mj.cli.run import list_scenarios, run_command
 from wirerope_mj.cli.select_options import select
@@ -187,6 +188,7 @@ app.command(report)
 app.command(compare)
 app.command(shock)
 app.command(select)
+app.command(modes)
 app.command(statics)
 
 isolators_app = App(name="isolators", help="Show the isolators of the catalogue, or fit one from a data sheet.")

@@ -74,6 +74,7 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         history=history,
         amplitude=amplitude,
         stability=stability_of(system, rest, held.real - rest.other - rest.weight, loading),
+        free=rest.free,
         mass=rest.mass,
         stiffness=held.real,
         equilibrium=found,

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import linear_sum_assignment
 
 from wirerope_mj.modes.tipping import Stability
 from wirerope_mj.statics import Equilibrium, History
@@ -49,7 +50,8 @@ class Modes:
         history: which equilibrium it is about.
         amplitude: largest deflection of any mount [m]; None: vanishing.
         stability: against tipping over.
-        mass, stiffness: of the free velocity coordinates, (n, n); the stiffness is that of small closed cycles.
+        free: velocity coordinates of MuJoCo that can move, (n,).
+        mass, stiffness: of these, (n, n); the stiffness is that of small closed cycles.
         equilibrium: where the system rests.
     """
 
@@ -65,9 +67,16 @@ class Modes:
     history: History
     amplitude: float | None
     stability: Stability
+    free: npt.NDArray[np.int64]
     mass: Array
     stiffness: Array
     equilibrium: Equilibrium
+
+    def places_in(self, other: "Modes") -> list[int]:
+        """Return for each of these modes the place of the one that it is in `other`: all of the same system."""
+        ours, theirs = (_unit(modes.shapes[self.free], self.mass) for modes in (self, other))
+        _, places = linear_sum_assignment(-((ours.T @ self.mass @ theirs) ** 2))
+        return [int(place) for place in places]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the modes as plain values, SI; what is not finite is None."""
@@ -92,6 +101,10 @@ class Modes:
             ],
             "stability": self.stability.to_dict(),
         }
+
+
+def _unit(shapes: Array, mass: Array) -> Array:
+    return np.asarray(shapes / np.sqrt(np.einsum("nj,nk,kj->j", shapes, mass, shapes)))
 
 
 def _number(value: float) -> float | None:

@@ -1,0 +1,107 @@
+"""`wirerope modes`: the table, the folder, the recording of the shapes in motion, and what is refused."""
+
+import json
+import subprocess
+import tomllib
+
+import numpy as np
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.cli.app import main
+from wirerope_mj.modes import modes
+from wirerope_mj.modes.film import PERIODS, ROWS, film_of_modes
+from wirerope_mj.recording.modes import MODE, mode_text, record_modes
+from wirerope_mj.recording.viewer import viewer_binary
+from wirerope_mj.resources import models_folder
+
+
+@pytest.fixture(scope="module")
+def cabinet():
+    """Return the cabinet and its modes."""
+    system = wr.load_system(models_folder() / "cabinet.xml")
+    return system, modes(system)
+
+
+@pytest.fixture
+def recordable(monkeypatch):
+    """Let recordings be made whatever the environment says."""
+    monkeypatch.delenv("RERUN", raising=False)
+
+
+def test_the_command_prints_every_mode_and_writes_a_folder(capsys, tmp_path, recordable):
+    folder = tmp_path / "modes"
+    assert main(["modes", "shock_table", "--amplitude-mm", "1", "5", "--out", str(folder)]) == 0
+    shown = capsys.readouterr().out
+    for expected in ("bounce z", "10.980", "10.951 (0.018)", "10.387 (0.081)", "far from tipping over"):
+        assert expected in shown
+    assert {path.name for path in folder.iterdir()} == {"settings.toml", "modes.json", "run.rrd", "model"}
+    results = json.loads((folder / "modes.json").read_text())["results"]
+    assert [result["amplitude_m"] for result in results] == [None, 0.001, 0.005]
+    assert [mode["word"] for mode in results[0]["modes"]] == ["sway x", "sway y", "bounce z"]
+    assert tomllib.loads((folder / "settings.toml").read_text())["question"]["history"] == "virgin"
+    again = wr.load_system(folder / "model" / "shock_table.xml")
+    assert modes(again).frequencies[2] == results[0]["modes"][2]["frequency_Hz"]
+
+
+def test_what_is_there_is_replaced_only_by_force(capsys, tmp_path, recordable):
+    file = tmp_path / "shapes.rrd"
+    assert main(["modes", "sdof_shaker", "--out", str(file)]) == 0
+    assert main(["modes", "sdof_shaker", "--out", str(file)]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert main(["modes", "sdof_shaker", "--out", str(file), "--force"]) == 0
+    foreign = tmp_path / "mine"
+    foreign.mkdir()
+    (foreign / "thesis.txt").write_text("do not touch")
+    assert main(["modes", "sdof_shaker", "--out", str(foreign), "--force"]) == 2
+    assert (foreign / "thesis.txt").read_text() == "do not touch"
+
+
+@pytest.mark.parametrize("arguments", [["--amplitude-mm", "0"], ["--amplitude-mm", "-3"], ["--history", "old"]])
+def test_bad_input_is_one_message(capsys, tmp_path, monkeypatch, arguments):
+    monkeypatch.chdir(tmp_path)
+    assert main(["modes", "sdof_shaker", *arguments]) == 2
+    assert capsys.readouterr().err.count("\n") <= 2
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_recording_is_whole_and_holds_every_mode(tmp_path, cabinet, recordable):
+    from rerun.chunk import RrdReader
+
+    path = record_modes(film_of_modes(*cabinet), tmp_path)
+    assert path == tmp_path / "run.rrd"
+    assert subprocess.run([str(viewer_binary()), "rrd", "verify", str(path)], capture_output=True).returncode == 0
+    texts, moving = [], set()
+    for chunk in RrdReader(path).stream():
+        batch = chunk.to_record_batch()
+        if str(chunk.entity_path) == f"/{MODE}":
+            texts += [text[0] for text in batch.column("TextDocument:text").to_pylist()]
+        if str(chunk.entity_path) == "/world/deck/rack" and not chunk.is_static:
+            moving |= set(batch.column(MODE).to_pylist())
+    assert [text.split("\n")[0] for text in texts] == [
+        f"### Mode {number + 1}: {word}" for number, word in enumerate(cabinet[1].words)
+    ]
+    assert moving == {1, 2, 3, 4, 5, 6}
+
+
+def test_the_film_shows_the_shapes_and_ropes_end_on_the_rack(cabinet):
+    system, found = cabinet
+    film = film_of_modes(system, found)
+    rack = film.response.bodies["rack"].position
+    rest = found.equilibrium
+    for mode in range(6):
+        first = mode * PERIODS * ROWS
+        swing = rack[first] - rack[first + ROWS // 2]  # from one extreme to the other
+        expected = 2.0 * film.amplitude * found.payloads["rack"].translation[mode]
+        # Turning by up to 0.1 rad bends the way by its square.
+        np.testing.assert_allclose(swing, expected, atol=0.02 * film.amplitude)
+        moved = np.array(
+            [m.deflection[first] - rest.mounts[name].deflection for name, m in film.response.mounts.items()]
+        )
+        assert np.linalg.norm(moved, axis=1).max() == pytest.approx(film.amplitude, rel=1e-9)
+
+
+def test_the_text_of_a_mode_has_its_figures(cabinet):
+    text = mode_text(cabinet[1], 3)
+    for expected in ("bounce z", "15.240 Hz", "14.674 Hz", "15.805 Hz", "95.6 %", "| m01 |"):
+        assert expected in text

@@ -1,0 +1,32 @@
+"""`wirerope modes`: the modes of a model about its sagged position."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+
+def modes(
+    model: str,
+    *,
+    history: Literal["virgin", "relaxed"] = "virgin",
+    amplitude_mm: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
+    out: Path | None = None,
+    force: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Print the modes of a model about its sagged position: frequencies, damping, what moves, and how far from tipping over.
+
+    Frequencies of small cycles stand first, between those of the tangents on further loading and on unloading from the chosen
+    history; then, for every amplitude, those of cycles of that size with their damping. The folder holds the figures and a
+    recording in which the model swings in one mode after the other.
+
+    Args:
+        model: path of an MJCF file with mounts, or the name of one that ships with the package.
+        history: virgin, after the weight was laid on slowly, or relaxed, after long vibration.
+        amplitude_mm: amplitudes of the mount that moves most [mm], one or several.
+        out: folder of the result, or a .rrd file for the recording alone; runs/MODEL-modes-DATE-TIME by default.
+        force: replace what is there.
+    """
+    from wirerope_mj.cli.modes_tables import modes_command
+
+    return modes_command(model, history, amplitude_mm or [], out=out, force=force)

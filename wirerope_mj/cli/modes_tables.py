@@ -1,0 +1,90 @@
+"""What `wirerope modes` does and prints."""
+
+import math
+from collections.abc import Sequence
+from datetime import datetime
+from pathlib import Path
+
+from rich.markup import escape
+from rich.table import Table
+
+from wirerope_mj.cli.models import model_path
+from wirerope_mj.cli.statics_tables import plain_table, stability_words
+from wirerope_mj.cli.tables import console
+from wirerope_mj.errors import RecordError
+from wirerope_mj.modes import Modes, modes
+from wirerope_mj.runfolder.folder import check_target
+from wirerope_mj.runfolder.modes import KIND, MARKS, write_modes
+from wirerope_mj.statics import History
+from wirerope_mj.system import load_system
+
+
+def modes_command(
+    model: str, history: History, amplitudes_mm: Sequence[float], *, out: Path | None, force: bool
+) -> int:
+    """Find the modes of a model, write them, print them; return the exit code."""
+    for size in amplitudes_mm:
+        if not (math.isfinite(size) and size > 0.0):
+            raise ValueError(f"`--amplitude-mm` must be finite and > 0, got {size}.")
+    path = model_path(model)
+    target = out or Path("runs") / f"{path.stem}-modes-{datetime.now():%Y%m%d-%H%M%S}"
+    alone = target.suffix == ".rrd"
+    if alone and target.exists() and not force:
+        raise RecordError(f"{target}: there is a file already. Replace it with --force, or choose another one.")
+    if not alone:
+        check_target(target, force=force, kind=KIND, marks=MARKS)
+    system = load_system(path)
+    small = modes(system, history=history)
+    large = [modes(system, history=history, amplitude=size / 1e3) for size in amplitudes_mm]
+    if alone:
+        from wirerope_mj.modes.film import film_of_modes
+        from wirerope_mj.recording.modes import record_modes
+
+        record_modes(film_of_modes(system, small), target, title=path.stem)
+    else:
+        write_modes(system, path.stem, [small, *large], target, force=force)
+    print_modes(path.stem, small, large)
+    screen = console()
+    place = f"{target}" if alone else f"{target}/"
+    screen.print(f"\n  written to {escape(place)}", soft_wrap=True)
+    screen.print(f"  [bold]wirerope show {escape(str(target))}[/] opens the view", soft_wrap=True)
+    return 0
+
+
+def print_modes(name: str, small: Modes, large: Sequence[Modes]) -> None:
+    """Print the modes of small cycles and of larger ones, each in the row of its mode."""
+    screen = console()
+    screen.print()
+    screen.print(_table(name, small, large))
+    screen.print()
+    screen.print(f"  {stability_words(small.stability)}", soft_wrap=True, markup=False)
+    screen.print(
+        "  Small cycles: their limit, between the tangents on further loading and on unloading. Damping in brackets. x, y, z: "
+        "share of the moving mass that takes part.",
+        soft_wrap=True,
+        markup=False,
+    )
+
+
+def _table(name: str, small: Modes, large: Sequence[Modes]) -> Table:
+    headings = ["small\n[Hz]", "loading\n[Hz]", "unloading\n[Hz]"]
+    headings += [f"{1e3 * (modes.amplitude or 0.0):g} mm\n[Hz]" for modes in large]
+    headings += ["x\n[%]", "y\n[%]", "z\n[%]"]
+    table = plain_table(f"{name}: modes about the {small.history} position", "", headings)
+    table.add_column("")
+    places = [small.places_in(modes) for modes in large]
+    for row, word in enumerate(small.words):
+        cells = [_hertz(small.frequencies[row], small.damping_ratio[row])]
+        cells += [_hertz(value) for value in (small.loading[row], small.unloading[row])]
+        for modes_of_size, place in zip(large, places, strict=True):
+            at = place[row]
+            cells.append(_hertz(modes_of_size.frequencies[at], modes_of_size.damping_ratio[at]))
+        cells += [f"{100.0 * share:.1f}" for share in small.participation[row]]
+        table.add_row(str(row + 1), *cells, escape(word))
+    return table
+
+
+def _hertz(frequency: float, damping: float | None = None) -> str:
+    if not math.isfinite(frequency):
+        return "tips"
+    return f"{frequency:.3f}" if not damping else f"{frequency:.3f} ({damping:.3f})"
