@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from house import sdof
+from house import deck, mjcf, sdof
 from made_up_floor import floor_response
 
 import wirerope_mj as wr
@@ -103,3 +103,27 @@ def test_a_filter_takes_what_is_above_it(floor):
     assert high == pytest.approx(plain, rel=0.01)  # the made-up pulse has corners
     with pytest.raises(ValueError, match="`cutoff` must be between 0 and half the sampling rate, 500 Hz, got 600"):
         acceleration_verdicts(floor, cutoff=600.0)
+
+
+def test_limits_written_in_the_model_judge_its_run(tmp_path):
+    """A free box (no gravity, no mount moves it) that a shock leaves alone is within; what it rides on is not asked."""
+    sites = '<site name="p" pos="0 0 -.1"/><site name="point/lid" pos="0 0 .1"/>'
+    joint = '<joint type="slide" axis="0 0 1"/>'
+    world = deck({"b": 'pos="0 0 .2"'}, slides="z") + (
+        f'<body name="box" pos="0 0 .3">{joint}<geom size=".1" mass="9"/>{sites}</body>'
+    )
+    custom = '<numeric name="limit/acceleration/box" data="0 0 30"/><numeric name="limit/clearance/lid" data="0 0 0 0 .03 .05"/>'
+    spring = wr.Isolator(name="S", axial=wr.KelvinVoigt(k=9000.0, c=30.0))
+    system = wr.load_system(mjcf(world, [("m1", "p", "b", "s")], custom=custom), isolators={"s": spring})
+    shock = wr.HalfSine(peak=20.0 * G, duration=0.011, direction="z", start=0.01)
+    response = wr.simulate(system, shock, duration=0.3, timestep=5e-4)
+    response.save(tmp_path)
+    for run in (response, wr.load_response(tmp_path)):
+        found = by_name(judge(run))
+        # V w = 1.374 m/s times 31.6 rad/s, and the same over w: an impulse on a spring, damped by 5 %
+        assert found["box", "acceleration along z"].value == pytest.approx(1.374 * 31.6 * 0.93, rel=0.03)
+        assert found["box", "acceleration along z"].verdict == "exceeded"
+        assert found["lid", "rattle space along -z"].value == pytest.approx(1.374 / 31.6 * 0.93, rel=0.03)
+        assert found["lid", "rattle space along -z"].verdict == "exceeded"  # the base moves up, the box stays behind
+        assert found["lid", "rattle space along +z"].verdict == "within"
+        assert found["lid", "rattle space along +x"].verdict == "not judged"
