@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from wirerope_mj.excitation import DesignSpectrum, DoubleHalfSine, DoubleTriangle
+from wirerope_mj.spectra import shock_response_spectrum
 
 G = 9.80665
 SPECTRUM = DesignSpectrum(displacement=0.050, velocity=3.0, acceleration=100 * G)
@@ -99,6 +100,22 @@ def test_the_branches_of_the_design_spectrum_meet_at_its_corners():
     assert high == pytest.approx(100 * G / (2 * math.pi * 3.0), rel=1e-15)
     levels = SPECTRUM.pseudo_velocity([low / 2, low, math.sqrt(low * high), high, 2 * high])
     np.testing.assert_allclose(levels, [1.5, 3.0, 3.0, 3.0, 1.5], rtol=1e-14)
+
+
+@pytest.mark.parametrize(("pulse", "reached"), [(PULSES[0], 1.113), (PULSES[1], 0.955)], ids=["half-sine", "triangle"])
+def test_the_undamped_spectrum_of_the_pulse_follows_the_branches(pulse, reached):
+    low, high = SPECTRUM.corner_frequencies
+    frequencies = np.geomspace(low / 30, 10 * high, 200)
+    time = np.arange(0.0, pulse.end + 0.01, 1 / (40 * frequencies[-1]))
+    spectrum = shock_response_spectrum(time, pulse.acceleration(time)[:, 2], frequencies, q=math.inf)
+    ratio = spectrum.pseudo_velocity / SPECTRUM.pseudo_velocity(frequencies)
+    # An oscillator that is slow enough stays where it was while the base moves away by 1.05 d0.
+    assert ratio[0] == pytest.approx(1.05, rel=0.002)
+    between = ratio[(frequencies > low) & (frequencies < high)]
+    assert 0.72 < between.min() < between.max() < 1.2  # seen: 0.737 to 1.165
+    assert ratio[frequencies > high].max() == pytest.approx(reached, abs=0.002)  # as the docstring says
+    # One that is fast enough follows the pulse; at ten times the corner some 15 % of its own oscillation are left.
+    assert 0.6 <= ratio[-1] < 0.75
 
 
 def test_the_factors_are_parameters():

@@ -21,7 +21,10 @@ FACTORS = (0.6, 0.75, 1.05)
 class DesignSpectrum:
     """Undamped shock spectrum of constant displacement, velocity and acceleration, one branch after the other.
 
-    The levels come from the customer's specification (BV 043, STANAG 4142, ...); none are built in.
+    The levels come from the customer's specification (BV 043, STANAG 4142, ...); none are built in. With the usual factors
+    the undamped spectrum of the double half-sine lies at 1.05 d0 far below the first corner, between 0.77 and 1.17 of v0
+    between the corners, reaches 1.11 to 1.15 a0 near twice the second, and falls from there to its own peak, 0.6 a0, as
+    that of every pulse does; that of the double triangle reaches 0.95 to 1.05 a0 (seen on three spectra).
 
     Attributes:
         displacement: Spectral displacement d0 of the low branch [m].
