@@ -204,7 +204,7 @@ def load_record(
     file = Path(path).absolute()
 
     reading = even(file, (read_uff if is_uff(file) else read_csv)(file, wanted, unit), gaps=gaps)
-    for doubt in doubts_about_reading(reading):
+    for doubt in doubts_about_reading(reading, corrected=baseline != "none"):
         warnings.warn(f"{file}: {doubt}", RecordWarning, stacklevel=2)
     if rate is not None:
         reading = resampled(reading, rate)

@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 _FEWEST = 16
 """Samples below which nothing is judged: a record so short was written by hand."""
 
-_RESTS, _BAND = 0.3, 0.02
-"""A record rests at its median if this share of its samples lies within this share of its range beside it."""
+_RESTS, _BAND, _BESIDE = 0.3, 0.02, 0.1
+"""A record rests at its median if this share of its samples lies beside it, within a share of its range or of the median."""
 
 _PULSE_WAVES = 10
 """Half waves above a tenth of the peak up to which a record is of a pulse, which begins and ends near zero."""
@@ -48,8 +48,8 @@ _DRIFT, _SLOW, _OFFSET = 3.0, 0.1, 0.2
 below which nobody minds [m/s]; the share of the peak above which a mean is that of a pulse that fills its record."""
 
 
-def doubts_about_reading(reading: Reading) -> Iterator[str]:
-    """Yields what is suspicious about accelerations as they were measured."""
+def doubts_about_reading(reading: Reading, *, corrected: bool) -> Iterator[str]:
+    """Yields what is suspicious about accelerations as they were measured; `corrected`: a baseline is taken off later."""
     if reading.time.size < _FEWEST:
         return
     yield from _implausible(reading)
@@ -57,7 +57,7 @@ def doubts_about_reading(reading: Reading) -> Iterator[str]:
         low, high = float(a.min()), float(a.max())
         if high > low:
             rest = _rest(a, low, high)
-            yield from _wrong_unit(axis, rest, reading.units)
+            yield from _wrong_unit(axis, rest, reading.units, corrected)
             yield from _cut_off(axis, a, rest or 0.0)
             yield from _clipped(axis, a, low, high)
 
@@ -113,11 +113,12 @@ def _implausible(reading: Reading) -> Iterator[str]:
 def _rest(a: Array, low: float, high: float) -> float | None:
     """Returns the value at which the record rests between its events, None if it does not."""
     middle = float(np.median(a))
-    share = np.count_nonzero(np.abs(a - middle) <= _BAND * (high - low)) / a.size
+    band = max(_BAND * (high - low), _BESIDE * abs(middle))
+    share = np.count_nonzero((a >= middle - band) & (a <= middle + band)) / a.size
     return middle if share >= _RESTS else None
 
 
-def _wrong_unit(axis: str, rest: float | None, units: tuple[str, ...]) -> Iterator[str]:
+def _wrong_unit(axis: str, rest: float | None, units: tuple[str, ...], corrected: bool) -> Iterator[str]:
     """Yields words for a record that rests at gravity, in its own unit or in another one."""
     if rest is None or len(units) != 1:
         return
@@ -134,7 +135,7 @@ def _wrong_unit(axis: str, rest: float | None, units: tuple[str, ...]) -> Iterat
                     f'{words}which is gravity if the values are in {other} and not in {unit}. If so, say unit="{other}" '
                     '(--unit), and baseline="mean".'
                 )
-            else:
+            elif not corrected:
                 yield f'{words}as if gravity were in it, which the model has already: baseline="mean" takes it off.'
 
 
@@ -145,7 +146,7 @@ def _cut_off(axis: str, a: Array, rest: float) -> Iterator[str]:
     is_pulse = np.count_nonzero(np.diff(signs)) < _PULSE_WAVES
     limit = _PULSE_END if is_pulse else _RIDE_END
     for word, place, side in (("begins", 0, "before"), ("ends", -1, "after")):
-        share = abs(float(a[place]) - rest) / peak
+        share = min(abs(float(a[place]) - rest), abs(float(a[place]))) / peak
         if share > limit:
             what = "it is shorter than its pulse" if is_pulse else "it was cut out of a longer one"
             yield (
@@ -181,7 +182,7 @@ def _longest(inside: NDArray[np.bool_]) -> tuple[int, int]:
 
 
 def _converter_step(a: Array) -> float:
-    """Returns the smallest difference of two values beside each other that is none of rounding."""
+    """Returns the smallest difference of two values beside each other that is none of rounding, 1 % of the range at most."""
     steps = np.abs(np.diff(a[:100_000]))
     kept = steps[steps > 1e-9 * np.abs(a).max()]
-    return float(kept.min()) if kept.size else 0.0
+    return min(float(kept.min()), 0.01 * float(np.ptp(a))) if kept.size else 0.0
