@@ -34,6 +34,9 @@ _PIXELS = 150
 _STEPS = 1000
 """Stretches of a thinned line: about one for each pixel of a full-width panel."""
 
+_CRESTS = 300
+"""Stretches of an envelope: each should hold a period at least."""
+
 _MM = 25.4  # of an inch
 
 _STYLE = {
@@ -105,6 +108,14 @@ def thinned(time: Array, values: Array) -> tuple[Array, Array]:
     return time[rows], values[rows]
 
 
+def crest(x: Array, values: Array) -> tuple[Array, Array]:
+    """Return the places and sizes of the largest value of each of many stretches: the envelope of what oscillates."""
+    length = max(x.size // _CRESTS, 1)
+    parts = values[: length * (x.size // length)].reshape(-1, length)
+    rows = length * np.arange(parts.shape[0]) + parts.argmax(axis=1)
+    return x[rows], values[rows]
+
+
 def line(panel: Any, time: Array, values: Array, label: str | None, colour: str, **style: Any) -> None:
     """Draw a thinned line."""
     panel.plot(*thinned(time, values), color=colour, label=label, **style)
@@ -125,9 +136,9 @@ def legend_above(figure: Figure, *panels: Any) -> None:
         figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=5, frameon=False)
 
 
-def round_ticks(axis: Any, low: float, high: float) -> None:
-    """Give a logarithmic axis from `low` to `high` ticks at round numbers, written as such."""
-    ticks = log_ticks(low, high)
+def round_ticks(axis: Any, low: float, high: float, *, most: int = 12) -> None:
+    """Give a logarithmic axis from `low` to `high` at most about `most` ticks at round numbers, written as such."""
+    ticks = log_ticks(low, high, most=most)
     axis.set_major_locator(FixedLocator(ticks.tolist()))
     axis.set_major_formatter(FixedFormatter([f"{tick:.6g}" for tick in ticks]))
     axis.set_minor_locator(NullLocator())

@@ -43,7 +43,7 @@ def motion_figure(response: Response, motion: BaseMotion) -> Figure:
             line(panels[0], time, acceleration[:, axis] / STANDARD_GRAVITY, label, colour, lw=width)
             line(panels[1], response.time, response.base.velocity[:, axis], label, colour, lw=width)
             line(panels[2], response.time, 1e3 * response.base.displacement[:, axis], label, colour, lw=width)
-        for panel, name in zip(panels, ("acceleration [g]", "velocity [m/s]", "displacement [mm]"), strict=True):
+        for panel, name in zip(panels, ("acceleration\n[g]", "velocity\n[m/s]", "displacement\n[mm]"), strict=True):
             dress(panel, ylabel=name)
         panels[-1].set_xlabel("time [s]")
         legend_above(figure, panels[0])

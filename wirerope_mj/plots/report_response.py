@@ -1,7 +1,7 @@
 """What the payload and the mounts do, as pictures: accelerations, deflections and loops."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,9 +12,9 @@ from wirerope_mj.plots.report_image import (
     RATED,
     WIDTH,
     Array,
+    crest,
     dress,
     legend_above,
-    line,
     report_style,
     round_ticks,
     thinned,
@@ -29,45 +29,51 @@ MOST = 3
 
 _LONG = 10_000  # samples from which loops are drawn around the largest deflection only
 _AROUND = 300  # samples before and after it
+_NOTHING = 1e-6  # g or mm: an axis on which nothing is larger has no panel
+
+
+class Line(NamedTuple):
+    """A line of a panel."""
+
+    name: str
+    colour: str
+    time: Array
+    values: Array
 
 
 def accelerations_figure(response: Response, names: Sequence[str], base: tuple[Array, Array]) -> Figure:
-    """Return the accelerations of the base and of some bodies or points along x, y and z over time.
+    """Return the accelerations of the base and of some bodies or points over time, a panel for each axis with any.
 
     Args:
         response: of the system.
         names: bodies or points, at most `MOST` of them.
         base: instants [s] and acceleration (n_t, 3) of the base [m/s^2].
     """
-    with report_style():
-        figure = Figure(figsize=(WIDTH, 4.3), layout="constrained")
-        panels = figure.subplots(3, 1, sharex=True)
-        for axis, panel in enumerate(panels):
-            line(panel, base[0], base[1][:, axis] / STANDARD_GRAVITY, "base", BASE)
-            for name, colour in zip(names[:MOST], COLOURS, strict=False):
-                values = acceleration_along(response, name, axis) / STANDARD_GRAVITY
-                line(panel, response.time, values, short(name), colour)
-            dress(panel, ylabel=f"acceleration {'xyz'[axis]} [g]")
-        panels[-1].set_xlabel("time [s]")
-        legend_above(figure, *panels)
-    return figure
+    lines: list[list[Line]] = []
+    for axis in range(3):
+        drawn = [Line("base", BASE, *thinned(base[0], base[1][:, axis] / STANDARD_GRAVITY))]
+        for name, colour in zip(names[:MOST], COLOURS, strict=False):
+            values = acceleration_along(response, name, axis) / STANDARD_GRAVITY
+            drawn.append(Line(short(name), colour, *thinned(response.time, values)))
+        lines.append(drawn)
+    return _histories(lines, [f"acceleration\nalong {axis} [g]" for axis in "xyz"])
 
 
 def deflections_figure(response: Response, names: Sequence[str]) -> Figure:
-    """Return the deflections of some mounts along roll, shear and axial over time, with the ratings of the first."""
+    """Return the deflections of some mounts over time, a panel for each axis with any, with the ratings of the first."""
     travel = next(mount.travel for mount in response.scene.mounts if mount.name == names[0])
-    with report_style():
-        figure = Figure(figsize=(WIDTH, 4.3), layout="constrained")
-        panels = figure.subplots(3, 1, sharex=True)
-        for axis, panel in enumerate(panels):
-            for name, colour in zip(names[:MOST], COLOURS, strict=False):
-                values = 1e3 * column_of(response, f"mounts/{name}/deflection/{AXES[axis]}")
-                line(panel, response.time, values, short(name), colour)
-            _rate(panel, travel, AXES[axis])
-            dress(panel, ylabel=f"{AXES[axis]} [mm]")
-        panels[-1].set_xlabel("time [s]")
-        legend_above(figure, *panels)
-    return figure
+    lines = [
+        [
+            Line(
+                short(name),
+                colour,
+                *thinned(response.time, 1e3 * column_of(response, f"mounts/{name}/deflection/{axis}")),
+            )
+            for name, colour in zip(names[:MOST], COLOURS, strict=False)
+        ]
+        for axis in AXES
+    ]
+    return _histories(lines, [f"{axis} [mm]" for axis in AXES], [_ratings(travel, axis) for axis in AXES])
 
 
 def mount_loops_figure(response: Response, name: str) -> Figure:
@@ -107,8 +113,7 @@ def sweep_figure(response: Response, names: Sequence[str], frequency: Any, direc
             size = np.zeros(response.time.size)
             for axis in directions:
                 size += acceleration_along(response, name, axis) ** 2
-            found = thinned(frequency, np.sqrt(size) / STANDARD_GRAVITY)
-            panel.plot(*found, color=colour, label=short(name))
+            panel.plot(*crest(frequency, np.sqrt(size) / STANDARD_GRAVITY), color=colour, label=short(name))
         panel.set_xscale("log")
         panel.set_xlabel("frequency of the base [Hz]")
         round_ticks(panel.xaxis, *panel.get_xlim())
@@ -136,11 +141,26 @@ def short(name: str) -> str:
     return (name if len(name) <= 28 else f"{name[:27]}…").replace("$", r"\$")
 
 
-def _rate(panel: Any, travel: dict[str, float], axis: str) -> None:
-    """Mark the rated travel of an axis."""
+def _histories(lines: list[list[Line]], names: list[str], marks: list[list[float]] | None = None) -> Figure:
+    """Return a panel below the other for each list of lines that are not all zero, at least one; marks are dashed."""
+    kept = [
+        place for place, drawn in enumerate(lines) if any(np.abs(line.values).max() > _NOTHING for line in drawn)
+    ] or [2]
+    with report_style():
+        figure = Figure(figsize=(WIDTH, 0.7 + 1.2 * len(kept) + (0.9 if len(kept) == 1 else 0.0)), layout="constrained")
+        panels = np.atleast_1d(figure.subplots(len(kept), 1, sharex=True))
+        for place, panel in zip(kept, panels, strict=True):
+            for drawn in lines[place]:
+                panel.plot(drawn.time, drawn.values, color=drawn.colour, label=drawn.name)
+            for mark in marks[place] if marks else []:
+                panel.axhline(mark, color=RATED, ls="--", lw=0.9, label="rated travel")
+            dress(panel, ylabel=names[place])
+        panels[-1].set_xlabel("time [s]")
+        legend_above(figure, *panels)
+    return figure
+
+
+def _ratings(travel: dict[str, float], axis: str) -> list[float]:
+    """Return the rated travels of an axis below and above zero [mm], as far as there are any."""
     below, above = ("compression", "tension") if axis == "axial" else (axis, axis)
-    label: str | None = "rated travel"
-    for limit, sign in ((below, -1.0), (above, 1.0)):
-        if limit in travel:
-            panel.axhline(sign * 1e3 * travel[limit], color=RATED, ls="--", lw=0.9, label=label)
-            label = None
+    return [sign * 1e3 * travel[rating] for rating, sign in ((below, -1.0), (above, 1.0)) if rating in travel]

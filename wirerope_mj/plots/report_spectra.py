@@ -49,12 +49,13 @@ def payload_spectra_figure(spectra: Mapping[str, Mapping[str, ShockResponseSpect
                 colour = BASE if name == "base" else next(colours)
                 panel.plot(spectrum.frequencies, spectrum.maximax / STANDARD_GRAVITY, color=colour, label=short(name))
             panel.set_title(f"along {axis}")
-            _dress(panel, "acceleration, maximax [g]" if panel is panels[0] else "")
+            ticks = 12 // len(spectra) + 3
+            _dress(panel, "acceleration, maximax [g]" if panel is panels[0] else "", ticks=ticks)
         legend_above(figure, *panels)
     return figure
 
 
-def _dress(panel: Any, label: str) -> None:
+def _dress(panel: Any, label: str, *, ticks: int = 12) -> None:
     """Give a panel logarithmic axes with round numbers."""
     panel.set_xscale("log")
     panel.set_yscale("log")
@@ -66,7 +67,7 @@ def _dress(panel: Any, label: str) -> None:
     first, last = min(float(values[0]) for values in x), min(float(values[-1]) for values in x)
     panel.set_xlim(first, last)
     panel.set_ylim(low, high)
-    round_ticks(panel.xaxis, first, last)
+    round_ticks(panel.xaxis, first, last, most=ticks)
     round_ticks(panel.yaxis, low, high)
     panel.set_xlabel("frequency [Hz]")
     panel.set_ylabel(label)

@@ -2,9 +2,9 @@
 
 import math
 
-from wirerope_mj.report.content import Block, Paragraph, ReportContent, Section, Table
+from wirerope_mj.report.content import ReportContent, Section, Table
 from wirerope_mj.report.display import number, several
-from wirerope_mj.report.judged import answer, full_table, headline, worst_table
+from wirerope_mj.report.judged import answer, full_table, headline
 from wirerope_mj.report.model import model_section
 from wirerope_mj.report.motion import motion_section, mounts_section, response_section
 from wirerope_mj.report.rest import modes_section, statics_section
@@ -34,7 +34,6 @@ def report_content(run: FinishedRun) -> ReportContent:
         verdict=headline(run.verdicts),
         answer=answer(run.verdicts),
         sections=(
-            _limits_section(run),
             model_section(run),
             statics_section(run),
             modes_section(run),
@@ -45,12 +44,6 @@ def report_content(run: FinishedRun) -> ReportContent:
             _annex(run),
         ),
     )
-
-
-def _limits_section(run: FinishedRun) -> Section:
-    table = worst_table(run.verdicts)
-    blocks: tuple[Block, ...] = () if table is None else (table,)
-    return Section(title="Peaks against limits", blocks=blocks)
 
 
 def _numerics_section(run: FinishedRun) -> Section:
@@ -80,9 +73,4 @@ def _error(run: FinishedRun) -> str:
 
 def _annex(run: FinishedRun) -> Section:
     table = full_table(run.verdicts)
-    if table is None:
-        return Section(title="All verdicts", blocks=())
-    lead = Paragraph(
-        text="Every judged figure of the run, the smallest margin first, and every figure that is not judged."
-    )
-    return Section(title="All verdicts", blocks=(lead, table))
+    return Section(title="All verdicts", blocks=() if table is None else (table,))

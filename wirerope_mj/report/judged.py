@@ -26,18 +26,21 @@ def headline(verdicts: Sequence[Verdict]) -> Mark:
 
 
 def answer(verdicts: Sequence[Verdict]) -> tuple[Block, ...]:
-    """Return the worst margins, what is exceeded and what is not judged, as one paragraph and the reasons."""
+    """Return the worst margins and what is exceeded in words and as a table, and what is not judged with the reasons."""
     judged, over = _judged(verdicts), _exceeded(verdicts)
     sentences = []
     if over:
         words = [_sentence(row) for row in over[:_NAMED]]
         more = f"; and {len(over) - _NAMED} more, listed below" if len(over) > _NAMED else ""
         sentences.append(f"Exceeded: {'; '.join(words)}{more}.")
-    within = [row for row in judged if row.verdict == WITHIN]
+    within = [row for row in judged if row.verdict == WITHIN and (row.margin or 0.0) <= _AMPLE]
     if within:
         words = [_sentence(row) for row in _one_each(within)[:_NAMED]]
         sentences.append(f"{'Elsewhere the' if over else 'The'} smallest margins are: {'; '.join(words)}.")
     blocks: list[Block] = [Paragraph(text=" ".join(sentences))] if sentences else []
+    table = worst_table(verdicts)
+    if table is not None:
+        blocks.append(table)
     reasons = unjudged(verdicts)
     if reasons:
         blocks += [Paragraph(text="Not judged:", tone="unjudged"), Listing(items=reasons)]
@@ -83,7 +86,12 @@ def full_table(verdicts: Sequence[Verdict]) -> Table | None:
         *figures, verdict = _cells(row)
         time = ABSENT if row.time is None else fixed(row.time, 4)
         rows.append((row.criterion, *figures, time, verdict, row.note))
-    return Table(caption="Every figure against its limit", head=head, align="llrrlrrlt", rows=tuple(rows))
+    return Table(
+        caption="Every figure against its limit: the smallest margin first, what is not judged last",
+        head=head,
+        align="llrrlrrlt",
+        rows=tuple(rows),
+    )
 
 
 def ordered(verdicts: Sequence[Verdict]) -> list[Verdict]:
