@@ -56,15 +56,18 @@ def test_the_cabinet_states_the_limit_of_its_vendor():
 @pytest.mark.parametrize(
     ("numeric", "message"),
     [
-        ('<numeric name="limit/acceleration/blok" data="98"/>', "no body or point 'blok'. There are .*block"),
-        ('<numeric name="limit/clearance/block" data="1 1 1"/>', "no point/ site 'block'"),
+        (
+            '<numeric name="limit/acceleration/blok" data="98"/>',
+            "no point/ site 'blok'.*There are .*block",
+        ),
+        ('<numeric name="limit/acceleration/table" data="98"/>', "no body of the payload .* 'table'"),
         ('<numeric name="limit/speed/block" data="98"/>', "KIND one of acceleration, clearance"),
         ('<numeric name="limit/acceleration/block" data="1 2"/>', "must be 1 or 3 numbers, got 2"),
         ('<numeric name="limit/acceleration/block" data="-98"/>', "finite and >= 0"),
         ('<numeric name="limit/acceleration/block" data="0"/>', "one of them > 0"),
         (
             '<numeric name="limit/acceleration/block" data="1"/><numeric name="A-limit/acceleration/block" data="1"/>',
-            "no body or point 'A-block'",
+            "no point/ site 'A-block'",
         ),
     ],
 )

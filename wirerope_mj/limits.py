@@ -17,7 +17,7 @@ class PayloadLimit:
 
     Attributes:
         kind: "acceleration" (fragility of what stands there, absolute acceleration) or "clearance" (rattle space: how far a
-            point may move from its modelled place relative to the base).
+            point, or any corner of a body, may move from its modelled place relative to the base).
         name: the body or the point.
         values: acceleration [m/s^2]: one value for the norm, or three along x, y, z; clearance [m]: three values along x, y, z,
             both ways, or six along -x, +x, -y, +y, -z, +z. World axes. Zero: not judged there.

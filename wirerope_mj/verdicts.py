@@ -1,8 +1,9 @@
-"""Peaks of a response against what its isolators are rated for."""
+"""Peaks of a response against what its payload can bear and its isolators are rated for, in words and as plain values."""
 
 from dataclasses import dataclass
 from typing import Any
 
+from wirerope_mj.criteria import EXCEEDED, NOT_JUDGED, Verdict, acceleration_verdicts, judge, rattle_verdicts
 from wirerope_mj.response import Response
 from wirerope_mj.units import STANDARD_GRAVITY
 
@@ -104,7 +105,40 @@ def mount_peaks(response: Response) -> list[MountPeak]:
 
 
 def verdict_lines(response: Response) -> list[str]:
-    """Return the verdicts in a few sentences: what the worst mount uses, and what is not judged."""
+    """Return the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged."""
+    return _payload_lines(response) + _travel_lines(response)
+
+
+def payload_verdicts(response: Response) -> tuple[Verdict, ...]:
+    """Return the verdicts on accelerations and rattle space."""
+    return (*acceleration_verdicts(response), *rattle_verdicts(response))
+
+
+def _payload_lines(response: Response) -> list[str]:
+    found = payload_verdicts(response)
+    judged = sorted((row for row in found if row.share is not None), key=lambda row: row.share or 0.0, reverse=True)
+    over = [row for row in judged if row.verdict == EXCEEDED]
+    lines = [f"Exceeded: {_words(row)}." for row in over]
+    if judged and not over:
+        lines.append(f"Payload within its limits; nearest is {_words(judged[0])}.")
+    unjudged = [
+        word
+        for word in ("acceleration", "rattle space")
+        if not any(row.criterion.startswith(word) and row.verdict != NOT_JUDGED for row in found)
+    ]
+    if unjudged and found:
+        lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")
+    return lines
+
+
+def _words(row: Verdict) -> str:
+    factor, unit = (1.0 / STANDARD_GRAVITY, "g") if row.unit == "m/s^2" else (1e3, "mm")
+    reached = f"{factor * row.value:.3g} of {factor * (row.limit or 0.0):.3g} {unit}"
+    return f"{row.criterion} of {row.subject}, {reached} ({100.0 * (row.share or 0.0):.0f} %)"
+
+
+def _travel_lines(response: Response) -> list[str]:
+    """Return what the worst mount uses of its rated travel, which mounts exceed it, and which are not judged."""
     mounts = mount_peaks(response)
     judged = [row for row in mounts if row.share is not None]
     lines = []
@@ -128,6 +162,7 @@ def summary(response: Response) -> dict[str, Any]:
     travel = {mount.name: mount.travel for mount in response.scene.mounts}
     return {
         "verdicts": verdict_lines(response),
+        "judged": [verdict.to_dict() for verdict in judge(response)],
         "accelerations": [
             {"name": row.name, "kind": row.kind, "peak_g": row.value, "time_s": row.time, "axes_g": list(row.axes)}
             for row in body_peaks(response)

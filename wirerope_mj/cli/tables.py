@@ -9,9 +9,11 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
+from wirerope_mj.criteria import Verdict, acceleration_verdicts
 from wirerope_mj.excitation import Sweep
 from wirerope_mj.response import Response
 from wirerope_mj.scenario import Scenario
+from wirerope_mj.units import STANDARD_GRAVITY
 from wirerope_mj.verdicts import RATINGS, MountPeak, body_peaks, mount_peaks, verdict_lines
 
 WIDTH = 120
@@ -52,14 +54,30 @@ def _folders(folder: Path) -> str:
 def _accelerations(scenario: Scenario, response: Response) -> Table:
     sweep = scenario.motion if isinstance(scenario.motion, Sweep) else None
     frequency = ("at [Hz]",) if sweep is not None else ()
-    title = "Peak accelerations, not judged: the model states no limits"
-    table = _table(title, "", ("peak [g]", "x [g]", "y [g]", "z [g]", "at [s]", *frequency))
+    limited = {row.subject: row for row in sorted(acceleration_verdicts(response), key=_share) if row.share is not None}
+    limits = ("limit [g]", "used [%]") if limited else ()
+    title = "Peak accelerations" if limited else "Peak accelerations, not judged: the model states no limits"
+    table = _table(title, "", ("peak [g]", "x [g]", "y [g]", "z [g]", "at [s]", *frequency, *limits))
     for row in body_peaks(response):
         name = row.name if row.kind == "body" else f"{row.name} ({row.kind})"
         cells = [f"[bold]{row.value:.2f}[/]", *[f"{value:.2f}" for value in row.axes], f"{row.time:.4f}"]
         cells += [f"{sweep.frequency([row.time])[0]:.2f}"] if sweep is not None else []
+        cells += _against_limit(limited.get(row.name)) if limits else []
         table.add_row(escape(name), *cells)
     return table
+
+
+def _share(row: Verdict) -> float:
+    return row.share or 0.0
+
+
+def _against_limit(row: Verdict | None) -> list[str]:
+    """Return limit and share of it of the component that is nearest to its limit."""
+    if row is None or row.limit is None:
+        return ["[dim]-[/]", "[dim]-[/]"]
+    axis = row.criterion.removeprefix("acceleration along ")
+    along = "" if axis == row.criterion else f"{axis} "
+    return [f"{along}{row.limit / STANDARD_GRAVITY:.4g}", _percent(row.share)]
 
 
 def _mounts(response: Response) -> Table:

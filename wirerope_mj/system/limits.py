@@ -8,15 +8,23 @@ from wirerope_mj.limits import SIZES, PayloadLimit
 LIMIT, POINT = "limit/", "point/"
 
 
-def declared_limits(model: mujoco.MjModel) -> tuple[PayloadLimit, ...]:
+def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...]:
     """Return the limits in the order of the model; the name is what stands before and after `limit/KIND/`, joined.
 
+    Args:
+        model: the model.
+        base: body id of its base, which is no payload; 0 if it is the world.
+
     Raises:
-        ModelError: a limit names no moving body or point, is of an unknown kind, or has the wrong number of values.
+        ModelError: a limit names no body of the payload and no point, is of an unknown kind, or has the wrong number of values.
     """
     points = [model.site(s).name.replace(POINT, "", 1) for s in range(model.nsite) if POINT in model.site(s).name]
-    bodies = [model.body(b).name for b in range(1, model.nbody) if model.body_weldid[b] != 0]
-    known = {"acceleration": [*bodies, *points], "clearance": points}
+    bodies = [b for b in range(1, model.nbody) if model.body_weldid[b] not in (0, base)]
+    shaped = [b for b in bodies if model.body_geomnum[b]]  # a body without geoms has no corners
+    known = {
+        "acceleration": [*(model.body(b).name for b in bodies), *points],
+        "clearance": [*(model.body(b).name for b in shaped), *points],
+    }
     limits: list[PayloadLimit] = []
     for i in range(model.nnumeric):
         name = model.numeric(i).name
@@ -28,8 +36,10 @@ def declared_limits(model: mujoco.MjModel) -> tuple[PayloadLimit, ...]:
             raise ModelError(f"numeric {name!r}: a limit is called limit/KIND/NAME, KIND one of {', '.join(SIZES)}.")
         subject = prefix + subject
         if subject not in known[kind]:
-            where = "body or point" if kind == "acceleration" else "point/ site"
-            raise ModelError(f"numeric {name!r}: there is no {where} {subject!r}. There are {known[kind] or 'none'}.")
+            raise ModelError(
+                f"numeric {name!r}: there is no body of the payload and no point/ site {subject!r} with {kind}. "
+                f"There are {known[kind] or 'none'}."
+            )
         try:
             limit = PayloadLimit(kind=kind, name=subject, values=tuple(model.numeric(i).data.tolist()))
         except ValueError as error:

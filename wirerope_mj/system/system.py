@@ -122,7 +122,7 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
         mjcf=text,
         path=path,
         isolators={d.isolator_name: d.isolator for d in declared},
-        limits=declared_limits(model),
+        limits=declared_limits(model, base),
         assembly=assembly,
     )
 
