@@ -6,6 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import wirerope_mj as wr
+from wirerope_mj.excitation import BaseMotion
+
 ROOT = Path(__file__).parents[1]
 
 
@@ -45,3 +48,21 @@ def test_frequency_response_runs_from_python(capsys):
     assert names["level"].complete
     assert (np.diff(names["line"].frequency) < 0.0).all()  # softening: the higher level resonates lower
     assert "superharmonic 3" in capsys.readouterr().out
+
+
+def test_motions_run_from_python(capsys):
+    names = {}
+    exec(compile(blocks("docs/motions.md"), "motions.md", "exec"), names)
+    assert names["match"].largest_mismatch <= 0.02
+    assert names["random"].directions.shape == (2, 3)
+    for name in ("naval", "table", "deck", "random", "ship"):
+        assert np.isfinite(names[name].displacement([0.0, 1.0])).all()
+    assert "from the target" in capsys.readouterr().out
+
+
+def test_the_table_of_motions_names_every_motion():
+    listed = set(re.findall(r"`(\w+)", (ROOT / "docs/motions.md").read_text(encoding="utf-8")))
+    motions = {
+        name for name in dir(wr) if isinstance(getattr(wr, name), type) and issubclass(getattr(wr, name), BaseMotion)
+    }
+    assert motions <= listed
