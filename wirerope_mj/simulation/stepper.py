@@ -34,6 +34,7 @@ class Stepper:
         self.user[at.OBSERVING], self.user[at.HISTORY], self.user[at.EVENT] = 1.0, 0.0, at.SMOOTH
         self._dofs = assembly.driven_dofs
         self._places = self.model.jnt_qposadr[list(assembly.subjects.driven)]
+        self._riding = _riding_dofs(self.model, self._dofs)
         self._since_check: list[Piece] = []
         self._checked = _integration_state(self.model, self.data)
 
@@ -47,6 +48,8 @@ class Stepper:
         self._since_check.append(base)
         grid, user, piece, accelerations = self._grid, self.user, base.number, base.accelerations
         start, length = grid.start[piece], grid.stop[piece] - grid.start[piece]
+        if grid.event[piece] == at.JUMP and self._riding.size:
+            self._leave_behind(velocity_jump(self.motion, float(start)))
         self._place_base(base.displacement, base.velocity)
         user[at.EVENT] = grid.event[piece]
         user[at.STAGE_POINTS], user[at.STAGE_START] = accelerations.shape[0], start
@@ -78,6 +81,21 @@ class Stepper:
         drive = self.system.assembly.tables.drive
         self.data.qpos[self._places] = self.model.qpos0[self._places] + drive @ displacement
         self.data.qvel[self._dofs] = drive @ velocity
+
+    def _leave_behind(self, jump: Array) -> None:
+        """Let what rides on the base through joints keep its momentum while the base's velocity jumps by `jump` [m/s], (3,).
+
+        No spring passes on an impulse: M_rr dv_r + M_rb dv_b = 0 for the riding coordinates r and the driven ones b, so that a
+        slide between base and frame takes up the whole jump.
+        """
+        model, data = self.model, self.data
+        mujoco.mj_kinematics(model, data)
+        mujoco.mj_comPos(model, data)
+        mujoco.mj_makeM(model, data)
+        mass = np.zeros((model.nv, model.nv))
+        mujoco.mj_fullM(model, data, mass)
+        impulse = mass[self._riding][:, self._dofs] @ (self.system.assembly.tables.drive @ jump)
+        data.qvel[self._riding] -= np.linalg.solve(mass[np.ix_(self._riding, self._riding)], impulse)
 
     def check(self) -> None:
         """Raise SimulationError if one of MuJoCo's warning counters rose since the last check."""
@@ -126,6 +144,14 @@ def velocity_jump(motion: BaseMotion, time: float) -> Array:
     """Return the jump of the base's velocity at an instant [m/s], (3,); `motion.velocity` already contains it."""
     jumps = [jump for instant, jump in motion.velocity_jumps if abs(instant - time) <= SAME_TIME]
     return np.sum([np.zeros(3), *jumps], axis=0)
+
+
+def _riding_dofs(model: mujoco.MjModel, driven: list[int]) -> npt.NDArray[np.int64]:
+    """Return the coordinates of what hangs on the driven base through joints of its own."""
+    roots = model.body_rootid[model.dof_bodyid]
+    rides = np.isin(roots, roots[driven])
+    rides[driven] = False
+    return np.flatnonzero(rides)
 
 
 def _integration_state(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
