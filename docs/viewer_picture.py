@@ -1,6 +1,10 @@
 """Take a picture of a run as the rerun viewer shows it, without a screen (a Vulkan driver is needed, Mesa's will do).
 
 python docs/viewer_picture.py runs/floating_floor_shock docs/img/floating_floor.png --time 0.1 --tab Overview
+
+Several runs are laid over each other, as `wirerope compare` does:
+
+python docs/viewer_picture.py runs/floor_15g runs/floor_20g docs/img/compare.png --names "15 g" "20 g" --time 0.094
 """
 
 import argparse
@@ -11,32 +15,43 @@ from pathlib import Path
 
 from rerun.experimental import ViewerClient
 
-from wirerope_mj.recording import record_rerun
+from wirerope_mj.recording import record_overlay, record_rerun
 from wirerope_mj.recording.viewer import free_port, viewer_binary
 from wirerope_mj.response import load_response
+from wirerope_mj.runfolder.inputs import run_inputs
 
 
 def main() -> None:
-    """Record the run with the wanted tab in front, open it, move the cursor, and save what is seen."""
+    """Record the runs with the wanted tab in front, open it, move the cursor, and save what is seen."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path, help="folder of a run")
+    parser.add_argument("folders", type=Path, nargs="+", help="folder of a run, or of each of several")
     parser.add_argument("picture", type=Path, help="PNG to write")
     parser.add_argument("--time", type=float, default=0.0, help="instant of the cursor [s]")
     parser.add_argument("--tab", default="Overview", help="tab in front")
-    parser.add_argument("--title", default="", help="heading of the scenario")
+    parser.add_argument("--title", default="", help="heading of the scenario of a single run")
+    parser.add_argument("--names", nargs="+", help="names of several runs; those of their folders if not given")
+    parser.add_argument("--scene", default="Side by side", help="scene in front, of several runs")
     options = parser.parse_args()
-    scenario = options.folder / "scenario.toml"
     with tempfile.TemporaryDirectory() as scratch:
         os.environ.setdefault("XDG_RUNTIME_DIR", scratch)
-        recording = record_rerun(
-            load_response(options.folder),
-            Path(scratch) / "run.rrd",
-            title=options.title,
-            scenario_text=scenario.read_text() if scenario.is_file() else "",
-            tab=options.tab,
-        )
+        record = _one if len(options.folders) == 1 else _several
+        recording = record(options, Path(scratch) / "run.rrd")
         options.picture.parent.mkdir(parents=True, exist_ok=True)
         save_picture(recording, options.picture, instant=options.time)
+
+
+def _one(options: argparse.Namespace, path: Path) -> Path:
+    (folder,) = options.folders
+    scenario = folder / "scenario.toml"
+    text = scenario.read_text() if scenario.is_file() else ""
+    return record_rerun(load_response(folder), path, title=options.title, scenario_text=text, tab=options.tab)
+
+
+def _several(options: argparse.Namespace, path: Path) -> Path:
+    folders = dict(zip(options.names or [folder.name for folder in options.folders], options.folders, strict=True))
+    responses = {name: load_response(folder) for name, folder in folders.items()}
+    inputs = {name: run_inputs(folder) for name, folder in folders.items()}
+    return record_overlay(responses, path, inputs=inputs, tab=options.tab, scene=options.scene)
 
 
 def save_picture(recording: Path, picture: Path, *, instant: float) -> None:

@@ -16,7 +16,7 @@ from wirerope_mj.recording.overlay_differences import acceleration_rows, identic
 from wirerope_mj.recording.overlay_ghosts import ghost_factor
 from wirerope_mj.recording.overlay_parts import BASE, Part
 from wirerope_mj.recording.overlay_runs import COLORS, overlay_of
-from wirerope_mj.recording.overlay_text import different_inputs, findings, mount_tables, percent
+from wirerope_mj.recording.overlay_text import different_inputs, findings, mount_tables, percent, summary_markdown
 from wirerope_mj.recording.viewer import viewer_binary
 from wirerope_mj.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
 from wirerope_mj.response.response import MemorySamples
@@ -135,7 +135,7 @@ def test_shared_histories_stand_in_the_same_axes_in_their_units(runs, entities):
         ("/histories/deflection/axial/m02", lambda r: r.mounts["m02"].deflection[:, 2] * 1e3),
         ("/histories/force/shear/m01", lambda r: r.mounts["m01"].force[:, 1] * 1e-3),
     ):  # fmt: skip
-        for name, escaped in (("A", "A"), ("run B/2", "run\\ B\\/2")):
+        for name, escaped in (("A", "1/A"), ("run B/2", "0/run\\ B\\/2")):  # the larger swing behind
             time, values = drawn(entities[f"{path}/{escaped}"])
             exact = history(runs[name])
             whole = np.interp(runs[name].time, time, values)
@@ -143,12 +143,12 @@ def test_shared_histories_stand_in_the_same_axes_in_their_units(runs, entities):
 
 
 def test_colours_and_peaks_of_a_run_are_the_same_in_every_view(runs, entities):
-    (blue, _), (orange, _) = [(color, None) for color in COLORS[:2]]
-    for name, color in (("A", blue), ("run\\ B\\/2", orange)):
+    blue, orange = COLORS[:2]
+    for rank, name, color in ((1, "A", blue), (0, "run\\ B\\/2", orange)):
         packed = (color[0] << 24) + (color[1] << 16) + (color[2] << 8) + 255
         for path, component in (
-            (f"/histories/deflection/axial/m01/{name}", "SeriesLines:colors"),
-            (f"/histories/deflection/axial/m01/{name}/peak", "SeriesPoints:colors"),
+            (f"/histories/deflection/axial/m01/{rank}/{name}", "SeriesLines:colors"),
+            (f"/histories/deflection/axial/m01/{rank}/{name}/peak", "SeriesPoints:colors"),
             (f"/loops/axial/m01/data/{name}/trail", "LineStrips2D:colors"),
             (f"/loops/axial/m01/data/{name}/cursor", "Points2D:colors"),
             (f"/runs/{name}/world/deck/forces", "Arrows3D:colors"),
@@ -156,7 +156,7 @@ def test_colours_and_peaks_of_a_run_are_the_same_in_every_view(runs, entities):
             assert set(column(entities[path], component)[0].as_py()) == {packed}, path
     value = runs["run B/2"].peaks.mounts["m01"].deflection
     farther = value.maximum[2] if value.maximum[2] >= -value.minimum[2] else value.minimum[2]
-    marker = drawn(entities["/histories/deflection/axial/m01/run\\ B\\/2/peak"])[1][0]
+    marker = drawn(entities["/histories/deflection/axial/m01/0/run\\ B\\/2/peak"])[1][0]
     assert marker == farther / 1e-3
 
 
@@ -276,6 +276,15 @@ def test_inputs_that_are_alike_are_not_shown(floor):
     overlay = overlay_of({"A": floor, "B": floor}, "start")
     given = {"A": {"level_g": "15", "direction": "z"}, "B": {"level_g": "20", "direction": "z", "pulse_ms": "5"}}
     assert different_inputs(overlay, given) == [("level_g", ("15", "20")), ("pulse_ms", ("-", "5"))]
+
+
+def test_long_inputs_stand_below_the_table_which_breaks_no_line(floor):
+    overlay = overlay_of({"A": floor, "B": floor}, "start")
+    motions = {"A": {"motion": "half-sine 15 g 11 ms along z", "n": "1"}, "B": {"motion": "half-sine 20 g", "n": "2"}}
+    text = summary_markdown(overlay, motions)
+    assert "| n | 1 | 2 |" in text
+    assert "- motion: A: half-sine 15 g 11 ms along z; B: half-sine 20 g" in text
+    assert "| motion" not in text
 
 
 @pytest.mark.parametrize(

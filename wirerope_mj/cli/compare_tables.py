@@ -10,7 +10,13 @@ from rich.padding import Padding
 from rich.table import Table
 
 from wirerope_mj.cli.tables import console
-from wirerope_mj.recording.overlay_differences import PeakRow, acceleration_rows, largest_travel_row, travel_rows
+from wirerope_mj.recording.overlay_differences import (
+    PeakRow,
+    acceleration_rows,
+    largest_travel_row,
+    mount_rows,
+    travel_rows,
+)
 from wirerope_mj.recording.overlay_runs import Overlay
 from wirerope_mj.recording.overlay_text import Inputs, different_inputs, findings, percent
 
@@ -34,6 +40,9 @@ def print_comparison(overlay: Overlay, inputs: Inputs, target: Path) -> None:
         if len(travel) > _MOST_MOUNTS:
             screen.print(f"  {_MOST_MOUNTS} of {len(travel)} mounts; the recording has them all")
         screen.print()
+    elif travel:  # nothing is rated: how far the mounts move is said as it is
+        rows = mount_rows(overlay, "deflection", None, 1e-3)[:_MOST_MOUNTS]
+        screen.print(_peaks("Largest deflections [mm]", names, rows, times=True), "")
     for line in findings(overlay):
         screen.print(Padding(escape(line), (0, 0, 0, 2)))
     written = escape(str(target))

@@ -21,7 +21,7 @@ FINE = 1 / 400
 SHOWN_LIMIT = 0.5
 """Rated travel is drawn if the deflection reaches this share of it; otherwise it would only flatten the curves."""
 
-_LATE = 10.0
+LATE = 10.0
 """From this instant on, times are written in seconds [s]."""
 
 _BASE = (150, 156, 164)
@@ -94,7 +94,7 @@ def _acceleration_marker(name: str, peak: Peak, direction: str) -> Marker:
 
 def norm_marker(name: str, peak: Peak, unit: float, unit_name: str) -> Marker:
     """Return the marker of the largest norm."""
-    return _marker(name, peak.time, peak.value / unit, unit_name)
+    return peak_marker(name, peak.time, peak.value / unit, unit_name)
 
 
 def extreme_marker(name: str, peak: Peak, axis: int, unit: float, unit_name: str) -> Marker:
@@ -102,11 +102,12 @@ def extreme_marker(name: str, peak: Peak, axis: int, unit: float, unit_name: str
     high = peak.maximum[axis] >= -peak.minimum[axis]
     value = float((peak.maximum if high else peak.minimum)[axis]) / unit
     time = float((peak.maximum_time if high else peak.minimum_time)[axis])
-    return _marker(name, time, value, unit_name)
+    return peak_marker(name, time, value, unit_name)
 
 
-def _marker(name: str, time: float, value: float, unit: str) -> Marker:
-    instant = f"{1e3 * time:.0f} ms" if time < _LATE else f"{time:.2f} s"
+def peak_marker(name: str, time: float, value: float, unit: str) -> Marker:
+    """Return the marker of a peak of something called `name`."""
+    instant = f"{1e3 * time:.0f} ms" if time < LATE else f"{time:.2f} s"
     return Marker(time=time, value=value, text=f"{name} peak {value:.2f} {unit} @ {instant}")
 
 

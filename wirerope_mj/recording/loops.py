@@ -176,15 +176,21 @@ def outlines(loops: Sequence[Loop], colors: Sequence[Color], labels: Sequence[st
     )
 
 
-def log_trail(rec: Any, path: str, loop: Loop, color: Color, *, cursor: Color = (255, 255, 255)) -> None:
-    """Log the cursor [mm, kN], and the trail as one segment a row, at the same rows so that it reaches the cursor."""
+def log_trail(
+    rec: Any, path: str, loop: Loop, color: Color, *, cursor: Color = (255, 255, 255), order: float = 0.0
+) -> None:
+    """Log the cursor [mm, kN], and the trail as one segment a row, at the same rows so that it reaches the cursor.
+
+    Of trails that lie on each other that of the highest `order` is seen, 0 to 9.
+    """
     import rerun as rr
 
     width = rr.Radius.ui_points(1.5)
-    # Draw orders, because a whole loop at the same one would hide the trail on it in some views and not in others.
-    rec.log(child(path, "trail"), rr.LineStrips2D.from_fields(colors=color, radii=width, draw_order=40.0), static=True)
+    # Above the whole loop, which at the same draw order would hide the trail in some views and not in others.
+    look = rr.LineStrips2D.from_fields(colors=color, radii=width, draw_order=40.0 + order)
+    rec.log(child(path, "trail"), look, static=True)
     segments = np.stack([loop.points[:-1], loop.points[1:]], axis=1)
     rec.send_columns(child(path, "trail"), at(loop.time[1:]), rr.LineStrips2D.columns(strips=segments))
-    spot = rr.Points2D.from_fields(colors=cursor, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
+    spot = rr.Points2D.from_fields(colors=cursor, radii=rr.Radius.ui_points(4.5), draw_order=50.0 + order)
     rec.log(child(path, "cursor"), spot, static=True)
     rec.send_columns(child(path, "cursor"), at(loop.time), rr.Points2D.columns(positions=loop.points))

@@ -6,13 +6,15 @@ The timeline is `sim_time` [s] for all of them. Entities:
 /runs/NAME/world/...                          scene of a run, as in a recording of its own; mounts in the run's colour
 /runs/NAME/state/...                          its exact samples; `read_state(path, run=NAME)` reads them
 /ghosts/NAME/world/...                        its bodies in the base's frame, transparent in the run's colour
-/histories/acceleration/DIR/KIND/PART/NAME    base, bodies and points of several runs [g];  .../peak
-/histories/deflection|force/AXIS/MOUNT/NAME   mounts of several runs [mm, kN];  .../peak  MOUNT/rated
+/histories/acceleration/DIR/KIND/PART         base, bodies and points of several runs [g];  .../RANK/NAME/peak
+/histories/deflection|force/AXIS/MOUNT        mounts of several runs [mm, kN];  .../RANK/NAME/peak  .../rated
 /histories/difference/KIND/PART/NAME          how far a run is from the first [g, mm]
 /loops/AXIS/MOUNT                             frame of the plot;  .../data/NAME  the loop [mm, kN];  .../trail  .../cursor
 /events/NAME                                  what happens
-/differences  /peaks                          texts
+/differences  /peaks/...                      texts
 ```
+
+RANK is 0 for the largest swing, which the viewer draws first and so behind the others.
 """
 
 import uuid

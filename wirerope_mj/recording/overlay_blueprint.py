@@ -81,7 +81,9 @@ def _scenes(overlay: Overlay) -> list[Any]:
     """Return the scenes side by side, their ghosts in one, and the worst mount that they share from near."""
     import rerun.blueprint as rrb
 
-    aspect = _SCENES[0] / len(overlay.runs) / _SCENES[1]
+    rows = 1 if len(overlay.runs) <= 4 else 2
+    columns = -(-len(overlay.runs) // rows)
+    aspect = rows * _SCENES[0] / columns / _SCENES[1]
     whole = [_scene(run, "seen from the base", whole_scene(run.response, aspect=aspect)) for run in overlay.runs]
     factor = ghost_factor(overlay)
     larger = f", motion drawn {factor:g} times larger" if factor > 1.0 else ""
@@ -91,7 +93,7 @@ def _scenes(overlay: Overlay) -> list[Any]:
     ghosts = scene_view(
         entity(GHOSTS), ["+ " + entity(GHOSTS) + "/**"], f"{names}, seen from their bases{larger}", camera
     )
-    scenes = [rrb.Horizontal(*whole, name="Side by side"), rrb.Vertical(ghosts, name="Ghosts")]
+    scenes = [rrb.Grid(*whole, grid_columns=columns, name="Side by side"), rrb.Vertical(ghosts, name="Ghosts")]
     mount = overlay.shared.governing
     if mount is not None:
         near = [_near(run, mount) for run in overlay.having(mount)]

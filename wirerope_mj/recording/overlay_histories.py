@@ -18,6 +18,7 @@ from wirerope_mj.recording.histories import (
     log_marker,
     mount_path,
     norm_marker,
+    peak_marker,
 )
 from wirerope_mj.recording.overlay_apart import difference
 from wirerope_mj.recording.overlay_parts import Part, Run
@@ -119,16 +120,18 @@ def _mount_marker(run: Run, mount: str, quantity: str, axis: str) -> Marker:
 def _log_runs(rec: Any, path: str, runs: list[Run], drawn: dict[str, Array], markers: dict[str, Marker]) -> None:
     """Log a line and a peak for every run; both have one name, and so one entry in the legend.
 
-    Lines that coincide are all seen: the viewer draws them in the order of their names, and each is thinner than the last.
+    The viewer draws them in the order of their paths: the largest swing comes first, each is thinner than the one before, so
+    that what is smaller or coincides is not hidden.
     """
-    top = max(max(float(np.ptp(values)) for values in drawn.values()), 1e-9)
-    order = sorted(drawn, reverse=True)
-    step = min(1.2, 2.4 / max(len(order) - 1, 1))
-    for run in runs:
-        marker, below = markers[run.name], child(path, run.name)
-        line = drawn[run.name][:, None]
-        width = 1.5 + step * order.index(run.name)
-        log_lines(rec, below, run.response.time, line, [marker.text], [run.color], tolerance=FINE * top, width=width)
+    swings = {name: max(float(np.ptp(values)), 1e-9) for name, values in drawn.items()}
+    step = min(1.2, 2.4 / max(len(runs) - 1, 1))
+    for rank, run in enumerate(sorted(runs, key=lambda run: swings[run.name], reverse=True)):
+        marker, below = markers[run.name], child(path, str(rank), run.name)
+        look: dict[str, Any] = {
+            "tolerance": FINE * max(swings.values()),
+            "width": 1.5 + step * (len(runs) - 1 - rank),
+        }
+        log_lines(rec, below, run.response.time, drawn[run.name][:, None], [marker.text], [run.color], **look)
         log_marker(rec, below, marker, color=run.color)
 
 
@@ -157,10 +160,8 @@ def _log_difference(rec: Any, overlay: Overlay, thing: Part | str) -> None:
         time, distance = difference(thing, first, run)
         if time.size:
             row, below = int(distance.argmax()), child(difference_path(thing), run.name)
-            words = (
-                f"{run.name} - {first.name}: largest {distance[row] / unit:.2f} {unit_name} @ {1e3 * time[row]:.0f} ms"
-            )
-            marker = Marker(time=float(time[row]), value=float(distance[row]) / unit, text=words)
+            name = f"{run.name} - {first.name}:"
+            marker = peak_marker(name, float(time[row]), float(distance[row]) / unit, unit_name)
             tolerance = FINE * max(float(np.ptp(distance)) / unit, 1e-9)
-            log_lines(rec, below, time, distance[:, None] / unit, [words], [run.color], tolerance=tolerance)
+            log_lines(rec, below, time, distance[:, None] / unit, [marker.text], [run.color], tolerance=tolerance)
             log_marker(rec, below, marker, color=run.color)

@@ -56,10 +56,10 @@ def log_overlaid_loops(rec: Any, overlaid: list[OverlaidLoops]) -> None:
         ]  # fmt: skip
         log_loop_frame(rec, entry.path, entry.plot, mounts, entry.axis, lift=LARGE)
         rec.log(child(entry.path, "data"), entry.plot.transform(), static=True)
-        for run, loop in entry.loops:
+        for order, (run, loop) in enumerate(entry.loops):
             below = child(entry.path, "data", run.name)
             rec.log(below, outlines([loop], [run.color], [run.name]), static=True)
-            log_trail(rec, below, loop, run.color, cursor=run.color)
+            log_trail(rec, below, loop, run.color, cursor=run.color, order=order)
 
 
 def _around(plots: list[Plot], width: float) -> Plot:

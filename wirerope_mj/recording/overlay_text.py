@@ -5,6 +5,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
+from wirerope_mj.recording.histories import LATE
 from wirerope_mj.recording.overlay_apart import Apart
 from wirerope_mj.recording.overlay_differences import (
     PeakRow,
@@ -23,6 +24,9 @@ from wirerope_mj.verdicts import mount_peaks
 PEAKS, SUMMARY = "peaks", "differences"
 PEAK_TEXTS = {"accelerations": "Accelerations", "mounts": "Mounts", "apart": "Farthest apart"}
 """Texts with the tables below /peaks: entities and titles."""
+
+_WIDEST = 24
+"""Characters of an input that still fit into a column; the viewer breaks no line in a table."""
 
 Inputs = Mapping[str, Mapping[str, str]]
 """What was given to each run, by the run's name: names of inputs and their values as text."""
@@ -85,7 +89,13 @@ def findings(overlay: Overlay) -> list[str]:
 def summary_markdown(overlay: Overlay, inputs: Inputs) -> str:
     """Return what was given differently, the main figures, and where and when the runs differ."""
     names = [run.name for run in overlay.runs]
-    differing = [(key, *(_cell(value) for value in values)) for key, values in different_inputs(overlay, inputs)]
+    given = different_inputs(overlay, inputs)
+    differing = [(key, *values) for key, values in given if max(map(len, values)) <= _WIDEST]
+    long = [
+        f"{key}: {'; '.join(f'{n}: {v}' for n, v in zip(names, values, strict=True))}"
+        for key, values in given
+        if max(map(len, values)) > _WIDEST
+    ]
     parts = ["### What differs"]
     rows = [row for row in acceleration_rows(overlay)[:2]]
     figures = [(f"{row.label}, peak [g]", *_values(row, "{:.2f}")) for row in rows]
@@ -94,7 +104,7 @@ def summary_markdown(overlay: Overlay, inputs: Inputs) -> str:
         shares = [f"{100 * value:.0f}" if _known(value) else "-" for value in travel.values]
         figures.append(("most of rated travel [%]", *shares))
     parts.append(_table(["", *names], [*differing, *figures]))
-    parts.append("\n".join(f"- {line}" for line in findings(overlay)))
+    parts.append("\n".join(f"- {line}" for line in (*findings(overlay), *long)))
     return "\n\n".join(part for part in parts if part)
 
 
@@ -179,8 +189,7 @@ def _exceeded(overlay: Overlay) -> list[str]:
 def _base_sentence(entry: Apart, first: str) -> str:
     if entry.value == 0.0:
         return f"{entry.run}: the base moves as that of {first} does."
-    when = f"{1e3 * entry.time:.1f} ms"
-    return f"{entry.run}: the acceleration of the base differs from that of {first} by up to {_size(entry)}, at {when}."
+    return f"{entry.run}: the acceleration of the base differs from that of {first} by up to {_size(entry)}, at {_when(entry)}."
 
 
 def _apart_sentence(entry: Apart, first: str) -> str:
@@ -189,7 +198,7 @@ def _apart_sentence(entry: Apart, first: str) -> str:
         return f"{entry.run}: {what} are those of {first}, bit for bit."
     return (
         f"{entry.run}: {what} differ most from those of {first} at {_label(entry)}: by {_size(entry)} at "
-        f"{1e3 * entry.time:.1f} ms, {_share(entry)} of {first}'s peak."
+        f"{_when(entry)}, {_share(entry)} of {first}'s peak."
     )
 
 
@@ -201,6 +210,10 @@ def _size(entry: Apart) -> str:
     if isinstance(entry.thing, str):
         return f"{1e3 * entry.value:.3g} mm"
     return f"{entry.value / STANDARD_GRAVITY:.3g} g"
+
+
+def _when(entry: Apart) -> str:
+    return f"{1e3 * entry.time:.1f} ms" if entry.time < LATE else f"{entry.time:.2f} s"
 
 
 def _share(entry: Apart) -> str:
