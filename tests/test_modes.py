@@ -1,10 +1,12 @@
 """Modes about the sagged position: closed forms of rigid bodies on springs, tipping over, histories and what is refused."""
 
+import mujoco
 import numpy as np
 import pytest
 from house import deck, mjcf, sdof
 
 import wirerope_mj as wr
+from wirerope_mj.control import installed
 from wirerope_mj.modes import modes
 
 G = wr.STANDARD_GRAVITY
@@ -192,6 +194,55 @@ def test_a_frame_below_the_mount_takes_part():
     assert found.words[0].startswith("mass: bounce z")
     assert found.words[1].startswith("frame: bounce z")
     assert set(found.payloads) == {"mass"}
+
+
+def test_a_rack_on_mounts_on_a_floor_on_mounts_is_a_chain():
+    def stage(name, below, z, mass, site):
+        inner = f'<site name="{site}" pos="0 0 .1"/>' if site else ""
+        return (
+            f'<body name="{name}" pos="0 0 {z}"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="{mass}"/>'
+            f'<site name="{below}" pos="0 0 -.1"/>{inner}</body>'
+        )
+
+    world = (
+        deck({"b": 'pos="0 0 .2"'}, slides="z") + stage("floor", "pf", 0.3, 8, "bf") + stage("rack", "pr", 0.5, 3, "")
+    )
+    text = mjcf(world, [("m1", "pf", "b", "a"), ("m2", "pr", "bf", "c")], gravity=G)
+    text = text.replace("</custom>", '<tuple name="base"><element objtype="body" objname="deck"/></tuple></custom>')
+    laws = {name: wr.Isolator(name=name, axial=wr.KelvinVoigt(k=k, c=0.0)) for name, k in (("a", 4e4), ("c", 9e3))}
+    found = modes(wr.load_system(text, isolators=laws))
+    mass, stiffness = np.diag([8.0, 3.0]), np.array([[4.9e4, -9e3], [-9e3, 9e3]])
+    np.testing.assert_allclose(found.frequencies, frequencies_of(stiffness, mass), rtol=1e-7)
+    assert found.words[0].startswith("rack: bounce z")
+    np.testing.assert_allclose(found.participation[:, 2].sum(), 1.0, rtol=1e-9)
+
+
+def test_a_base_that_is_the_world_needs_no_deck():
+    k = (3e4, 5e4, 9e4)
+    text = box_text(places=PLACES, height=0.3, gravity=0.0)
+    joints = [line for line in text.split("<joint ") if 'name="deck_' in line]
+    for joint in joints:
+        text = text.replace("<joint " + joint.split("/>")[0] + "/>", "")
+    found = modes(wr.load_system(text, isolators=springs(*k)))
+    expected = frequencies_of(rigid_stiffness(PLACES, 0.3, k, np.eye(3), weight=0.0), box_mass(120.0))
+    np.testing.assert_allclose(found.frequencies, expected, rtol=1e-7)
+    assert found.shapes.shape == (6, 6)
+
+
+def test_callbacks_of_another_thread_change_nothing():
+    s = wr.load_system(box_text(places=SYMMETRIC, height=0.4), isolators=springs(6e4, 6e4, 4e4))
+    alone = modes(s)
+    with installed(s.model, mujoco.MjData(s.model)):
+        np.testing.assert_array_equal(modes(s).frequencies, alone.frequencies)
+
+
+def test_a_body_that_hangs_below_its_mounts_is_held_by_its_weight():
+    k, weight = (6e4, 6e4, 4e4), 120.0 * G
+    s = wr.load_system(box_text(places=SYMMETRIC, height=-0.4), isolators=springs(*k))
+    found = modes(s)
+    expected = rigid_stiffness(SYMMETRIC, -0.4, k, np.eye(3), weight=weight)
+    np.testing.assert_allclose(found.frequencies, frequencies_of(expected, box_mass(120.0)), rtol=1e-7)
+    assert np.isinf(found.stability.gravity_factor)
 
 
 def test_a_viscous_mount_gives_its_damping_ratio_and_a_zener_mount_its_storage_stiffness():

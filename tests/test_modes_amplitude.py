@@ -209,6 +209,7 @@ def test_a_resonance_lies_at_the_frequency_of_its_amplitude(model, level, start,
         assert branch.frequency[peak] == pytest.approx(36.17, abs=0.05)  # what its isolator is tuned to
 
 
+@pytest.mark.slow
 def test_resonances_of_the_floor_lie_at_the_frequencies_of_their_amplitudes():
     """Two of six modes, coupled by an offset centre of mass: one per cent."""
     s = wr.load_system(models_folder() / "floating_floor.xml")

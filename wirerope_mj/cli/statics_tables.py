@@ -66,11 +66,11 @@ def _mounts(name: str, table: StaticTable, verdicts: list[Verdict]) -> Table:
 
 def _cells(sag: Sag, mount: str) -> Iterator[str]:
     row = sag.mounts[mount]
-    yield f"{1e3 * row.deflection[2]:.3f}"
+    yield f"{1e3 * row.deflection[2]:z.3f}"
     yield f"{1e3 * math.hypot(*row.deflection[:2]):.3f}"
-    yield f"{1e-3 * row.force[2]:.3f}"
-    yield f"{1e-3 * row.carries:.3f}"
-    yield f"{100 * row.split:.1f}" if math.isfinite(row.split) else "-"
+    yield f"{1e-3 * row.force[2]:z.3f}"
+    yield f"{1e-3 * row.carries:z.3f}"
+    yield f"{100 * row.split:z.1f}" if math.isfinite(row.split) else "-"
     yield "-" if row.share is None else f"{100 * row.share:.1f}"
 
 
@@ -79,7 +79,7 @@ def _payloads(table: StaticTable) -> Table:
     found = plain_table("Payloads: way of the centre of mass, tilt and turn", "payload", ["history", *headings])
     for history, sag in table.sags.items():
         for name, row in sag.payloads.items():
-            move = [f"{1e3 * value:.3f}" for value in (*row.displacement, *row.rotation)]
+            move = [f"{1e3 * value:z.3f}" for value in (*row.displacement, *row.rotation)]
             found.add_row(escape(name), history, f"{row.mass:.5g}", *move)
     return found
 
