@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from house import deck, hysteresis, mjcf, sdof
+from house import deck, hysteresis, mjcf, sdof, sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.cli.app import main
@@ -174,6 +174,36 @@ def test_the_command_prints_both_histories_and_writes_plain_figures(capsys, tmp_
     assert content["virgin"]["mounts"]["m1"]["deflection_m"][2] == pytest.approx(-2.24133e-3, rel=1e-5)
     assert content["stability"]["virgin"]["gravity_factor"] is None
     assert content["verdicts"][0]["verdict"] == "within"
+
+
+def test_the_command_says_what_there_is_no_equilibrium_for(capsys, tmp_path):
+    wr.Isolator(name="a", axial=wr.BoucWen(**hysteresis(alpha=1e5, z_max=100.0))).save(tmp_path / "a.toml")
+    (tmp_path / "rig.xml").write_text(sdof_text(gravity=G))
+    assert main(["statics", str(tmp_path / "rig.xml")]) == 0
+    shown = capsys.readouterr().out
+    assert "relaxed: there is no relaxed equilibrium: the axial law of mount 'm1' has no elastic part" in shown
+    assert "mounts under the weight, virgin;" in shown
+
+
+def test_a_mount_between_two_payloads_carries_the_upper_one():
+    def stage(name, below, z, mass, site):
+        inner = f'<site name="{site}" pos="0 0 .1"/>' if site else ""
+        return (
+            f'<body name="{name}" pos="0 0 {z}"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="{mass}"/>'
+            f'<site name="{below}" pos="0 0 -.1"/>{inner}</body>'
+        )
+
+    world = (
+        deck({"b": 'pos="0 0 .2"'}, slides="z") + stage("floor", "pf", 0.3, 8, "bf") + stage("rack", "pr", 0.5, 3, "")
+    )
+    text = mjcf(world, [("m1", "pf", "b", "a"), ("m2", "pr", "bf", "a")], gravity=G)
+    text = text.replace("</custom>", '<tuple name="base"><element objtype="body" objname="deck"/></tuple></custom>')
+    law = wr.KelvinVoigt(k=2e4, c=0.0)
+    sag = static_table(wr.load_system(text, isolators={"a": wr.Isolator(name="a", axial=law)})).virgin
+    assert sag.mounts["m2"].carries == pytest.approx(3.0 * G, rel=1e-9)
+    assert sag.mounts["m1"].carries == pytest.approx(11.0 * G, rel=1e-9)
+    assert sag.on_mounts == pytest.approx(sag.weight, rel=1e-9)
+    assert sag.payloads["rack"].displacement[2] == pytest.approx(-14.0 * G / 2e4, rel=1e-9)
 
 
 def test_an_unknown_model_is_one_message(capsys):

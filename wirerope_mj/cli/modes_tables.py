@@ -40,7 +40,7 @@ def modes_command(
         from wirerope_mj.modes.film import film_of_modes
         from wirerope_mj.recording.modes import record_modes
 
-        record_modes(film_of_modes(system, small), target, title=path.stem)
+        record_modes(film_of_modes(system, small), target, title=path.stem, larger=large)
     else:
         write_modes(system, path.stem, [small, *large], target, force=force)
     print_modes(path.stem, small, large)

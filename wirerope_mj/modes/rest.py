@@ -45,6 +45,7 @@ def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
     """Return `system` linearised about `equilibrium`, laws aside."""
     model = system.model.__copy__()
     model.actuator_dynprm[-1, 0] = 0.0  # the callback no longer knows the model: forces are put on it here
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS  # dry friction of joints has no stiffness
     data = mujoco.MjData(model)
     mujoco.mj_setState(model, data, equilibrium.state.values, STATE)
     mujoco.mj_fwdPosition(model, data)

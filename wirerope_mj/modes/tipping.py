@@ -26,7 +26,7 @@ class Stability:
     Attributes:
         smallest_eigenvalue: of stiffness over mass [(rad/s)^2]; below zero the payload tips over, at zero nothing holds it.
         gravity_factor: times the weight, preload included, at which it tips over; infinite if it never does.
-        rise: by which the centre of mass could stand higher before it tips over [m]; infinite if it cannot.
+        rise: by which the centre of mass could stand higher before it tips over [m]; infinite if it cannot, 0 if it does.
         softest: the gravity factor with the mounts' tangents on further loading instead of small cycles.
     """
 

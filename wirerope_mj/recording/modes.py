@@ -5,6 +5,7 @@ in the recording of a response, /mode the text about the mode in view, /modes th
 """
 
 import uuid
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -48,24 +49,25 @@ class _AlongModes:
         self._rec.send_columns(path, [*index, rr.TimeColumn(MODE, sequence=mode)], columns)
 
 
-def record_modes(film: ModeFilm, path: str | Path, *, title: str = "") -> Path:
+def record_modes(film: ModeFilm, path: str | Path, *, title: str = "", larger: Sequence[Modes] = ()) -> Path:
     """Write modes in motion as a recording, and return its path.
 
     Args:
         film: the modes in motion.
         path: file to write, or a folder, which gets a `run.rrd`; written whole or not at all.
         title: name of the recording; that of the model by default.
+        larger: modes of the same system at other amplitudes, for the table of all.
 
     Raises:
         RecordError: the environment variable RERUN switches recordings off.
     """
     target = target_of(path)
     with recorded_whole(target) as beside:
-        _write(film, beside, title or film.response.scene.name)
+        _write(film, beside, title or film.response.scene.name, larger)
     return target
 
 
-def _write(film: ModeFilm, path: Path, title: str) -> None:
+def _write(film: ModeFilm, path: Path, title: str, larger: Sequence[Modes]) -> None:
     import rerun as rr
 
     response = film.response
@@ -81,7 +83,7 @@ def _write(film: ModeFilm, path: Path, title: str) -> None:
         columns = rr.TextDocument.columns(text=texts, media_type=[kind] * len(texts))
         along = _AlongModes(rec, film)
         along.send_columns(entity(MODE), index, columns)
-        rec.log(entity(ALL), rr.TextDocument(modes_table(film.modes), media_type=kind), static=True)
+        rec.log(entity(ALL), rr.TextDocument(modes_table(film.modes, larger), media_type=kind), static=True)
         log_scene(along, response, selection, frames)
 
 
@@ -101,17 +103,31 @@ def mode_text(modes: Modes, mode: int) -> str:
     return "\n\n".join(parts)
 
 
-def modes_table(modes: Modes) -> str:
-    """Return Markdown with a row for every mode."""
-    size = "small cycles" if modes.amplitude is None else f"mounts swing by {1e3 * modes.amplitude:.3g} mm"
-    rows = [f"### {size}, {modes.history} position", "", "| | frequency | damping | |", "|--:|--:|--:|:--|"]
+def modes_table(modes: Modes, larger: Sequence[Modes] = ()) -> str:
+    """Return Markdown with a row for every mode, and a column for every amplitude."""
+    results = [modes, *larger]
+    sizes = ["small cycles" if r.amplitude is None else f"{1e3 * r.amplitude:.4g} mm" for r in results]
+    rows = [
+        f"### About the {modes.history} position",
+        "",
+        f"| | {' | '.join(sizes)} | |",
+        f"|--:|{'--:|' * len(sizes)}:--|",
+    ]
+    places = [modes.places_in(result) for result in results]
     for mode, word in enumerate(modes.words):
-        rows.append(f"| {mode + 1} | {_hertz(modes.frequencies[mode])} | {modes.damping_ratio[mode]:.3f} | {word} |")
+        cells = [
+            _hertz(result.frequencies[place[mode]], result.damping_ratio[place[mode]])
+            for result, place in zip(results, places, strict=True)
+        ]
+        rows.append(f"| {mode + 1} | {' | '.join(cells)} | {word} |")
+    rows += ["", "Damping ratios in brackets; mm: amplitude of the mount that moves most."]
     return "\n".join(rows)
 
 
-def _hertz(frequency: float) -> str:
-    return f"{frequency:.3f} Hz" if np.isfinite(frequency) else "runs away"
+def _hertz(frequency: float, damping: float = 0.0) -> str:
+    if not np.isfinite(frequency):
+        return "runs away"
+    return f"{frequency:.3f} Hz ({damping:.3f})" if damping else f"{frequency:.3f} Hz"
 
 
 def _blueprint(film: ModeFilm, frames: dict[str, Frame], title: str) -> Any:

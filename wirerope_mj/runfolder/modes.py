@@ -54,4 +54,4 @@ def write_modes(system: System, name: str, results: Sequence[Modes], folder: Pat
         from wirerope_mj.modes.film import film_of_modes
         from wirerope_mj.recording.modes import record_modes
 
-        record_modes(film_of_modes(system, results[0]), beside / "run.rrd", title=name)
+        record_modes(film_of_modes(system, results[0]), beside / "run.rrd", title=name, larger=results[1:])
