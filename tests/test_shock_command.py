@@ -1,0 +1,151 @@
+"""`wirerope shock`: a measured record becomes a run that can be shown, replayed and judged like any other."""
+
+import tomllib
+
+import numpy as np
+import pytest
+from uff_files import history
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.excitation import HalfSine
+
+G = 9.80665
+TIME = np.arange(400) / 2000.0
+PULSE = HalfSine(peak=10 * G, duration=0.011, direction="z", start=0.05).acceleration(TIME)[:, 2]
+QUICK = ["--duration", "0.1"]
+
+
+@pytest.fixture
+def record(tmp_path, monkeypatch):
+    """Writes a pulse [g] into columns of these names, and returns the file's name in the current folder."""
+    monkeypatch.chdir(tmp_path)
+
+    def write(*names, name="deck.csv", values=PULSE / G):
+        head = ",".join(["time [s]", *(f"{column} [g]" for column in names)])
+        table = np.column_stack([TIME, *[values] * len(names)])
+        np.savetxt(name, table, delimiter=",", header=head, comments="", fmt="%.9g")
+        return name
+
+    return write
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """Makes the command hand over its scenario in place of simulating it, and returns how to run it."""
+    scenarios = []
+    monkeypatch.setattr("wirerope_mj.runfolder.run_scenario", lambda made, folder, **_: scenarios.append(made))
+    monkeypatch.setattr("wirerope_mj.cli.tables.print_run", lambda *_, **__: None)
+
+    def run(*arguments):
+        assert main(["shock", *arguments]) == 0
+        return scenarios[-1]
+
+    return run
+
+
+def test_a_shipped_model_and_a_record_make_a_run_that_replays_bit_for_bit(record, capsys, tmp_path):
+    arguments = ["--baseline", "highpass", "--highpass", "3", "--resample", "4000", "--scale", "0.5", "--start", "0.02"]
+    assert main(["shock", "shock_table", "--record", record("ch7"), "--direction", "z", *arguments, *QUICK]) == 0
+    out = capsys.readouterr()
+    assert "block" in out.out
+    assert "record deck.csv" in out.out
+    assert out.err == ""
+    (folder,) = (tmp_path / "runs").iterdir()
+    assert folder.name.startswith("shock-shock_table-deck-")
+    assert (folder / "inputs" / "deck.csv").read_bytes() == (tmp_path / "deck.csv").read_bytes()
+    assert (folder / "record_baseline.png").stat().st_size > 10_000
+    assert (folder / "run.rrd").is_file()
+    motion = tomllib.loads((folder / "scenario.toml").read_text())["motion"]
+    kept = {"highpass": 3.0, "resample": 4000.0, "scale": 0.5, "start": 0.02, "channels": {"ch7": "z"}}
+    assert kept.items() <= motion.items()
+
+    (tmp_path / "deck.csv").unlink()  # nothing outside the folder is read again
+    assert main(["replay", str(folder)]) == 0
+    assert "bit-identical" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("direction", "expected"),
+    [("x", [1, 0, 0]), ("-z", [0, 0, -1]), ("0,1,1", [0, np.sqrt(0.5), np.sqrt(0.5)])],
+)
+def test_a_record_of_one_channel_is_turned(record, asked, direction, expected):
+    # whatever its column is called: here z is turned
+    made = asked("shock_table", "--record", record("z"), f"--direction={direction}")
+    np.testing.assert_allclose(made.motion.samples, np.outer(PULSE, expected), atol=1e-7)  # nine printed digits
+
+
+def test_channels_say_where_each_one_goes(record, asked):
+    file = record("a", "b", "c")
+    two = asked("shock_table", "--record", file, "--channels", "a=x", "c=-z").motion
+    np.testing.assert_allclose(two.samples, np.outer(PULSE, [1, 0, -1]), atol=1e-7)
+    one = asked("shock_table", "--record", file, "--channels", "b", "--direction", "y").motion
+    np.testing.assert_allclose(one.samples, np.outer(PULSE, [0, 1, 0]), atol=1e-7)
+
+
+def test_a_universal_file_moves_the_base_on_its_axes(record, capsys, tmp_path):
+    axes = [history(3, "x", PULSE, step=5e-4, unit="m/s^2"), history(3, "-z", PULSE, step=5e-4, unit="m/s^2")]
+    (tmp_path / "deck.unv").write_bytes(b"".join(axes))
+    record("unused")
+    assert main(["shock", "shock_table", "--record", "deck.unv", "--out", "r", *QUICK]) == 0
+    base = wr.load_response("r").base.acceleration
+    np.testing.assert_array_equal(base[:, 0], -base[:, 2])
+    assert main(["replay", "r"]) == 0
+    assert "bit-identical" in capsys.readouterr().out
+
+
+def test_the_run_goes_on_for_ten_periods_of_the_slowest_mode(record, asked):
+    made = asked("sdof_shaker", "--record", record("z"))
+    system = wr.load_system(made.model_source())
+    stiffness = sum(mount.isolator.axial.initial_stiffness for mount in system.mounts.values())
+    period = 2 * np.pi * np.sqrt(float(system.model.body("mass").mass[0]) / stiffness)
+    assert made.simulate["duration"] == pytest.approx(np.ceil(10 * (TIME[-1] + 10 * period)) / 10, abs=1e-9)
+    assert asked("sdof_shaker", "--record", "deck.csv", "--duration", "3").simulate["duration"] == 3.0
+
+
+def test_doubts_are_one_line_each_on_standard_error(record, asked, capsys):
+    asked("shock_table", "--record", record("z", values=PULSE / G + 1.0))
+    lines = capsys.readouterr().err.splitlines()
+    assert all(line.startswith("wirerope: warning: ") for line in lines)
+    assert [line for line in lines if "as if gravity were in it" in line]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--record", "gone.csv"], "gone.csv: no such file"),
+        (
+            ["--record", "deck.csv", "--channels", "a", "--direction", "up"],
+            "`--direction` takes x, y, z, -x, -y, -z or a vector",
+        ),
+        (
+            ["--record", "deck.csv", "--direction", "z"],
+            "turns a record of one channel, and here are a, b. Say where each",
+        ),
+        (["--record", "deck.csv", "--channels", "a"], "`--channels` are NAME=DIRECTION, for instance ch3=z, got 'a'"),
+        (["--record", "deck.csv", "--channels", "q=z"], 'there is no column "q"; the columns are a, b'),
+        (["--record", "deck.csv"], "no column is named x, y or z"),
+        (["--record", "deck.csv", "--channels", "a=z", "--baseline", "highpass"], "needs its cutoff"),
+        (["--record", "deck.csv", "--channels", "a=z", "--scale", "0"], "`scale` must not be zero"),
+        ([], "--record"),
+    ],
+)
+def test_bad_input_is_one_message_and_exit_code_2(record, capsys, options, message):
+    record("a", "b")
+    assert main(["shock", "shock_table", *options, *QUICK]) == 2
+    error = capsys.readouterr().err
+    assert message in error
+    assert "Traceback" not in error
+
+
+def test_an_unknown_model_names_those_that_ship(record, capsys):
+    assert main(["shock", "no_such_model", "--record", record("z")]) == 2
+    assert "shock_table.xml" in capsys.readouterr().err
+
+
+def test_a_run_is_replaced_only_by_force(record, capsys, tmp_path):
+    (tmp_path / "r").mkdir()
+    (tmp_path / "r" / "scenario.toml").write_text("")
+    (tmp_path / "r" / "summary.json").write_text("")
+    assert main(["shock", "shock_table", "--record", record("z"), "--out", "r", *QUICK]) == 2
+    assert "Replace it with --force" in capsys.readouterr().err
