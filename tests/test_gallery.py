@@ -15,7 +15,7 @@ from wirerope_mj.oscillator.balance import harmonic_balance
 GALLERY = Path(__file__).parents[1] / "docs" / "gallery"
 pytestmark = pytest.mark.skipif(not GALLERY.is_dir(), reason="the gallery stands in a checkout only")
 
-HERE = {f"3.{number}" for number in (*range(1, 11), *range(12, 23))}
+HERE = {f"3.{number}" for number in (*range(1, 11), *range(12, 23))} | {"S.1", "S.2"}
 # Peak force and area of closed loops, alpha = n = 1, from an event-split integration: (beta, gamma, amplitude).
 REFERENCE = {
     (0.8, 0.2, 1): (0.7488105660, 0.8309464386),

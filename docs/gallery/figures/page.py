@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from figures.figure import Figure
 
 _HEAD = """\
-# Gallery: chapter 3 of the thesis, computed with wirerope_mj
+# Gallery: chapter 3 of the thesis, and two questions of shock, computed with wirerope_mj
 
 The figures of chapter 3 of W. Schwanen, *Modelling and identification of the dynamic behavior of a wire rope spring*, TU
 Eindhoven DCT 2004/28, redrawn with this library. Below each stands what the thesis says with it, what our figure shows of
@@ -19,6 +19,9 @@ x is the deflection, positive in tension; z the hysteretic force; α, β, γ and
 they are cycles that repeat themselves. The area of a loop is the energy dissipated in a cycle. Responses over frequency are
 periodic motions found by shooting and followed over frequency, the largest absolute acceleration of the mass in each; thin
 curves are sweeps as the thesis ran them, upwards by two octaves per minute from rest.
+
+Behind them stand two figures of shock that the thesis has not: how near isolators come to what is possible at all, and what a
+flexible frame below the isolator does, to which the thesis puts down what its shock simulations miss.
 """
 
 _TAIL = """\
@@ -34,6 +37,7 @@ _CHAPTERS = {
     "3.3.2": "Dynamic behaviour: α and n (section 3.3.2)",
     "3.4.1": "The modified law (section 3.4.1)",
     "3.4.2": "The modified law in dynamics (section 3.4.2)",
+    "shock": "Shock",
 }
 
 
@@ -51,10 +55,11 @@ def page(figures: Sequence[Figure]) -> str:
 
 def entry(figure: Figure) -> str:
     """Return heading, picture and caption of one figure."""
+    asked = "Asked" if figure.section == "shock" else f"The thesis, section {figure.section}"
     return (
         f"### Figure {figure.number}: {figure.title}\n\n"
         f"![Figure {figure.number}: {figure.title}]({figure.file})\n\n"
-        f"**The thesis, section {figure.section}:** {figure.statement}\n\n"
+        f"**{asked}:** {figure.statement}\n\n"
         f"**Here:** {figure.shown}\n\n"
         f"**Drawn with:** {figure.parameters}\n"
     )
