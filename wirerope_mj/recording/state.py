@@ -21,16 +21,18 @@ def log_state(rec: Any, response: Response) -> None:
     import rerun as rr
 
     names = list(response.samples.names)
-    index = at(response.time)
     first = 0
     while first < len(names):
         kind = names[first].split("/")[0]
         last = first + 1
         while last < len(names) and names[last].split("/")[0] == kind:
             last += 1
-        values = np.ascontiguousarray(response.samples.columns(first, last))
         rec.log(entity(ROOT, kind), rr.AnyValues(columns=names[first:last], first=first), static=True)
-        rec.send_columns(entity(ROOT, kind), index, rr.Scalars.columns(scalars=values))
+        row = 0
+        for values in response.samples.blocks(first, last):  # a long run need not stand in memory, let alone twice
+            index = at(response.time[row : row + len(values)])
+            rec.send_columns(entity(ROOT, kind), index, rr.Scalars.columns(scalars=np.ascontiguousarray(values)))
+            row += len(values)
         first = last
 
 

@@ -1,6 +1,6 @@
 """What a simulation answers: time histories of bodies, points and mounts, and their peaks."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +15,9 @@ from wirerope_mj.state import State
 
 Array = npt.NDArray[np.float64]
 
+BLOCK_ROWS = 1 << 16
+"""Rows of samples that are handed on at once where a long response must not stand in memory as a whole."""
+
 
 class Samples(Protocol):
     """Sampled columns, in memory or in a file."""
@@ -28,6 +31,10 @@ class Samples(Protocol):
         """Return columns `first` to `last` (exclusive), (n_t, last - first)."""
         ...
 
+    def blocks(self, first: int, last: int) -> Iterator[Array]:
+        """Yield these columns some rows after the other, at most `BLOCK_ROWS` of them at once."""
+        ...
+
 
 @dataclass(frozen=True)
 class MemorySamples:
@@ -39,6 +46,11 @@ class MemorySamples:
     def columns(self, first: int, last: int) -> Array:
         """Return columns `first` to `last` (exclusive)."""
         return self.values[:, first:last]
+
+    def blocks(self, first: int, last: int) -> Iterator[Array]:
+        """Yield these columns some rows after the other."""
+        for row in range(0, self.values.shape[0], BLOCK_ROWS):
+            yield self.values[row : row + BLOCK_ROWS, first:last]
 
 
 @dataclass(frozen=True)

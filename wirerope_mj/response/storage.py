@@ -3,7 +3,7 @@
 import base64
 import json
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ import numpy.typing as npt
 from wirerope_mj.errors import RecordError
 from wirerope_mj.response.columns import ColumnPlan
 from wirerope_mj.response.peaks import Peaks
-from wirerope_mj.response.response import Numerics, Response
+from wirerope_mj.response.response import BLOCK_ROWS, Numerics, Response
 from wirerope_mj.response.scene import Scene, scene_from_dict, scene_to_dict
 from wirerope_mj.state import State
 
@@ -39,6 +39,14 @@ class FileSamples:
             return np.empty((pq.read_metadata(self.path).num_rows, 0))
         table = pq.read_table(self.path, columns=self.names[first:last])
         return np.column_stack([column.to_numpy() for column in table.columns])
+
+    def blocks(self, first: int, last: int) -> Iterator[Array]:
+        """Yield these columns some rows after the other."""
+        import pyarrow.parquet as pq
+
+        with pq.ParquetFile(self.path) as file:
+            for batch in file.iter_batches(BLOCK_ROWS, columns=self.names[first:last]):
+                yield np.column_stack([column.to_numpy() for column in batch.columns])
 
 
 class SampleWriter:
