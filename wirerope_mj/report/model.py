@@ -20,7 +20,7 @@ def model_section(run: FinishedRun) -> Section:
         if scene.mounts:
             named = any(label != name for name, label in mount_labels(scene).items())
             caption += ", its mounts with their " + ("numbers (see the table)." if named else "names.")
-            caption += ' "m1 +2": three mounts behind each other.'
+            caption += ' "m1 +2": three mounts behind each other.' if len(scene.mounts) > 2 else ""
         alt = f"Plan and elevation of the model {scene.name} with {several(len(scene.mounts), 'mount')}."
         blocks.append(Picture(image=image_of(scene_figure(scene)), caption=caption, alt=alt))
     blocks += [table for table in (_masses(run), _mounts(run)) if table is not None]

@@ -1,6 +1,7 @@
 """The report of a run, from its folder alone: what the run does not hold, statics, modes and spectra, is computed here."""
 
 from collections.abc import Callable, Mapping
+from datetime import datetime
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -77,13 +78,14 @@ def report_page(content: Mapping[str, Any], system: System, motion: BaseMotion, 
         motion: of its base.
         response: what came out.
     """
-    arguments = content["simulate"]
+    arguments, written = content["simulate"], content.get("written")
     initial = str(arguments.get("initial", "settled"))
-    histories = _HISTORIES if system.mounts else ()
+    gravity = float(np.linalg.norm(system.model.opt.gravity))
+    histories = _HISTORIES if gravity else _HISTORIES[:1]  # without a load there is nothing to relax
     run = FinishedRun(
         name=str(content.get("name", response.scene.name)),
         question=str(content.get("question", "")),
-        written=f"{content['written']:%Y-%m-%d %H:%M} UTC" if "written" in content else "at an unknown time",
+        written=f"{written:%Y-%m-%d %H:%M} UTC" if isinstance(written, datetime) else "at an unknown time",
         model=Path(content["model"]["file"]).name,
         options=content.get("options", {}),
         initial=initial,
@@ -92,7 +94,7 @@ def report_page(content: Mapping[str, Any], system: System, motion: BaseMotion, 
         motion=motion,
         response=response,
         isolators={name: mount.isolator for name, mount in system.mounts.items()},
-        gravity=float(np.linalg.norm(system.model.opt.gravity)),
+        gravity=gravity,
         rests={history: _found(partial(equilibrium, system, history=history)) for history in histories},
         modes={history: _found(partial(modes, system, history=history)) for history in histories},
         spectra=run_spectra(motion, response, worst_names(response), float(arguments["sample_rate"])),

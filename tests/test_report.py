@@ -1,0 +1,457 @@
+import math
+import shutil
+import sys
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from house import sdof_text
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.criteria import EXCEEDED, NOT_JUDGED, WITHIN, Verdict, judge
+from wirerope_mj.errors import ConvergenceError, RecordError, WireRopeError
+from wirerope_mj.report import Absent, judged, report_content, report_html
+from wirerope_mj.report import pdf as pdf_module
+from wirerope_mj.report.content import Mark, Paragraph, Picture, ReportContent, Section, Table
+from wirerope_mj.report.display import fixed, listed, number, shown, shown_unit
+from wirerope_mj.runfolder import report as report_module
+from wirerope_mj.runfolder.report import write_report
+from wirerope_mj.runfolder.run_spectra import run_spectra
+from wirerope_mj.scenario import Scenario, load_scenario
+
+HOSTILE = "<script>alert('deck')</script>"
+
+
+class Page(HTMLParser):
+    """The elements of a page, the text of each, and that all of them are closed."""
+
+    VOID = frozenset({"meta", "img", "br", "hr", "link"})
+
+    def __init__(self, text):
+        super().__init__()
+        self.elements, self.open, self.text, self.cells = [], [], [], []
+        self.feed(text)
+        self.close()
+        assert not self.open, f"never closed: {self.open}"
+
+    def handle_starttag(self, tag, attributes):
+        self.elements.append((tag, dict(attributes)))
+        if tag not in self.VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text.append(data)
+        if "td" in self.open:
+            self.cells.append(data.strip())
+
+    def all(self, tag):
+        return [attributes for name, attributes in self.elements if name == tag]
+
+    @property
+    def words(self):
+        return " ".join(" ".join(self.text).split())
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory):
+    """Return the folder of a short run of one mount that travels too far."""
+    folder = tmp_path_factory.mktemp("runs") / "table"
+    wr.run_scenario(load_scenario("shock_table").make(duration=0.15, level_g=60.0), folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def page(table):
+    return Page((table / "report.html").read_text(encoding="utf-8"))
+
+
+@pytest.fixture(scope="module")
+def finished(table):
+    """Return what the report of that run is made of."""
+    seen = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(report_module, "report_content", lambda run: seen.append(run) or report_content(run))
+        write_report(table)
+    return seen[0]
+
+
+@pytest.fixture(scope="module")
+def content(finished):
+    """Return that report before it is set."""
+    return report_content(finished)
+
+
+def run_of(place, *, name="run", question="How far?", gravity=9.80665, motion=None, isolator="a", **arguments):
+    """Return the folder of a run of one mass on one mount."""
+    law = wr.BoucWen(alpha=5e4, beta=40.0, gamma=10.0, n=1.0, k=2e4)
+    scenario = Scenario(
+        question=question,
+        model=sdof_text(gravity=gravity),
+        motion=motion or wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.01),
+        simulate={"duration": 0.1, "timestep": 5e-4, **arguments},
+        isolators={"a": wr.Isolator(name=isolator, axial=law)},
+        name=name,
+    )
+    wr.run_scenario(scenario, place / "run")
+    return place / "run"
+
+
+def words_of(folder):
+    return Page((folder / "report.html").read_text(encoding="utf-8")).words
+
+
+def tables_of(content):
+    return [block for section in content.sections for block in section.blocks if isinstance(block, Table)]
+
+
+def test_every_run_folder_holds_a_report_of_well_formed_html(page):
+    assert page.elements[0][0] == "html"
+    assert [attributes["content"] for attributes in page.all("meta") if attributes.get("name") == "color-scheme"] == [
+        "light"
+    ]
+
+
+def test_the_page_needs_nothing_but_itself(page):
+    assert not {"script", "link", "iframe", "object", "a", "base"} & {tag for tag, _ in page.elements}
+    sources = [attributes["src"] for attributes in page.all("img")]
+    assert len(sources) == 7  # model, base, its spectrum, accelerations, spectra, deflections, loops
+    assert all(source.startswith(("data:image/svg+xml;base64,", "data:image/png;base64,")) for source in sources)
+    assert all(attributes["alt"] for attributes in page.all("img"))
+    style = page.words[: page.words.index("Shock and vibration report")]
+    assert "url(" not in style
+    assert "@import" not in style
+
+
+def test_the_question_and_the_verdict_come_first(page, table):
+    words = page.words
+    verdicts = judge(wr.load_response(table))
+    over = [row for row in verdicts if row.verdict == EXCEEDED]
+    judged_ones = [row for row in verdicts if row.verdict != NOT_JUDGED]
+    assert over
+    headline = f"Exceeded: {len(over)} of {len(judged_ones)} limits"
+    assert words.index("How far does one catalogue mount") < words.index(headline) < words.index("Model and mounts")
+
+
+def test_the_words_of_every_verdict_are_those_of_the_criteria(content, table):
+    verdicts = judge(wr.load_response(table))
+    rows = tables_of(content)[-1].rows
+    assert len(rows) == len(verdicts)
+    told = sorted((row[0], row[1], row[-2].text) for row in rows)
+    assert told == sorted((v.criterion, v.subject, v.verdict) for v in verdicts)
+    tones = {row[-2].text: row[-2].tone for row in rows}
+    assert tones == {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"}
+
+
+def test_what_is_not_judged_is_said_with_its_reason(page):
+    assert "travel in tension of m1: no travel in tension is rated." in page.words
+    assert "acceleration of block, block_top: no limit is stated." in page.words
+
+
+def test_mounts_isolators_and_their_provenance_are_named(page):
+    assert "m1" in page.cells
+    assert "Enidine WR12-400: catalogue figures. Source: ITT Enidine WR series catalogue" in page.words
+    assert "Assumed: tension travel is not stated and not judged." in page.words
+
+
+def test_sag_and_modes_are_those_of_statics_and_modes(page):
+    system = wr.load_system(wr.resources.models_folder() / "shock_table.xml")
+    for history in ("virgin", "relaxed"):
+        sag = 1e3 * wr.equilibrium(system, history=history).mounts["m1"].deflection[2]
+        assert fixed(sag, 2) in page.cells
+        for frequency in wr.modes(system, history=history).frequencies:
+            assert f"{frequency:.2f}" in page.cells
+
+
+def test_peaks_and_numerics_are_those_of_the_response(page, table):
+    response = wr.load_response(table)
+    peak = response.peaks.bodies["block"].acceleration
+    assert f"{peak.value / wr.STANDARD_GRAVITY:.2f}" in page.cells
+    assert f"{response.numerics.steps} steps of at most" in page.words
+    assert "version of mujoco" in page.words
+
+
+def test_the_peak_of_the_base_is_that_of_its_closed_form(content):
+    extremes = next(table for table in tables_of(content) if table.caption.startswith("Extremes of the base"))
+    (row,) = extremes.rows
+    assert row[:3] == ("z", "0", "60.0")  # samples 0.5 ms apart would miss it by up to 0.3 %
+
+
+def test_names_of_users_are_escaped_and_without_gravity_there_is_no_sag(tmp_path):
+    isolator = f"{HOSTILE} $\\frac{{1}}{{2}}$"
+    folder = run_of(tmp_path, name=HOSTILE, question=f"{HOSTILE} & why?", isolator=isolator, gravity=0.0)
+    text = (folder / "report.html").read_text(encoding="utf-8")
+    assert "<script" not in text
+    page = Page(text)
+    assert f"{HOSTILE} & why?" in page.words
+    assert f"{isolator}: illustrative figures." in page.words
+    assert "The model has no gravity: the mounts carry nothing at rest." in page.words
+    assert "relaxed" not in page.words
+
+
+@pytest.mark.parametrize(
+    ("motion", "rate", "words"),
+    [
+        (wr.VelocityStep(velocity=1.0, direction="z", start=0.02), 1000.0, "The base's velocity jumps"),
+        (wr.Sine(frequency=20.0, acceleration=5.0, direction="z"), 1000.0, "The base is driven steadily"),
+        (wr.HalfSine(peak=50.0, duration=0.011, direction="z"), 10.0, "At 10 samples a second"),
+        (wr.HalfSine(peak=50.0, duration=0.011, direction="z", start=1.0), 1000.0, "The base rests"),
+    ],
+)
+def test_a_run_without_a_spectrum_says_why(motion, rate, words):
+    isolators = {"a": wr.Isolator(name="a", axial=wr.KelvinVoigt(k=2e4, c=20.0))}
+    system = wr.load_system(sdof_text(), isolators=isolators)
+    response = wr.simulate(system, motion, duration=0.1, timestep=1e-3, sample_rate=rate)
+    spectra = run_spectra(motion, response, ["mass"], rate)
+    assert isinstance(spectra, Absent)
+    assert spectra.reason.startswith(words)
+
+
+def test_a_sweep_is_shown_over_frequency_and_has_no_spectrum(tmp_path):
+    sweep = wr.Sweep(start=20.0, stop=40.0, rate=60.0, acceleration=5.0, direction="z")
+    words = words_of(run_of(tmp_path, motion=sweep, duration=0.5))
+    assert "over the frequency of the sweep" in words
+    assert "at [Hz]" in words
+    assert "The base is driven steadily: a shock response spectrum would say little" in words
+
+
+def test_a_record_is_reported_from_the_copy_in_the_folder(tmp_path):
+    time = np.arange(0.0, 0.1, 1e-3)
+    values = 20.0 * np.sin(2.0 * math.pi * 30.0 * time) * np.hanning(time.size)
+    path = tmp_path / "deck.csv"
+    rows = "\n".join(f"{t:.4f},{a:.6f}" for t, a in zip(time, values, strict=True))
+    path.write_text(f"time [s],z [m/s^2]\n{rows}\n", encoding="utf-8")
+    folder = run_of(tmp_path, motion=wr.load_record(path))
+    path.unlink()
+    (page,) = write_report(folder, out=tmp_path / "again.html")
+    assert page.read_bytes() == (folder / "report.html").read_bytes()
+    assert "Shock response spectrum of the base" in words_of(folder)
+
+
+def test_what_cannot_be_found_is_said_instead(finished):
+    absent = Absent(reason="there is no relaxed equilibrium: mount 'm1' carries nothing.")
+    run = replace(finished, rests=dict(finished.rests) | {"relaxed": absent}, modes={"virgin": absent})
+    words = Page(report_html(report_content(run))).words
+    assert words.count("there is no relaxed equilibrium") == 2
+
+
+def test_a_response_without_mounts_has_no_sections_about_them(finished):
+    response = finished.response
+    bare = replace(response, scene=replace(response.scene, mounts=()), mounts={})
+    run = replace(finished, response=bare, isolators={}, rests={}, modes={}, verdicts=())
+    content = report_content(run)
+    titles = [section.title for section in content.sections if section.blocks]
+    assert titles == ["Model and mounts", "Base motion", "What reaches the payload", "Numerics, options and versions"]
+    assert content.verdict.text == "Nothing is judged: no limit is stated for anything in this run."
+    Page(report_html(content))
+
+
+def test_long_names_are_numbered_in_the_drawing(finished):
+    scene = finished.response.scene
+    long = "A-starboard_quarter_mount_1"
+    mounts = (replace(scene.mounts[0], name=long),)
+    response = replace(finished.response, scene=replace(scene, mounts=mounts))
+    run = replace(finished, response=response, isolators={long: finished.isolators["m1"]}, modes={}, rests={})
+    from wirerope_mj.report.model import model_section
+
+    section = model_section(run)
+    mount_table = next(block for block in section.blocks if isinstance(block, Table) and block.caption == "Mounts")
+    assert mount_table.head[0] == "no."
+    assert mount_table.rows[0][:2] == ("1", long)
+    assert "numbers" in next(block for block in section.blocks if isinstance(block, Picture)).caption
+
+
+def test_a_long_response_is_thinned_to_its_extremes():
+    from wirerope_mj.plots.report_image import thinned
+
+    time = np.linspace(0.0, 600.0, 1_000_001)
+    values = np.sin(2.0 * math.pi * 50.0 * time)
+    values[654_321] = 7.0
+    instants, drawn = thinned(time, values)
+    assert drawn.max() == 7.0
+    assert instants[drawn.argmax()] == time[654_321]
+    assert instants.size < 5000
+    assert (np.diff(instants) > 0.0).all()
+    assert (instants[0], instants[-1]) == (time[0], time[-1])
+
+
+def test_pictures_show_samples_column_by_column(finished, monkeypatch):
+    """A response of ten minutes is larger than memory: no more than a column may be asked for at once."""
+    from wirerope_mj.report.motion import mounts_section, response_section
+
+    widths = []
+
+    class Narrow:
+        names = finished.response.samples.names
+
+        def columns(self, first, last):
+            widths.append(last - first)
+            return finished.response.samples.columns(first, last)
+
+    run = replace(finished, response=replace(finished.response, samples=Narrow()))
+    response_section(run)
+    mounts_section(run)
+    assert set(widths) == {1}
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Pages without pictures, where only files and messages are looked at."""
+    monkeypatch.setattr(report_module, "report_page", lambda *_: "<!DOCTYPE html><title>quick</title><p>page</p>")
+
+
+def verdict(**changes):
+    return Verdict(
+        **{"criterion": "travel in roll", "subject": "m1", "value": 0.02, "limit": 0.04, "unit": "m"} | changes
+    )
+
+
+def test_the_answer_names_the_smallest_margins_and_the_exceeded():
+    rows = [
+        verdict(),
+        verdict(subject="m2", value=0.05),
+        verdict(criterion="acceleration", limit=None, note="nobody knows"),
+    ]
+    paragraph = next(block for block in judged.answer(rows) if isinstance(block, Paragraph))
+    assert paragraph.text.startswith("Exceeded: travel in roll of m2, 50.0 mm of 40.0 mm (margin −20 %).")
+    assert (
+        "Elsewhere the smallest margins are: travel in roll of m1, 20.0 mm of 40.0 mm (margin 100 %)." in paragraph.text
+    )
+    assert judged.unjudged(rows) == ("acceleration of m1: nobody knows.",)
+    assert judged.headline(rows) == Mark(text="Exceeded: 1 of 2 limits; 1 figure is not judged.", tone="exceeded")
+
+
+def test_nothing_judged_is_never_passed():
+    rows = [verdict(limit=None), verdict(value=math.nan)]
+    assert judged.headline(rows).tone == "unjudged"
+    assert "within" not in str(judged.answer(rows)).lower().replace("'within'", "")
+    assert judged.headline([verdict()]) == Mark(text="Within its limit.", tone="within")
+
+
+def test_figures_are_shown_in_the_units_of_the_trade():
+    assert (shown(0.0432, "m"), shown(2869.0, "N"), shown(98.0665, "m/s^2")) == ("43.2", "2.87", "10.0")
+    assert (shown_unit("m/s^2"), shown_unit("N"), shown_unit("m/s")) == ("g", "kN", "m/s")
+    assert (number(-0.001234), number(123456.0), number(0.0), number(math.nan)) == ("−0.00123", "123456", "0", "–")
+    assert fixed(-0.001, 2) == "0.00"
+    assert listed(list("abcdefgh")) == "a, b, c, d, e and 3 more"
+
+
+def test_a_table_has_a_cell_for_every_heading():
+    with pytest.raises(ValueError, match="`rows` must have 2 cells each"):
+        Table(caption="", head=("a", "b"), align="lr", rows=(("1",),))
+    with pytest.raises(ValueError, match="`align` must be 2 letters"):
+        Table(caption="", head=("a", "b"), align="l", rows=())
+
+
+def test_the_command_writes_page_and_says_where(table, tmp_path, capsys, quick):
+    out = tmp_path / "hand over" / "Deck 3.html"
+    assert main(["report", str(table), "--out", str(out)]) == 0
+    assert f"written: {out}" in capsys.readouterr().out
+    assert [path.name for path in out.parent.iterdir()] == [out.name]
+
+
+def test_the_folders_own_report_is_made_anew(table):
+    before = (table / "report.html").read_bytes()
+    assert write_report(table) == [table / "report.html"]
+    assert (table / "report.html").read_bytes() == before
+
+
+def test_a_file_that_is_there_is_replaced_only_with_force(table, tmp_path, capsys, quick):
+    out = tmp_path / "mine.html"
+    out.write_text("years of work", encoding="utf-8")
+    assert main(["report", str(table), "--out", str(out)]) == 2
+    assert "this exists already. Replace it with --force" in capsys.readouterr().err
+    assert out.read_text(encoding="utf-8") == "years of work"
+    assert main(["report", str(table), "--out", str(out), "--force"]) == 0
+    assert "<!DOCTYPE html>" in out.read_text(encoding="utf-8")
+
+
+def test_bad_input_is_one_message(table, tmp_path, capsys):
+    damaged = Path(shutil.copytree(table, tmp_path / "damaged"))
+    (damaged / "response.parquet").unlink()
+    bare = tmp_path / "bare"
+    bare.mkdir()
+    curve = tmp_path / "curve"
+    curve.mkdir()
+    for name in ("settings.toml", "frequency_response.json"):
+        (curve / name).write_text("", encoding="utf-8")
+    for arguments, words in (
+        ([str(tmp_path / "nothing")], "there is no such folder"),
+        ([str(bare)], "this is not a run; there is no scenario.toml here"),
+        ([str(damaged)], "there is no response.parquet here"),
+        ([str(curve)], "this is a frequency response"),
+        ([str(table), "--out", str(tmp_path / "report.pdf")], "`out` must end with .html"),
+    ):
+        assert main(["report", *arguments]) == 2
+        error = capsys.readouterr().err
+        assert words in error
+        assert error.startswith("wirerope: ")
+        assert "Traceback" not in error
+    assert not [path for path in bare.iterdir()]
+
+
+def test_a_failure_leaves_no_half_written_pdf(table, tmp_path, monkeypatch, quick):
+    def fail(page, path):
+        path.write_bytes(b"%PDF-1.7 half")
+        raise ConvergenceError("no page.")
+
+    monkeypatch.setattr(report_module, "check_pdf", lambda: None)
+    monkeypatch.setattr(report_module, "write_pdf", fail)
+    with pytest.raises(ConvergenceError):
+        write_report(table, out=tmp_path / "page.html", pdf=True)
+    (tmp_path / "page.html").unlink()  # whole, and written before
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_weasyprint_the_message_says_what_to_install(table, tmp_path, monkeypatch):
+    for module in ("weasyprint", "weasyprint.urls"):
+        monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(WireRopeError, match=r"pip install 'wirerope-mj\[pdf\]'"):
+        write_report(table, out=tmp_path / "page.html", pdf=True)
+    assert list(tmp_path.iterdir()) == []
+
+
+def needs_pdf():
+    try:
+        pdf_module.check_pdf()
+    except WireRopeError as error:
+        pytest.skip(f"PDF files cannot be made here: {error}")
+
+
+def test_the_pdf_stands_beside_the_page(table, tmp_path, quick):
+    needs_pdf()
+    files = write_report(table, out=tmp_path / "page.html", pdf=True)
+    assert [path.name for path in files] == ["page.html", "page.pdf"]
+    assert files[1].read_bytes().startswith(b"%PDF-")
+    with pytest.raises(RecordError, match="page.html: this exists already"):
+        write_report(table, out=tmp_path / "page.html", pdf=True)
+
+
+def test_long_tables_repeat_their_heading_on_every_page():
+    needs_pdf()
+    import weasyprint
+
+    rows = tuple((f"m{place}", f"{place}") for place in range(200))
+    long = Table(caption="Mounts", head=("mount", "headed"), align="lr", rows=rows)
+    content = ReportContent(
+        title="Long", facts=(), question=("?",), verdict=Mark(text="", tone=""), answer=(),
+        sections=(Section(title="Table", blocks=(long,)),),
+    )  # fmt: skip
+    document = weasyprint.HTML(string=report_html(content)).render()
+    pages = ["".join(words(page._page_box)) for page in document.pages]
+    assert len(pages) > 2
+    assert all("headed" in page for page in pages)
+    assert all(f"page {number} of {len(pages)}" in page for number, page in enumerate(pages, start=1))
+
+
+def words(box):
+    """Return the texts of a box and of all that are in it."""
+    if hasattr(box, "text"):
+        yield box.text
+    for child in getattr(box, "children", ()):
+        yield from words(child)
