@@ -70,6 +70,13 @@ def test_the_frame_carries_both_weights_and_the_mount_its_own():
     assert response.mounts["m1"].force[0, 2] == pytest.approx(-BLOCK * G, rel=1e-9)
 
 
+@pytest.mark.parametrize(("hertz", "mass"), [(10.0, 5.0), (6.0, 20.0)])
+def test_a_frame_softer_than_the_mount_is_settled_too(hertz, mass):
+    made = load_scenario("shock_table_frame").make(frame_hz=hertz, frame_mass=mass)
+    found = wr.equilibrium(wr.load_system(made.model_source()))
+    assert found.mounts["m1"].force[2] == pytest.approx(-BLOCK * G, rel=1e-9)  # the equilibrium's residual
+
+
 def test_the_table_alone_is_driven_and_its_accelerometer_sees_the_pulse_whatever_the_frame_does():
     response = run(frame_hz=80.0)
     motion = load_scenario("shock_table_frame").make().motion
