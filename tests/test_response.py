@@ -148,13 +148,13 @@ def test_a_loaded_response_reads_what_is_asked_for(response, tmp_path, monkeypat
     response.save(tmp_path)
     import pyarrow.parquet as pq
 
-    read, original = [], pq.read_table
+    read, original = [], pq.ParquetFile.iter_batches
 
-    def counted(path, *, columns):
+    def counted(file, rows, *, columns):
         read.append(list(columns))
-        return original(path, columns=columns)
+        return original(file, rows, columns=columns)
 
-    monkeypatch.setattr(pq, "read_table", counted)
+    monkeypatch.setattr(pq.ParquetFile, "iter_batches", counted)
     loaded = wr.load_response(tmp_path)
     assert not isinstance(loaded.samples, MemorySamples)
     read.clear()

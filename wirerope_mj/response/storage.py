@@ -35,18 +35,25 @@ class FileSamples:
         """Return columns `first` to `last` (exclusive), (n_t, last - first)."""
         import pyarrow.parquet as pq
 
-        if first == last:  # a mount without internal states
-            return np.empty((pq.read_metadata(self.path).num_rows, 0))
-        table = pq.read_table(self.path, columns=self.names[first:last])
-        return np.column_stack([column.to_numpy() for column in table.columns])
+        with pq.ParquetFile(self.path) as file:
+            values, row = np.empty((file.metadata.num_rows, last - first)), 0
+            for block in self._blocks(file, first, last):  # read at once, the columns would stand in memory twice
+                values[row : row + len(block)] = block
+                row += len(block)
+        return values
 
     def blocks(self, first: int, last: int) -> Iterator[Array]:
         """Yield these columns some rows after the other."""
         import pyarrow.parquet as pq
 
         with pq.ParquetFile(self.path) as file:
-            for batch in file.iter_batches(BLOCK_ROWS, columns=self.names[first:last]):
-                yield np.column_stack([column.to_numpy() for column in batch.columns])
+            yield from self._blocks(file, first, last)
+
+    def _blocks(self, file: Any, first: int, last: int) -> Iterator[Array]:
+        if first == last:  # a mount without internal states
+            return
+        for batch in file.iter_batches(BLOCK_ROWS, columns=self.names[first:last]):
+            yield np.column_stack([column.to_numpy() for column in batch.columns])
 
 
 class SampleWriter:
