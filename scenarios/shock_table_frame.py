@@ -42,11 +42,12 @@ def scenario(
     else:
         peak = level_g * wr.STANDARD_GRAVITY
         motion = wr.HalfSine(peak=peak, duration=1e-3 * pulse_ms, direction="z", start=0.05)
-    model, omega = ElementTree.parse(MODEL).getroot(), 2.0 * pi * frame_hz
-    joint, inertial = model.find(".//joint[@name='frame_z']"), model.find(".//body[@name='frame']/inertial")
-    joint.set("stiffness", f"{frame_mass * omega**2!r}")
-    joint.set("damping", f"{2.0 * frame_damping * frame_mass * omega!r}")
-    inertial.set("mass", f"{frame_mass!r}")
+    model, omega = ElementTree.fromstring(MODEL.read_text(encoding="utf-8")), 2.0 * pi * frame_hz
+    for joint in model.iterfind(".//joint[@name='frame_z']"):
+        joint.set("stiffness", f"{frame_mass * omega**2!r}")
+        joint.set("damping", f"{2.0 * frame_damping * frame_mass * omega!r}")
+    for inertial in model.iterfind(".//body[@name='frame']/inertial"):
+        inertial.set("mass", f"{frame_mass!r}")
     text = ElementTree.tostring(model, encoding="unicode")
     simulate = {"duration": duration, "sample_rate": 4000.0, "callback": callback}
     return wr.Scenario(question=__doc__ or "", model=text, motion=motion, simulate=simulate)
