@@ -220,6 +220,19 @@ def test_a_sweep_is_shown_over_frequency_and_has_no_spectrum(tmp_path):
     assert "The base is driven steadily: a shock response spectrum would say little" in words
 
 
+def test_random_vibration_is_shown_by_its_density(tmp_path):
+    level = 4.0  # (m/s^2)^2/Hz over 40 Hz: 12.65 m/s^2 rms
+    motion = wr.RandomVibration(
+        psd=[(10.0, level), (50.0, level)], duration=6.0, seed=3, direction="z", rise=0.5, fall=0.5
+    )
+    page = Page((run_of(tmp_path, motion=motion, duration=6.0) / "report.html").read_text(encoding="utf-8"))
+    assert "power spectral densities stand for shock response spectra" in page.words
+    assert "Power spectral densities of mass and of the base while the vibration is stationary: 5 s" in page.words
+    # One sample of 5 s: with 40 Hz of bandwidth its rms is known to 1 / (2 sqrt(40 * 5)) = 3.5 %; three times that is allowed.
+    rms = float(page.words.split("Root mean squares")[1].split(" base ")[1].split()[0])
+    assert abs(rms / (math.sqrt(40.0 * level) / wr.STANDARD_GRAVITY) - 1.0) < 0.11
+
+
 def test_a_record_is_reported_from_the_copy_in_the_folder(tmp_path):
     time = np.arange(0.0, 0.1, 1e-3)
     values = 20.0 * np.sin(2.0 * math.pi * 30.0 * time) * np.hanning(time.size)

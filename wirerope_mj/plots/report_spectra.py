@@ -1,4 +1,4 @@
-"""Shock response spectra as pictures for a report."""
+"""Spectra of shocks and of random vibration as pictures for a report."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from wirerope_mj.plots.report_image import BASE, COLOURS, WIDTH, legend_above, report_style, round_ticks
+from wirerope_mj.plots.report_image import BASE, COLOURS, WIDTH, Array, legend_above, report_style, round_ticks
 from wirerope_mj.plots.report_response import short
-from wirerope_mj.spectra import ShockResponseSpectrum
+from wirerope_mj.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.units import STANDARD_GRAVITY
 
-_DECADES = 2.5  # below the largest that are drawn: less is nothing to design for
+_DECADES, _POWER_DECADES = 2.5, 4.0  # below the largest that are drawn: less is nothing to design for
 _ABOVE = 1.15  # of the largest, where the axis ends
 
 
@@ -35,27 +35,48 @@ def base_spectrum_figure(spectra: Mapping[str, ShockResponseSpectrum]) -> Figure
 
 
 def payload_spectra_figure(spectra: Mapping[str, Mapping[str, ShockResponseSpectrum]]) -> Figure:
-    """Return spectra of base and payload, a panel for each axis.
+    """Return shock response spectra of base and payload, a panel for each axis.
 
     Args:
         spectra: by axis and name; the one called "base" is grey.
     """
+    lines = {
+        axis: {name: (found.frequencies, found.maximax / STANDARD_GRAVITY) for name, found in along.items()}
+        for axis, along in spectra.items()
+    }
+    return _panels(lines, "acceleration, maximax [g]")
+
+
+def densities_figure(densities: Mapping[str, Mapping[str, PowerSpectralDensity]]) -> Figure:
+    """Return power spectral densities of base and payload, a panel for each axis.
+
+    Args:
+        densities: by axis and name; the one called "base" is grey.
+    """
+    lines = {
+        # Without the line at 0 Hz, which has no place on a logarithmic axis, and where means are removed.
+        axis: {name: (found.frequency[1:], found.density[1:] / STANDARD_GRAVITY**2) for name, found in along.items()}
+        for axis, along in densities.items()
+    }
+    return _panels(lines, "density [g²/Hz]", decades=_POWER_DECADES)
+
+
+def _panels(lines: Mapping[str, Mapping[str, tuple[Array, Array]]], label: str, *, decades: float = _DECADES) -> Figure:
+    """Return frequencies and values by axis and name, a panel for each axis."""
     with report_style():
-        figure = Figure(figsize=(WIDTH, 2.7 if len(spectra) > 1 else 3.3), layout="constrained")
-        panels = np.atleast_1d(figure.subplots(1, len(spectra)))
-        for panel, (axis, lines) in zip(panels, spectra.items(), strict=True):
+        figure = Figure(figsize=(WIDTH, 2.7 if len(lines) > 1 else 3.3), layout="constrained")
+        panels = np.atleast_1d(figure.subplots(1, len(lines)))
+        for panel, (axis, along) in zip(panels, lines.items(), strict=True):
             colours = iter(COLOURS)
-            for name, spectrum in lines.items():
-                colour = BASE if name == "base" else next(colours)
-                panel.plot(spectrum.frequencies, spectrum.maximax / STANDARD_GRAVITY, color=colour, label=short(name))
+            for name, (frequency, values) in along.items():
+                panel.plot(frequency, values, color=BASE if name == "base" else next(colours), label=short(name))
             panel.set_title(f"along {axis}")
-            ticks = 12 // len(spectra) + 3
-            _dress(panel, "acceleration, maximax [g]" if panel is panels[0] else "", ticks=ticks)
+            _dress(panel, label if panel is panels[0] else "", ticks=12 // len(lines) + 3, decades=decades)
         legend_above(figure, *panels)
     return figure
 
 
-def _dress(panel: Any, label: str, *, ticks: int = 12) -> None:
+def _dress(panel: Any, label: str, *, ticks: int = 12, decades: float = _DECADES) -> None:
     """Give a panel logarithmic axes with round numbers."""
     panel.set_xscale("log")
     panel.set_yscale("log")
@@ -63,7 +84,7 @@ def _dress(panel: Any, label: str, *, ticks: int = 12) -> None:
         [np.asarray(data) for data in part] for part in zip(*(line.get_data() for line in panel.lines), strict=True)
     )
     high = _ABOVE * max(float(values.max()) for values in y)
-    low = max(min(float(values.min()) for values in y) / _ABOVE, high * 10.0**-_DECADES)
+    low = max(min(float(values.min()) for values in y) / _ABOVE, high * 10.0**-decades)
     first, last = min(float(values[0]) for values in x), min(float(values[-1]) for values in x)
     panel.set_xlim(first, last)
     panel.set_ylim(low, high)

@@ -1,5 +1,7 @@
 """The parts of a report about what moves: the base, the payload and the mounts."""
 
+import numpy as np
+
 from wirerope_mj.excitation import Sweep
 from wirerope_mj.plots.report_image import image_of
 from wirerope_mj.plots.report_motion import base_acceleration, motion_figure, moving_axes
@@ -11,12 +13,13 @@ from wirerope_mj.plots.report_response import (
     mount_loops_figure,
     sweep_figure,
 )
-from wirerope_mj.plots.report_spectra import base_spectrum_figure, payload_spectra_figure
+from wirerope_mj.plots.report_spectra import base_spectrum_figure, densities_figure, payload_spectra_figure
 from wirerope_mj.report.content import Block, Paragraph, Picture, Section, Table
-from wirerope_mj.report.display import fixed, listed, shown
+from wirerope_mj.report.display import fixed, listed, several, shown
 from wirerope_mj.report.run import BASE, Absent, FinishedRun, worst_names
 from wirerope_mj.verdicts import AXES, MountPeak, body_peaks, mount_peaks
 
+_COASTING = 1e-3  # [m/s] at the end, from which the base is said to coast
 _MOST_EVENTS = 12  # in the table of what the base does: a record may have any number
 
 
@@ -28,14 +31,13 @@ def motion_section(run: FinishedRun) -> Section:
         blocks.append(Paragraph(text="The base rests.", tone="quiet"))
         return Section(title="Base motion", blocks=tuple(blocks))
     names = listed(["xyz"[axis] for axis in axes])
+    still = "" if len(axes) == 3 else f" along {names}; it does not move along the others"
+    end = run.response.base.velocity[-1]
+    coasts = " At the end it coasts on at the velocity that is left." if np.abs(end).max() > _COASTING else ""
     blocks.append(
         Picture(
             image=image_of(motion_figure(run.response, run.motion)),
-            caption=f"The base's acceleration, velocity and displacement along {names}; it does not move along the others. "
-            "After a pulse the base coasts at the velocity that it has then."
-            if len(axes) < 3
-            else "The base's acceleration, velocity and displacement. After a pulse the base coasts at the velocity that it "
-            "has then.",
+            caption=f"The base's acceleration, velocity and displacement{still}.{coasts}",
             alt=f"Histories of the base along {names}.",
         )
     )
@@ -58,7 +60,7 @@ def response_section(run: FinishedRun) -> Section:
         )
         if isinstance(run.motion, Sweep):
             blocks.append(_over_frequency(run, run.motion, worst))
-        blocks += _payload_spectra(run)
+        blocks += _payload_spectra(run) + _densities(run)
     return Section(title="What reaches the payload", blocks=tuple(blocks))
 
 
@@ -153,6 +155,40 @@ def _payload_spectra(run: FinishedRun) -> list[Block]:
             "that stands there. Where the payload's line lies above the base's, isolation makes it worse.",
             alt=f"Shock response spectra of {listed(names)} and the base.",
         )
+    ]
+
+
+def _densities(run: FinishedRun) -> list[Block]:
+    if not run.densities:
+        return []
+    rows = tuple(
+        (
+            axis,
+            name,
+            shown(float(found.rms), "m/s^2"),
+            shown(3.0 * float(found.rms), "m/s^2"),
+            fixed(100.0 * float(found.rms_error), 1),
+        )
+        for axis, along in run.densities.items()
+        for name, found in along.items()
+    )
+    one = next(iter(next(iter(run.densities.values())).values()))
+    names = listed([name for name in next(iter(run.densities.values())) if name != BASE])
+    return [
+        Picture(
+            image=image_of(densities_figure(run.densities)),
+            caption=f"Power spectral densities of {names} and of the base while the vibration is stationary: "
+            f"{one.duration:.4g} s, resolution {one.resolution:.3g} Hz, {several(one.segments, 'segment')}, so that each "
+            f"density is known to {100.0 * one.standard_error:.0f} %.",
+            alt=f"Power spectral densities of {names} and the base.",
+        ),
+        Table(
+            caption="Root mean squares while the vibration is stationary",
+            head=("axis", "where", "rms [g]", "3 sigma [g]", "error of the rms [%]"),
+            align="llrrr",
+            rows=rows,
+            note="Error: one standard deviation of the estimate, from bandwidth and length.",
+        ),
     ]
 
 

@@ -12,7 +12,7 @@ from wirerope_mj.isolator import Isolator
 from wirerope_mj.modes import Modes
 from wirerope_mj.plots.report_response import MOST
 from wirerope_mj.response import Response
-from wirerope_mj.spectra import ShockResponseSpectrum
+from wirerope_mj.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.statics import Equilibrium
 from wirerope_mj.verdicts import body_peaks
 
@@ -47,6 +47,7 @@ class FinishedRun:
         rests: where the system rests by history, "virgin" and "relaxed".
         modes: about these, by history.
         spectra: shock response spectra by axis ("x", "y", "z") and name of body or point; that of the base is `BASE`.
+        densities: power spectral densities in the same way, if the base vibrates at random.
         verdicts: every judged figure.
         versions: of the packages that computed it.
     """
@@ -66,6 +67,7 @@ class FinishedRun:
     rests: Mapping[str, Equilibrium | Absent]
     modes: Mapping[str, Modes | Absent]
     spectra: Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent
+    densities: Mapping[str, Mapping[str, PowerSpectralDensity]]
     verdicts: tuple[Verdict, ...]
     versions: Mapping[str, str]
 

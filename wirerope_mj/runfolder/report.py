@@ -15,7 +15,7 @@ from wirerope_mj.modes import modes
 from wirerope_mj.report import Absent, FinishedRun, check_pdf, report_content, report_html, worst_names, write_pdf
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.runfolder.frequency_response import KIND, MARKS
-from wirerope_mj.runfolder.run_spectra import run_spectra
+from wirerope_mj.runfolder.run_spectra import run_densities, run_spectra
 from wirerope_mj.runfolder.sources import scenario_content, system_and_motion
 from wirerope_mj.statics import History, equilibrium
 from wirerope_mj.system import System
@@ -82,6 +82,7 @@ def report_page(content: Mapping[str, Any], system: System, motion: BaseMotion, 
     initial = str(arguments.get("initial", "settled"))
     gravity = float(np.linalg.norm(system.model.opt.gravity))
     histories = _HISTORIES if gravity else _HISTORIES[:1]  # without a load there is nothing to relax
+    names = worst_names(response)
     run = FinishedRun(
         name=str(content.get("name", response.scene.name)),
         question=str(content.get("question", "")),
@@ -97,7 +98,8 @@ def report_page(content: Mapping[str, Any], system: System, motion: BaseMotion, 
         gravity=gravity,
         rests={history: _found(partial(equilibrium, system, history=history)) for history in histories},
         modes={history: _found(partial(modes, system, history=history)) for history in histories},
-        spectra=run_spectra(motion, response, worst_names(response), float(arguments["sample_rate"])),
+        spectra=run_spectra(motion, response, names, float(arguments["sample_rate"])),
+        densities=run_densities(motion, response, names),
         verdicts=tuple(judge(response)),
         versions=content.get("versions", {}),
     )

@@ -1,17 +1,22 @@
-"""Shock response spectra of a run: of its base, and of the bodies and points that are shaken most."""
+"""Spectra of a run, of its base and of the bodies and points that are shaken most: of a shock, or of random vibration."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.excitation import BaseMotion, RandomVibration
 from wirerope_mj.excitation.motion import SumOfMotions
 from wirerope_mj.plots.report_motion import moving_axes
 from wirerope_mj.plots.report_response import acceleration_along
 from wirerope_mj.report import BASE, Absent
 from wirerope_mj.response import Response
-from wirerope_mj.spectra import ShockResponseSpectrum, shock_response_spectrum
+from wirerope_mj.spectra import (
+    PowerSpectralDensity,
+    ShockResponseSpectrum,
+    power_spectral_density,
+    shock_response_spectrum,
+)
 from wirerope_mj.spectra.arguments import octave_grid
 from wirerope_mj.spectra.srs import SAMPLES_PER_PERIOD
 
@@ -25,7 +30,8 @@ _FINE = 10_000.0  # [Hz], at which a base whose motion is known in closed form i
 _MOST_FINE = 200_000  # samples of it: twenty seconds
 _LONG = 200_000  # samples from which spectra have fewer lines: each takes a hundredth of a second for a million samples
 _LINES, _FEW_LINES = 12, 6  # to an octave
-_STEADY = ("sweep", "sine")
+_STEADY = ("sweep", "sine", "vibration-lines")
+_LEAST_STEADY = 1.0  # [s] of stationary vibration below which a density is too uncertain to be shown
 
 
 def run_spectra(
@@ -39,10 +45,12 @@ def run_spectra(
         names: bodies and points.
         sample_rate: of the response [Hz].
     """
-    terms = motion.terms if isinstance(motion, SumOfMotions) else (motion,)
+    terms = _terms(motion)
     axes = moving_axes(response)
     if not axes:
         return Absent(reason="The base rests: there is no shock response spectrum.")
+    if any(isinstance(term, RandomVibration) for term in terms):
+        return Absent(reason="The base vibrates at random: power spectral densities stand for shock response spectra.")
     if any(term.kind in _STEADY for term in terms):
         return Absent(
             reason="The base is driven steadily: a shock response spectrum would say little, and none is shown."
@@ -62,6 +70,36 @@ def run_spectra(
         for name in names:
             found["xyz"[axis]][name] = _spectrum(response, name, axis, frequencies)
     return found
+
+
+def run_densities(
+    motion: BaseMotion, response: Response, names: Sequence[str]
+) -> Mapping[str, Mapping[str, PowerSpectralDensity]]:
+    """Return the power spectral densities of a random vibration while it is stationary, by axis and name; else nothing.
+
+    Args:
+        motion: of the base.
+        response: to it.
+        names: bodies and points.
+    """
+    terms = [term for term in _terms(motion) if isinstance(term, RandomVibration)]
+    first = max((term.steady[0] for term in terms), default=0.0)
+    last = min((term.steady[1] for term in terms), default=0.0)
+    rows = slice(*np.searchsorted(response.time, [first, last]))
+    time = response.time[rows]
+    if len(terms) < len(_terms(motion)) or time.size < 2 or time[-1] - time[0] < _LEAST_STEADY:
+        return {}
+    return {
+        "xyz"[axis]: {
+            name: power_spectral_density(time, acceleration_along(response, name, axis)[rows])
+            for name in (BASE, *names)
+        }
+        for axis in moving_axes(response)
+    }
+
+
+def _terms(motion: BaseMotion) -> tuple[BaseMotion, ...]:
+    return motion.terms if isinstance(motion, SumOfMotions) else (motion,)
 
 
 def _spectrum(response: Response, name: str, axis: int, frequencies: Array) -> ShockResponseSpectrum:
