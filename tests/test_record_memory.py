@@ -106,3 +106,23 @@ def test_the_error_of_a_densely_sampled_record_is_estimated_and_not_taken_for_no
     peak, exact = (r.peaks.bodies["block"].acceleration.value for r in (response, finer))
     # the estimate is of the largest error of all quantities: the peak of one of them may be better, not much worse
     assert abs(peak - exact) < 3.0 * response.estimated_error * exact
+
+
+def test_the_samples_of_a_long_run_are_read_and_recorded_block_by_block(tmp_path, monkeypatch):
+    from wirerope_mj.recording.state import read_state
+
+    for module in ("wirerope_mj.response.response", "wirerope_mj.response.storage"):
+        monkeypatch.setattr(f"{module}.BLOCK_ROWS", 70)  # 301 samples: five blocks, the last of them short
+    system = wr.load_system(models_folder() / "shock_table.xml")
+    memory = wr.simulate(system, wr.HalfSine(peak=50.0, duration=0.011, direction="z"), duration=0.3, timestep=1e-3)
+    memory.save(tmp_path)
+    loaded = wr.load_response(tmp_path)
+    wr.record_rerun(loaded, tmp_path / "file.rrd")
+    wr.record_rerun(memory, tmp_path / "memory.rrd")
+    for name in ("file.rrd", "memory.rrd"):
+        state = read_state(tmp_path / name)
+        assert list(state) == memory.samples.names
+        table = np.column_stack(list(state.values()))
+        np.testing.assert_array_equal(table, memory.samples.columns(0, len(memory.samples.names)))
+    assert loaded.time.size == 301
+    np.testing.assert_array_equal(loaded.bodies["block"].position, memory.bodies["block"].position)
