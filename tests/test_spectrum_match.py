@@ -89,8 +89,8 @@ def test_a_target_that_cannot_be_met_is_said_so():
     [
         ({"target": [(3.0, 1.0), (2.0, 1.0)]}, "frequencies of `target` must increase"),
         ({"target": [(3.0, 1.0), (4.0, 0.0)]}, r"`target`, point 2: `acceleration \[m/s\^2\]` must be > 0, got 0.0"),
-        ({"damping": 0.0}, "`damping` must lie above 0 and below 1, got 0.0"),
-        ({"damping": 1.0}, "`damping` must lie above 0 and below 1, got 1.0"),
+        ({"damping": 0.005}, "`damping` must be at least 0.01 .* and below 1, got 0.005"),
+        ({"damping": 1.0}, "`damping` must be at least 0.01 .* and below 1, got 1.0"),
         ({"tolerance": 0.0}, "`tolerance` must be > 0, got 0.0"),
         ({"duration": 0.5}, "`duration` must leave room for rise and fall"),
         ({"rise": 0.1}, "`rise` must be at least one period"),
