@@ -82,3 +82,13 @@ def test_the_cabinet_stands_beside_its_vendors_sheet(capsys):
     assert vendor == ["0.613", "10.42", "6.98", "11.68", "15.89", "20.79", "15.22", "7.05", "5.96", "7.17"]
     assert f"{names['both'][2][0][1]:.2f}" == "7.51"
     assert "1.116" in capsys.readouterr().out
+
+
+def test_a_shock_is_judged_from_python(capsys):
+    names = {}
+    exec(compile(blocks("docs/shock.md"), "shock.md", "exec"), names)
+    words = {verdict.criterion: verdict.verdict for verdict in wr.judge(names["response"])}
+    assert words["travel in compression"] == words["static load in compression"] == "within"
+    assert words["acceleration"] == words["travel in tension"] == "not judged"
+    assert names["verdict"].verdict == "not judged"  # the last of the random ones: nobody limits it
+    assert "standard error" in capsys.readouterr().out

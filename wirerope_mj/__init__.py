@@ -7,6 +7,8 @@ from wirerope_mj.bench import cyclic_test as cyclic_test
 from wirerope_mj.bench import read_cycles as read_cycles
 from wirerope_mj.bench import read_cyclic_test as read_cyclic_test
 from wirerope_mj.bench import write_cyclic_test as write_cyclic_test
+from wirerope_mj.criteria import Verdict as Verdict
+from wirerope_mj.criteria import judge as judge
 from wirerope_mj.errors import ConvergenceError as ConvergenceError
 from wirerope_mj.errors import ModelError as ModelError
 from wirerope_mj.errors import RecordError as RecordError
@@ -76,6 +78,7 @@ from wirerope_mj.response import Peak as Peak
 from wirerope_mj.response import Response as Response
 from wirerope_mj.response import load_response as load_response
 from wirerope_mj.runfolder import run_scenario as run_scenario
+from wirerope_mj.runfolder.report import write_report as write_report
 from wirerope_mj.scenario import Scenario as Scenario
 from wirerope_mj.selection import select_isolators as select_isolators
 from wirerope_mj.simulation import simulate as simulate
@@ -85,6 +88,7 @@ from wirerope_mj.spectra import power_spectral_density as power_spectral_density
 from wirerope_mj.spectra import shock_response_spectrum as shock_response_spectrum
 from wirerope_mj.state import State as State
 from wirerope_mj.statics import equilibrium as equilibrium
+from wirerope_mj.statics import static_table as static_table
 from wirerope_mj.sweep import FrequencySweep as FrequencySweep
 from wirerope_mj.sweep import frequency_sweep as frequency_sweep
 from wirerope_mj.sweep import stepped_sine as stepped_sine
