@@ -66,13 +66,14 @@ def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
     if not rows:
         return None
     counts = {row.criterion: sum(other.criterion == row.criterion for other in verdicts) for row in rows}
-    head = ("criterion", "figures", "where", "value", "limit", "unit", "margin", "verdict")
+    head = ("criterion", "verdict", "where", "value", "limit", "unit", "margin", "figures")
     return Table(
         caption="The worst of every criterion",
         head=head,
-        align="lrlrrlrl",
-        rows=tuple((row.criterion, str(counts[row.criterion]), *_cells(row)) for row in rows),
-        note="Margin: limit over value less one, how much more there could be; negative where the limit is exceeded.",
+        align="lllrrlrr",
+        rows=tuple((row.criterion, *_cells(row), str(counts[row.criterion])) for row in rows),
+        note="Margin: limit over value less one, how much more there could be; negative where the limit is exceeded. "
+        "Figures: how many the row is the worst of.",
     )
 
 
@@ -80,16 +81,15 @@ def full_table(verdicts: Sequence[Verdict]) -> Table | None:
     """Return every verdict, exceeded ones first, then by margin, those not judged last; None without verdicts."""
     if not verdicts:
         return None
-    head = ("criterion", "where", "value", "limit", "unit", "margin", "at [s]", "verdict", "note")
+    head = ("criterion", "verdict", "where", "value", "limit", "unit", "margin", "at [s]", "note")
     rows = []
     for row in ordered(verdicts):
-        *figures, verdict = _cells(row)
         time = ABSENT if row.time is None else fixed(row.time, 4)
-        rows.append((row.criterion, *figures, time, verdict, row.note))
+        rows.append((row.criterion, *_cells(row), time, row.note))
     return Table(
         caption="Every figure against its limit: the smallest margin first, what is not judged last",
         head=head,
-        align="llrrlrrlt",
+        align="lllrrlrrt",
         rows=tuple(rows),
     )
 
@@ -109,14 +109,14 @@ def margin(row: Verdict) -> str:
 
 
 def _cells(row: Verdict) -> tuple[Cell, ...]:
-    """Return subject, value, limit, unit, margin and verdict."""
+    """Return verdict, subject, value, limit, unit and margin."""
     return (
+        Mark(text=row.verdict, tone=TONE[row.verdict]),
         row.subject,
         shown(row.value, row.unit),
         shown(row.limit, row.unit),
         shown_unit(row.unit),
         margin(row),
-        Mark(text=row.verdict, tone=TONE[row.verdict]),
     )
 
 

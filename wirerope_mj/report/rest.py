@@ -6,14 +6,15 @@ import numpy as np
 
 from wirerope_mj.modes import Modes
 from wirerope_mj.report.content import Block, Cell, Mark, Paragraph, Section, Table
-from wirerope_mj.report.display import ABSENT, fixed, percent, shown
+from wirerope_mj.report.display import ABSENT, fixed, percent, shown, with_unit
 from wirerope_mj.report.run import Absent, FinishedRun
-from wirerope_mj.statics import Equilibrium
+from wirerope_mj.statics import Sag
 
 _WORDS = {
     "virgin": "first loading, as after installation",
     "relaxed": "after long vibration, when friction carries nothing any more",
 }
+_BALANCED = 1e-4  # of the weight, below which nobody asks where the rest is
 _FAR = 100.0  # times the weight from which the number says nothing more
 _NOTE = (
     "Small cycles: the limit of vanishing amplitude; in a shock the mounts soften and the frequencies fall. Unloading and "
@@ -23,7 +24,7 @@ _NOTE = (
 
 
 def statics_section(run: FinishedRun) -> Section:
-    """Return sag and load of every mount under gravity, on the first loading and relaxed."""
+    """Return sag and load of every mount and payload under gravity, on the first loading and relaxed."""
     title = "At rest under gravity"
     if not run.response.scene.mounts:
         return Section(title=title, blocks=())
@@ -31,51 +32,71 @@ def statics_section(run: FinishedRun) -> Section:
         return Section(
             title=title, blocks=(Paragraph(text="The model has no gravity: the mounts carry nothing at rest."),)
         )
-    found = {history: rest for history, rest in run.rests.items() if isinstance(rest, Equilibrium)}
+    if isinstance(run.statics, Absent):
+        return Section(title=title, blocks=(Paragraph(text=run.statics.reason, tone="unjudged"),))
+    sags = run.statics.sags
     blocks: list[Block] = [
-        Paragraph(text=f"{history.capitalize()}: {rest.reason}", tone="unjudged")
-        for history, rest in run.rests.items()
-        if isinstance(rest, Absent)
+        Paragraph(text=f"{history.capitalize()}: {reason}", tone="unjudged")
+        for history, reason in run.statics.missing.items()
     ]
-    if found:
-        blocks.append(_loads(run, found))
+    blocks += [_loads(run, sags), _payloads(sags)]
+    blocks += [Paragraph(text=_sum(history, sag)) for history, sag in sags.items()]
     return Section(title=title, blocks=tuple(blocks))
 
 
-def _loads(run: FinishedRun, found: Mapping[str, Equilibrium]) -> Table:
+def _loads(run: FinishedRun, sags: Mapping[str, Sag]) -> Table:
     head = ["mount"]
-    for history in found:
+    for history in sags:
         head += [
-            f"{part}, {history} [{unit}]" for part, unit in (("axial sag", "mm"), ("load", "kN"), ("of rating", "%"))
+            f"{part}, {history} [{unit}]" for part, unit in (("axial sag", "mm"), ("carries", "kN"), ("of rating", "%"))
         ]
     rows = []
     for mount in run.response.scene.mounts:
         cells: list[Cell] = [mount.name]
-        for rest in found.values():
-            load = rest.mounts[mount.name]
-            pressed = -float(load.force[2])
-            cells += [
-                shown(float(load.deflection[2]), "m"),
-                shown(pressed, "N", digits=3),
-                _share(pressed, mount.static_load),
-            ]
+        for sag in sags.values():
+            load = sag.mounts[mount.name]
+            cells += [shown(float(load.deflection[2]), "m"), shown(load.carries, "N"), _share(load.share)]
         rows.append(tuple(cells))
-    words = "; ".join(f"{history}: {_WORDS[history]}" for history in found)
+    words = "; ".join(f"{history}: {_WORDS[history]}" for history in sags)
     return Table(
         caption="Sag and load of every mount",
         head=tuple(head),
-        align="l" + "rrr" * len(found),
+        align="l" + "rrr" * len(sags),
         rows=tuple(rows),
-        note=f"Sag along the mount's own axis, negative in compression; load positive in compression. {words[:1].upper()}"
-        f"{words[1:]}. {ABSENT} under the rating: none is stated, or the mount hangs.",
+        note="Sag along the mount's own axis, negative in compression. Carries: what the mount pushes up with. Of rating: the "
+        f"axial load over the rated static load, which is one in compression. {words[:1].upper()}{words[1:]}.",
     )
 
 
-def _share(load: float, rated: float) -> Cell:
-    """Return the share of the rated static load, which is one of compression, in per cent."""
-    if not np.isfinite(rated) or load <= 0.0:
+def _payloads(sags: Mapping[str, Sag]) -> Table:
+    rows = []
+    for history, sag in sags.items():
+        for name, payload in sag.payloads.items():
+            moved = [fixed(1e3 * float(value), 2) for value in (*payload.displacement, *payload.rotation)]
+            rows.append((name, history, *moved))
+    axes = [f"along {axis} [mm]" for axis in "xyz"] + [f"about {axis} [mrad]" for axis in "xyz"]
+    return Table(
+        caption="Sag of the payload's centre of mass, and its tilt",
+        head=("payload", "history", *axes),
+        align="llrrrrrr",
+        rows=tuple(rows),
+    )
+
+
+def _sum(history: str, sag: Sag) -> str:
+    """Return a sentence on what carries the weight."""
+    words = f"{history.capitalize()}: of {with_unit(sag.weight, 'N', digits=4)} of weight the mounts carry "
+    words += with_unit(sag.on_mounts, "N", digits=4)
+    for share, what in ((sag.on_contacts, "contacts"), (sag.elsewhere, "joints and their springs")):
+        if abs(share) > _BALANCED * sag.weight:
+            words += f", {what} {with_unit(share, 'N')}"
+    return f"{words}."
+
+
+def _share(share: float | None) -> Cell:
+    """Return the share of the rated static load in per cent."""
+    if share is None:
         return ABSENT
-    share = load / rated
     text = fixed(100.0 * share, 0)
     return Mark(text=f"{text}, exceeded", tone="exceeded") if share > 1.0 else text
 

@@ -13,7 +13,7 @@ from wirerope_mj.modes import Modes
 from wirerope_mj.plots.report_response import MOST
 from wirerope_mj.response import Response
 from wirerope_mj.spectra import PowerSpectralDensity, ShockResponseSpectrum
-from wirerope_mj.statics import Equilibrium
+from wirerope_mj.statics import StaticTable
 from wirerope_mj.verdicts import body_peaks
 
 BASE = "base"
@@ -44,8 +44,8 @@ class FinishedRun:
         response: what came out.
         isolators: of every mount, by the mount's name.
         gravity: of the model [m/s^2].
-        rests: where the system rests by history, "virgin" and "relaxed".
-        modes: about these, by history.
+        statics: where the system rests, on the first loading and relaxed.
+        modes: about these positions by history, "virgin" and "relaxed".
         spectra: shock response spectra by axis ("x", "y", "z") and name of body or point; that of the base is `BASE`.
         densities: power spectral densities in the same way, if the base vibrates at random.
         verdicts: every judged figure.
@@ -64,7 +64,7 @@ class FinishedRun:
     response: Response
     isolators: Mapping[str, Isolator]
     gravity: float
-    rests: Mapping[str, Equilibrium | Absent]
+    statics: StaticTable | Absent
     modes: Mapping[str, Modes | Absent]
     spectra: Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent
     densities: Mapping[str, Mapping[str, PowerSpectralDensity]]

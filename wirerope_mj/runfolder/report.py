@@ -17,7 +17,7 @@ from wirerope_mj.response import Response, load_response
 from wirerope_mj.runfolder.frequency_response import KIND, MARKS
 from wirerope_mj.runfolder.run_spectra import run_densities, run_spectra
 from wirerope_mj.runfolder.sources import scenario_content, system_and_motion
-from wirerope_mj.statics import History, equilibrium
+from wirerope_mj.statics import History, static_table
 from wirerope_mj.system import System
 from wirerope_mj.whole import written_whole
 
@@ -96,7 +96,7 @@ def report_page(content: Mapping[str, Any], system: System, motion: BaseMotion, 
         response=response,
         isolators={name: mount.isolator for name, mount in system.mounts.items()},
         gravity=gravity,
-        rests={history: _found(partial(equilibrium, system, history=history)) for history in histories},
+        statics=_found(partial(static_table, system)),
         modes={history: _found(partial(modes, system, history=history)) for history in histories},
         spectra=run_spectra(motion, response, names, float(arguments["sample_rate"])),
         densities=run_densities(motion, response, names),
