@@ -9,14 +9,16 @@ from importlib.metadata import version
 from pathlib import Path
 from signal import SIGTERM, default_int_handler, signal
 from threading import current_thread, main_thread
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from cyclopts import App, Parameter
 from cyclopts.exceptions import CycloptsError
 
 from wirerope_mj.cli.compare import compare
 from wirerope_mj.cli.frf_options import frf
+from wirerope_mj.cli.identify_options import identify_records
 from wirerope_mj.cli.isolators import print_isolator, print_isolators
+from wirerope_mj.cli.loops_options import loops
 from wirerope_mj.cli.modes import modes
 from wirerope_mj.cli.report import report
 from wirerope_mj.cli.run import list_scenarios, run_command
@@ -94,95 +96,8 @@ def replay(folder: Path) -> int:
     return 0 if result.agrees else DIFFERENT
 
 
-@app.command
-def loops(
-    source: str,
-    *,
-    amplitudes: Annotated[
-        list[float] | None, Parameter(name=("--amplitudes", "--amplitudes-mm"), consume_multiple=True, negative=())
-    ] = None,
-    operating_point_mm: float = 0.0,
-    axis: Literal["roll", "shear", "axial"] | None = None,
-    frequency: float = 1.0,
-    cycles: int | None = None,
-    out: Path | None = None,
-    csv: Path | None = None,
-) -> int:
-    """Test an isolator or a law in a virtual rig: print what its loops measure and draw them.
-
-    Args:
-        source: isolator of the catalogue, or the path of an isolator file or of a law file: a TOML file that holds what stands
-            under an axis of an isolator file, law = "..." and its parameters.
-        amplitudes: of the sine [mm], one or several; 5, 10, 25, 50 and 100 % of the rated travel by default.
-        operating_point_mm: mean deflection [mm], negative in compression; the test ramps there first.
-        axis: the only axis to test; for a law file the axis that it stands for, axial by default.
-        frequency: of the sine [Hz]; without effect on a rate-independent law.
-        cycles: cycles to run before the loop is taken; until it closes by default.
-        out: where the picture is written (.png, .svg, .pdf); NAME-loops.png in the current folder by default.
-        csv: where the loops of one axis are written, in m and N.
-    """
-    from wirerope_mj.cli.loops import print_loops
-
-    print_loops(
-        source,
-        None if amplitudes is None else [size / 1e3 for size in amplitudes],
-        operating_point=operating_point_mm / 1e3,
-        axis=axis,
-        frequency=frequency,
-        cycles=cycles,
-        out=out,
-        csv=csv,
-    )
-    return 0
-
-
-@app.command(name="identify")
-def identify_records(
-    *files: Path,
-    law: str,
-    out: Path,
-    axis: Literal["roll", "shear", "axial"] = "axial",
-    report: Path | None = None,
-    name: str | None = None,
-    constraint: Literal["beta>gamma", "beta=gamma", "beta<gamma"] | None = None,
-    fix: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
-    elements: int | None = None,
-    start: Path | None = None,
-    force: Annotated[bool, Parameter(negative=())] = False,
-    accept_unconverged: Annotated[bool, Parameter(negative=())] = False,
-) -> int:
-    """Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report with pictures.
-
-    Records are CSV with units in the header, such as "time [s], deflection [mm], force [kN]", of any sampling, with several
-    cycles, amplitudes and operating points one after the other or in several files. A fit that does not converge exits 1 and
-    writes its report alone.
-
-    Args:
-        files: records, one or several.
-        law: to fit: asymmetric-bouc-wen for tension and compression, symmetric-bouc-wen for shear and roll, bouc-wen, ozdemir,
-            vaiana-rosati, enhanced-dry-friction or masing.
-        out: isolator file to write.
-        axis: along which the tests moved.
-        report: folder for text and pictures; NAME-report beside the isolator file by default.
-        name: of the isolator; that of its file by default.
-        constraint: on beta and gamma, where nothing else tells them apart.
-        fix: parameters that are given, NAME=VALUE in SI units, by the names that the table prints.
-        elements: Jenkin elements of a masing law; 5 by default.
-        start: law file or isolator file from which a search in three stages begins, besides those from a grid.
-        force: replace an isolator file and a report that are there.
-        accept_unconverged: write the isolator even of a fit that did not converge.
-    """
-    from wirerope_mj.cli.identify import Request, identify_command
-
-    if not files:
-        raise ValueError("name the records: wirerope identify TEST.csv .. --law LAW --out ISOLATOR.toml")
-    request = Request(
-        files=files, law=law, out=out, axis=axis, report=report, name=name, constraint=constraint, fix=fix or (),
-        elements=elements, start=start, force=force, accept_unconverged=accept_unconverged,
-    )  # fmt: skip
-    return identify_command(request)
-
-
+app.command(loops)
+app.command(identify_records, name="identify")
 app.command(frf)
 app.command(report)
 app.command(compare)

@@ -1,0 +1,52 @@
+"""The options of `wirerope identify`."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+
+def identify_records(
+    *files: Path,
+    law: str,
+    out: Path,
+    axis: Literal["roll", "shear", "axial"] = "axial",
+    report: Path | None = None,
+    name: str | None = None,
+    constraint: Literal["beta>gamma", "beta=gamma", "beta<gamma"] | None = None,
+    fix: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    elements: int | None = None,
+    start: Path | None = None,
+    force: Annotated[bool, Parameter(negative=())] = False,
+    accept_unconverged: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report with pictures.
+
+    Records are CSV with units in the header, such as "time [s], deflection [mm], force [kN]", of any sampling, with several
+    cycles, amplitudes and operating points one after the other or in several files. A fit that does not converge exits 1 and
+    writes its report alone.
+
+    Args:
+        files: records, one or several.
+        law: to fit: asymmetric-bouc-wen for tension and compression, symmetric-bouc-wen for shear and roll, bouc-wen, ozdemir,
+            vaiana-rosati, enhanced-dry-friction or masing.
+        out: isolator file to write.
+        axis: along which the tests moved.
+        report: folder for text and pictures; NAME-report beside the isolator file by default.
+        name: of the isolator; that of its file by default.
+        constraint: on beta and gamma, where nothing else tells them apart.
+        fix: parameters that are given, NAME=VALUE in SI units, by the names that the table prints.
+        elements: Jenkin elements of a masing law; 5 by default.
+        start: law file or isolator file from which a search in three stages begins, besides those from a grid.
+        force: replace an isolator file and a report that are there.
+        accept_unconverged: write the isolator even of a fit that did not converge.
+    """
+    from wirerope_mj.cli.identify import Request, identify_command
+
+    if not files:
+        raise ValueError("name the records: wirerope identify TEST.csv .. --law LAW --out ISOLATOR.toml")
+    request = Request(
+        files=files, law=law, out=out, axis=axis, report=report, name=name, constraint=constraint, fix=fix or (),
+        elements=elements, start=start, force=force, accept_unconverged=accept_unconverged,
+    )  # fmt: skip
+    return identify_command(request)
