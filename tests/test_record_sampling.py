@@ -32,7 +32,9 @@ def test_uneven_sampling_is_resampled_at_the_usual_interval_and_said(csv):
     rng = np.random.default_rng(2)
     time = np.cumsum(np.where(rng.random(3000) < 0.3, 0.5e-3, 1e-3))
     wave = np.sin(2 * np.pi * 5.0 * (time - time[0])) * (time < 2.0)
-    with pytest.warns(RecordWarning, match="not uniform, its intervals lie between 0.0005 and 0.001 s; resampled at the usual"):
+    with pytest.warns(
+        RecordWarning, match="not uniform, its intervals lie between 0.0005 and 0.001 s; resampled at the usual"
+    ):
         record = load_record(csv(time, wave))
     np.testing.assert_allclose(np.diff(record.time), 1e-3, rtol=1e-9)
     inner = (record.time > 0.1) & (record.time < 1.7)
@@ -55,7 +57,9 @@ def gappy():
 
 
 def test_a_gap_is_an_error_that_says_where_it_is(csv):
-    with pytest.raises(RecordError, match=r"2 gaps \(0.299 to 0.35 s, 0.999 to 1.001 s\) of 51 samples .* gaps=\"fill\""):
+    with pytest.raises(
+        RecordError, match=r"2 gaps \(0.299 to 0.35 s, 0.999 to 1.001 s\) of 51 samples .* gaps=\"fill\""
+    ):
         load_record(csv(*gappy()))
 
 

@@ -58,7 +58,9 @@ def test_channels_choose_among_nodes_and_turn_them(uff):
         history(2, "z", 2.0 * WAVE, unit="m/s^2"),
         history(3, "scalar", 5.0 * WAVE, unit="m/s^2"),
     )
-    with pytest.raises(RecordError, match=r"which of 1:z, 2:z, 3 move the base.* `channels`, for instance \{\"1:z\": \"z\"\}"):
+    with pytest.raises(
+        RecordError, match=r"which of 1:z, 2:z, 3 move the base.* `channels`, for instance \{\"1:z\": \"z\"\}"
+    ):
         load_record(path)
     record = load_record(path, channels={"2:z": "x", "3": (0.0, 0.0, -1.0)})
     np.testing.assert_allclose(record.samples, np.outer(WAVE, [2.0, 0.0, -5.0]), atol=1e-10)
@@ -94,7 +96,10 @@ def test_an_uneven_abscissa_is_resampled_and_said(uff):
 @pytest.mark.parametrize(
     ("content", "message"),
     [
-        (history(7, "z", WAVE), "neither 7:z nor a dataset 164 says the unit of the accelerations. Say it, for instance unit="),
+        (
+            history(7, "z", WAVE),
+            "neither 7:z nor a dataset 164 says the unit of the accelerations. Say it, for instance unit=",
+        ),
         (history(7, "z", WAVE, unit="V"), '7:z has the unknown unit "v". Say which is meant, for instance unit="g"'),
         (history(7, "z", WAVE, unit="g", count=500), "7:z holds 200 values where its header says 500"),
         (b"    -1\n    58\nno header\n    -1\n", "this universal file cannot be read"),
