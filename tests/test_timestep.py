@@ -83,3 +83,10 @@ def test_bottoming_reports_the_accuracy_it_reached():
     travel = system.mounts["m1"].isolator.limits.travel.compression
     assert -response.peaks.mounts["m1"].deflection.minimum[2] > travel, "the case is meant to bottom"
     assert np.isfinite(response.estimated_error)
+
+
+def test_a_system_that_rests_until_the_end_is_not_chased_into_its_rounding():
+    pulse = wr.HalfSine(peak=50.0, duration=0.011, direction="z", start=0.05)
+    r = wr.simulate(wr.load_system(models_folder() / "shock_table.xml"), pulse, duration=0.05)
+    assert r.peaks.bodies["block"].acceleration.value < 1e-8
+    assert r.timestep == pytest.approx(1e-3, rel=1e-9)  # the sample interval

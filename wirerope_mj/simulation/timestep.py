@@ -29,6 +29,9 @@ RICHARDSON = 4.0 / 3.0
 SMALL = 1e-3
 """Quantities smaller than this share of the largest of their kind are judged against that share."""
 
+STILL = {"acceleration": 1e-6}
+"""Peaks below which a quantity rests [m/s^2]: what an equilibrium's rounding leaves is 1e-10, and no step makes it smaller."""
+
 PILOT_PERIODS = 6.0
 """Slowest periods after the motion's last corner that a pilot covers: the largest peaks lie within them."""
 
@@ -181,7 +184,7 @@ def _difference(coarse: list[_Pilot] | None, fine: list[_Pilot] | None) -> float
     scale = np.max([pilot.peaks[:, 0] for pilot in fine], axis=0)
     for kind in set(fine[0].kinds):
         same = kinds == kind
-        scale[same] = np.maximum(scale[same], SMALL * scale[same].max())
+        scale[same] = np.maximum(scale[same], max(SMALL * scale[same].max(), STILL.get(kind, 0.0)))
     scale = np.where(scale > 0.0, scale, 1.0)
     largest = 0.0
     for a, b in zip(coarse, fine, strict=True):
