@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import expm
 
 from wirerope_mj.errors import RecordWarning
 from wirerope_mj.spectra.arguments import check_samples, octave_grid
@@ -17,6 +16,9 @@ Array = npt.NDArray[np.float64]
 SAMPLES_PER_PERIOD = 10.0
 """ISO 18431-4's least number of samples per period of the highest oscillator: straight lines between the samples then lack
 at most 3 % (sinc^2 of a tenth) of a sine of that frequency."""
+
+HALVINGS, TERMS = 4, 18
+"""Of the series of an exponential: what is left out of a norm of 10 is 1e-20."""
 
 LOWEST_FREQUENCY = 1.0
 """Where the default frequencies begin [Hz], below what equipment on isolators answers with."""
@@ -148,9 +150,25 @@ def _steps(angles: Array, damping: float) -> Array:
     rates[:, 1, 1] = -2.0 * damping * angles
     rates[:, 1, 2] = -1.0
     rates[:, 2, 3] = 1.0  # the acceleration and its rise over the step
-    steps = expm(rates)[:, :2, :]
+    steps = _exponentials(rates)[:, :2, :]
     steps[:, :, 2] -= steps[:, :, 3]
     return np.ascontiguousarray(steps)
+
+
+def _exponentials(matrices: Array) -> Array:
+    """Return the exponentials of small matrices whose norms are at most about 10, (n, m, m).
+
+    By the series of a sixteenth, squared four times: as exact as SciPy's `expm` to a few roundings, without the threads of
+    a linear algebra library, which wait for each other for far longer than this takes where all cores are busy.
+    """
+    one = np.eye(matrices.shape[-1])
+    small = matrices / 2.0**HALVINGS
+    total = one + small / TERMS
+    for term in range(TERMS - 1, 0, -1):
+        total = one + np.einsum("nij,njk->nik", small, total) / term
+    for _ in range(HALVINGS):
+        total = np.einsum("nij,njk->nik", total, total)
+    return total
 
 
 def _end(channel: Array) -> int:
