@@ -74,13 +74,19 @@ def report_style() -> Iterator[None]:
         yield
 
 
-def image_of(figure: Figure) -> Image:
-    """Return a finished figure as SVG, or as PNG if the SVG is large."""
+def image_of(figure: Figure, *, detailed: bool = False) -> Image:
+    """Return a finished figure as SVG, or as PNG if the SVG is large.
+
+    Args:
+        figure: what was drawn.
+        detailed: whether it is known to hold too much for an SVG, which then is not even tried.
+    """
     with report_style():
         vector = BytesIO()
-        figure.savefig(vector, format="svg", metadata={"Date": None})
+        if not detailed:
+            figure.savefig(vector, format="svg", metadata={"Date": None})
         data, kind = _rounded(vector.getvalue()), "svg"
-        if len(data) > _LARGEST_SVG:
+        if detailed or len(data) > _LARGEST_SVG:
             pixels = BytesIO()
             figure.savefig(pixels, format="png", dpi=_PIXELS)
             data, kind = pixels.getvalue(), "png"

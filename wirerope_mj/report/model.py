@@ -8,6 +8,9 @@ from wirerope_mj.report.content import Block, Listing, Paragraph, Picture, Secti
 from wirerope_mj.report.display import ABSENT, fixed, number, several, shown
 from wirerope_mj.report.run import FinishedRun
 
+_MOST_SHAPES = 80
+"""Geoms from which the drawing is stored as pixels: each takes about a kilobyte in either view, and as long to write."""
+
 _RATINGS = ("compression", "tension", "shear", "roll")
 
 
@@ -22,7 +25,8 @@ def model_section(run: FinishedRun) -> Section:
             caption += ", its mounts with their " + ("numbers (see the table)." if named else "names.")
             caption += ' "m1 +2": three mounts behind each other.' if len(scene.mounts) > 2 else ""
         alt = f"Plan and elevation of the model {scene.name} with {several(len(scene.mounts), 'mount')}."
-        blocks.append(Picture(image=image_of(scene_figure(scene)), caption=caption, alt=alt))
+        detailed = sum(len(body.geoms) for body in scene.bodies) > _MOST_SHAPES
+        blocks.append(Picture(image=image_of(scene_figure(scene), detailed=detailed), caption=caption, alt=alt))
     blocks += [table for table in (_masses(run), _mounts(run)) if table is not None]
     devices = _devices(run)
     if devices:
