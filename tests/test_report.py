@@ -284,6 +284,15 @@ def test_long_names_are_numbered_in_the_drawing(finished):
     assert "numbers" in next(block for block in section.blocks if isinstance(block, Picture)).caption
 
 
+def test_long_names_in_legends_keep_what_tells_them_apart():
+    from wirerope_mj.plots.report_image import short
+
+    names = [short(f"starboard_quarter_mount_number_{place}") for place in range(3)]
+    assert names[0] == "starboard_qua…mount_number_0"
+    assert len(set(names)) == 3
+    assert short("$m_1$") == r"\$m_1\$"
+
+
 def test_a_long_response_is_thinned_to_its_extremes():
     from wirerope_mj.plots.report_image import thinned
 

@@ -37,6 +37,8 @@ _STEPS = 1000
 _CRESTS = 300
 """Stretches of an envelope: each should hold a period at least."""
 
+_FITS = 28  # letters of a name in a legend
+_ROW, _SAMPLE = 110, 7  # letters in a row of a legend; what an entry's line takes of them
 _MM = 25.4  # of an inch
 
 _STYLE = {
@@ -139,7 +141,14 @@ def legend_above(figure: Figure, *panels: Any) -> None:
     """Say above a figure, where it hides nothing, what the lines of its panels are; each name once."""
     entries = {label: line for panel in panels for line, label in zip(*panel.get_legend_handles_labels(), strict=True)}
     if entries:
-        figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=5, frameon=False)
+        columns = max(_ROW // (max(map(len, entries)) + _SAMPLE), 1)
+        figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=columns, frameon=False)
+
+
+def short(name: str) -> str:
+    """Return a name as it fits a legend, its end kept, where numbers stand; matplotlib finds no formula in it."""
+    fits = name if len(name) <= _FITS else f"{name[: _FITS // 2 - 1]}…{name[-_FITS // 2 :]}"
+    return fits.replace("$", r"\$")
 
 
 def round_ticks(axis: Any, low: float, high: float, *, most: int = 12) -> None:

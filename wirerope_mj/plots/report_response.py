@@ -17,6 +17,7 @@ from wirerope_mj.plots.report_image import (
     legend_above,
     report_style,
     round_ticks,
+    short,
     thinned,
 )
 from wirerope_mj.response import Response
@@ -29,6 +30,7 @@ MOST = 3
 
 _LONG = 10_000  # samples from which loops are drawn around the largest deflection only
 _AROUND = 300  # samples before and after it
+_ROUNDING = 1e-9  # of the largest force, below which an axis carries none
 _NOTHING = 1e-6  # g or mm: an axis on which nothing is larger has no panel
 
 
@@ -83,7 +85,8 @@ def mount_loops_figure(response: Response, name: str) -> Figure:
         np.stack([factor * column_of(response, f"mounts/{name}/{part}/{axis}")[rows] for axis in AXES], axis=1)
         for part, factor in (("deflection", 1e3), ("force", 1e-3))
     )
-    axes = [axis for axis in range(len(AXES)) if force[:, axis].any()] or [AXES.index("axial")]
+    largest = np.abs(force).max(axis=0)
+    axes = np.flatnonzero(largest > _ROUNDING * largest.max()).tolist() or [AXES.index("axial")]
     with report_style():
         figure = Figure(figsize=(WIDTH, 2.7 if len(axes) > 1 else 3.6), layout="constrained")
         for axis, panel in zip(axes, np.atleast_1d(figure.subplots(1, len(axes))), strict=True):
@@ -134,11 +137,6 @@ def acceleration_along(response: Response, name: str, axis: int) -> Array:
     """Return the sampled acceleration of a body, a point or the "base" along an axis, 0 = x [m/s^2], (n_t,)."""
     room = "base" if name == "base" else f"bodies/{name}" if name in response.bodies else f"points/{name}"
     return column_of(response, f"{room}/acceleration/{'xyz'[axis]}")
-
-
-def short(name: str) -> str:
-    """Return a name as it fits a legend, and in which matplotlib finds no formula."""
-    return (name if len(name) <= 28 else f"{name[:27]}…").replace("$", r"\$")
 
 
 def _histories(lines: list[list[Line]], names: list[str], marks: list[list[float]] | None = None) -> Figure:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from scipy.spatial import ConvexHull, QhullError
 
-from wirerope_mj.plots.report_image import COLOURS, WIDTH, Array, report_style
+from wirerope_mj.plots.report_image import COLOURS, WIDTH, Array, report_style, short
 from wirerope_mj.response.scene import Geom, Scene, SceneBody, SceneMount
 
 LONGEST_LABEL = 5
@@ -100,9 +100,8 @@ def _draw_mounts(panel: Any, view: View, scene: Scene, places: dict[str, Array])
     for number, device in enumerate(devices):
         at = np.array([places[mount.name] for mount in scene.mounts if mount.isolator == device])
         marker, colour = _MARKERS[number % len(_MARKERS)], COLOURS[number % len(COLOURS)]
-        name = device if len(device) <= 34 else f"{device[:33]}…"
         panel.plot(
-            at[:, view.right], at[:, view.up], marker, color=colour, ms=5, mec="white", mew=0.5, label=_plain(name)
+            at[:, view.right], at[:, view.up], marker, color=colour, ms=5, mec="white", mew=0.5, label=short(device)
         )
     halo = [withStroke(linewidth=1.8, foreground="white")]
     for names, (x, y) in _grouped(scene, view, places):
@@ -187,8 +186,3 @@ def _rotation(quaternion: Array) -> Array:
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     )
-
-
-def _plain(text: str) -> str:
-    """Return text in which matplotlib finds no formula."""
-    return text.replace("$", r"\$")

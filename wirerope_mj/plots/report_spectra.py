@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from wirerope_mj.plots.report_image import BASE, COLOURS, WIDTH, Array, legend_above, report_style, round_ticks
-from wirerope_mj.plots.report_response import short
+from wirerope_mj.plots.report_image import BASE, COLOURS, WIDTH, Array, legend_above, report_style, round_ticks, short
 from wirerope_mj.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.units import STANDARD_GRAVITY
 
