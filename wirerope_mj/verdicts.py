@@ -3,7 +3,16 @@
 from dataclasses import dataclass
 from typing import Any
 
-from wirerope_mj.criteria import EXCEEDED, NOT_JUDGED, Verdict, acceleration_verdicts, judge, rattle_verdicts
+from wirerope_mj.criteria import (
+    EXCEEDED,
+    NOT_JUDGED,
+    Verdict,
+    acceleration_verdicts,
+    judge,
+    rattle_verdicts,
+    travel_verdicts,
+)
+from wirerope_mj.criteria.travel import COMBINED
 from wirerope_mj.response import Response
 from wirerope_mj.units import STANDARD_GRAVITY
 
@@ -149,12 +158,26 @@ def _travel_lines(response: Response) -> list[str]:
         over = {rating: [row.name for row in judged if (row.shares[rating] or 0.0) > 1.0] for rating in RATINGS}
         words = [f"in {rating} by {', '.join(names)}" for rating, names in over.items() if names]
         lines.append(f"Rated travel exceeded {'; '.join(words)}." if words else "No mount exceeds a rated travel.")
+        lines += _combined_line(response)
     untensioned = bool(judged) and all(row.shares["tension"] is None for row in judged)
     unjudged = ["tension of every mount"] if untensioned else []
     unjudged += [row.name for row in mounts if row.share is None]
     if unjudged:
         lines.append(f"Not judged, because no travel is rated: {', '.join(unjudged)}.")
     return lines
+
+
+def _combined_line(response: Response) -> list[str]:
+    """Return which mounts come to more than their ratings with all axes taken together."""
+    rows = [row for row in travel_verdicts(response) if row.criterion == COMBINED and row.verdict == EXCEEDED]
+    if not rows:
+        return []
+    worst = max(rows, key=lambda row: row.value)
+    names = ", ".join(row.subject for row in rows)
+    return [
+        f"All axes together leave the ellipsoid through the rated travels at {names}; farthest at {worst.subject}: "
+        f"{100.0 * worst.value:.0f} %."
+    ]
 
 
 def summary(response: Response) -> dict[str, Any]:

@@ -70,7 +70,7 @@ def shock(
     )  # fmt: skip
     name = f"shock-{Path(model).stem}-{record.stem}"
     options: dict[str, Any] = {
-        "record": str(record),
+        "record": record.name,
         "direction": direction,
         "channels": channels,
         "duration": duration,

@@ -14,6 +14,10 @@ RATINGS = {"compression": (2, -1.0), "tension": (2, 1.0), "shear": (1, 0.0), "ro
 """Rated travels: the mount's axis, and which way along it; 0 = both."""
 
 
+COMBINED = "travel combined"
+"""Name of the criterion on all axes at once."""
+
+
 def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
     """Return a verdict on every mount for compression, tension, shear, roll and for all of them combined.
 
@@ -70,7 +74,7 @@ def _combined(time: Array, mount: SceneMount, deflection: Array) -> Verdict:
     if missing:
         note += f"; no travel in {', '.join(missing)} is rated"
     return Verdict(
-        criterion="travel combined",
+        criterion=COMBINED,
         subject=mount.name,
         value=float(np.sqrt(square)),
         limit=1.0 if not missing or square > 1.0 else None,
