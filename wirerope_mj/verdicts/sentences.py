@@ -1,0 +1,70 @@
+"""Verdicts in a few sentences: payload and mounts against their limits, and what nobody judges."""
+
+from wirerope_mj.criteria import EXCEEDED, NOT_JUDGED, Verdict, acceleration_verdicts, rattle_verdicts, travel_verdicts
+from wirerope_mj.criteria.travel import COMBINED
+from wirerope_mj.response import Response
+from wirerope_mj.units import STANDARD_GRAVITY
+from wirerope_mj.verdicts.peaks import RATINGS, mount_peaks
+
+
+def verdict_lines(response: Response) -> list[str]:
+    """Return the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged."""
+    return _payload_lines(response) + _travel_lines(response)
+
+
+def _payload_lines(response: Response) -> list[str]:
+    """Return what exceeds the payload's limits, or comes nearest to them, and what has no limit."""
+    found = (*acceleration_verdicts(response), *rattle_verdicts(response))
+    judged = sorted((row for row in found if row.share is not None), key=lambda row: row.share or 0.0, reverse=True)
+    over = [row for row in judged if row.verdict == EXCEEDED]
+    lines = [f"Exceeded: {_words(row)}." for row in over]
+    if judged and not over:
+        lines.append(f"Payload within its limits; nearest is {_words(judged[0])}.")
+    unjudged = [
+        word
+        for word in ("acceleration", "rattle space")
+        if not any(row.criterion.startswith(word) and row.verdict != NOT_JUDGED for row in found)
+    ]
+    if unjudged and found:
+        lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")
+    return lines
+
+
+def _words(row: Verdict) -> str:
+    factor, unit = (1.0 / STANDARD_GRAVITY, "g") if row.unit == "m/s^2" else (1e3, "mm")
+    reached = f"{factor * row.value:.3g} of {factor * (row.limit or 0.0):.3g} {unit}"
+    return f"{row.criterion} of {row.subject}, {reached} ({100.0 * (row.share or 0.0):.0f} %)"
+
+
+def _travel_lines(response: Response) -> list[str]:
+    """Return what the worst mount uses of its rated travel, which mounts exceed it, and which are not judged."""
+    mounts = mount_peaks(response)
+    judged = [row for row in mounts if row.share is not None]
+    lines = []
+    if judged:
+        worst = judged[0]
+        axis = max(RATINGS, key=lambda name: worst.shares[name] or 0.0)
+        lines.append(f"{worst.name} uses most of its rated travel: {100 * (worst.share or 0.0):.0f} % in {axis}.")
+        over = {rating: [row.name for row in judged if (row.shares[rating] or 0.0) > 1.0] for rating in RATINGS}
+        words = [f"in {rating} by {', '.join(names)}" for rating, names in over.items() if names]
+        lines.append(f"Rated travel exceeded {'; '.join(words)}." if words else "No mount exceeds a rated travel.")
+        lines += _combined_line(response)
+    untensioned = bool(judged) and all(row.shares["tension"] is None for row in judged)
+    unjudged = ["tension of every mount"] if untensioned else []
+    unjudged += [row.name for row in mounts if row.share is None]
+    if unjudged:
+        lines.append(f"Not judged, because no travel is rated: {', '.join(unjudged)}.")
+    return lines
+
+
+def _combined_line(response: Response) -> list[str]:
+    """Return which mounts come to more than their ratings with all axes taken together."""
+    rows = [row for row in travel_verdicts(response) if row.criterion == COMBINED and row.verdict == EXCEEDED]
+    if not rows:
+        return []
+    worst = max(rows, key=lambda row: row.value)
+    names = ", ".join(row.subject for row in rows)
+    return [
+        f"All axes together leave the ellipsoid through the rated travels at {names}; farthest at {worst.subject}: "
+        f"{100.0 * worst.value:.0f} %."
+    ]

@@ -1,0 +1,34 @@
+"""Peaks, limits and verdicts as plain values."""
+
+from typing import Any
+
+from wirerope_mj.criteria import judge
+from wirerope_mj.response import Response
+from wirerope_mj.verdicts.peaks import AXES, body_peaks, mount_peaks
+from wirerope_mj.verdicts.sentences import verdict_lines
+
+
+def summary(response: Response) -> dict[str, Any]:
+    """Return peaks, limits and verdicts as plain values: accelerations [g], deflections [m], forces [N]."""
+    travel = {mount.name: mount.travel for mount in response.scene.mounts}
+    return {
+        "verdicts": verdict_lines(response),
+        "judged": [verdict.to_dict() for verdict in judge(response)],
+        "accelerations": [
+            {"name": row.name, "kind": row.kind, "peak_g": row.value, "time_s": row.time, "axes_g": list(row.axes)}
+            for row in body_peaks(response)
+        ],
+        "mounts": [
+            {
+                "name": row.name,
+                "isolator": row.isolator,
+                "verdict": row.verdict,
+                "share_of_travel": row.shares,
+                "rated_travel_m": travel[row.name],
+                "lowest_deflection_m": dict(zip(AXES, row.lowest, strict=True)),
+                "highest_deflection_m": dict(zip(AXES, row.highest, strict=True)),
+                "extreme_force_N": dict(zip(AXES, row.force, strict=True)),
+            }
+            for row in mount_peaks(response)
+        ],
+    }
