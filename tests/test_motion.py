@@ -15,11 +15,13 @@ from wirerope_mj.excitation import (
     HalfSine,
     RandomVibration,
     Sawtooth,
+    Scaled,
     ShockTableImpact,
     Sine,
     SumOfMotions,
     Sweep,
     Trapezoid,
+    Turned,
     VelocityStep,
     VibrationLines,
     load_record,
@@ -68,6 +70,9 @@ MOTIONS = {
     "record": load_record(DATA / "deck_shock.csv", channels={"ax": "x", "ch3": (0.0, 1.0, 1.0)}, start=0.3),
 }
 MOTIONS["sum"] = MOTIONS["half-sine"] + MOTIONS["sawtooth"] + MOTIONS["velocity step"] + MOTIONS["record"]
+MOTIONS["scaled sum"] = Scaled(MOTIONS["sum"], -1.7)
+MOTIONS["turned sum"] = Turned(MOTIONS["scaled sum"], rotation=[[0.0, -0.8, 0.6], [1.0, 0.0, 0.0], [0.0, 0.6, 0.8]])
+MOTIONS["turned to a line"] = Turned(MOTIONS["late half-sine"], direction=(0.0, 1.0, 2.0))
 
 every_motion = pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS.keys())
 

@@ -23,11 +23,13 @@ from wirerope_mj.excitation import DoubleTriangle as DoubleTriangle
 from wirerope_mj.excitation import HalfSine as HalfSine
 from wirerope_mj.excitation import RandomVibration as RandomVibration
 from wirerope_mj.excitation import Sawtooth as Sawtooth
+from wirerope_mj.excitation import Scaled as Scaled
 from wirerope_mj.excitation import ShockTableImpact as ShockTableImpact
 from wirerope_mj.excitation import Sine as Sine
 from wirerope_mj.excitation import SpectrumMatch as SpectrumMatch
 from wirerope_mj.excitation import Sweep as Sweep
 from wirerope_mj.excitation import Trapezoid as Trapezoid
+from wirerope_mj.excitation import Turned as Turned
 from wirerope_mj.excitation import VelocityStep as VelocityStep
 from wirerope_mj.excitation import VibrationLines as VibrationLines
 from wirerope_mj.excitation import ac156_spectrum as ac156_spectrum
@@ -92,7 +94,9 @@ from wirerope_mj.statics import static_table as static_table
 from wirerope_mj.sweep import FrequencySweep as FrequencySweep
 from wirerope_mj.sweep import frequency_sweep as frequency_sweep
 from wirerope_mj.sweep import stepped_sine as stepped_sine
+from wirerope_mj.system import Changes as Changes
 from wirerope_mj.system import Mount as Mount
 from wirerope_mj.system import System as System
 from wirerope_mj.system import load_system as load_system
+from wirerope_mj.system import varied as varied
 from wirerope_mj.units import STANDARD_GRAVITY as STANDARD_GRAVITY

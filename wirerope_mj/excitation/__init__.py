@@ -11,6 +11,7 @@ from wirerope_mj.excitation.pulses import HalfSine, Sawtooth, Trapezoid, Velocit
 from wirerope_mj.excitation.random_vibration import RandomVibration
 from wirerope_mj.excitation.record import Record, load_record
 from wirerope_mj.excitation.restore import motion_from_dict
+from wirerope_mj.excitation.scaled import Scaled, Turned
 from wirerope_mj.excitation.spectrum_match import SpectrumMatch, match_spectrum
 from wirerope_mj.excitation.table_shock import ShockTableImpact
 from wirerope_mj.excitation.target_spectra import EN1998_TYPE_1, ac156_spectrum, en1998_spectrum
@@ -27,12 +28,14 @@ __all__ = [
     "RandomVibration",
     "Record",
     "Sawtooth",
+    "Scaled",
     "ShockTableImpact",
     "Sine",
     "SpectrumMatch",
     "SumOfMotions",
     "Sweep",
     "Trapezoid",
+    "Turned",
     "VelocityStep",
     "VibrationLines",
     "ac156_spectrum",

@@ -86,6 +86,11 @@ class BaseMotion(ABC):
         """Files that the motion was read from and that are needed to rebuild it."""
         return ()
 
+    @property
+    def parts(self) -> tuple[BaseMotion, ...]:
+        """The elementary motions that this one is made of by adding, scaling and turning; itself if it is one."""
+        return (self,)
+
     def to_dict(self, *, files: Mapping[Path, str] | None = None) -> dict[str, Any]:
         """Returns every parameter as plain TOML values, from which `motion_from_dict` rebuilds the motion exactly.
 
@@ -218,6 +223,11 @@ class SumOfMotions(BaseMotion):
     def files(self) -> tuple[Path, ...]:
         """Files of all terms, each once."""
         return tuple(dict.fromkeys(path for term in self.terms for path in term.files))
+
+    @property
+    def parts(self) -> tuple[BaseMotion, ...]:
+        """Elementary motions of all terms."""
+        return tuple(part for term in self.terms for part in term.parts)
 
     def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
         return {"terms": [term.to_dict(files=files) for term in self.terms]}

@@ -16,6 +16,7 @@ from wirerope_mj.excitation.motion import BaseMotion, SumOfMotions
 from wirerope_mj.excitation.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
 from wirerope_mj.excitation.random_vibration import RandomVibration
 from wirerope_mj.excitation.record import Record, load_record
+from wirerope_mj.excitation.scaled import Scaled, Turned
 from wirerope_mj.excitation.table_shock import ShockTableImpact
 from wirerope_mj.excitation.vibration_lines import VibrationLines
 
@@ -33,6 +34,8 @@ _MAKERS: dict[str, Callable[..., BaseMotion]] = {
     VibrationLines.kind: VibrationLines,
     RandomVibration.kind: RandomVibration,
     Record.kind: load_record,
+    Scaled.kind: Scaled,
+    Turned.kind: Turned,
 }
 
 
@@ -58,6 +61,8 @@ def motion_from_dict(stored: Mapping[str, Any], *, folder: str | Path | None = N
     _check_names(kind, parameters, _MAKERS[kind])
     if kind == Record.kind and folder is not None:
         parameters["path"] = Path(folder) / parameters["path"]
+    if kind in (Scaled.kind, Turned.kind):
+        parameters["motion"] = motion_from_dict(parameters["motion"], folder=folder)
     return _MAKERS[kind](**parameters)
 
 

@@ -11,7 +11,8 @@ from wirerope_mj.control import layout as at
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.laws.kernels import SMOOTHED
 from wirerope_mj.laws.smoothed import Smoothed, smoothable
-from wirerope_mj.system import System, load_system
+from wirerope_mj.system import System
+from wirerope_mj.system.varied import with_other_laws
 
 
 def smoothed(system: System, width: float) -> System:
@@ -20,12 +21,11 @@ def smoothed(system: System, width: float) -> System:
     Raises:
         ValueError: none of its laws can be smoothed.
     """
-    isolators = {name: _smoothed(isolator, width) for name, isolator in system.isolators.items()}
-    if isolators == system.isolators:
+    if all(_smoothed(mount.isolator, width) == mount.isolator for mount in system.mounts.values()):
         raise ValueError(
             "`smoothing` has nothing to smooth: no axis of this system has a law with one hysteretic state."
         )
-    return load_system(system.path or system.mjcf, isolators=isolators)
+    return with_other_laws(system, lambda isolator: _smoothed(isolator, width))
 
 
 def _smoothed(isolator: Isolator, width: float) -> Isolator:

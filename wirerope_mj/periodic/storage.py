@@ -19,9 +19,10 @@ _KEY = b"wirerope_mj"
 
 
 def fingerprint(system: System) -> str:
-    """Return a short text that changes with the model or any of its isolators."""
+    """Return a short text that changes with the model, any of its isolators, and what a variant differs by."""
     isolators = {name: isolator.to_dict() for name, isolator in system.isolators.items()}
     content = system.mjcf + json.dumps(isolators, sort_keys=True, default=str)
+    content += "".join(json.dumps(changes.to_dict(), sort_keys=True, default=str) for changes in system.changes)
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
-from wirerope_mj.excitation import BaseMotion, Record, SumOfMotions
+from wirerope_mj.excitation import BaseMotion, Record
 from wirerope_mj.units import STANDARD_GRAVITY
 
 Array = npt.NDArray[np.float64]
@@ -30,8 +30,7 @@ _WORDS = {
 
 def records_of(motion: BaseMotion) -> list[Record]:
     """Return the measured records in a motion."""
-    terms = motion.terms if isinstance(motion, SumOfMotions) else (motion,)
-    return [term for term in terms if isinstance(term, Record)]
+    return [part for part in motion.parts if isinstance(part, Record)]
 
 
 def save_record_baseline(record: Record, path: str | Path, *, title: str = "") -> None:

@@ -6,7 +6,6 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.excitation import BaseMotion, RandomVibration
-from wirerope_mj.excitation.motion import SumOfMotions
 from wirerope_mj.plots.report_motion import moving_axes
 from wirerope_mj.plots.report_response import acceleration_along
 from wirerope_mj.report import BASE, Absent
@@ -45,7 +44,7 @@ def run_spectra(
         names: bodies and points.
         sample_rate: of the response [Hz].
     """
-    terms = _terms(motion)
+    terms = motion.parts
     axes = moving_axes(response)
     if not axes:
         return Absent(reason="The base rests: there is no shock response spectrum.")
@@ -82,12 +81,12 @@ def run_densities(
         response: to it.
         names: bodies and points.
     """
-    terms = [term for term in _terms(motion) if isinstance(term, RandomVibration)]
+    terms = [term for term in motion.parts if isinstance(term, RandomVibration)]
     first = max((term.steady[0] for term in terms), default=0.0)
     last = min((term.steady[1] for term in terms), default=0.0)
     rows = slice(*np.searchsorted(response.time, [first, last]))
     time = response.time[rows]
-    if len(terms) < len(_terms(motion)) or time.size < 2 or time[-1] - time[0] < _LEAST_STEADY:
+    if len(terms) < len(motion.parts) or time.size < 2 or time[-1] - time[0] < _LEAST_STEADY:
         return {}
     return {
         "xyz"[axis]: {
@@ -96,10 +95,6 @@ def run_densities(
         }
         for axis in moving_axes(response)
     }
-
-
-def _terms(motion: BaseMotion) -> tuple[BaseMotion, ...]:
-    return motion.terms if isinstance(motion, SumOfMotions) else (motion,)
 
 
 def _spectrum(response: Response, name: str, axis: int, frequencies: Array) -> ShockResponseSpectrum:

@@ -1,6 +1,7 @@
 """What a run is computed from: scenario, system and motion, read from its folder alone."""
 
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -51,11 +52,17 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
     if not model.resolve().is_relative_to(folder.resolve()) or not model.is_file():
         raise RecordError(f"{folder}: the model {content['model']['file']!r} is not in the run's folder.")
     motion = {key: value for key, value in content["motion"].items() if key != "description"}
-    for term in motion.get("terms", [motion]):
-        if "path" in term and not (folder / term["path"]).resolve().is_relative_to(folder.resolve()):
-            raise RecordError(f"{folder}: the record {term['path']!r} is not in the run's folder.")
+    for path in _records(motion):
+        if not (folder / path).resolve().is_relative_to(folder.resolve()):
+            raise RecordError(f"{folder}: the record {path!r} is not in the run's folder.")
     system = load_system(model)
     missing = missing_isolators(system, model.parent)
     if missing:  # the catalogue stepped in, which may have changed since
         raise RecordError(f"{folder}: the isolator file {missing[0]!r} is missing in {model.parent.name}/.")
     return system, motion_from_dict(motion, folder=folder)
+
+
+def _records(motion: Mapping[str, Any]) -> list[str]:
+    """Return the paths of all records in a stored motion: in its terms, and in what is scaled or turned."""
+    inner = [*motion.get("terms", []), *([motion["motion"]] if "motion" in motion else [])]
+    return [*([motion["path"]] if "path" in motion else []), *(path for part in inner for path in _records(part))]

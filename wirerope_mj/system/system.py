@@ -12,6 +12,7 @@ from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.limits import PayloadLimit
 from wirerope_mj.system.assembly import Assembly, assemble
+from wirerope_mj.system.changes import Changes
 from wirerope_mj.system.declared import DeclaredMount, base_body, check_names, declared_mounts
 from wirerope_mj.system.limits import declared_limits
 
@@ -60,6 +61,8 @@ class System:
         isolators: isolators by what the model calls them.
         limits: what the payload can bear, as far as the model says.
         assembly: where the parts of the model stand.
+        changes: what a variant differs by from the model as written, in the order in which it was varied; see
+            `wirerope_mj.varied`. `mjcf`, `path` and `isolators` say nothing of it, `model` and `mounts` hold it.
     """
 
     model: mujoco.MjModel
@@ -71,6 +74,7 @@ class System:
     isolators: dict[str, Isolator]
     limits: tuple[PayloadLimit, ...]
     assembly: Assembly = field(repr=False)
+    changes: tuple[Changes, ...] = ()
 
 
 def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None = None) -> System:

@@ -55,7 +55,9 @@ def make_tables(model: mujoco.MjModel, declared: list[DeclaredMount], on: Subjec
     axes, parameters, states = _axis_rows(declared)
     couplings = _couplings(declared, parameters)
     n_states = int(sum(row[3] for row in axes))
-    drive = _drive_rows(model, on.driven)
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    drive = _drive_rows(model, data, on.driven)
     channels = _channels(on, states)
     parts = [
         [[*_mount_row(model, mount, on), coupling] for mount, coupling in zip(declared, couplings, strict=True)],
@@ -65,7 +67,7 @@ def make_tables(model: mujoco.MjModel, declared: list[DeclaredMount], on: Subjec
             for joint, row in zip(on.driven, drive, strict=True)
         ],
         [[body, model.body_rootid[body]] for body in on.bodies],
-        _point_rows(model, on),
+        _point_rows(model, data, on),
         list(zip(model.body_parentid, model.body_dofadr, model.body_dofnum, strict=True)),
         channels,
     ]
@@ -130,12 +132,10 @@ def _couplings(declared: list[DeclaredMount], parameters: list[Array]) -> list[i
     return places
 
 
-def _drive_rows(model: mujoco.MjModel, driven: tuple[int, ...]) -> Array:
+def _drive_rows(model: mujoco.MjModel, data: mujoco.MjData, driven: tuple[int, ...]) -> Array:
     """Return the map from base acceleration (3,) to slide accelerations, (n_driven, 3)."""
     if not driven:
         return np.zeros((0, 3))
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
     axes = data.xaxis[list(driven)]  # (n_driven, 3)
     if np.linalg.matrix_rank(axes, tol=1e-9) < len(driven):
         names = [model.joint(joint).name for joint in driven]
@@ -143,9 +143,7 @@ def _drive_rows(model: mujoco.MjModel, driven: tuple[int, ...]) -> Array:
     return np.linalg.pinv(axes).T
 
 
-def _point_rows(model: mujoco.MjModel, on: Subjects) -> list[list[float]]:
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
+def _point_rows(model: mujoco.MjModel, data: mujoco.MjData, on: Subjects) -> list[list[float]]:
     bodies = model.site_bodyid
     return [
         [site, bodies[site], model.body_rootid[bodies[site]], on.base, *(data.site_xpos[site] - data.xipos[on.base])]

@@ -1,0 +1,194 @@
+"""Variants of a system: the same layout, other isolators, masses, centres of mass and positions of mounts."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.control import layout as at
+from wirerope_mj.errors import ModelError
+from wirerope_mj.isolator import Isolator
+from wirerope_mj.system.changes import Changes
+from wirerope_mj.system.declared import DeclaredMount
+from wirerope_mj.system.system import Mount, System, load_system
+from wirerope_mj.system.tables import Tables, make_tables
+
+Array = npt.NDArray[np.float64]
+Shift = Sequence[float] | Array
+
+
+def varied(
+    system: System,
+    *,
+    isolators: Mapping[str, Isolator] | None = None,
+    masses: Mapping[str, float] | None = None,
+    centres: Mapping[str, Shift] | None = None,
+    positions: Mapping[str, Shift] | None = None,
+) -> System:
+    """Return a variant of `system`, which stays as it is: the compiled model copied and its numbers changed, not compiled anew.
+
+    The variant has the same bits as a model written with these values. What it differs by stands in its `changes`, one after
+    another if a variant is varied again; `mjcf`, `path` and `isolators` remain those of the model as written, so that
+
+        functools.reduce(lambda s, c: varied(s, **vars(c)), variant.changes, load_system(path, isolators=...))
+
+    makes it again, and so does pickling, which needs no file. Geoms are not moved: pictures show the payload as written.
+
+    Args:
+        system: the system, or a variant of one.
+        isolators: isolators by mount; mounts that share an isolator in the model may have different ones.
+        masses: factors on the mass and the moments of inertia of bodies (not of bodies fixed to them).
+        centres: shifts of bodies' centres of mass [m], (3,), world axes of the modelled geometry; the moments of inertia are
+            kept about the centre.
+        positions: shifts of mounts [m], (3,), world axes of the modelled geometry; both sites move.
+
+    Raises:
+        ValueError: a factor is not positive, or a shift is not three numbers.
+        ModelError: a mount or a body does not exist, or the compiled model has no room for the change; says what to do.
+    """
+    changes = Changes(
+        isolators=isolators or {}, masses=masses or {}, centres=centres or {}, positions=positions or {}  # type: ignore[arg-type]
+    )  # fmt: skip
+    _check_mounts(system, changes)
+    model = system.model.__copy__()
+    mounts = {name: replace(m, isolator=changes.isolators.get(name, m.isolator)) for name, m in system.mounts.items()}
+    if changes.masses or changes.centres or changes.positions:
+        data = mujoco.MjData(model)
+        mujoco.mj_kinematics(model, data)
+        _change_bodies(model, data, changes)
+        _move_sites(model, data, system, changes)
+        mujoco.mj_setConst(model, data)
+        mujoco.mj_resetData(model, data)
+        mujoco.mj_kinematics(model, data)
+        mounts = {name: replace(m, position=data.site(m.base_site).xpos.copy()) for name, m in mounts.items()}
+    tables = _write_tables(model, system, mounts)
+    mounts = {name: replace(mount, states=tables.states[name]) for name, mount in mounts.items()}
+    return replace(
+        system,
+        model=model,
+        mounts=mounts,
+        assembly=replace(system.assembly, model=model, tables=tables),
+        changes=(*system.changes, changes),
+    )
+
+
+def with_other_laws(system: System, change: Callable[[Isolator], Isolator]) -> System:
+    """Return `system` with every isolator replaced by what `change` makes of it; compiled anew, so that all fit."""
+    isolators = {name: change(isolator) for name, isolator in system.isolators.items()}
+    again = load_system(system.path or system.mjcf, isolators=isolators)
+    for changes in system.changes:
+        own = {mount: change(isolator) for mount, isolator in changes.isolators.items()}
+        again = varied(again, **(vars(changes) | {"isolators": own}))
+    return again
+
+
+def _check_mounts(system: System, changes: Changes) -> None:
+    for name in (*changes.isolators, *changes.positions):
+        if name not in system.mounts:
+            raise ModelError(f"there is no mount {name!r}. Mounts of this system: {list(system.mounts)}.")
+    for name, isolator in changes.isolators.items():
+        mount = system.mounts[name]
+        n_states = sum(law.n_states for law in isolator.axes.values() if law is not None)
+        room = mount.states[2].stop - mount.states[0].start
+        if n_states != room:
+            raise ModelError(
+                f"mount {name!r}: the laws of isolator {isolator.name!r} have {n_states} internal states, those that the model "
+                f"was compiled with {room}. {_written(mount)}"
+            )
+
+
+def _written(mount: Mount) -> str:
+    return (
+        "A variant has the layout of its model: load the model with such an isolator from the start, "
+        f"load_system(..., isolators={{{mount.isolator_name!r}: ...}}), and vary that."
+    )
+
+
+def _change_bodies(model: mujoco.MjModel, data: mujoco.MjData, changes: Changes) -> None:
+    for name, factor in changes.masses.items():
+        body = _body(model, name)
+        model.body_mass[body] *= factor
+        model.body_inertia[body] *= factor
+    for name, shift in changes.centres.items():
+        body = _body(model, name)
+        if model.body_simple[body] and any(shift):
+            raise ModelError(
+                f"body {name!r}: its centre of mass cannot be moved, because MuJoCo has compiled its inertia as diagonal about "
+                f'its joints. Write <body name="{name}" simple="false"> in the model.'
+            )
+        model.body_ipos[body] += _in_body(data, body, shift)
+
+
+def _body(model: mujoco.MjModel, name: str) -> int:
+    bodies = {
+        model.body(b).name: b for b in range(1, model.nbody) if model.body_weldid[b] != 0 and model.body_mass[b] > 0.0
+    }
+    if name not in bodies:
+        raise ModelError(
+            f"there is no moving body {name!r} with a mass. Bodies that move and have one: {list(bodies)}."
+        )
+    return bodies[name]
+
+
+def _move_sites(model: mujoco.MjModel, data: mujoco.MjData, system: System, changes: Changes) -> None:
+    shifts: dict[int, tuple[str, tuple[float, float, float]]] = {}
+    for name, mount in system.mounts.items():
+        shift = changes.positions.get(name, (0.0, 0.0, 0.0))
+        for site in (model.site(mount.payload_site).id, model.site(mount.base_site).id):
+            other, already = shifts.setdefault(site, (name, shift))
+            if already != shift:
+                raise ModelError(
+                    f"mounts {other!r} and {name!r} share the site {model.site(site).name!r} and can only be moved together; "
+                    "give both the same shift, or sites of their own."
+                )
+    on_tendons = set(model.wrap_objid[model.wrap_type == mujoco.mjtWrap.mjWRAP_SITE].tolist())
+    for site, (name, shift) in shifts.items():
+        if not any(shift):
+            continue
+        if site in on_tendons:
+            raise ModelError(
+                f"mount {name!r}: a tendon ends at its site {model.site(site).name!r} and would keep its length; give the "
+                "tendon a site of its own."
+            )
+        model.site_pos[site] += _in_body(data, int(model.site_bodyid[site]), shift)
+
+
+def _in_body(data: mujoco.MjData, body: int, shift: tuple[float, float, float]) -> Array:
+    """Return a shift along the world's axes in those of a body."""
+    return np.asarray(np.array(shift) @ data.xmat[body].reshape(3, 3), dtype=np.float64)
+
+
+def _write_tables(model: mujoco.MjModel, system: System, mounts: Mapping[str, Mount]) -> Tables:
+    """Return the tables of the changed model, written to where those of the original one stand in it."""
+    declared = [
+        DeclaredMount(
+            name=name,
+            payload_site=model.site(mount.payload_site).id,
+            base_site=model.site(mount.base_site).id,
+            isolator_name=mount.isolator_name,
+            isolator=mount.isolator,
+        )
+        for name, mount in mounts.items()
+    ]
+    tables = make_tables(model, declared, system.assembly.subjects, system.assembly.sensor)
+    room = model.numeric(at.PARAMETERS).data
+    if tables.parameters.size > room.size:
+        raise ModelError(_no_room(system, mounts, tables.parameters.size, room.size))
+    model.numeric(at.LAYOUT).data[:] = tables.layout
+    room[:] = 0.0
+    room[: tables.parameters.size] = tables.parameters
+    return tables
+
+
+def _no_room(system: System, mounts: Mapping[str, Mount], wanted: int, room: int) -> str:
+    def size(mount: Mount) -> int:
+        return sum(law.kernel_parameters().size for law in mount.isolator.axes.values() if law is not None)
+
+    new = max(mounts.values(), key=lambda mount: size(mount) - size(system.mounts[mount.name]))
+    old = system.mounts[new.name]
+    return (
+        f"mount {new.name!r}: the laws of isolator {new.isolator.name!r} have {size(new)} parameters, those of "
+        f"{old.isolator.name!r} {size(old)}; all mounts would need {wanted}, and the model has room for {room}. {_written(new)}"
+    )
