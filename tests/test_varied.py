@@ -1,7 +1,6 @@
 """Variants of a system: the same bits as a model written with the changed values."""
 
 import copy
-import functools
 import math
 import pickle
 import time
@@ -15,12 +14,14 @@ import pytest
 import tomli_w
 
 import wirerope_mj as wr
-from wirerope_mj.errors import ModelError
+from wirerope_mj.errors import ModelError, RecordError
 from wirerope_mj.periodic.smoothing import smoothed
 from wirerope_mj.periodic.storage import fingerprint
 from wirerope_mj.resources import models_folder
+from wirerope_mj.runfolder import replay
 from wirerope_mj.simulation.scene import scene_of
 from wirerope_mj.system import Changes
+from wirerope_mj.system.varied import with_changes
 
 G = 9.80665
 CORNERS = {"m1": (0.4, 0.3), "m2": (-0.4, 0.3), "m3": (-0.4, -0.3), "m4": (0.4, -0.3)}
@@ -244,7 +245,7 @@ def variant(system):
 
 def test_a_variant_is_made_again_from_its_model_and_its_changes(system, variant):
     source = wr.load_system(system.mjcf, isolators=system.isolators)
-    again = functools.reduce(lambda s, changes: wr.varied(s, **vars(changes)), variant.changes, source)
+    again = with_changes(source, variant.changes)
     assert_same_model(again.model, variant.model)
     assert_same_run(again, variant)
 
@@ -261,6 +262,19 @@ def test_a_variant_travels_to_another_process_whole(variant):
 def test_changes_survive_a_file(variant):
     for changes in variant.changes:
         assert Changes.from_dict(tomllib.loads(tomli_w.dumps(changes.to_dict()))) == changes
+
+
+def test_a_run_of_a_variant_is_complete_in_itself(system, variant, tmp_path):
+    scenario = wr.Scenario(
+        "How far does it travel?", system.mjcf, SHOCK, {"duration": 0.04, "timestep": 1e-3}, isolators=system.isolators,
+        changes=variant.changes,
+    )  # fmt: skip
+    response = wr.run_scenario(scenario, tmp_path / "run")
+    assert response.peaks.to_dict() == wr.simulate(variant, SHOCK, duration=0.04, timestep=1e-3).peaks.to_dict()
+    assert replay(tmp_path / "run").identical
+    (tmp_path / "run" / "model" / "changes.toml").unlink()
+    with pytest.raises(RecordError, match=r"changes.toml: these are not the changes of a run \(FileNotFoundError"):
+        replay(tmp_path / "run")
 
 
 def test_a_smoothed_variant_keeps_its_changes(system, variant):

@@ -2,7 +2,7 @@
 
 import inspect
 import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -12,6 +12,7 @@ from wirerope_mj.errors import ModelError, WireRopeError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.resources import models_folder, scenarios_folder
+from wirerope_mj.system import Changes
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,7 @@ class Scenario:
         name: names the run.
         options: values of the options that made it, by name.
         folder: where a relative model path starts.
+        changes: what the system differs by from the model, as `changes` of what `wirerope_mj.varied` returns says it.
     """
 
     question: str
@@ -38,6 +40,7 @@ class Scenario:
     name: str = "scenario"
     options: Mapping[str, Any] = field(default_factory=dict)
     folder: Path | None = None
+    changes: Sequence[Changes] = ()
 
     def model_source(self) -> str | Path:
         """Return the MJCF text, or the path of the model file; ModelError names where it was looked for."""

@@ -13,7 +13,7 @@ from wirerope_mj.frf import FrequencyResponse
 from wirerope_mj.frf.storage import save_tables
 from wirerope_mj.frf.summary import Findings, summary
 from wirerope_mj.runfolder.folder import written_whole
-from wirerope_mj.runfolder.model_files import write_model
+from wirerope_mj.runfolder.model_files import model_table, write_model
 
 FORMAT = 1
 SETTINGS, SUMMARY = "settings.toml", "frequency_response.json"
@@ -39,7 +39,7 @@ def write_frequency_response(
     """
     with written_whole(folder, force=force, kind=KIND, marks=MARKS) as beside:
         model = write_model(result.system, beside / "model")
-        content = _settings(result, f"model/{model.name}")
+        content = _settings(result, model_table(result.system, model))
         (beside / SETTINGS).write_text(tomli_w.dumps(content), encoding="utf-8")
         figures = {"format": FORMAT, "levels": summary(findings)}
         (beside / SUMMARY).write_text(json.dumps(figures, indent=2, allow_nan=False) + "\n", encoding="utf-8")
@@ -47,7 +47,7 @@ def write_frequency_response(
         _write_pictures(result, findings, beside)
 
 
-def _settings(result: FrequencyResponse, model: str) -> dict[str, Any]:
+def _settings(result: FrequencyResponse, model: dict[str, str]) -> dict[str, Any]:
     """Return every input with nothing left open, and the versions that computed it."""
     asked = result.question
     start, stop = asked.range
@@ -56,7 +56,7 @@ def _settings(result: FrequencyResponse, model: str) -> dict[str, Any]:
         "format": FORMAT,
         "name": result.name,
         "written": datetime.now(UTC).replace(microsecond=0),
-        "model": {"file": model},
+        "model": model,
         "question": {
             "accelerations": list(asked.accelerations),
             "method": asked.method,

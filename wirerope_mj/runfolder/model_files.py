@@ -1,13 +1,19 @@
-"""A copy of a system's model that loads by itself."""
+"""A copy of a system's model that loads by itself, with what a variant of it differs by."""
 
 import re
 import shutil
 from pathlib import Path, PurePosixPath
+from typing import Any
 from xml.etree import ElementTree
+
+import tomli_w
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.system import System
+
+CHANGES = "changes.toml"
+"""What a variant differs by from the model beside it."""
 
 
 def write_model(system: System, folder: Path) -> Path:
@@ -15,7 +21,8 @@ def write_model(system: System, folder: Path) -> Path:
 
     Isolators are written as the system holds them, under the relative names that the model's texts give. A text that
     points out of the model's folder is pointed at the copy. Files that the MJCF names (`include`, meshes, textures,
-    height fields, models to attach) are copied if they lie beside or below the model file.
+    height fields, models to attach) are copied if they lie beside or below the model file. Of a variant the model is copied as
+    written, and its changes are written beside it, as `model_table` says.
 
     Raises:
         ModelError: a file of the model lies outside its folder.
@@ -32,7 +39,16 @@ def write_model(system: System, folder: Path) -> Path:
         path = folder / _with_ending(place)
         path.parent.mkdir(parents=True, exist_ok=True)
         _isolator_of(system, name).save(path)
+    if system.changes:
+        content: dict[str, Any] = {"changes": [changes.to_dict() for changes in system.changes]}
+        (folder / CHANGES).write_text(tomli_w.dumps(content), encoding="utf-8")
     return target
+
+
+def model_table(system: System, model: Path) -> dict[str, str]:
+    """Return what a folder says of its model, which `write_model` wrote below it: the file, and that of a variant's changes."""
+    place = model.parent.name
+    return {"file": f"{place}/{model.name}"} | ({"changes": f"{place}/{CHANGES}"} if system.changes else {})
 
 
 def missing_isolators(system: System, folder: Path) -> list[str]:
@@ -71,7 +87,9 @@ def _isolator_places(system: System) -> dict[str, tuple[str, str]]:
 
 def _isolator_of(system: System, text_name: str) -> Isolator:
     key = text_name.split("isolator/", 1)[-1]
-    if any(mount.isolator != system.isolators[key] for mount in system.mounts.values() if mount.isolator_name == key):
+    own = {mount for changes in system.changes for mount in changes.isolators}  # those stand with the changes
+    written = [mount for mount in system.mounts.values() if mount.isolator_name == key and mount.name not in own]
+    if any(mount.isolator != system.isolators[key] for mount in written):
         raise ModelError(f"two different isolators are both called {key!r} in this model; a run must tell them apart.")
     return system.isolators[key]
 

@@ -10,7 +10,7 @@ import tomli_w
 
 from wirerope_mj.modes import Modes
 from wirerope_mj.runfolder.folder import written_whole
-from wirerope_mj.runfolder.model_files import write_model
+from wirerope_mj.runfolder.model_files import model_table, write_model
 from wirerope_mj.system import System
 
 FORMAT = 1
@@ -40,7 +40,7 @@ def write_modes(system: System, name: str, results: Sequence[Modes], folder: Pat
             "format": FORMAT,
             "name": name,
             "written": datetime.now(UTC).replace(microsecond=0),
-            "model": {"file": f"model/{model.name}"},
+            "model": model_table(system, model),
             "question": {
                 "history": results[0].history,
                 "amplitudes": [modes.amplitude for modes in results if modes.amplitude is not None],

@@ -10,7 +10,8 @@ from wirerope_mj.excitation.motion import BaseMotion
 from wirerope_mj.excitation.restore import motion_from_dict
 from wirerope_mj.runfolder.folder import FORMAT, SCENARIO
 from wirerope_mj.runfolder.model_files import missing_isolators
-from wirerope_mj.system import System, load_system
+from wirerope_mj.system import Changes, System, load_system
+from wirerope_mj.system.varied import with_changes
 
 
 def scenario_content(folder: Path) -> dict[str, Any]:
@@ -59,7 +60,20 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
     missing = missing_isolators(system, model.parent)
     if missing:  # the catalogue stepped in, which may have changed since
         raise RecordError(f"{folder}: the isolator file {missing[0]!r} is missing in {model.parent.name}/.")
-    return system, motion_from_dict(motion, folder=folder)
+    return with_changes(system, _changes(folder, content["model"])), motion_from_dict(motion, folder=folder)
+
+
+def _changes(folder: Path, model: Mapping[str, Any]) -> list[Changes]:
+    """Return what the variant that was simulated differs by from the model in the folder."""
+    if "changes" not in model:
+        return []
+    path = folder / model["changes"]
+    if not path.resolve().is_relative_to(folder.resolve()):
+        raise RecordError(f"{folder}: the changes {model['changes']!r} are not in the run's folder.")
+    try:
+        return [Changes.from_dict(one) for one in tomllib.loads(path.read_text(encoding="utf-8"))["changes"]]
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
+        raise RecordError(f"{path}: these are not the changes of a run ({type(error).__name__}: {error}).") from None
 
 
 def _records(motion: Mapping[str, Any]) -> list[str]:

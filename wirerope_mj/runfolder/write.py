@@ -17,10 +17,11 @@ from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.runfolder.folder import FORMAT, SCENARIO, SUMMARY, check_target, written_whole
-from wirerope_mj.runfolder.model_files import write_model
+from wirerope_mj.runfolder.model_files import model_table, write_model
 from wirerope_mj.scenario import Scenario
 from wirerope_mj.simulation import simulate
 from wirerope_mj.system import System, load_system
+from wirerope_mj.system.varied import with_changes
 from wirerope_mj.verdicts import summary, verdict_lines
 
 STREAM_SAMPLES = 10_000
@@ -50,7 +51,7 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
     target = Path(folder)
     check_target(target, force=force)
     arguments = _checked_arguments(scenario)
-    system = load_system(scenario.model_source(), isolators=scenario.isolators)
+    system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
     with written_whole(target, force=force) as beside:
         started = perf_counter()
         model = write_model(system, beside / "model")
@@ -59,7 +60,7 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
         seconds = perf_counter() - started
         if not long:
             response.save(beside)
-        text = _scenario_text(scenario, response, beside, model=f"model/{model.name}", arguments=arguments)
+        text = _scenario_text(scenario, response, beside, model=model_table(system, model), arguments=arguments)
         (beside / SCENARIO).write_text(text, encoding="utf-8")
         (beside / SUMMARY).write_text(_summary_text(scenario, response, seconds), encoding="utf-8")
         _write_pictures(scenario, response, beside)
@@ -94,7 +95,7 @@ def _checked_arguments(scenario: Scenario) -> dict[str, Any]:
 
 
 def _scenario_text(
-    scenario: Scenario, response: Response, folder: Path, *, model: str, arguments: dict[str, Any]
+    scenario: Scenario, response: Response, folder: Path, *, model: dict[str, str], arguments: dict[str, Any]
 ) -> str:
     """Return the scenario with every input resolved, as TOML; files of the motion are copied into `folder`."""
     numerics = response.numerics
@@ -113,7 +114,7 @@ def _scenario_text(
         "question": scenario.question.strip(),
         "written": datetime.now(UTC).replace(microsecond=0),
         "options": {name: _plain(value) for name, value in scenario.options.items() if value is not None},
-        "model": {"file": model},
+        "model": model,
         "simulate": resolved,
         "motion": {"description": scenario.motion.description}
         | scenario.motion.to_dict(files=_copy_records(scenario, folder)),

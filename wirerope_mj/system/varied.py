@@ -32,9 +32,9 @@ def varied(
     The variant has the same bits as a model written with these values. What it differs by stands in its `changes`, one after
     another if a variant is varied again; `mjcf`, `path` and `isolators` remain those of the model as written, so that
 
-        functools.reduce(lambda s, c: varied(s, **vars(c)), variant.changes, load_system(path, isolators=...))
+        with_changes(load_system(variant.path or variant.mjcf, isolators=variant.isolators), variant.changes)
 
-    makes it again, and so does pickling, which needs no file. Geoms are not moved: pictures show the payload as written.
+    makes it again; pickling carries it whole and needs no file. Geoms are not moved: pictures show the payload as written.
 
     Args:
         system: the system, or a variant of one.
@@ -74,14 +74,21 @@ def varied(
     )
 
 
+def with_changes(system: System, changes: Sequence[Changes]) -> System:
+    """Return the variant of `system` that changes make, one after the other."""
+    for one in changes:
+        system = varied(system, **vars(one))
+    return system
+
+
 def with_other_laws(system: System, change: Callable[[Isolator], Isolator]) -> System:
     """Return `system` with every isolator replaced by what `change` makes of it; compiled anew, so that all fit."""
     isolators = {name: change(isolator) for name, isolator in system.isolators.items()}
-    again = load_system(system.path or system.mjcf, isolators=isolators)
-    for changes in system.changes:
-        own = {mount: change(isolator) for mount, isolator in changes.isolators.items()}
-        again = varied(again, **(vars(changes) | {"isolators": own}))
-    return again
+    changes = [
+        replace(one, isolators={mount: change(isolator) for mount, isolator in one.isolators.items()})
+        for one in system.changes
+    ]
+    return with_changes(load_system(system.path or system.mjcf, isolators=isolators), changes)
 
 
 def _check_mounts(system: System, changes: Changes) -> None:
