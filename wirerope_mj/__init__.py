@@ -83,7 +83,10 @@ from wirerope_mj.runfolder import run_scenario as run_scenario
 from wirerope_mj.runfolder.report import write_report as write_report
 from wirerope_mj.scenario import Scenario as Scenario
 from wirerope_mj.selection import select_isolators as select_isolators
+from wirerope_mj.simulation import BatchFailure as BatchFailure
+from wirerope_mj.simulation import BatchResult as BatchResult
 from wirerope_mj.simulation import simulate as simulate
+from wirerope_mj.simulation import simulate_batch as simulate_batch
 from wirerope_mj.spectra import PowerSpectralDensity as PowerSpectralDensity
 from wirerope_mj.spectra import ShockResponseSpectrum as ShockResponseSpectrum
 from wirerope_mj.spectra import power_spectral_density as power_spectral_density

@@ -50,20 +50,23 @@ def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:
     assembly, model = system.assembly, system.model
     if not assembly.driven_dofs:
         return state
-    data = mujoco.MjData(model)
-    mujoco.mj_setState(model, data, state.values, STATE)
     now = np.array([state.time])
     displacement, velocity = motion.displacement(now)[0], motion.velocity(now)[0]
     velocity = velocity - velocity_jump(motion, state.time)  # the simulation itself applies a jump at its start
     dofs = list(assembly.driven_dofs)
     joints = [int(model.dof_jntid[dof]) for dof in dofs]
     addresses = model.jnt_qposadr[joints]
-    q, v = data.qpos[addresses] - model.qpos0[addresses], data.qvel[dofs]
+    qpos, qvel = np.empty(model.nq), np.empty(model.nv)
+    mujoco.mj_extractState(model, state.values, STATE, qpos, mujoco.mjtState.mjSTATE_QPOS)
+    mujoco.mj_extractState(model, state.values, STATE, qvel, mujoco.mjtState.mjSTATE_QVEL)
+    q, v = qpos[addresses] - model.qpos0[addresses], qvel[dofs]
     dq, dv = assembly.tables.drive @ displacement - q, assembly.tables.drive @ velocity - v
     moved = np.abs(dq).max() > SAME_MOTION * max(np.abs(q).max(), 1e-3)
     moved |= np.abs(dv).max() > SAME_MOTION * max(np.abs(v).max(), 1e-3)
     if not moved:
         return state
+    data = mujoco.MjData(model)
+    mujoco.mj_setState(model, data, state.values, STATE)
     to_world = np.linalg.pinv(assembly.tables.drive)
     _carry(system, data, to_world @ dq, to_world @ dv)
     values = np.empty_like(state.values)

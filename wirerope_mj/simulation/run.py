@@ -72,7 +72,7 @@ def run(
     stepper = Stepper(system, motion, initial)
     data, values = stepper.data, stepper.data.sensordata[system.assembly.sensor :]
     sample, touches, all_steps, largest = 0, False, 0, 0.0
-    tables = StageTables(motion)
+    tables = StageTables(motion, system.assembly.tables.drive)
     with installed(stepper.model, data, callback) as kind:
         for block in grid.blocks():
             stepper.enter(block)
@@ -100,7 +100,7 @@ def run(
         progress(grid.stop)
     return Run(
         final_state=final,
-        peaks=_peaks(system, stepper.user, tables.peak),
+        peaks=peaks_of(system, stepper.user, tables.peak),
         callback=kind,
         touches=touches,
         steps=all_steps,
@@ -108,8 +108,8 @@ def run(
     )
 
 
-def _peaks(system: System, user: Array, base: Peak) -> Peaks:
-    """Return the peaks from the tracker's memory; what is fixed to the base has the base's own."""
+def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
+    """Return the peaks from the tracker's memory in the system's userdata; what is fixed to the base has the base's own."""
     model, assembly = system.model, system.assembly
     first = assembly.tables.user.channels
     memory = user[first : first + at.CHANNEL_MEMORY * assembly.tables.user.n_channels].reshape(-1, at.CHANNEL_MEMORY)

@@ -1,6 +1,7 @@
 """System + base motion -> Response."""
 
 import math
+from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -35,6 +36,7 @@ def simulate(
     timestep: float | None = None,
     accuracy: float = 1e-4,
     sample_rate: float = 1000.0,
+    corners: Sequence[float] | Array = (),
     callback: Kind = "native",
     out: str | Path | None = None,
     progress: bool = False,
@@ -51,6 +53,7 @@ def simulate(
         timestep: largest step [s]; None chooses it before the run for `accuracy`.
         accuracy: error of samples and refined peaks allowed, relative to the peaks; used if `timestep` is None.
         sample_rate: samples per second [Hz], at k / sample_rate.
+        corners: instants [s] at which steps end besides the motion's own corners, as the variants of a batch share theirs.
         callback: "native", or "python".
         out: folder to which samples are streamed as `response.parquet`; the response then reads them when asked.
         progress: whether a progress bar is shown on standard error.
@@ -62,7 +65,7 @@ def simulate(
         SimulationError: the step is too large, or the engine reported that the state is not valid any more.
         ConvergenceError: there is no equilibrium to start from.
     """
-    _check_arguments(duration=duration, sample_rate=sample_rate, accuracy=accuracy, timestep=timestep)
+    check_arguments(duration=duration, sample_rate=sample_rate, accuracy=accuracy, timestep=timestep)
     check_direction(system, motion)
     if out is not None and (Path(out) / FILE).exists():
         raise RecordError(f"{out}: a response stands here already; give another `out`, or remove {FILE}.")
@@ -70,10 +73,11 @@ def simulate(
     if timestep is None:
         step = choose_timestep(system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy)
     else:
-        step = _given_step(system, timestep)
+        step = ChosenStep(timestep=checked_step(system, timestep), error=math.nan)
     grid = time_grid(
-        start=start.time, duration=duration, sample_rate=sample_rate, timestep=step.timestep, motion=motion
-    )
+        start=start.time, duration=duration, sample_rate=sample_rate, timestep=step.timestep, motion=motion,
+        corners=checked_corners(corners),
+    )  # fmt: skip
     recorder = Recorder(system, motion, grid, Path(out) if out is not None else None)
     try:
         with progress_bar(grid, enabled=progress) as update:
@@ -98,14 +102,22 @@ def _versions() -> dict[str, str]:
     return {name: version(name) for name in ("wirerope-mj", "mujoco", "numpy", "numba")}
 
 
-def _check_arguments(*, duration: float, sample_rate: float, accuracy: float, timestep: float | None) -> None:
-    named = {"duration": duration, "sample_rate": sample_rate, "accuracy": accuracy, "timestep": timestep}
+def check_arguments(**named: float | None) -> None:
+    """Raise ValueError if one of the named numbers is not positive; None is left to be chosen."""
     for name, value in named.items():
         if value is not None and not (math.isfinite(value) and value > 0.0):
             raise ValueError(f"`{name}` must be a positive number, got {value}.")
 
 
-def _given_step(system: System, timestep: float) -> ChosenStep:
+def checked_corners(corners: Sequence[float] | Array) -> Array:
+    """Return instants [s] in order, or raise ValueError."""
+    instants = np.asarray(corners, dtype=np.float64)
+    if instants.ndim != 1 or not np.isfinite(instants).all():
+        raise ValueError(f"`corners` must be finite instants in seconds, got {corners!r}.")
+    return np.sort(instants)
+
+
+def checked_step(system: System, timestep: float) -> float:
     """Return the step that was asked for, or raise SimulationError if RK4 is not stable with it."""
     limit = stable_step(system)
     if timestep > limit:
@@ -113,7 +125,7 @@ def _given_step(system: System, timestep: float) -> ChosenStep:
             f"a step of {timestep:.4g} s is too large for the stiffest mount: RK4 is stable up to {limit:.4g} s here. "
             "Give a smaller `timestep`, or None to have it chosen."
         )
-    return ChosenStep(timestep=timestep, error=math.nan)
+    return timestep
 
 
 def check_direction(system: System, motion: BaseMotion) -> None:

@@ -14,37 +14,40 @@ SLOWEST_RATE = 1.0
 """Angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely."""
 
 
-def mount_matrices(system: System) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def _as_modelled(system: System) -> mujoco.MjData:
+    data = mujoco.MjData(system.model)
+    mujoco.mj_fwdPosition(system.model, data)
+    return data
+
+
+def _mount_matrices(system: System, data: mujoco.MjData) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Return stiffness [N/m, ...] and damping of all mounts in MuJoCo's velocity coordinates, (n_v, n_v) each.
 
     Stiffness is that of the unloaded mounts in the modelled geometry, damping the laws' largest.
     """
-    model = system.model
-    data = mujoco.MjData(model)
-    mujoco.mj_fwdPosition(model, data)
-    stiffness, damping = np.zeros((model.nv, model.nv)), np.zeros((model.nv, model.nv))
+    model, rows, stiffness, damping = system.model, [np.zeros((0, system.model.nv))], [], []
     payload, base, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv)), np.zeros((3, model.nv))
     for mount in system.mounts.values():
-        point = data.site(mount.payload_site).xpos
-        mujoco.mj_jac(model, data, payload, unused, point, model.site(mount.payload_site).bodyid[0])
+        site = model.site(mount.payload_site)
+        point = data.site_xpos[site.id]
+        mujoco.mj_jac(model, data, payload, unused, point, site.bodyid[0])
         mujoco.mj_jac(model, data, base, unused, point, model.site(mount.base_site).bodyid[0])
-        to_deflection = mount.axes.T @ (payload - base)  # (3, n_v)
-        for row, law in zip(to_deflection, mount.isolator.axes.values(), strict=True):
-            if law is not None:
-                stiffness += law.initial_stiffness * np.outer(row, row)
-                damping += law.damping_coefficient * np.outer(row, row)
-    return stiffness, damping
+        rows.append(mount.axes.T @ (payload - base))  # of the deflections, (3, n_v)
+        for law in mount.isolator.axes.values():
+            stiffness.append(law.initial_stiffness if law is not None else 0.0)
+            damping.append(law.damping_coefficient if law is not None else 0.0)
+    to_deflections = np.concatenate(rows)
+    along, resisting = (to_deflections.T * np.array(numbers) @ to_deflections for numbers in (stiffness, damping))
+    return along, resisting
 
 
 def eigenvalues(system: System) -> npt.NDArray[np.complex128]:
     """Return the eigenvalues [1/s] of the linear system of unloaded mounts without the driven base, (2 n,)."""
-    model = system.model
-    data = mujoco.MjData(model)
-    mujoco.mj_fwdPosition(model, data)
+    model, data = system.model, _as_modelled(system)
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
     free = np.setdiff1d(np.arange(model.nv), system.assembly.driven_dofs)
-    stiffness, damping = (matrix[np.ix_(free, free)] for matrix in mount_matrices(system))
+    stiffness, damping = (matrix[np.ix_(free, free)] for matrix in _mount_matrices(system, data))
     inverse = np.linalg.inv(mass[np.ix_(free, free)])
     zero, one = np.zeros_like(inverse), np.eye(free.size)
     return np.linalg.eigvals(np.block([[zero, one], [-inverse @ stiffness, -inverse @ damping]]))

@@ -14,20 +14,37 @@ from wirerope_mj.simulation.grid import SAME_TIME, Grid
 
 Array = npt.NDArray[np.float64]
 
-BLOCK = 2048
-"""Pieces whose base accelerations are evaluated at once: large enough for NumPy, small enough for long runs' memory."""
+POINTS = 4096
+"""Instants at which a motion is evaluated at once: large enough for NumPy, small enough for the memory of many motions."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stages:
+    """The base in pieces that follow each other.
+
+    At a corner, velocity and accelerations are those inside the piece.
+
+    Attributes:
+        first: number of the first piece.
+        places, rates: of the driven slides at the start of every piece, as the motion has them, (n, n_driven).
+        accelerations: of the base at all half steps, 2 steps + 1 for every piece, one piece after the other, (n_points, 3).
+        ends: where a piece's accelerations end among them, (n,).
+    """
+
+    first: int
+    places: Array
+    rates: Array
+    accelerations: Array
+    ends: npt.NDArray[np.int64]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Piece:
-    """The base in one piece: at its start displacement and velocity (3,), at its half steps accelerations (2 steps + 1, 3).
-
-    At a corner, velocity and accelerations are those inside the piece.
-    """
+    """One of the pieces of `Stages`: places and rates (n_driven,), accelerations (2 steps + 1, 3)."""
 
     number: int
-    displacement: Array
-    velocity: Array
+    places: Array
+    rates: Array
     accelerations: Array
 
 
@@ -38,36 +55,65 @@ class StageTables:
         peak: Peak of the base acceleration, both limits of a jump included; a step grid would miss the left one.
     """
 
-    def __init__(self, motion: BaseMotion) -> None:
-        self._motion = motion
+    def __init__(self, motion: BaseMotion, drive: Array) -> None:
+        """Prepare for the pieces of grids; `drive` gives slides from base vectors, (n_driven, 3)."""
+        self._motion, self._drive = motion, drive
         nothing = np.zeros(3)
         self.peak = Peak(
             value=0.0, time=0.0, vector=nothing,
             minimum=nothing, minimum_time=nothing, maximum=nothing, maximum_time=nothing,
         )  # fmt: skip
 
+    def blocks(self, grid: Grid) -> Iterator[Stages]:
+        """Yield all pieces of a grid, many at once; where they are parted depends on the number of steps alone."""
+        points = 2 * grid.steps + 1
+        total, first = np.cumsum(points), 0
+        while first < points.size:
+            before = int(total[first - 1]) if first else 0
+            last = max(int(np.searchsorted(total, before + POINTS, side="right")), first + 1)
+            yield self._stages(grid, first, slice(first, last))
+            first = last
+
     def pieces(self, grid: Grid) -> Iterator[Piece]:
         """Yield every piece of a grid."""
-        for first in range(0, grid.start.size, BLOCK):
-            block = slice(first, first + BLOCK)
-            points = 2 * grid.steps[block] + 1
-            ends = np.cumsum(points)
-            which = np.repeat(np.arange(points.size), points)
-            place = (np.arange(which.size) - (ends - points)[which]) / (points - 1)[which]
-            start, stop = grid.start[block], grid.stop[block]
-            low = start + np.where(grid.event[block] != SMOOTH, SAME_TIME, 0.0)
-            high = stop - np.where(grid.corner_after[block], SAME_TIME, 0.0)
-            times = np.clip(start[which] + (stop - start)[which] * place, low[which], high[which])
-            accelerations = self._motion.acceleration(times)
-            self.peak = _larger(self.peak, times, accelerations)
-            displacement, velocity = self._motion.displacement(start), self._motion.velocity(low)
-            for piece in range(points.size):
+        for stages in self.blocks(grid):
+            begin = 0
+            for piece, end in enumerate(stages.ends.tolist()):
                 yield Piece(
-                    number=first + piece,
-                    displacement=displacement[piece],
-                    velocity=velocity[piece],
-                    accelerations=accelerations[ends[piece] - points[piece] : ends[piece]],
+                    number=stages.first + piece,
+                    places=stages.places[piece],
+                    rates=stages.rates[piece],
+                    accelerations=stages.accelerations[begin:end],
                 )
+                begin = end
+
+    def _stages(self, grid: Grid, first: int, block: slice) -> Stages:
+        points = 2 * grid.steps[block] + 1
+        ends = np.cumsum(points)
+        which = np.repeat(np.arange(points.size), points)
+        place = (np.arange(which.size) - (ends - points)[which]) / (points - 1)[which]
+        start, stop = grid.start[block], grid.stop[block]
+        low = start + np.where(grid.event[block] != SMOOTH, SAME_TIME, 0.0)
+        high = stop - np.where(grid.corner_after[block], SAME_TIME, 0.0)
+        times = np.clip(start[which] + (stop - start)[which] * place, low[which], high[which])
+        accelerations = self._motion.acceleration(times)
+        self.peak = _larger(self.peak, times, accelerations)
+        return Stages(
+            first=first,
+            places=along_slides(self._drive, self._motion.displacement(start)),
+            rates=along_slides(self._drive, self._motion.velocity(low)),
+            accelerations=accelerations,
+            ends=ends,
+        )
+
+
+def along_slides(drive: Array, vectors: Array) -> Array:
+    """Return what base vectors (n, 3) are for the driven slides, (n, n_driven).
+
+    Not a matrix product: its rounding depends on how many vectors are multiplied at once.
+    """
+    x, y, z = vectors[:, :, np.newaxis].transpose(1, 0, 2)
+    return x * drive[:, 0] + y * drive[:, 1] + z * drive[:, 2]
 
 
 def _larger(peak: Peak, times: Array, vectors: Array) -> Peak:

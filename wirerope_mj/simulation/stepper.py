@@ -10,7 +10,7 @@ from wirerope_mj.control import layout as at
 from wirerope_mj.errors import SimulationError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.simulation.grid import SAME_TIME, Grid
-from wirerope_mj.simulation.stages import Piece
+from wirerope_mj.simulation.stages import Piece, along_slides
 from wirerope_mj.state import State
 from wirerope_mj.system import System
 
@@ -34,7 +34,6 @@ class Stepper:
         self.user[at.OBSERVING], self.user[at.HISTORY], self.user[at.EVENT] = 1.0, 0.0, at.SMOOTH
         self._dofs = assembly.driven_dofs
         self._places = self.model.jnt_qposadr[list(assembly.subjects.driven)]
-        self._riding = _riding_dofs(self.model, self._dofs)
         self._since_check: list[Piece] = []
         self._checked = _integration_state(self.model, self.data)
 
@@ -48,9 +47,9 @@ class Stepper:
         self._since_check.append(base)
         grid, user, piece, accelerations = self._grid, self.user, base.number, base.accelerations
         start, length = grid.start[piece], grid.stop[piece] - grid.start[piece]
-        if grid.event[piece] == at.JUMP and self._riding.size:
-            self._leave_behind(velocity_jump(self.motion, float(start)))
-        self._place_base(base.displacement, base.velocity)
+        if grid.event[piece] == at.JUMP:
+            leave_behind(self.system, self.model, self.data, velocity_jump(self.motion, float(start)))
+        self._place_base(base.places, base.rates)
         user[at.EVENT] = grid.event[piece]
         user[at.STAGE_POINTS], user[at.STAGE_START] = accelerations.shape[0], start
         user[at.STAGE_RATE] = 2.0 * grid.steps[piece] / length
@@ -64,38 +63,20 @@ class Stepper:
         model, data, user = self.model, self.data, self.user
         if self._grid.stop.size:
             data.time = self._grid.stop[-1]
-            last = np.array([data.time])
-            velocity = self.motion.velocity(last)[0] - velocity_jump(self.motion, float(data.time))
-            self._place_base(self.motion.displacement(last)[0], velocity)
+            self._place_base(*base_before(self.motion, self.system.assembly.tables.drive, float(data.time)))
         # A state does not carry what belongs to this run alone: stage table and tracker.
         kept = user.copy()
         user[:] = 0.0
         final = State(values=_integration_state(model, data), time=float(data.time))
         user[:] = kept
         user[at.STAGE_POINTS], user[at.STAGE_START], user[at.STAGE_RATE] = 1.0, data.time, 0.0
-        user[at.STAGES : at.STAGES + 3] = self.motion.acceleration(np.array([max(data.time - SAME_TIME, 0.0)]))[0]
+        user[at.STAGES : at.STAGES + 3] = acceleration_before(self.motion, float(data.time))
         mujoco.mj_forward(model, data)
         return final
 
-    def _place_base(self, displacement: Array, velocity: Array) -> None:
-        drive = self.system.assembly.tables.drive
-        self.data.qpos[self._places] = self.model.qpos0[self._places] + drive @ displacement
-        self.data.qvel[self._dofs] = drive @ velocity
-
-    def _leave_behind(self, jump: Array) -> None:
-        """Let what rides on the base through joints keep its momentum while the base's velocity jumps by `jump` [m/s], (3,).
-
-        No spring passes on an impulse: M_rr dv_r + M_rb dv_b = 0 for the riding coordinates r and the driven ones b, so that a
-        slide between base and frame takes up the whole jump.
-        """
-        model, data = self.model, self.data
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        mujoco.mj_makeM(model, data)
-        mass = np.zeros((model.nv, model.nv))
-        mujoco.mj_fullM(model, data, mass)
-        impulse = mass[self._riding][:, self._dofs] @ (self.system.assembly.tables.drive @ jump)
-        data.qvel[self._riding] -= np.linalg.solve(mass[np.ix_(self._riding, self._riding)], impulse)
+    def _place_base(self, places: Array, rates: Array) -> None:
+        self.data.qpos[self._places] = self.model.qpos0[self._places] + places
+        self.data.qvel[self._dofs] = rates
 
     def check(self) -> None:
         """Raise SimulationError if one of MuJoCo's warning counters rose since the last check."""
@@ -144,6 +125,37 @@ def velocity_jump(motion: BaseMotion, time: float) -> Array:
     """Return the jump of the base's velocity at an instant [m/s], (3,); `motion.velocity` already contains it."""
     jumps = [jump for instant, jump in motion.velocity_jumps if abs(instant - time) <= SAME_TIME]
     return np.sum([np.zeros(3), *jumps], axis=0)
+
+
+def base_before(motion: BaseMotion, drive: Array, time: float) -> tuple[Array, Array]:
+    """Return places and rates of the driven slides at an instant, a jump of the velocity there left out, (n_driven,) each."""
+    now = np.array([time])
+    velocity = motion.velocity(now) - velocity_jump(motion, time)
+    return along_slides(drive, motion.displacement(now))[0], along_slides(drive, velocity)[0]
+
+
+def acceleration_before(motion: BaseMotion, time: float) -> Array:
+    """Return the base acceleration just before an instant [m/s^2], (3,)."""
+    return motion.acceleration(np.array([max(time - SAME_TIME, 0.0)]))[0]
+
+
+def leave_behind(system: System, model: mujoco.MjModel, data: mujoco.MjData, jump: Array) -> None:
+    """Let what rides on the base through joints keep its momentum while the base's velocity jumps by `jump` [m/s], (3,).
+
+    No spring passes on an impulse: M_rr dv_r + M_rb dv_b = 0 for the riding coordinates r and the driven ones b, so that a
+    slide between base and frame takes up the whole jump.
+    """
+    driven = system.assembly.driven_dofs
+    riding = _riding_dofs(model, driven)
+    if not riding.size:
+        return
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    mujoco.mj_makeM(model, data)
+    mass = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, mass)
+    impulse = mass[riding][:, driven] @ (system.assembly.tables.drive @ jump)
+    data.qvel[riding] -= np.linalg.solve(mass[np.ix_(riding, riding)], impulse)
 
 
 def _riding_dofs(model: mujoco.MjModel, driven: list[int]) -> npt.NDArray[np.int64]:

@@ -58,6 +58,7 @@ class Cycles:
         self._motion, self._timestep = motion, timestep
         self._lawful, self._mounts = Lawful(system), Channels.of(system).mounts
         self._stepper = Stepper(system, motion, start)
+        self._tables = StageTables(motion, system.assembly.tables.drive)
         user = system.assembly.tables.user
         memory = self._stepper.user[user.channels : user.channels + at.CHANNEL_MEMORY * user.n_channels]
         self._memory = memory.reshape(user.n_channels, at.CHANNEL_MEMORY)  # a view: the tracker writes it
@@ -74,7 +75,7 @@ class Cycles:
         stepper.enter(grid)
         lowest, highest = np.empty((2, ends.size, self._memory.shape[0], 3))
         cycle, user = 0, stepper.user
-        for base in StageTables(self._motion).pieces(grid):
+        for base in self._tables.pieces(grid):
             stepper.begin(base)
             steps = int(grid.steps[base.number])
             if not user[at.OBSERVING]:  # this instant was seen as the last of the cycle before

@@ -1,0 +1,199 @@
+"""Many variants of one system, each with its own base motion and start, side by side on several threads."""
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.control import installed
+from wirerope_mj.control.install import Kind
+from wirerope_mj.errors import WireRopeError
+from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.response.peaks import Peaks
+from wirerope_mj.simulation.grid import TimeGrid, joined, time_grid
+from wirerope_mj.simulation.initial import initial_state
+from wirerope_mj.simulation.lockstep import Lockstep
+from wirerope_mj.simulation.run import run
+from wirerope_mj.simulation.same_layout import check_same_layout
+from wirerope_mj.simulation.simulate import check_arguments, check_direction, checked_corners, checked_step
+from wirerope_mj.state import State
+from wirerope_mj.system import System
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BatchResult:
+    """What is kept of a variant that came to its end.
+
+    Attributes:
+        peaks: peaks over every step.
+        initial_state, final_state: states at the start and at the end.
+        timestep: largest step [s].
+        steps: number of steps.
+    """
+
+    peaks: Peaks
+    initial_state: State
+    final_state: State
+    timestep: float
+    steps: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class BatchFailure:
+    """Why a variant did not come to its end.
+
+    Attributes:
+        error: what `simulate` raises for this variant.
+    """
+
+    error: WireRopeError
+
+    @property
+    def message(self) -> str:
+        """The error in words."""
+        return str(self.error)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Variant:
+    number: int
+    system: System
+    motion: BaseMotion
+    start: State
+
+
+def simulate_batch(
+    systems: System | Sequence[System],
+    motions: BaseMotion | Sequence[BaseMotion],
+    *,
+    duration: float,
+    timestep: float,
+    initial: str | State | Sequence[str | State] = "settled",
+    sample_rate: float = 1000.0,
+    corners: Sequence[float] | Array = (),
+    threads: int | None = None,
+) -> list[BatchResult | BatchFailure]:
+    """Return the peaks of many variants of one layout, in their order; no samples are kept.
+
+    All variants take the same steps: the corners of every motion end steps of all. Each is bit for bit what `simulate` finds
+    alone with `timestep` and with the corners of all motions as its `corners`, whatever the number of threads.
+    A variant that fails does not stop the others.
+
+    Args:
+        systems: systems that differ in numbers only (laws and their parameters, masses, positions); one for all variants.
+        motions: base motions; one for all variants.
+        duration: simulated time [s].
+        timestep: largest step [s].
+        initial: as `simulate` takes it; one for all variants. States must be of one instant.
+        sample_rate: steps end at k / sample_rate [Hz], as those of `simulate` do at its samples. A lower rate lets more
+            steps be taken at once.
+        corners: instants [s] at which steps end besides the motions' own corners: give those of all motions of a study, so
+            that the results do not depend on which variants share a batch.
+        threads: number of threads; None for one per processor.
+
+    Raises:
+        ValueError: an argument is out of range.
+        ModelError: the systems are not of one layout.
+    """
+    check_arguments(duration=duration, timestep=timestep, sample_rate=sample_rate, threads=threads)
+    if threads is not None and threads != int(threads):
+        raise ValueError(f"`threads` must be a whole number, got {threads}.")
+    systems, motions, starts = _variants(systems, motions, initial)
+    if not systems:
+        return []
+    check_same_layout(systems)
+    found: dict[int, BatchResult | BatchFailure] = {}
+    variants = []
+    step = cache(lambda system: checked_step(system, timestep))
+    for number, (system, motion, start) in enumerate(zip(systems, motions, starts, strict=True)):
+        try:
+            check_direction(system, motion)
+            state = initial_state(system, motion, start)
+            step(system)
+            variants.append(_Variant(number=number, system=system, motion=motion, start=state))
+        except WireRopeError as error:
+            found[number] = BatchFailure(error=error)
+    if variants:
+        grid = time_grid(
+            start=_common_instant(variants), duration=duration, sample_rate=sample_rate, timestep=timestep,
+            motion=motions[0], corners=_all_corners(motions, checked_corners(corners)),
+        )  # fmt: skip
+        found |= _together(variants, grid, threads or os.cpu_count() or 1)
+    return [found[number] for number in range(len(systems))]
+
+
+def _variants(
+    systems: System | Sequence[System],
+    motions: BaseMotion | Sequence[BaseMotion],
+    initial: str | State | Sequence[str | State],
+) -> tuple[list[System], list[BaseMotion], list[str | State]]:
+    """Return one system, motion and start for each variant."""
+    given: dict[str, list[Any]] = {
+        "systems": [systems] if isinstance(systems, System) else list(systems),
+        "motions": [motions] if isinstance(motions, BaseMotion) else list(motions),
+        "initial": [initial] if isinstance(initial, str | State) else list(initial),
+    }
+    several = {name: len(values) for name, values in given.items() if len(values) != 1}
+    if len(set(several.values())) > 1:
+        raise ValueError(f"`systems`, `motions` and `initial` must hold one each or equally many, got {several}.")
+    size = min(several.values(), default=1)
+    systems, motions, initial = (values if len(values) == size else values * size for values in given.values())
+    return systems, motions, initial
+
+
+def _all_corners(motions: Sequence[BaseMotion], more: Array) -> Array:
+    """Return the corners of all motions and `more` instants [s]; motions that are variants of one share theirs."""
+    distinct = {id(motion): motion for motion in motions}
+    arrays = {motion.corners.tobytes(): motion.corners for motion in distinct.values()}
+    return joined(more, *arrays.values())
+
+
+def _common_instant(variants: Sequence[_Variant]) -> float:
+    instants = {variant.start.time for variant in variants}
+    if len(instants) > 1:
+        raise ValueError(
+            f"`initial` states must be of one instant, got {min(instants):.6g} s and {max(instants):.6g} s."
+        )
+    return instants.pop()
+
+
+def _together(variants: Sequence[_Variant], grid: TimeGrid, threads: int) -> dict[int, BatchResult | BatchFailure]:
+    """Return the variants' results by number, all stepped through one grid."""
+    step = Lockstep(
+        [v.system for v in variants], [v.motion for v in variants], [v.start for v in variants], threads=threads
+    )
+    with installed(step.model, mujoco.MjData(step.model)) as kind:
+        native = kind == "native"
+        if native:
+            step.go(grid)
+    found: dict[int, BatchResult | BatchFailure] = {}
+    for place in step.live.tolist() if native else ():
+        final, peaks = step.result(place)
+        found[variants[place].number] = BatchResult(
+            peaks=peaks, initial_state=variants[place].start, final_state=final,
+            timestep=step.largest_step, steps=step.steps,
+        )  # fmt: skip
+    # What went wrong is found by going the same way alone; interpreted callbacks cannot serve several threads at all.
+    for variant in variants:
+        if variant.number not in found:
+            found[variant.number] = _alone(variant, grid, kind)
+    return found
+
+
+def _alone(variant: _Variant, grid: TimeGrid, kind: Kind) -> BatchResult | BatchFailure:
+    own = replace(grid, motion=variant.motion)
+    try:
+        done = run(variant.system, variant.motion, own, variant.start, callback=kind, sink=lambda sample, values: None)
+    except WireRopeError as error:
+        return BatchFailure(error=error)
+    return BatchResult(
+        peaks=done.peaks, initial_state=variant.start, final_state=done.final_state,
+        timestep=done.largest_step, steps=done.steps,
+    )  # fmt: skip

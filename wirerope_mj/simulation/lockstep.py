@@ -1,0 +1,163 @@
+"""Many systems of one layout through one time grid, side by side on several threads."""
+
+import copy
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+from mujoco.batch import Batch
+from mujoco.batch import SimulationError as BatchError
+
+from wirerope_mj.control import layout as at
+from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.response.peaks import Peaks
+from wirerope_mj.simulation.grid import Grid, TimeGrid
+from wirerope_mj.simulation.run import CHECK_EVERY, peaks_of
+from wirerope_mj.simulation.same_layout import expand_differences
+from wirerope_mj.simulation.stages import Stages, StageTables
+from wirerope_mj.simulation.stepper import STATE, acceleration_before, base_before, leave_behind, velocity_jump
+from wirerope_mj.state import State
+from wirerope_mj.system import System
+
+Array = npt.NDArray[np.float64]
+
+
+class Lockstep:
+    """Systems of one layout that take the same steps, each as `run` would take them alone.
+
+    Attributes:
+        model: model of the first system; callbacks are verified with it.
+        live: numbers of the systems that MuJoCo has not warned of so far, (n_live,).
+        steps: number of steps so far.
+        largest_step: largest of them [s].
+    """
+
+    def __init__(
+        self, systems: Sequence[System], motions: Sequence[BaseMotion], starts: Sequence[State], *, threads: int
+    ) -> None:
+        """Prepare for stepping `systems` from `starts` with their bases following `motions`."""
+        self.systems, self.motions = systems, motions
+        # One motion may serve many systems: it is evaluated once.
+        distinct = {id(motion): motion for motion in motions}
+        numbers = {key: number for number, key in enumerate(distinct)}
+        self._distinct, self._which = list(distinct.values()), np.array([numbers[id(motion)] for motion in motions])
+        assembly = systems[0].assembly
+        self._drive = assembly.tables.drive
+        self.model, self.live = copy.copy(systems[0].model), np.arange(len(systems))
+        self.steps, self.largest_step = 0, 0.0
+        self._batch = Batch(self.model, nsim=len(systems), nthread=min(threads, len(systems)))
+        self._timestep = self._batch.expand("opt.timestep")
+        expand_differences(self._batch, systems)
+        self._batch.state[:] = [start.values for start in starts]
+        self._qpos, self._qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
+        self._user = self._batch.bind("userdata")[:, assembly.userdata : assembly.userdata + assembly.tables.user.size]
+        self._user[:, at.OBSERVING], self._user[:, at.HISTORY], self._user[:, at.EVENT] = 1.0, 0.0, at.SMOOTH
+        self._dofs = np.array(assembly.driven_dofs, dtype=int)
+        self._places = self.model.jnt_qposadr[list(assembly.subjects.driven)]
+        self._origin = np.array([system.model.qpos0[self._places] for system in systems])
+        self._finals = np.empty_like(self._batch.state)
+
+    def go(self, grid: TimeGrid) -> None:
+        """Step through a grid, the mounts of the model acting; its motion says nothing here, its corners everything."""
+        tables = [StageTables(motion, self._drive) for motion in self._distinct]
+        keys = [_corners_of(motion) for motion in self._distinct]
+        by_corners = dict(zip(keys, self._distinct, strict=True))
+        stop = grid.start
+        for block in grid.blocks():
+            events = {key: block.with_events_of(motion) for key, motion in by_corners.items()}
+            grids = [events[key] for key in keys]
+            for stages in zip(*(table.blocks(own) for table, own in zip(tables, grids, strict=True)), strict=True):
+                self._advance(block, grids, stages)
+            stop = float(block.stop[-1]) if block.stop.size else stop
+            self.steps += int(block.steps.sum())
+            self.largest_step = max(self.largest_step, block.largest_step)
+        self._finish(stop)
+        self._base_peaks = [table.peak for table in tables]
+
+    def result(self, number: int) -> tuple[State, Peaks]:
+        """Return final state and peaks of one of the systems that are live."""
+        final = State(values=self._finals[number].copy(), time=float(self._finals[number, 0]))
+        base = self._base_peaks[self._which[number]]
+        return final, peaks_of(self.systems[number], self._user[number], base)
+
+    def _advance(self, block: Grid, grids: list[Grid], stages: tuple[Stages, ...]) -> None:
+        first, ends = stages[0].first, [0, *stages[0].ends.tolist()]
+        pieces = slice(first, first + len(ends) - 1)
+        # (n_motions, ...), pieces first where only one of them is needed at a time
+        events = np.array([own.event[pieces] for own in grids]).T
+        places, rates = (
+            np.array([getattr(own, part) for own in stages]).transpose(1, 0, 2) for part in ("places", "rates")
+        )
+        accelerations = np.array([own.accelerations.ravel() for own in stages])
+        for piece in range(len(ends) - 1):
+            if (first + piece) % CHECK_EVERY == 0:
+                self._drop_failed()
+            if not self.live.size:
+                return
+            start, length = block.start[first + piece], block.stop[first + piece] - block.start[first + piece]
+            steps = int(block.steps[first + piece])
+            self._jump(events[piece], float(start))
+            self._place_base(places[piece], rates[piece])
+            user, table = self._user, accelerations[:, 3 * ends[piece] : 3 * ends[piece + 1]]
+            user[:, at.EVENT] = events[piece][self._which]
+            user[:, at.STAGE_POINTS], user[:, at.STAGE_START] = 2 * steps + 1, start
+            user[:, at.STAGE_RATE] = 2.0 * steps / length
+            user[:, at.STAGES : at.STAGES + table.shape[1]] = self._of_each(table)
+            self._batch.state[:, 0] = start  # so that rounding does not add up over the steps
+            self._timestep[:] = length / steps
+            self._step(steps)
+
+    def _of_each(self, rows: Array) -> Array:
+        """Return the rows of the systems from those of the distinct motions."""
+        return rows[self._which] if len(rows) > 1 else rows
+
+    def _place_base(self, places: Array, rates: Array) -> None:
+        self._qpos[:, self._places] = self._origin + self._of_each(places)
+        self._qvel[:, self._dofs] = self._of_each(rates)
+
+    def _jump(self, events: Array, time: float) -> None:
+        """Let what rides on a base whose velocity jumps now keep its momentum."""
+        for number in self.live[events[self._which[self.live]] == at.JUMP]:
+            system, row = self.systems[number], self._batch.state[number]
+            data = mujoco.MjData(self.model)
+            mujoco.mj_setState(system.model, data, row, STATE)
+            leave_behind(system, system.model, data, velocity_jump(self.motions[number], time))
+            self._qvel[number] = data.qvel
+
+    def _step(self, steps: int) -> None:
+        try:
+            self._batch.step(self.live, nstep=steps)
+        except BatchError as error:
+            self.live = np.setdiff1d(self.live, error.ids)
+
+    def _finish(self, stop: float) -> None:
+        """Keep the final states, and observe the last instant with the accelerations just before it."""
+        before = [base_before(motion, self._drive, stop) for motion in self._distinct]
+        self._place_base(np.array([places for places, _ in before]), np.array([rates for _, rates in before]))
+        self._batch.state[:, 0] = stop
+        user, kept = self._user, self._user.copy()
+        # A state does not carry what belongs to this run alone: stage table and tracker.
+        user[:] = 0.0
+        self._finals[:] = self._batch.state
+        user[:] = kept
+        user[:, at.STAGE_POINTS], user[:, at.STAGE_START], user[:, at.STAGE_RATE] = 1.0, stop, 0.0
+        last = np.array([acceleration_before(motion, stop) for motion in self._distinct])
+        user[:, at.STAGES : at.STAGES + 3] = self._of_each(last)
+        self._drop_failed()
+        if self.live.size:
+            try:
+                self._batch.forward(self.live)
+            except BatchError as error:
+                self.live = np.setdiff1d(self.live, error.ids)
+        self._drop_failed()
+
+    def _drop_failed(self) -> None:
+        warned = self._batch.warning[:, :, 1].any(axis=1)
+        if warned.any():
+            self.live = self.live[~warned[self.live]]
+
+
+def _corners_of(motion: BaseMotion) -> tuple[object, ...]:
+    """Return what is equal for motions whose pieces have the same events."""
+    return motion.corners.tobytes(), tuple(time for time, _ in motion.velocity_jumps)
