@@ -4,10 +4,13 @@ import mujoco
 import numpy as np
 import pytest
 from house import deck, mjcf, sdof
+from scipy.optimize import brentq
 
 import wirerope_mj as wr
+from wirerope_mj.cli.statics_tables import stability_words
 from wirerope_mj.control import installed
 from wirerope_mj.modes import modes
+from wirerope_mj.modes.rest import linearise
 
 G = wr.STANDARD_GRAVITY
 PLACES = {"p1": (0.5, 0.4), "p2": (0.5, -0.3), "p3": (-0.6, 0.4), "p4": (-0.6, -0.3)}
@@ -95,6 +98,61 @@ def test_gravity_factor_and_rise_are_those_of_a_body_on_four_springs():
     assert stability.word == "stable"
     assert stability.gravity_factor == pytest.approx(tilting / (weight * height), rel=1e-6)
     assert stability.rise == pytest.approx(tilting / weight - height, rel=1e-6)
+
+
+def pendulum(*, spring, arm, mass=20.0, carrier=50.0, sideways=2e4):
+    """Return a carrier that slides along x on a mount, with a mass `arm` (x, z) from a hinge that has a spring [N m/rad]."""
+    inner = (
+        f'<body name="pendulum"><joint type="hinge" axis="0 1 0" stiffness="{spring}"/>'
+        f'<inertial pos="{arm[0]} 0 {arm[1]}" mass="{mass}" diaginertia=".3 .3 .3"/></body>'
+    )
+    payload = (
+        '<body name="carrier" pos="0 0 .3"><joint type="slide" axis="1 0 0"/>'
+        f'<inertial pos="0 0 0" mass="{carrier}" diaginertia="1 1 1"/><site name="p" pos="0 0 -.1"/>{inner}</body>'
+    )
+    text = mjcf(deck({"b": 'pos="0 0 .2"'}, slides="x") + payload, [("m1", "p", "b", "a")], gravity=G)
+    system = wr.load_system(text, isolators={"a": wr.Isolator(name="a", roll=wr.KelvinVoigt(k=sideways, c=0.0))})
+    length, lean = float(np.hypot(*arm)), float(np.arctan2(*arm))  # of the arm from upright, spring unloaded
+    turn = brentq(lambda turn: spring * turn - mass * G * length * np.sin(lean + turn), -1.5, 1.5, xtol=1e-14)
+    return system, length * np.cos(lean + turn)
+
+
+@pytest.mark.parametrize(
+    ("spring", "arm"), [(400.0, (0.3, 0.4)), (150.0, (0.2, 0.4)), (200.0, (0.3, 0.1)), (400.0, (0.0, 0.4))]
+)
+def test_a_jointed_pendulum_on_a_loaded_spring_has_its_closed_forms(spring, arm):
+    """The hinge is held by k - W h, h being the height above it: it tips at k / (W h) times W, or k / W - h higher."""
+    system, height = pendulum(spring=spring, arm=arm)
+    found, weight = modes(system), 20.0 * G
+    rest = linearise(system, found.equilibrium)
+    # Central differences leave 1e-9 of the largest stiffness, and k / (W h) is as ill-conditioned as h is small.
+    np.testing.assert_allclose(rest.other, np.diag([0.0, spring]), atol=1e-6 * spring)
+    np.testing.assert_allclose(rest.weight, np.diag([0.0, -weight * height]), atol=1e-6 * spring)
+    stability = found.stability
+    assert stability.gravity_factor == pytest.approx(spring / (weight * height), rel=1e-6)
+    assert stability.softest == pytest.approx(spring / (weight * height), rel=1e-6)
+    assert stability.rise == pytest.approx(spring / weight - height, rel=1e-6)
+    assert stability.word == ("slender" if spring < 3.0 * weight * height else "stable")
+
+
+def test_a_pendulum_that_hangs_is_held_by_its_weight_but_may_be_raised():
+    system, height = pendulum(spring=400.0, arm=(0.0, -0.4))
+    stability = modes(system).stability
+    assert np.isinf(stability.gravity_factor)
+    assert stability.rise == pytest.approx(400.0 / (20.0 * G) - height, rel=1e-6)
+    assert height == pytest.approx(-0.4)
+    assert "inf" not in stability_words(stability)
+    assert stability_words(stability).startswith("stable; it would tip over with its centre of mass")
+
+
+def test_forces_that_the_mounts_leave_in_the_state_are_not_stiffness():
+    """A box without joints other than its own has none but its mounts' and -W h, wherever MuJoCo keeps the mounts' forces."""
+    text = box_text(places=SYMMETRIC, height=0.4).replace('<geom type="box"', '<geom type="box" pos="0 0 0.2"')
+    s = wr.load_system(text, isolators=springs(6e4, 6e4, 4e4))
+    rest = linearise(s, modes(s).equilibrium)
+    weight = 120.0 * G * (0.4 + 0.2)  # W h: the centre stands above the body's own origin
+    assert np.abs(rest.other).max() < 1e-6 * weight
+    np.testing.assert_allclose(rest.weight, np.diag([0, 0, 0, -weight, -weight, 0]), atol=1e-6 * weight)
 
 
 def test_a_body_that_is_too_high_tips_over():

@@ -8,6 +8,7 @@ from house import deck, hysteresis, mjcf, sdof, sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.cli.app import main
+from wirerope_mj.cli.statics_tables import print_statics
 from wirerope_mj.criteria.static_load import static_load_verdicts
 from wirerope_mj.resources import models_folder
 from wirerope_mj.statics import static_table
@@ -133,6 +134,28 @@ def test_a_mount_on_a_soft_frame_lies_on_its_loading_path():
     # The frame sinks by both weights over its spring; its joint is what carries the frame itself.
     assert sag.payloads["mass"].displacement[2] == pytest.approx(row.deflection[2] - 55.0 * G / 20000.0, rel=1e-9)
     assert sag.on_mounts == pytest.approx(sag.weight, rel=1e-9)
+
+
+def test_shares_of_stacked_payloads_are_of_the_weight_of_all_and_the_table_says_so(capsys):
+    def stage(name, below, z, mass, site):
+        return (
+            f'<body name="{name}" pos="0 0 {z}"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="{mass}"/>'
+            f'<site name="{below}" pos="0 0 -.1"/>{site}</body>'
+        )
+
+    upper = stage("rack", "pr", 0.5, 20, "")
+    world = deck({"b": 'pos="0 0 .2"'}, slides="z") + stage("floor", "pf", 0.3, 50, '<site name="bf" pos="0 0 .1"/>')
+    text = mjcf(world + upper, [("m1", "pf", "b", "a"), ("m2", "pr", "bf", "a")], gravity=G)
+    text = text.replace("</custom>", '<tuple name="base"><element objtype="body" objname="deck"/></tuple></custom>')
+    isolator = wr.Isolator(name="a", axial=wr.KelvinVoigt(k=2e4, c=0.0))
+    table = static_table(wr.load_system(text, isolators={"a": isolator}))
+    splits = {name: row.split for name, row in table.relaxed.mounts.items()}
+    assert splits == pytest.approx({"m1": 1.0, "m2": 20.0 / 70.0}, rel=1e-9)
+    assert table.relaxed.on_mounts == pytest.approx(70.0 * G, rel=1e-9)
+    print_statics("stacked", table, [], {})
+    assert "add up to more than 100 %" in " ".join(capsys.readouterr().out.split())
+    print_statics("alone", static_table(offset_box(offset=(0.0, 0.0))), [], {})
+    assert "add up to more" not in " ".join(capsys.readouterr().out.split())
 
 
 def test_without_elastic_part_the_relaxed_column_says_why():

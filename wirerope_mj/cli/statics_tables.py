@@ -36,10 +36,12 @@ def stability_words(stability: Stability) -> str:
         return "something moves without any stiffness: no mount, joint or stop holds it."
     if stability.gravity_factor > _FAR and stability.rise > _FAR:
         return f"{stability.word}, far from tipping over."
-    return (
-        f"{stability.word}; it would tip over at {stability.gravity_factor:.3g} times its weight, or with its centre of mass "
-        f"{stability.rise:.3g} m higher."
-    )
+    ways = []
+    if math.isfinite(stability.gravity_factor):
+        ways.append(f"at {stability.gravity_factor:.3g} times its weight")
+    if math.isfinite(stability.rise):
+        ways.append(f"with its centre of mass, or that of a part on a joint, {stability.rise:.3g} m higher")
+    return f"{stability.word}; it would tip over {', or '.join(ways)}."
 
 
 def _mounts(name: str, table: StaticTable, verdicts: list[Verdict]) -> Table:
@@ -100,6 +102,11 @@ def _sentences(table: StaticTable, verdicts: list[Verdict], stability: dict[str,
         yield (
             f"{history}: of the weight of {1e-3 * sag.weight:.4f} kN mounts carry {1e-3 * sag.on_mounts:.4f} kN, "
             f"contacts {1e-3 * sag.on_contacts:.4f} kN{rest}."
+        )
+    if any(sum(row.carries for row in sag.mounts.values()) > 1.000001 * sag.on_mounts for sag in table.sags.values()):
+        yield (
+            "Payloads stand on payloads: shares are of the weight of all of them, and the lower mounts carry what stands above "
+            "as well, so they add up to more than 100 %."
         )
     for history, words in table.missing.items():
         yield f"{history}: {words}"

@@ -26,7 +26,7 @@ class AtRest:
         free: which of MuJoCo's velocity coordinates these are, (n,).
         mass: mass matrix, (n, n).
         other: stiffness besides the mounts' tangents: joint springs and contacts, (n, n).
-        weight: stiffness that weight and preload add, -W h of a centre of mass above its mounts included, (n, n).
+        weight: stiffness that weight and the mounts' preload add, -W h of a centre of mass above its mounts included, (n, n).
         damping: of joints, (n, n).
         mounts: mounts by name.
         data: MuJoCo's data in that state.
@@ -48,16 +48,17 @@ def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS  # dry friction of joints has no stiffness
     data = mujoco.MjData(model)
     mujoco.mj_setState(model, data, equilibrium.state.values, STATE)
+    data.xfrc_applied[:] = 0.0  # the mounts' forces, which `_push` applies
     mujoco.mj_fwdPosition(model, data)
     free = np.setdiff1d(np.arange(model.nv), system.assembly.driven_dofs)
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
     mass = mass[np.ix_(free, free)]
-    loaded = _held(system, model, data, equilibrium, free, mass)
+    loaded = _held(system, model, data, equilibrium, free)
     mounts = {name: _mount(system, model, data, equilibrium, name, free) for name in system.mounts}
     gravity = model.opt.gravity.copy()
     model.opt.gravity[:] = 0.0
-    other = _held(system, model, data, None, free, mass)
+    other = _held(system, model, data, None, free)
     model.opt.gravity[:] = gravity
     return AtRest(
         free=free,
@@ -76,12 +77,15 @@ def _held(
     data: mujoco.MjData,
     equilibrium: Equilibrium | None,
     free: npt.NDArray[np.int64],
-    mass: Array,
 ) -> Array:
-    """Return -M d(acceleration)/dq with mount forces that stay as they are in the mounts' axes (None: without forces)."""
+    """Return -d(force)/dq with mount forces that stay as they are in the mounts' axes (None: without forces).
+
+    Generalised forces, not M times accelerations: without weight a loaded joint spring accelerates what it holds, and then
+    the mass matrix, which changes with position, would pass for stiffness.
+    """
     rest = data.qpos.copy()
 
-    def acceleration(dof: int, step: float) -> Array:
+    def forces(dof: int, step: float) -> Array:
         velocity = np.zeros(model.nv)
         velocity[dof] = step
         data.qpos[:] = rest
@@ -89,13 +93,13 @@ def _held(
         data.qvel[:] = 0.0
         _push(system, model, data, equilibrium)
         mujoco.mj_forward(model, data)
-        return data.qacc[free].copy()
+        return np.asarray((data.qfrc_smooth + data.qfrc_constraint)[free])
 
-    columns = [(acceleration(int(dof), STEP) - acceleration(int(dof), -STEP)) / (2.0 * STEP) for dof in free]
+    columns = [(forces(int(dof), STEP) - forces(int(dof), -STEP)) / (2.0 * STEP) for dof in free]
     data.qpos[:] = rest
     _push(system, model, data, equilibrium)
     mujoco.mj_forward(model, data)
-    stiffness = -mass @ np.stack(columns, axis=1)
+    stiffness = -np.stack(columns, axis=1)
     return np.asarray(0.5 * (stiffness + stiffness.T))
 
 

@@ -1,5 +1,6 @@
 """How far a system is from tipping over."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,7 +11,7 @@ from scipy.linalg import eigvalsh
 
 from wirerope_mj.modes.eigen import FREE, solve
 from wirerope_mj.modes.rest import AtRest
-from wirerope_mj.statics.payloads import payloads_of
+from wirerope_mj.statics.payloads import movers_of
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
@@ -26,7 +27,8 @@ class Stability:
     Attributes:
         smallest_eigenvalue: of stiffness over mass [(rad/s)^2]; below zero the payload tips over, at zero nothing holds it.
         gravity_factor: times the weight, preload included, at which it tips over; infinite if it never does.
-        rise: by which the centre of mass could stand higher before it tips over [m]; infinite if it cannot, 0 if it does.
+        rise: by which the centre of mass of a payload, or of a part of it that is jointed, could stand higher before it tips
+            over [m], the smallest of all; infinite if none can, 0 if it does. What stands on a part counts with it.
         softest: the gravity factor with the mounts' tangents on further loading instead of small cycles.
     """
 
@@ -74,7 +76,7 @@ def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -
     return Stability(
         smallest_eigenvalue=float(values.min(initial=np.inf)),
         gravity_factor=_critical(rest.other + tangent, -rest.weight),
-        rise=_critical(stiffness, _overturning(system, rest)),
+        rise=min((_critical(stiffness, load) for load in _overturning(system, rest)), default=np.inf),
         softest=_critical(rest.other + loading, -rest.weight),
     )
 
@@ -89,18 +91,16 @@ def _critical(stiffness: Array, load: Array) -> float:
     return 1.0 / largest if largest > FREE else np.inf
 
 
-def _overturning(system: System, rest: AtRest) -> Array:
-    """Return what a payload's weight takes from the stiffness against tilting per metre of height [N], (n, n)."""
+def _overturning(system: System, rest: AtRest) -> Iterator[Array]:
+    """Yield what the weight of each moving body takes from the stiffness against tilting per metre of height [N], (n, n)."""
     model, data = system.model, rest.data
     up = -model.opt.gravity
     size = float(np.linalg.norm(up))
-    load = np.zeros_like(rest.mass)
     if size == 0.0:
-        return load
+        return
     level = np.eye(3) - np.outer(up, up) / size**2
-    for payload in payloads_of(system):
+    for body in (body for mover in movers_of(system) for body in mover.bodies if model.body_dofnum[body]):
         turn, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv))
-        mujoco.mj_jacBody(model, data, unused, turn, payload.root)
+        mujoco.mj_jacBody(model, data, unused, turn, body)
         tilt = level @ turn[:, rest.free]
-        load += payload.mass * size * tilt.T @ tilt
-    return load
+        yield float(model.body_subtreemass[body]) * size * tilt.T @ tilt

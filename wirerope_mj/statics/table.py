@@ -28,7 +28,8 @@ class MountSag:
         deflection: roll, shear, axial [m], axial negative in compression, (3,).
         force: restoring force in the same axes [N], (3,).
         carries: what it pushes the payload up with [N].
-        split: share of the weight of all payloads that this is; NaN without weight.
+        split: share of the weight of all payloads that this is; NaN without weight. Where payloads stand on payloads the lower
+            mounts carry those above as well, and the shares add up to more than 1.
         compression: axial load [N]; 0 in tension.
         static_load: rated load in compression [N]; None = not judged.
     """
