@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from scipy.signal import csd, lsim, welch
+from scipy.signal import cont2discrete, csd, lfilter, lsim, welch
+from scipy.stats import chi2
 
 from wirerope_mj.excitation import RandomVibration, motion_from_dict, psd_from_g, psd_level, psd_rms
 from wirerope_mj.excitation.random_phases import random_phases
@@ -136,6 +137,70 @@ def test_an_oscillator_answers_as_miles_says():
     assert steady.std() == pytest.approx(math.sqrt(math.pi / 2 * frequency * q * (1 + 1 / q**2)), rel=4 * 0.015)
 
 
+SEEDS = 48
+FLAT = [(20.0, 1.0), (200.0, 1.0)]
+
+
+@pytest.fixture(scope="module", params=["fixed", "random"])
+def answers(request):
+    """Mean squares of base and of a 60 Hz oscillator over 16 of 20 s, (SEEDS, 2), of motions with either amplitudes."""
+    omega, damping, squares = 2 * math.pi * 60.0, 0.05, []
+    for seed in range(SEEDS):
+        motion = RandomVibration(
+            psd=FLAT, duration=20.0, seed=seed, direction="z", rise=1.0, fall=1.0, amplitudes=request.param
+        )
+        time = motion.corners
+        base = motion.acceleration(time)[:, 2]
+        oscillator = ([2 * damping * omega, omega**2], [1.0, 2 * damping * omega, omega**2])
+        top, bottom, _ = cont2discrete(oscillator, time[1], method="foh")  # exact for straight lines between the knots
+        answer = lfilter(np.squeeze(top), bottom, base)
+        # A second after the rise is 19 time constants 1/(damping omega): the rise is forgotten.
+        steady = (time >= 2.0) & (time < 18.0)
+        first, second = base[steady][:-1], base[steady][1:]  # straight between them
+        squares.append([np.mean(first**2 + first * second + second**2) / 3, np.mean(answer[steady] ** 2)])
+    return request.param, np.array(squares)
+
+
+def test_responses_scatter_from_seed_to_seed_as_the_amplitudes_say(answers):
+    """Var of a mean square over t: sum_ij P_i P_j sinc^2((i - j) t/T) = int S^2 df / t; without i = j it is 1 - t/T of that.
+
+    Fixed amplitudes have no variance of their own, which is i = j. S is the density of base or answer; of mean squares the
+    relative scatter is twice that of rms values.
+    """
+    amplitudes, squares = answers
+    frequency = np.linspace(20.0, 200.0, 18_001)
+    ratio = frequency / 60.0
+    gain = (1 + (0.1 * ratio) ** 2) / ((1 - ratio**2) ** 2 + (0.1 * ratio) ** 2)  # of acceleration, squared
+    share = 1.0 if amplitudes == "random" else 1 - 16.0 / 20.0
+    for values, density in ((squares[:, 0], np.ones_like(gain)), (squares[:, 1], gain)):
+        power = np.trapezoid(density, frequency)
+        scatter = math.sqrt(share * np.trapezoid(density**2, frequency) / 16.0) / power
+        # A scatter of n seeds is chi-square of n - 1 degrees: one in 10 000 leaves this range, 0.65 to 1.41, at either end.
+        low, high = np.sqrt(chi2.ppf([1e-4, 1 - 1e-4], SEEDS - 1) / (SEEDS - 1))
+        assert low < values.std(ddof=1) / power / scatter < high
+        # The mean of all seeds is the density's, within four of its standard errors (and 1e-3 for images of the lines).
+        assert values.mean() / power == pytest.approx(1.0, abs=4 * scatter / math.sqrt(SEEDS) + 1e-3)
+
+
+def test_random_amplitudes_are_stored_and_keep_the_phases_of_their_seed():
+    fixed, random = (
+        RandomVibration(psd=FLAT, duration=5.0, seed=3, direction="x", amplitudes=kind) for kind in ("fixed", "random")
+    )
+    time = np.linspace(0.0, 5.0, 1001)
+    rebuilt = motion_from_dict(random.to_dict())
+    assert rebuilt.acceleration(time).tobytes() == random.acceleration(time).tobytes()
+    before = {
+        name: value for name, value in fixed.to_dict().items() if name != "amplitudes"
+    }  # stored by an earlier version
+    assert motion_from_dict(before).acceleration(time).tobytes() == fixed.acceleration(time).tobytes()
+    # Correlation of lines of equal phases, amplitudes 1 and A: E A = sqrt(pi)/2 for Rayleigh's distribution of mean square
+    # 1, over some 900 lines.
+    alike = np.corrcoef(fixed.acceleration(time)[:, 0], random.acceleration(time)[:, 0])[0, 1]
+    assert alike == pytest.approx(math.sqrt(math.pi) / 2, abs=4 / math.sqrt(900))
+    assert "seed 3, random amplitudes along x" in random.description
+    assert "amplitudes" not in fixed.description
+
+
 def test_axes_add():
     x = RandomVibration(psd=SHAPE, duration=5.0, seed=1, direction="x")
     z = RandomVibration(psd=SHAPE, duration=5.0, seed=2, direction="z")
@@ -174,6 +239,7 @@ def test_ten_minutes_to_two_thousand_hertz_keep_one_number_a_knot():
         ({"seed": -1}, "`seed` must be a whole number >= 0, got -1"),
         ({"seed": 1.5}, "`seed` must be a whole number >= 0, got 1.5"),
         ({"seed": True}, "`seed` must be a whole number >= 0, got True"),
+        ({"amplitudes": "gauss"}, "`amplitudes` must be 'fixed' or 'random', got 'gauss'"),
     ],
 )
 def test_arguments_out_of_range_are_refused(change, message):

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +25,11 @@ from wirerope_mj.excitation.checks import (
 from wirerope_mj.excitation.envelope import Envelope, check_room, usual_ramp
 from wirerope_mj.excitation.motion import StraightMotion
 from wirerope_mj.excitation.psd_lines import Points, checked_points, psd_power, psd_rms
-from wirerope_mj.excitation.random_phases import random_phases
+from wirerope_mj.excitation.random_phases import random_amplitudes, random_phases
 from wirerope_mj.excitation.spline import UniformSpline
 from wirerope_mj.units import STANDARD_GRAVITY
+
+Amplitudes = Literal["fixed", "random"]
 
 KNOTS_PER_PERIOD = 8
 """Knots of the acceleration in a period of the highest frequency."""
@@ -38,12 +40,18 @@ class RandomVibration(StraightMotion):
     """Gaussian vibration of a power spectral density, between a smooth rise from rest and a smooth fall back to it.
 
     The displacement is a sum of sines of all frequencies k/T in the band with independent random phases, T being the
-    duration or a little more, times the envelope; each sine carries the power of its band 1/T, so that rms and density are
-    those asked for and only the phases are random. It is kept as a cubic spline, whose acceleration is linear between
-    knots, 8 in a period of the highest frequency. What the spline takes from a sine is given back to it beforehand, so
-    the density holds within the band; what is left of the linear pieces are images beyond seven times the highest
-    frequency, at most 2 % of the amplitude (0.04 % of the power) of the sines that cause them. Velocity and
-    displacement have no drift, and are zero before the start and after the end.
+    duration or a little more, times the envelope. With `amplitudes="fixed"` each sine carries the power of its band 1/T, so
+    that rms and density are those asked for in every motion, as a controlled shaker has them, and only the phases are
+    random: the rms of a response over a time t scatters from seed to seed with sqrt(1 - t/T) of what Gaussian noise gives.
+    With `amplitudes="random"` they are of Rayleigh's distribution with that power in the mean. Such a motion is a piece of a
+    true Gaussian process: its rms, and that of a response, scatter by 1/(2 sqrt(B t)), B being the bandwidth. A Monte-Carlo
+    study wants these.
+
+    The displacement is kept as a cubic spline, whose acceleration is linear between knots, 8 in a period of the highest
+    frequency. What the spline takes from a sine is given back to it beforehand, so the density holds within the band; what
+    is left of the linear pieces are images beyond seven times the highest frequency, at most 2 % of the amplitude (0.04 % of
+    the power) of the sines that cause them. Velocity and displacement have no drift, and are zero before the start and after
+    the end.
 
     Memory is 8 bytes a knot: 80 MB for 10 minutes up to 2000 Hz. The phases are taken from a seed by a generator whose
     stream is the same everywhere; motions of different seeds are independent, those of the same seed, density and duration
@@ -53,12 +61,13 @@ class RandomVibration(StraightMotion):
         psd: Points (frequency [Hz], level [(m/s^2)^2/Hz]) with straight lines between them on logarithmic axes; zero
             outside. `psd_from_g` makes them from g^2/Hz.
         duration: Length of the vibration with rise and fall [s].
-        seed: Whole number that chooses the phases.
+        seed: Whole number that chooses the phases, and the amplitudes if they are random.
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
         rise: Length of the rise [s], at least a period of the lowest frequency; None: ten such periods, or a tenth of
             the duration if that is shorter.
         fall: The same for the fall.
         start: Instant at which the vibration begins [s].
+        amplitudes: `"fixed"` or `"random"`, see above; the phases of a seed are the same in both.
     """
 
     kind: ClassVar[str] = "random-vibration"
@@ -70,6 +79,7 @@ class RandomVibration(StraightMotion):
     rise: float
     fall: float
     start: float
+    amplitudes: Amplitudes
 
     def __init__(
         self,
@@ -81,6 +91,7 @@ class RandomVibration(StraightMotion):
         rise: float | None = None,
         fall: float | None = None,
         start: float = 0.0,
+        amplitudes: Amplitudes = "fixed",
     ) -> None:
         object.__setattr__(self, "psd", checked_points("psd", psd, quantity="level"))
         object.__setattr__(self, "duration", positive("duration", duration))
@@ -90,10 +101,13 @@ class RandomVibration(StraightMotion):
             object.__setattr__(self, name, usual_ramp(name, length, lowest=self.psd[0][0], duration=self.duration))
         check_room(self.duration, self.rise, self.fall)
         object.__setattr__(self, "start", finite("start", start))
+        if amplitudes not in get_args(Amplitudes):
+            raise ValueError(f"`amplitudes` must be 'fixed' or 'random', got {amplitudes!r}.")
+        object.__setattr__(self, "amplitudes", amplitudes)
 
     @property
     def rms(self) -> float:
-        """Rms acceleration between rise and fall [m/s^2]."""
+        """Rms acceleration between rise and fall [m/s^2]: of the density, about which that of random amplitudes scatters."""
         return psd_rms(self.psd)
 
     @property
@@ -116,7 +130,8 @@ class RandomVibration(StraightMotion):
         """For instance `random 20 to 2000 Hz, 7.69 g rms, 60 s, seed 1 along z`."""
         level = f"{self.psd[0][0]:.4g} to {self.psd[-1][0]:.4g} Hz, {self.rms / STANDARD_GRAVITY:.4g} g rms"
         when = f" at {self.start:.4g} s" if self.start else ""
-        return f"random {level}, {self.duration:.4g} s, seed {self.seed} along {direction_text(self.direction)}{when}"
+        seed = f"seed {self.seed}" + (", random amplitudes" if self.amplitudes == "random" else "")
+        return f"random {level}, {self.duration:.4g} s, {seed} along {direction_text(self.direction)}{when}"
 
     @property
     def events(self) -> tuple[tuple[float, str], ...]:
@@ -137,7 +152,7 @@ class RandomVibration(StraightMotion):
     def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
         values = {"psd": [list(point) for point in self.psd], "duration": self.duration, "seed": self.seed}
         ramps = {"rise": self.rise, "fall": self.fall, "start": self.start}
-        return {**values, "direction": plain_direction(self.direction), **ramps}
+        return {**values, "direction": plain_direction(self.direction), **ramps, "amplitudes": self.amplitudes}
 
     @property
     def _intervals(self) -> int:
@@ -156,6 +171,8 @@ class RandomVibration(StraightMotion):
         frequency = width * np.arange(first, last + 1)
         edges = width * (np.arange(first, last + 2) - 0.5)
         amplitude = np.sqrt(2 * np.diff(psd_power(self.psd, edges)))
+        if self.amplitudes == "random":
+            amplitude *= random_amplitudes(self.seed, amplitude.size)
         # A sine in the coefficients comes out of the spline as sinc^4 of itself, and its acceleration is -w^2 times that.
         amplitude /= (2 * np.pi * frequency) ** 2 * np.sinc(frequency * h) ** 4
         lines = np.zeros(period // 2 + 1, dtype=complex)
