@@ -251,3 +251,37 @@ def test_callbacks_are_gone_after_a_batch():
     system = wr.load_system(models_folder() / "sdof_shaker.xml")
     wr.simulate_batch(system, half_sine(1.0), **{**STEPS, "duration": 0.01})
     assert mujoco.get_mjcb_control() is None
+
+
+def test_a_variant_that_mujoco_gives_up_stops_no_other(tmp_path):
+    """Little memory holds the state of a cabinet in the air, and not its contacts."""
+    text = (
+        (models_folder() / "cabinet.xml")
+        .read_text(encoding="utf-8")
+        .replace("<option", '<size memory="6K"/><option', 1)
+    )
+    isolators = wr.load_system(models_folder() / "cabinet.xml").isolators
+    system = wr.load_system(text, isolators=isolators)
+    good, bad = wr.simulate_batch(system, [half_sine(1.0), half_sine(100.0)], **STEPS)
+    assert_same(good, wr.simulate(system, half_sine(1.0), **STEPS))
+    assert isinstance(bad.error, wr.SimulationError)
+    assert "MuJoCo gave up: mj_stackAlloc: out of memory" in bad.message
+    with pytest.raises(wr.SimulationError, match="increase <size memory"):
+        wr.simulate(system, half_sine(100.0), **STEPS)
+
+
+def test_models_that_sleep_are_stepped_one_by_one():
+    isolators = {"a": wr.Isolator(name="a", axial=wr.KelvinVoigt(k=2e4, c=20.0))}
+    text = house.sdof_text().replace("<mujoco>", '<mujoco><option><flag sleep="enable"/></option>')
+    system = wr.load_system(text, isolators=isolators)
+    motions = [half_sine(1.0), half_sine(2.0)]
+    assert_each_as_alone([system] * 2, motions, **STEPS)
+
+
+def test_slides_that_do_not_start_at_zero_are_placed_from_where_they_start():
+    text = house.sdof_text().replace('name="deck_z"', 'name="deck_z" ref="0.4"')
+    spring = wr.KelvinVoigt(k=2e4, c=20.0)
+    systems = [wr.load_system(text, isolators={"a": wr.Isolator(name="a", axial=spring)}), house.sdof(spring)]
+    # one layout, another place of the same deck: each variant has its own
+    assert systems[0].model.qpos0[0] == 0.4
+    assert_each_as_alone(systems, [half_sine(1.0), half_sine(2.0)], **STEPS)

@@ -37,7 +37,7 @@ def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native")
         The kind that is installed: "python" where the native callback cannot be verified (with a RuntimeWarning).
 
     Raises:
-        SimulationError: another thread steps with the other kind.
+        SimulationError: another thread steps with the other kind, or MuJoCo could not go on within the block.
     """
     if kind not in ("native", "python"):
         raise ValueError(f"`callback` must be 'native' or 'python', got {kind!r}.")
@@ -45,6 +45,8 @@ def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native")
     _acquire(kind)
     try:
         yield kind
+    except mujoco.FatalError as error:
+        raise SimulationError(f"MuJoCo gave up: {' '.join(str(error).split())}") from None
     finally:
         _release()
 

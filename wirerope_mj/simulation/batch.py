@@ -26,6 +26,9 @@ from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
 
+_OUTSIDE_THE_STATE = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mjENBL_IPC
+"""Options with which MuJoCo keeps more from step to step than a state holds, so that threads cannot share its data."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class BatchResult:
@@ -166,25 +169,23 @@ def _common_instant(variants: Sequence[_Variant]) -> float:
 
 def _together(variants: Sequence[_Variant], grid: TimeGrid, threads: int) -> dict[int, BatchResult | BatchFailure]:
     """Return the variants' results by number, all stepped through one grid."""
-    step = Lockstep(
-        [v.system for v in variants], [v.motion for v in variants], [v.start for v in variants], threads=threads
-    )
-    with installed(step.model, mujoco.MjData(step.model)) as kind:
-        native = kind == "native"
-        if native:
-            step.go(grid)
     found: dict[int, BatchResult | BatchFailure] = {}
-    for place in step.live.tolist() if native else ():
-        final, peaks = step.result(place)
-        found[variants[place].number] = BatchResult(
-            peaks=peaks, initial_state=variants[place].start, final_state=final,
-            timestep=step.largest_step, steps=step.steps,
-        )  # fmt: skip
-    # What went wrong is found by going the same way alone; interpreted callbacks cannot serve several threads at all.
-    for variant in variants:
-        if variant.number not in found:
-            found[variant.number] = _alone(variant, grid, kind)
-    return found
+    model = variants[0].system.model
+    with installed(model, mujoco.MjData(model)) as kind:
+        if kind == "native" and not model.opt.enableflags & _OUTSIDE_THE_STATE:
+            side_by_side = Lockstep(
+                [v.system for v in variants], [v.motion for v in variants], [v.start for v in variants], threads=threads
+            )
+            side_by_side.go(grid)
+            for place in side_by_side.live.tolist():
+                final, peaks = side_by_side.result(place)
+                found[variants[place].number] = BatchResult(
+                    peaks=peaks, initial_state=variants[place].start, final_state=final,
+                    timestep=side_by_side.largest_step, steps=side_by_side.steps,
+                )  # fmt: skip
+    # What went wrong with a variant is found by going the same way alone, as does what threads cannot serve.
+    alone = [variant for variant in variants if variant.number not in found]
+    return found | {variant.number: _alone(variant, grid, kind) for variant in alone}
 
 
 def _alone(variant: _Variant, grid: TimeGrid, kind: Kind) -> BatchResult | BatchFailure:

@@ -1,6 +1,5 @@
 """Many systems of one layout through one time grid, side by side on several threads."""
 
-import copy
 from collections.abc import Sequence
 
 import mujoco
@@ -27,7 +26,6 @@ class Lockstep:
     """Systems of one layout that take the same steps, each as `run` would take them alone.
 
     Attributes:
-        model: model of the first system; callbacks are verified with it.
         live: numbers of the systems that MuJoCo has not warned of so far, (n_live,).
         steps: number of steps so far.
         largest_step: largest of them [s].
@@ -44,9 +42,9 @@ class Lockstep:
         self._distinct, self._which = list(distinct.values()), np.array([numbers[id(motion)] for motion in motions])
         assembly = systems[0].assembly
         self._drive = assembly.tables.drive
-        self.model, self.live = copy.copy(systems[0].model), np.arange(len(systems))
+        self._model, self.live = systems[0].model, np.arange(len(systems))
         self.steps, self.largest_step = 0, 0.0
-        self._batch = Batch(self.model, nsim=len(systems), nthread=min(threads, len(systems)))
+        self._batch = Batch(self._model, nsim=len(systems), nthread=min(threads, len(systems)))
         self._timestep = self._batch.expand("opt.timestep")
         expand_differences(self._batch, systems)
         self._batch.state[:] = [start.values for start in starts]
@@ -54,7 +52,7 @@ class Lockstep:
         self._user = self._batch.bind("userdata")[:, assembly.userdata : assembly.userdata + assembly.tables.user.size]
         self._user[:, at.OBSERVING], self._user[:, at.HISTORY], self._user[:, at.EVENT] = 1.0, 0.0, at.SMOOTH
         self._dofs = np.array(assembly.driven_dofs, dtype=int)
-        self._places = self.model.jnt_qposadr[list(assembly.subjects.driven)]
+        self._places = self._model.jnt_qposadr[list(assembly.subjects.driven)]
         self._origin = np.array([system.model.qpos0[self._places] for system in systems])
         self._finals = np.empty_like(self._batch.state)
 
@@ -120,7 +118,7 @@ class Lockstep:
         """Let what rides on a base whose velocity jumps now keep its momentum."""
         for number in self.live[events[self._which[self.live]] == at.JUMP]:
             system, row = self.systems[number], self._batch.state[number]
-            data = mujoco.MjData(self.model)
+            data = mujoco.MjData(self._model)
             mujoco.mj_setState(system.model, data, row, STATE)
             leave_behind(system, system.model, data, velocity_jump(self.motions[number], time))
             self._qvel[number] = data.qvel
