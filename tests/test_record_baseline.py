@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from wirerope_mj.excitation import HalfSine, load_record
+from wirerope_mj.errors import RecordWarning
+from wirerope_mj.excitation import HalfSine, load_record, motion_from_dict
 from wirerope_mj.plots.record_baseline import records_of, save_record_baseline
 
 RATE = 1000.0
@@ -29,17 +30,85 @@ def burst(frequency):
 
 @pytest.mark.parametrize(("frequency", "gain"), [(10.0, 1.0), (2.0, 16.0 / 17.0), (1.0, 0.5), (0.5, 1.0 / 17.0)])
 def test_the_high_pass_has_the_gain_of_its_order_and_no_phase(csv, frequency, gain):
-    record = load_record(csv(burst(frequency)), baseline="highpass", highpass=1.0)
+    record = load_record(csv(burst(frequency)), baseline="highpass", highpass=1.0, start=-2.0)  # 2 s are added before
+    np.testing.assert_allclose(record.time[2000:22_001], TIME, atol=1e-9)
     middle = (TIME > 5.0) & (TIME < 15.0)
     # Butterworth of order 2, forward and backward: 1 / (1 + (fc/f)^4). The window widens the wave's line by some 0.1 Hz, over
     # which the gain changes by up to 0.04; one pass alone would have 0.7 at the cutoff, and 90 degrees of phase.
-    np.testing.assert_allclose(record.samples[middle, 0], gain * burst(frequency)[middle], atol=0.04)
+    np.testing.assert_allclose(record.samples[2000:-2000][middle, 0], gain * burst(frequency)[middle], atol=0.04)
 
 
 def test_the_high_pass_takes_an_offset_off_and_leaves_the_ends_in_peace(csv):
     record = load_record(csv(3.0 + burst(10.0)), baseline="highpass", highpass=0.5)
-    np.testing.assert_allclose(record.samples[:, 0], burst(10.0), atol=1e-3)
+    np.testing.assert_allclose(record.samples[4000:-4000, 0], burst(10.0), atol=1e-3)
     assert abs(record.velocity(record.end)[0, 0]) < 1e-3  # 60 m/s with the offset
+
+
+def half_sine(before, after, *, peak=100.0, duration=0.011, offset=0.0, rate=1000.0):
+    time = np.arange(round((before + after) * rate)) / rate
+    inside = (time >= before) & (time < before + duration)
+    return time, offset + np.where(inside, peak * np.sin(np.pi * (time - before) / duration), 0.0)
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.5, -9.80665])
+@pytest.mark.parametrize(
+    ("before", "after", "cutoff"),
+    [(0.05, 0.5, 1.0), (0.1, 2.0, 1.0), (0.5, 4.0, 0.5), (0.5, 4.0, 1.0), (4.0, 4.0, 0.5)],
+)
+def test_after_a_high_pass_the_base_comes_to_rest_however_short_the_rest_before_the_shock(
+    tmp_path, before, after, cutoff, offset
+):
+    path = tmp_path / "shock.csv"
+    time, values = half_sine(before, after, offset=offset)
+    np.savetxt(
+        path, np.column_stack([time, values]), delimiter=",", header="time [s],z [m/s^2]", comments="", fmt="%.12g"
+    )
+    record = load_record(path, baseline="highpass", highpass=cutoff, start=0.2)
+    assert record.start == record.time[0] == 0.2
+    assert record.duration == pytest.approx(time[-1] + 4.0 / cutoff, rel=1e-9)
+    # The filter has died away to exp(-2 * 4.44) = 1.4e-4 after two periods; the shock changes the velocity by 0.7 m/s.
+    assert abs(record.velocity(record.end)[0, 2]) < 1e-4 * 0.7
+    assert abs(record.displacement(record.end)[0, 2]) < 1e-2 * np.abs(record.displacement(record.time)).max()
+    # What was fast stays: the pulse loses no more than the filter takes of a pulse that is short against its period.
+    assert record.samples[:, 2].max() == pytest.approx(values.max() - offset, rel=0.02)
+    pulse = record.time[record.samples[:, 2].argmax()] - 0.2
+    assert pulse == pytest.approx(before + 0.0055 + 2.0 / cutoff, abs=1.1e-3)
+
+
+def test_a_lengthened_record_is_played_again_bit_by_bit_and_lies_over_the_measured_one(tmp_path):
+    path = tmp_path / "shock.csv"
+    np.savetxt(
+        path,
+        np.column_stack(half_sine(0.05, 0.5)),
+        delimiter=",",
+        header="time [s],z [m/s^2]",
+        comments="",
+        fmt="%.12g",
+    )
+    record = load_record(path, baseline="highpass", highpass=0.7, start=0.3, scale=2.0, resample=2000.0)
+    again = motion_from_dict(record.to_dict())
+    np.testing.assert_array_equal(again.samples, record.samples)
+    np.testing.assert_array_equal(again.time, record.time)
+    assert again.description == record.description == f"record shock.csv, {record.duration:.4g} s, peak 20.15 g"
+    measured = record.as_measured()
+    assert measured.start == measured.time[0]
+    peaks = [part.time[part.samples[:, 2].argmax()] for part in (measured, record)]
+    assert peaks[0] == pytest.approx(peaks[1], abs=1e-9)
+
+
+def test_a_high_pass_of_a_record_that_begins_amid_its_pulse_is_warned_of(tmp_path):
+    path = tmp_path / "shock.csv"
+    time, values = half_sine(0.05, 0.5)
+    np.savetxt(
+        path,
+        np.column_stack([time[:-55], values[55:]]),
+        delimiter=",",
+        header="time [s],z [m/s^2]",
+        comments="",
+        fmt="%g",
+    )
+    with pytest.warns(RecordWarning, match="begins at 100 % of its peak"):
+        load_record(path, baseline="highpass", highpass=1.0)
 
 
 @pytest.mark.parametrize(
@@ -49,6 +118,7 @@ def test_the_high_pass_takes_an_offset_off_and_leaves_the_ends_in_peace(csv):
         ({"highpass": 1.0}, "`highpass` is the cutoff of baseline=\"highpass\"; the baseline is 'none'"),
         ({"baseline": "highpass", "highpass": -1.0}, "`highpass` must be > 0"),
         ({"baseline": "highpass", "highpass": 500.0}, "`highpass` must be below half the sampling rate, 500, got 500"),
+        ({"baseline": "highpass", "highpass": 1e-6}, "`highpass` must be at least 0.0002 Hz at 1000 samples a second"),
     ],
 )
 def test_cutoffs_that_cannot_be_meant_are_refused(csv, arguments, message):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -26,7 +26,7 @@ from wirerope_mj.excitation.checks import (
 )
 from wirerope_mj.excitation.motion import BaseMotion
 from wirerope_mj.excitation.piecewise import PiecewiseLinear
-from wirerope_mj.excitation.record_baseline import BASELINES, take_baseline_off
+from wirerope_mj.excitation.record_baseline import BASELINES, without_baseline
 from wirerope_mj.excitation.record_checks import doubts_about_motion, doubts_about_reading
 from wirerope_mj.excitation.record_csv import csv_channels, read_csv
 from wirerope_mj.excitation.record_file import ACCELERATION_UNITS
@@ -49,7 +49,7 @@ class Record(BaseMotion):
 
     Attributes:
         path: File that the record was read from.
-        time: Sample instants [s], shape (n,); the first is `start`.
+        time: Sample instants [s], shape (n,); the first is `start`. The baseline `"highpass"` adds some at either end.
         samples: Acceleration [m/s^2], scaled and baseline-corrected, shape (n, 3).
         channels: Columns and their directions as asked for; None: the columns named x, y and z.
         scale: Factor on the acceleration.
@@ -139,7 +139,10 @@ class Record(BaseMotion):
         return values | {name: value for name, value in asked.items() if value is not None}
 
     def as_measured(self) -> Record:
-        """Returns the same record without a baseline correction, read from its file again; its warnings were given."""
+        """Returns the same record without a baseline correction, read from its file again; its warnings were given.
+
+        What the high-pass filter added at the ends is missing: it starts as much later.
+        """
         if self.baseline == "none":
             return self
         arguments = {**self.to_dict(), "baseline": "none"}
@@ -147,7 +150,9 @@ class Record(BaseMotion):
             arguments.pop(name, None)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", RecordWarning)
-            return load_record(**arguments)
+            measured = load_record(**arguments)
+        start = float(self.time[(self.time.size - measured.time.size) // 2])
+        return replace(measured, start=start, time=measured.time + (start - measured.start))
 
     @cached_property
     def _piecewise(self) -> PiecewiseLinear:
@@ -173,8 +178,8 @@ def load_record(
     channel by its response node and direction, `12:z` or `12:-x`; its unit is the ordinate's label or that of dataset 164.
 
     The base moves in straight lines between evenly spaced samples. A record that is sampled unevenly is resampled at its usual
-    interval. What had to be done, and what looks wrong (a pulse that is cut off, a saturated sensor, values in another unit,
-    a drift), is said by a `RecordWarning` with its reason.
+    interval, on curves through its samples. What had to be done, and what looks wrong (a pulse that is cut off, a saturated
+    sensor, values in another unit, a drift), is said by a `RecordWarning` with its reason.
 
     Args:
         path: The file.
@@ -183,8 +188,12 @@ def load_record(
         scale: Factor on the acceleration.
         baseline: `"none"`: as measured. `"mean"`: the mean of the samples is subtracted from each direction.
             `"velocity"`: the constant acceleration is subtracted that makes the final velocity zero. `"highpass"`: what is
-            slower than `highpass` is filtered out, without phase; the final velocity is then small, not zero.
-        start: Instant at which the first sample is played [s], whatever the file's own clock says.
+            slower than `highpass` is filtered out, without phase. Such a filter answers before a shock as well as after it:
+            the record is lengthened by two periods of the cutoff at either end, at rest or, if the signal stands off zero,
+            at that offset, and is played with them; 1e-4 of a shock's velocity change is left. A record that begins or ends
+            amid its motion is played with the jump that it has there.
+        start: Instant at which the first sample is played [s], whatever the file's own clock says; with `"highpass"`, the
+            first of those before the file's.
         highpass: Cutoff of the baseline `"highpass"` [Hz], where the filter's gain is one half.
         resample: Samples per second to play [Hz], through an anti-alias filter; None: those of the file.
         gaps: `"refuse"`: a record with gaps is an error. `"fill"`: they are filled with straight lines.
@@ -211,11 +220,7 @@ def load_record(
     time, samples = reading.time, reading.samples
     time += start - time[0]
     samples *= scale
-    if highpass is not None and highpass >= (0.5 - 1e-9) / (time[1] - time[0]):
-        raise ValueError(
-            f"`highpass` must be below half the sampling rate, {0.5 / (time[1] - time[0]):.6g}, got {highpass!r}."
-        )
-    take_baseline_off(time, samples, baseline, highpass)
+    time, samples = without_baseline(time, samples, baseline, highpass)
     for doubt in doubts_about_motion(time, samples):
         warnings.warn(f"{file}: {doubt}", RecordWarning, stacklevel=2)
     for array in (time, samples):

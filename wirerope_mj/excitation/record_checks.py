@@ -11,18 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirerope_mj.excitation.record_reading import Reading
+from wirerope_mj.excitation.record_rest import is_pulse, peak_from, resting_value, standing_value
 from wirerope_mj.units import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
 
 _FEWEST = 16
 """Samples below which nothing is judged: a record so short was written by hand."""
-
-_RESTS, _BAND, _BESIDE = 0.3, 0.02, 0.1
-"""A record rests at its median if this share of its samples lies beside it, within a share of its range or of the median."""
-
-_PULSE_WAVES = 10
-"""Half waves above a tenth of the peak up to which a record is of a pulse, which begins and ends near zero."""
 
 _PULSE_END, _RIDE_END = 0.1, 0.5
 """Share of the peak from which the first or last sample of a pulse, of a vibration, is too large: a Gaussian ride is above half
@@ -56,9 +51,8 @@ def doubts_about_reading(reading: Reading, *, corrected: bool) -> Iterator[str]:
     for axis, a in zip("xyz", reading.samples.T, strict=True):
         low, high = float(a.min()), float(a.max())
         if high > low:
-            rest = _rest(a, low, high)
-            yield from _wrong_unit(axis, rest, reading.units, corrected)
-            yield from _cut_off(axis, a, rest or 0.0)
+            yield from _wrong_unit(axis, resting_value(a), reading.units, corrected)
+            yield from _cut_off(axis, a, standing_value(a))
             yield from _clipped(axis, a, low, high)
 
 
@@ -110,14 +104,6 @@ def _implausible(reading: Reading) -> Iterator[str]:
         yield f"it has {rate:.4g} samples a second: is its time in another unit than the header says, s for ms or ms for s?"
 
 
-def _rest(a: Array, low: float, high: float) -> float | None:
-    """Returns the value at which the record rests between its events, None if it does not."""
-    middle = float(np.median(a))
-    band = max(_BAND * (high - low), _BESIDE * abs(middle))
-    share = np.count_nonzero((a >= middle - band) & (a <= middle + band)) / a.size
-    return middle if share >= _RESTS else None
-
-
 def _wrong_unit(axis: str, rest: float | None, units: tuple[str, ...], corrected: bool) -> Iterator[str]:
     """Yields words for a record that rests at gravity, in its own unit or in another one."""
     if rest is None or len(units) != 1:
@@ -141,14 +127,12 @@ def _wrong_unit(axis: str, rest: float | None, units: tuple[str, ...], corrected
 
 def _cut_off(axis: str, a: Array, rest: float) -> Iterator[str]:
     """Yields words for a record that begins or ends far from rest."""
-    peak = max(float(a.max()) - rest, rest - float(a.min()))
-    signs = np.sign(a[np.abs(a - rest) > 0.1 * peak] - rest)
-    is_pulse = np.count_nonzero(np.diff(signs)) < _PULSE_WAVES
-    limit = _PULSE_END if is_pulse else _RIDE_END
+    peak, pulse = peak_from(a, rest), is_pulse(a, rest)
+    limit = _PULSE_END if pulse else _RIDE_END
     for word, place, side in (("begins", 0, "before"), ("ends", -1, "after")):
         share = min(abs(float(a[place]) - rest), abs(float(a[place]))) / peak
         if share > limit:
-            what = "it is shorter than its pulse" if is_pulse else "it was cut out of a longer one"
+            what = "it is shorter than its pulse" if pulse else "it was cut out of a longer one"
             yield (
                 f"along {axis} it {word} at {100.0 * share:.0f} % of its peak: {what}, and {side} it the base's acceleration "
                 "is zero."

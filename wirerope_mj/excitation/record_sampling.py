@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirerope_mj.errors import RecordError, RecordWarning
+from wirerope_mj.excitation.record_ends import continued
 from wirerope_mj.excitation.record_reading import Reading
 
 _ROUNDED = 1e-3
@@ -24,6 +25,12 @@ _REGULAR = 0.9
 
 _GAP = 1.5
 """Usual intervals from which on a longer one is a gap."""
+
+_FEWEST = 16
+"""Samples below which a record was written by hand and means the straight lines between its corners."""
+
+_FAR = 3.0
+"""Usual intervals from which on nothing but a straight line is drawn between two samples: a curve would run away."""
 
 _FINEST = 8
 """Instants per usual interval at which an uneven record is interpolated, at most, before the filter."""
@@ -60,7 +67,8 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
         return _without_gaps(path, reading, np.flatnonzero(~regular), usual, fill=gaps == "fill")
     warnings.warn(
         f"{path}: the sampling is not uniform, its intervals lie between {intervals.min():.4g} and {intervals.max():.4g} s; "
-        f"resampled at the usual interval, {usual:.6g} s.",
+        f"resampled at the usual interval, {usual:.6g} s, on curves through the samples: what has 0.15 periods an interval "
+        "loses some 2 % of its height, at a quarter of a period some 10 %.",
         RecordWarning,
         stacklevel=3,
     )
@@ -114,9 +122,14 @@ def _filtered(samples: NDArray[np.float64], up: int, down: int) -> NDArray[np.fl
     most = max(up, down)
     taps, beta = kaiserord(_STOP_DB, (1.0 - _PASS) / most)
     window = firwin(taps | 1, (1.0 + _PASS) / 2.0 / most, window=("kaiser", beta))
-    # The straight line between the ends is taken off before and put back: a step there would ring.
-    columns = [resample_poly(column, up, down, window=window, padtype="line") for column in samples.T]
-    return np.column_stack(columns)
+    # As far as the filter reaches beyond the ends, in whole samples of both rates; of those the results are left out.
+    blocks = -(-(taps // 2 + 1) // (up * down))
+    first, count = blocks * up, -(-len(samples) * up // down)
+    made = np.zeros((count, samples.shape[1]))
+    for column, result in zip(samples.T, made.T, strict=True):
+        if column.any():
+            result[:] = resample_poly(continued(column, blocks * down), up, down, window=window)[first : first + count]
+    return made
 
 
 def _printed(time: NDArray[np.float64], step: float) -> float:
@@ -146,13 +159,13 @@ def _without_gaps(path: Path, reading: Reading, gaps: NDArray[np.intp], usual: f
 
 
 def _evened(reading: Reading, usual: float, shortest: float) -> Reading:
-    """Returns an uneven record at its usual interval: straight lines, finer where samples are dense, then the filter."""
+    """Returns an uneven record at its usual interval: curves, finer where samples are dense, then the filter."""
     time = reading.time
     fine = int(np.clip(np.ceil(usual / shortest), 1, _FINEST))
     count = int(np.floor(float(time[-1] - time[0]) / usual * (1.0 + 1e-9))) + 1
     if count < 2:
         count = 2
-    finely = _at(reading, time[0] + usual / fine * np.arange((count - 1) * fine + 1))
+    finely = _curved(reading, time[0] + usual / fine * np.arange((count - 1) * fine + 1), usual)
     if fine == 1:
         return finely
     return replace(reading, time=finely.time[::fine], samples=_filtered(finely.samples, 1, fine))
@@ -161,3 +174,18 @@ def _evened(reading: Reading, usual: float, shortest: float) -> Reading:
 def _at(reading: Reading, time: NDArray[np.float64]) -> Reading:
     columns = [np.interp(time, reading.time, column) for column in reading.samples.T]
     return replace(reading, time=time, samples=np.column_stack(columns))
+
+
+def _curved(reading: Reading, time: NDArray[np.float64], usual: float) -> Reading:
+    """Returns the record on Akima's curves, which swing less beside a step than splines; lines where it is sparse."""
+    from scipy.interpolate import Akima1DInterpolator
+
+    straight = _at(reading, time)
+    if reading.time.size < _FEWEST:
+        return straight
+    place = np.clip(np.searchsorted(reading.time, time, side="right") - 1, 0, reading.time.size - 2)
+    near = np.diff(reading.time)[place] < _FAR * usual
+    for column, result in zip(reading.samples.T, straight.samples.T, strict=True):
+        if column.any():
+            result[near] = Akima1DInterpolator(reading.time, column, method="makima")(time[near], extrapolate=True)
+    return straight
