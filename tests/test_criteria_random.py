@@ -88,6 +88,48 @@ def test_a_run_is_judged_along_the_axes_in_which_it_moves():
     assert found[0].value == pytest.approx(response.bodies["mass"].acceleration[later, 2].std(), rel=1e-12)
 
 
+def test_the_fall_of_the_vibration_and_what_follows_do_not_count():
+    time, y = oscillator(40.0)
+    quiet = np.where(time > 30.0, 0.1 * y, y)
+    found = random_verdicts(time, quiet, subject="rack", discard=5.0, end=30.0)
+    same = random_verdicts(time[:30001], y[:30001], subject="rack", discard=5.0)
+    assert [v.value for v in found] == [v.value for v in same]
+    assert random_verdicts(time, quiet, subject="rack", discard=5.0)[0].value < 0.9 * found[0].value
+    with pytest.raises(ValueError, match=r"`end` must lie after the first instants, got -1\.0"):
+        random_verdicts(time, y, subject="rack", discard=0.0, end=-1.0)
+
+
+@pytest.mark.parametrize("changed", [False, True])
+def test_a_run_is_judged_where_the_base_is_steady_and_the_response_has_settled(changed):
+    """12 Hz with 8 %: the amplitudes decay with 6 1/s, three decay times are 0.5 s."""
+    stiffness = 3.5 * (2.0 * np.pi * 12.0) ** 2
+    system = sdof(wr.KelvinVoigt(k=stiffness, c=2.0 * 0.08 * math.sqrt(3.5 * stiffness)), mass=3.5)
+    vibration = wr.RandomVibration(psd=[(5.0, 1.0), (100.0, 1.0)], duration=10.0, seed=2, direction="z", rise=2.0)
+    motion = wr.Scaled(motion=vibration, factor=0.5) if changed else vibration
+    response = wr.simulate(system, motion, duration=12.0, timestep=1e-3, sample_rate=500.0)
+    rms = judge_random(response)[0]
+    first, falls = vibration.steady
+    history = response.bodies["mass"].acceleration[:, 2]
+    settled = (response.time > first + 0.5) & (response.time < falls)
+    # The width of the peak is found within some 20 %, so that 0.1 s of 6.5 s more or less count.
+    assert rms.value == pytest.approx(history[settled].std(), rel=0.01)
+    assert float(rms.note.split("(")[1].split(" s")[0]) == pytest.approx(falls - first - 0.5, abs=0.15)
+    assert history[response.time > first].std() < 0.95 * rms.value  # what it would be with fall and rest
+    assert judge_random(response, discard=3.0)[0].value == pytest.approx(
+        history[(response.time >= 3.0) & (response.time <= falls)].std(), rel=1e-9
+    )
+
+
+def test_where_more_than_random_vibration_moves_the_base_the_beginning_is_asked_for():
+    system = sdof(wr.KelvinVoigt(k=4000.0, c=20.0), mass=3.5)
+    sine = wr.Sine(frequency=4.0, acceleration=5.0, direction="z")
+    response = wr.simulate(system, sine, duration=0.5, timestep=1e-3, sample_rate=500.0)
+    with pytest.raises(
+        ValueError, match="`discard` must be given: the base of this run does not vibrate at random alone"
+    ):
+        judge_random(response)
+
+
 def test_too_short_a_record_is_refused():
     with pytest.raises(ValueError, match="too short for a density"):
         random_verdicts(*oscillator(1.0), subject="rack", discard=0.999)

@@ -10,6 +10,7 @@ from made_up_floor import UPRIGHT, box, floor_response
 from wirerope_mj.criteria import rattle_verdicts
 from wirerope_mj.criteria.rattle import body_corners, corner_displacements
 from wirerope_mj.limits import PayloadLimit
+from wirerope_mj.response.response import MemorySamples
 
 
 def by_name(verdicts):
@@ -77,8 +78,9 @@ def test_a_tilt_moves_the_far_corner_by_its_arm():
     body = next(body for body in floor.scene.bodies if body.name == "floor")
     tilted = np.array([np.cos(0.005), 0.0, np.sin(0.005), 0.0])
     still = replace(body, orientation=UPRIGHT)
-    moved = type("Moved", (), {"orientation": np.tile(tilted, (50, 1)), "position": np.tile(body.position, (50, 1))})
-    turned = replace(floor, bodies={"floor": moved})
+    values, place = floor.samples.values.copy(), floor.samples.names.index("bodies/floor/position/x")
+    values[:, place : place + 7] = [*body.position, *tilted]
+    turned = replace(floor, samples=MemorySamples(floor.samples.names, values))
     found = next(corner_displacements(turned, still, np.array([[1.5, 0.3, 0.5]])))
     np.testing.assert_allclose(found[0], [0.005, 0.0, -0.015], atol=1e-4)  # 1.5 times 0.01^2 / 2
 

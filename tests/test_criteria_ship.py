@@ -80,10 +80,63 @@ def test_a_history_says_what_its_lines_say():
     f, v = velocity_lines(time, acceleration)
     for frequency, velocity in lines.items():
         near = np.abs(f - frequency) < 1.0
-        assert v[near].max() == pytest.approx(velocity, rel=2e-3)  # the flat top of the window, 0.1 %
+        assert v[near].max() == pytest.approx(velocity, rel=2e-3)  # the ripple of the filter, 0.1 %
     worst = iso_6954_1984(f, v, subject="deck")[0]
     assert worst.value == pytest.approx(3e-3, rel=2e-3)
     assert worst.verdict == "within"
+
+
+def modulated(depth, rate, *, seconds=60.0):
+    """Return 8 Hz of 3 mm/s whose amplitude swings by `depth` at `rate` [Hz], as acceleration."""
+    time = np.arange(int(1000 * seconds)) / 1000.0
+    phases = 2.0 * np.pi * np.array([8.0 - rate, 8.0, 8.0 + rate])
+    sizes = 3e-3 * np.array([0.5 * depth, 1.0, 0.5 * depth])
+    return time, np.cos(np.outer(time, phases)) @ (phases * sizes)  # the derivative of a sum of sines
+
+
+@pytest.mark.parametrize("rate", [0.05, 0.2, 0.5])
+def test_the_largest_amplitude_of_a_modulated_sine_counts(rate):
+    """Averaged, 3 mm/s modulated by 80 % is 3 mm/s and within 4; it repeats 5.4 mm/s twice a second."""
+    f, v = velocity_lines(*modulated(0.8, rate))
+    lower, upper = iso_6954_1984(f, v, subject="deck")
+    assert lower.value == pytest.approx(5.4e-3, rel=5e-3)  # ripple of the filter, and up to 0.1 % between two windows
+    assert (lower.verdict, upper.verdict) == ("exceeded", "within")
+    assert "at 8 Hz, taken as the largest that repeats" in lower.note
+
+
+def test_a_line_keeps_its_frequency():
+    """Below 5 Hz the limit falls with the frequency: a line at 2 Hz is judged there, and not where its skirt ends."""
+    time = np.arange(60000) / 1000.0
+    for factor, word in ((0.98, "within"), (1.02, "exceeded")):
+        f, v = velocity_lines(time, factor * 0.126 * np.sin(2.0 * np.pi * 2.0 * time))
+        lower = iso_6954_1984(f, v, subject="deck")[0]
+        assert lower.verdict == word
+        assert lower.limit == pytest.approx(0.126 / (2.0 * np.pi * 2.0))
+
+
+def test_beats_faster_than_the_resolution_are_lines_of_their_own():
+    f, v = velocity_lines(*modulated(0.8, 2.0))
+    assert [float(v[np.abs(f - place).argmin()]) for place in (6.0, 8.0, 10.0)] == pytest.approx(
+        [1.2e-3, 3e-3, 1.2e-3], rel=5e-3
+    )
+    f, v = velocity_lines(*modulated(0.8, 2.0), resolution=1.0)
+    assert v.max() == pytest.approx(5.4e-3, rel=5e-3)
+
+
+def test_what_lies_outside_1_to_80_hz_does_not_count_for_2000():
+    """At 100 Hz the weighting still lets 71 % of a velocity through; the range ends with the band of 80 Hz."""
+    time = np.arange(60000) / 1000.0
+    outside = sum(2.0 * np.pi * f * 7e-3 * np.sin(2.0 * np.pi * f * time) for f in (0.4, 100.0))
+    inside = sum(2.0 * np.pi * f * 1e-3 * np.sin(2.0 * np.pi * f * time) for f in (1.5, 80.0))
+    alone = iso_6954_2000([1.5, 80.0], [1e-3, 1e-3], subject="deck", space="B")[0]
+    both = iso_6954_2000([0.4, 1.5, 80.0, 100.0], [7e-3, 1e-3, 1e-3, 7e-3], subject="deck", space="B")[0]
+    assert both.value == alone.value
+    found = iso_6954_2000_of_history(time, inside + outside, subject="deck", space="B")[0]
+    # A resolution of 0.25 Hz: the skirt of 0.4 Hz, two lines away, brings 2 % of 7 mm/s weighted by 0.1
+    assert found.value == pytest.approx(alone.value, rel=0.03)
+    assert found.verdict == "within"
+    with pytest.raises(ValueError, match=r"a line from 0\.891 to 89\.1 Hz, got 100 to 100"):
+        iso_6954_2000([100.0], [1.0], subject="deck", space="B")
 
 
 @pytest.mark.parametrize(
@@ -95,6 +148,10 @@ def test_a_history_says_what_its_lines_say():
         (
             lambda: iso_6954_2000_of_history(np.arange(100) / 100.0, np.zeros(100), subject="deck", space="A"),
             "too short for a density at 0.25 Hz",
+        ),
+        (
+            lambda: velocity_lines(np.arange(1000) / 100.0, np.zeros(1000), resolution=10.0),
+            "`resolution` must leave a line between six",
         ),
     ],
 )

@@ -230,8 +230,10 @@ def test_random_vibration_is_shown_by_its_density(tmp_path):
     )
     page = Page((run_of(tmp_path, motion=motion, duration=6.0) / "report.html").read_text(encoding="utf-8"))
     assert "power spectral densities stand for shock response spectra" in page.words
-    assert "Power spectral densities of mass and of the base while the vibration is stationary: 5 s" in page.words
-    # One sample of 5 s: with 40 Hz of bandwidth its rms is known to 1 / (2 sqrt(40 * 5)) = 3.5 %; three times that is allowed.
+    caption = "Power spectral densities of mass and of the base while the vibration is stationary: "
+    length = float(page.words.split(caption)[1].split()[0])
+    assert 3.5 < length < 5.0  # [s]: of the 5 that are stationary, what the response needs to settle is left out
+    # One sample of 4 s: with 40 Hz of bandwidth its rms is known to 1 / (2 sqrt(40 * 4)) = 4 %; three times that is allowed.
     rms = float(page.words.split("Root mean squares")[1].split(" base ")[1].split()[0])
     assert abs(rms / (math.sqrt(40.0 * level) / wr.STANDARD_GRAVITY) - 1.0) < 0.11
 

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from scipy import signal
 
 from wirerope_mj.criteria.limits import limits_by_name, payload_bodies
-from wirerope_mj.criteria.sampled import sampled_peak
+from wirerope_mj.criteria.sampled import read_columns, sampled_peak
 from wirerope_mj.criteria.verdict import Verdict
 from wirerope_mj.limits import PayloadLimit
 from wirerope_mj.response import Peak, Response
@@ -40,15 +40,16 @@ def acceleration_verdicts(
     bodies, points = payload_bodies(response), list(response.points)
     stated = limits_by_name(response, limits, "acceleration", [*bodies, *points])
     found: list[Verdict] = []
-    for names, peaks, moved in (
-        (bodies, response.peaks.bodies, response.bodies),
-        (points, response.peaks.points, response.points),
+    for room, names, peaks in (
+        ("bodies", bodies, response.peaks.bodies),
+        ("points", points, response.peaks.points),
     ):
         for name in names:
             if cutoff is None:
                 found += _judge(name, peaks[name].acceleration, stated.get(name), "")
             else:
-                peak = _filtered(response.time, moved[name].acceleration, cutoff)
+                history = read_columns(response, f"{room}/{name}/acceleration/x", 3)
+                peak = _filtered(response.time, history, cutoff)
                 note = f"below {cutoff:.6g} Hz (Butterworth, second order, forward and backward)"
                 found += _judge(name, peak, stated.get(name), note)
     return tuple(found)

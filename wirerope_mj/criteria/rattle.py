@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.criteria.limits import limits_by_name, payload_bodies
-from wirerope_mj.criteria.sampled import sampled_peak
+from wirerope_mj.criteria.sampled import read_columns, sampled_peak
 from wirerope_mj.criteria.verdict import Verdict
 from wirerope_mj.limits import PayloadLimit
 from wirerope_mj.response import Peak, Response
@@ -61,9 +61,9 @@ def body_corners(body: SceneBody) -> Array:
 
 def corner_displacements(response: Response, body: SceneBody, corners: Array) -> Iterator[Array]:
     """Yield the displacement of one corner after the other from its modelled place relative to the base [m], (n_t, 3)."""
-    moved = response.bodies[body.name]
-    turns = _rotation(moved.orientation) - _rotation(body.orientation)  # (n_t, 3, 3)
-    centre = moved.position - body.position - response.base.displacement
+    moved = read_columns(response, f"bodies/{body.name}/position/x", 7)  # and the orientation
+    turns = _rotation(moved[:, 3:]) - _rotation(body.orientation)  # (n_t, 3, 3)
+    centre = moved[:, :3] - body.position - response.base.displacement
     for corner in corners:
         yield centre + turns @ corner
 

@@ -1,9 +1,26 @@
-"""Extremes of sampled histories."""
+"""Sampled histories: read without keeping them, and their extremes."""
 
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.response import Response
+
 Array = npt.NDArray[np.float64]
+
+
+def read_columns(response: Response, first: str, count: int) -> Array:
+    """Return `count` columns from the one named `first` on, (n_t, count).
+
+    They are not kept in the response: of a long one in a file only what is looked at is in memory.
+    """
+    place = response.samples.names.index(first)
+    return response.samples.columns(place, place + count)
+
+
+def read_start(response: Response, first: str, count: int) -> Array:
+    """Return the first sample of `count` columns from the one named `first` on, (count,)."""
+    place = response.samples.names.index(first)
+    return next(iter(response.samples.blocks(place, place + count)))[0]
 
 
 def sampled_peak(time: Array, values: Array) -> tuple[float, float]:

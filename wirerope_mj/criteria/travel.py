@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.criteria.sampled import sampled_peak
+from wirerope_mj.criteria.sampled import read_columns, sampled_peak
 from wirerope_mj.criteria.verdict import EXCEEDED, Verdict
 from wirerope_mj.response import Response
 from wirerope_mj.response.scene import SceneMount
@@ -24,10 +24,13 @@ def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
     Deflections count from the unloaded mount, so that the sag is part of them. Beyond its rated compression a wire-rope
     isolator bottoms; for how long is in the note. Stops of the model are contacts, which a response does not hold: what
     they stop shows as a deflection that ends there.
+
+    No standard and no vendor gives a rule for several axes at once: the ellipsoid through the rated travels, beyond which
+    "travel combined" is exceeded, is this project's own.
     """
     found: list[Verdict] = []
     for mount in response.scene.mounts:
-        deflection = response.mounts[mount.name].deflection
+        deflection = read_columns(response, f"mounts/{mount.name}/deflection/roll", 3)
         found += [_along(response, mount, rating, deflection) for rating in RATINGS]
         found.append(_combined(response.time, mount, deflection))
     return tuple(found)
@@ -51,34 +54,56 @@ def _along(response: Response, mount: SceneMount, rating: str, deflection: Array
     if verdict.verdict != EXCEEDED:
         return verdict
     toward = np.abs(deflection[:, axis]) if way == 0.0 else way * deflection[:, axis]
-    beyond = int(np.count_nonzero(toward > mount.travel[rating])) * (response.time[1] - response.time[0])
-    return Verdict(**{**vars(verdict), "note": f"beyond it for {1e3 * beyond:.3g} ms in all"})
+    beyond = _length(response.time, toward > mount.travel[rating])
+    return Verdict(**{**vars(verdict), "note": f"beyond it for {beyond}"})
 
 
 def _combined(time: Array, mount: SceneMount, deflection: Array) -> Verdict:
     """Return the verdict on all axes at once: the largest sqrt(sum (deflection / rated)^2) against 1.
 
-    No standard and no vendor gives a rule; an ellipsoid through the rated travels is this project's. With a rating missing,
-    the sum of the others is a lower bound: it can exceed, but not be within.
+    Judged are the instants at which the way along the axis is rated: a rebound into tension, which few vendors rate, is left
+    out and said. There, and where shear or roll have no rating, the sum of what is rated is a lower bound: it can exceed,
+    but not be within.
     """
     total = np.zeros(time.size)
-    missing = []
+    judged = np.ones(time.size, dtype=bool)
+    missing, left_out = [], ""
     for rating, (axis, way) in RATINGS.items():
         toward = np.abs(deflection[:, axis]) if way == 0.0 else np.clip(way * deflection[:, axis], 0.0, None)
         if rating in mount.travel:
             total += (toward / mount.travel[rating]) ** 2
         elif toward.any():
             missing.append(rating)
+            if way:
+                judged &= toward == 0.0
+                left_out = f"left out: {_length(time, toward > 0.0)} with up to {1e3 * toward.max():.3g} mm of {rating}"
+    bound = not judged.any() or any(RATINGS[rating][1] == 0.0 for rating in missing)
     square, when = sampled_peak(time, total)
-    note = "sqrt of the sum of (deflection / rated)^2 at one instant"
+    notes = ["sqrt of the sum of (deflection / rated)^2 at one instant"]
+    if square <= 1.0 and left_out and judged.any():
+        square, when = _peak_among(time, total, judged)
+        notes.append(left_out)
     if missing:
-        note += f"; no travel in {', '.join(missing)} is rated"
+        notes.append(f"no travel in {', '.join(missing)} is rated")
     return Verdict(
         criterion=COMBINED,
         subject=mount.name,
         value=float(np.sqrt(square)),
-        limit=1.0 if not missing or square > 1.0 else None,
+        limit=1.0 if not bound or square > 1.0 else None,
         unit="",
         time=when,
-        note=note,
+        note="; ".join(notes),
     )
+
+
+def _peak_among(time: Array, values: Array, rows: npt.NDArray[np.bool_]) -> tuple[float, float]:
+    """Return the largest of `values` among `rows` and its instant, refined where it is a peak of all values too."""
+    k = int(np.where(rows, values, -np.inf).argmax())
+    around = slice(max(k - 1, 0), k + 2)
+    if values[k] < values[around].max():  # at the end of what is judged
+        return float(values[k]), float(time[k])
+    return sampled_peak(time[around], values[around])
+
+
+def _length(time: Array, rows: npt.NDArray[np.bool_]) -> str:
+    return f"{1e3 * np.count_nonzero(rows) * (time[1] - time[0]):.3g} ms in all"

@@ -1,10 +1,12 @@
 """Spectra of a run, of its base and of the bodies and points that are shaken most: of a shock, or of random vibration."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.criteria.steady import steady_stretch
 from wirerope_mj.excitation import BaseMotion, RandomVibration
 from wirerope_mj.plots.report_motion import moving_axes
 from wirerope_mj.plots.report_response import acceleration_along
@@ -59,8 +61,9 @@ def run_spectra(
         return Absent(reason=f"At {sample_rate:g} samples a second there is no shock response spectrum worth showing.")
     if motion.velocity_jumps:
         return Absent(
-            reason="The base's velocity jumps: its acceleration is not finite, and its pseudo-velocity is the jump itself at "
-            "every frequency. No shock response spectrum is shown."
+            reason="The base's velocity jumps: its acceleration is not finite, and a single jump has the same "
+            f"pseudo-velocity at every frequency, {_of_a_jump(Q):.3g} of it at Q = {Q:g} (the jump itself without damping). "
+            "No shock response spectrum is shown."
         )
     frequencies = octave_grid(_LOWEST, highest, per_octave=_LINES if response.time.size <= _LONG else _FEW_LINES)
     found: dict[str, dict[str, ShockResponseSpectrum]] = {}
@@ -76,25 +79,51 @@ def run_densities(
 ) -> Mapping[str, Mapping[str, PowerSpectralDensity]]:
     """Return the power spectral densities of a random vibration while it is stationary, by axis and name; else nothing.
 
+    They begin where the base is stationary and the response has settled, all at the same instant: after the longest
+    `settling` of the densities found without it.
+
     Args:
         motion: of the base.
         response: to it.
         names: bodies and points.
     """
-    terms = [term for term in motion.parts if isinstance(term, RandomVibration)]
-    first = max((term.steady[0] for term in terms), default=0.0)
-    last = min((term.steady[1] for term in terms), default=0.0)
-    rows = slice(*np.searchsorted(response.time, [first, last]))
-    time = response.time[rows]
-    if len(terms) < len(motion.parts) or time.size < 2 or time[-1] - time[0] < _LEAST_STEADY:
+    alone, first, last = steady_stretch(motion.to_dict())
+    axes = moving_axes(response)
+    if not (alone and axes):
         return {}
+    rows = slice(*np.searchsorted(response.time, [first, last]))
+    if not _long_enough(response.time[rows]):
+        return {}
+    unsettled = _densities(response, names, axes, rows)
+    settling = max(float(density.settling) for along in unsettled.values() for density in along.values())
+    rows = slice(*np.searchsorted(response.time, [response.time[rows][0] + settling, last]))
+    return _densities(response, names, axes, rows) if _long_enough(response.time[rows]) else {}
+
+
+def _long_enough(time: Array) -> bool:
+    return time.size > 1 and float(time[-1] - time[0]) >= _LEAST_STEADY
+
+
+def _densities(
+    response: Response, names: Sequence[str], axes: Sequence[int], rows: slice
+) -> dict[str, dict[str, PowerSpectralDensity]]:
+    """Return the densities of some samples, by axis and name, the base first."""
     return {
         "xyz"[axis]: {
-            name: power_spectral_density(time, acceleration_along(response, name, axis)[rows])
+            name: power_spectral_density(response.time[rows], acceleration_along(response, name, axis)[rows])
             for name in (BASE, *names)
         }
-        for axis in moving_axes(response)
+        for axis in axes
     }
+
+
+def _of_a_jump(q: float) -> float:
+    """Return the pseudo-velocity of an oscillator whose base jumps in velocity, over the jump.
+
+    Its first extreme is exp(-zeta t) with t = arccos(zeta) / sqrt(1 - zeta^2), in radians of its undamped frequency.
+    """
+    zeta = 0.5 / q
+    return math.exp(-zeta * math.acos(zeta) / math.sqrt(1.0 - zeta * zeta))
 
 
 def _spectrum(response: Response, name: str, axis: int, frequencies: Array) -> ShockResponseSpectrum:

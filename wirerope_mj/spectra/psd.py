@@ -14,6 +14,13 @@ Array = npt.NDArray[np.float64]
 SEGMENTS = 15
 """Half-overlapping segments by default: 28 degrees of freedom, a density within about 27 % (one standard error)."""
 
+WINDOW_BANDWIDTH = 2.079
+"""Statistical bandwidth of a line seen through a Hann window, in resolutions: 1 / (2 int rho^2) with rho the window's
+autocorrelation over lags of 0 to 1 segment."""
+
+BLUR = 1.25
+"""Exponent with which the bandwidths of a resonance and of the window add up: within 7 % from a resolution on."""
+
 LEAST_SAMPLES = 8
 """Samples a segment must have: fewer leave a window with hardly a frequency between its main lobe and half the rate."""
 
@@ -65,11 +72,24 @@ class PowerSpectralDensity:
         """Statistical bandwidth [Hz], (), or (k,): (integral of the density)^2 over the integral of its square.
 
         A band of this width with a constant density would have a mean square as uncertain as this one. The scatter of the
-        densities, which enlarges the mean of their squares by 1 + 2 / degrees of freedom, is taken out.
+        densities, which enlarges the mean of their squares by 1 + 2 / degrees of freedom, is taken out, and so is what the
+        window widens: with w that of a line, b^BLUR = found^BLUR - w^BLUR. Never less than 1 / duration, at which the mean
+        square has two degrees of freedom: what is narrower cannot be told from a sine.
         """
         square = self.resolution * np.sum(self.density**2, axis=0) / (1.0 + 2.0 / self.degrees_of_freedom)
         with np.errstate(invalid="ignore"):
-            return (self.resolution * np.sum(self.density, axis=0)) ** 2 / square
+            found = (self.resolution * np.sum(self.density, axis=0)) ** 2 / square
+        blur = np.clip(found**BLUR - (WINDOW_BANDWIDTH * self.resolution) ** BLUR, 0.0, None)
+        return np.maximum(blur ** (1.0 / BLUR), 1.0 / self.duration)
+
+    @property
+    def settling(self) -> Array:
+        """Time in which a response of this bandwidth forgets its start [s], (), or (k,): 3 / bandwidth.
+
+        An oscillator's bandwidth is 2 pi damping frequency, with which its free vibration decays; after this time its mean
+        square lacks exp(-6) = 0.25 %. Of several resonances the one that dominates counts.
+        """
+        return 3.0 / self.bandwidth
 
     @property
     def rms_error(self) -> Array:
