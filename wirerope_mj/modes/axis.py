@@ -75,6 +75,17 @@ def vanishing_cycle(law: Law, deflection: float, states: Array, *, frequency: fl
     return complex(0.5 * (down + up), 0.0)
 
 
+def lasting(law: Law, deflection: float) -> float:
+    """Return the slope that is left after long vibration [N/m]: of the elastic part, hysteretic forces having leaked away.
+
+    A law that depends on the rate has its static slope.
+    """
+    states = np.zeros(law.n_states)
+    if not law.rate_independent:
+        return _linearised(law, deflection, states, 0.0).real
+    return _elastic_slope(law, deflection, states)
+
+
 def closed_cycle(law: Law, deflection: float, amplitude: float, *, frequency: float) -> complex:
     """Return stiffness + i * loss [N/m] of the closed cycle deflection + amplitude cos(w t): its first harmonic.
 

@@ -46,6 +46,7 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     rest = linearise(system, found)
     springs = _Springs(rest)
     held = springs.held(np.zeros(rest.free.size), 0.0, 1.0)
+    small = held.real - rest.other - rest.weight
     values, shapes = solve(held.real, rest.mass)
     loading, unloading = springs.tangents()
     bracket = [_matched(rest, shapes, rest.other + rest.weight + part) for part in (loading, unloading)]
@@ -73,7 +74,7 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         words=words_of(system, rest, scaled),
         history=history,
         amplitude=amplitude,
-        stability=stability_of(system, rest, held.real - rest.other - rest.weight, loading),
+        stability=stability_of(system, rest, small if history == "virgin" else springs.lasting(), loading),
         free=rest.free,
         mass=rest.mass,
         stiffness=held.real,
@@ -105,6 +106,11 @@ class _Springs:
             return self.held(self.scaled(shape), amplitude, frequency)
 
         return iterate(stiffness, self.rest.mass, known, mode, start)
+
+    def lasting(self) -> Array:
+        """Return the stiffness of the mounts that is left after long vibration, (n, n)."""
+        parts = [mount.jacobian.T @ mount.lasting() @ mount.jacobian for mount in self.rest.mounts.values()]
+        return np.asarray(np.sum(parts, axis=0))
 
     def tangents(self) -> tuple[Array, Array]:
         """Return the stiffness of the mounts on further loading and on unloading, (n, n) each."""

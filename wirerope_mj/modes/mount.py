@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.laws import BiaxialBoucWen, BoucWen, Law
-from wirerope_mj.modes.axis import SAMPLES, closed_cycle, loading_and_unloading, vanishing_cycle
+from wirerope_mj.modes.axis import SAMPLES, closed_cycle, lasting, loading_and_unloading, vanishing_cycle
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
@@ -47,6 +47,14 @@ class MountAtRest:
             z = np.concatenate(self.states[:2])
             loading[:2, :2], unloading[:2, :2] = plane_tangents(coupled, self.deflection[:2], z)
         return loading, unloading
+
+    def lasting(self) -> Array:
+        """Return the stiffness of every axis that is left after long vibration [N/m], (3, 3)."""
+        laws = self.isolator.axes.values()
+        slopes = [
+            0.0 if law is None else lasting(law, x) for law, x in zip(laws, self.deflection.tolist(), strict=True)
+        ]
+        return np.diag(slopes)
 
     def stiffness(self, amplitude: Array, frequency: float) -> ComplexArray:
         """Return stiffness + i * loss of closed cycles about the deflection at rest [N/m], (3,).

@@ -24,6 +24,9 @@ AMPLE = 3.0
 class Stability:
     """Distance of the stiffness from being indefinite, with the tangents of the mounts as they are at rest.
 
+    About the virgin position these are those of small cycles. About the relaxed one they are those of the elastic parts alone:
+    under lasting vibration the hysteretic forces leak away, and what they hold up goes on sinking.
+
     Attributes:
         smallest_eigenvalue: of stiffness over mass [(rad/s)^2]; below zero the payload tips over, at zero nothing holds it.
         gravity_factor: times the weight, preload included, at which it tips over; infinite if it never does.
@@ -68,7 +71,7 @@ def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -
     Args:
         system: the system.
         rest: where it rests.
-        tangent: stiffness of the mounts in small cycles, (n, n).
+        tangent: stiffness of the mounts that holds, (n, n): in small cycles, or what lasts.
         loading: their stiffness on further loading, (n, n).
     """
     stiffness = rest.other + rest.weight + tangent
