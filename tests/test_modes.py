@@ -157,18 +157,13 @@ def test_forces_that_the_mounts_leave_in_the_state_are_not_stiffness():
 
 def test_what_long_vibration_leaves_holds_half_as_high():
     """Half of the initial stiffness is hysteretic: about the virgin position alpha + k holds, about the relaxed one k alone."""
-    alpha, k, height, places = (
-        4e4,
-        5e4,
-        0.8,
-        {"p1": (0.5, 0.4), "p2": (0.5, -0.4), "p3": (-0.5, 0.4), "p4": (-0.5, -0.4)},
-    )
+    alpha, k, height, arm = 4e4, 5e4, 0.8, 0.2
     axial = wr.BoucWen(alpha=alpha, beta=20.0, gamma=20.0, n=1.0, k=k)
     stiff = wr.KelvinVoigt(k=1e9, c=0.0)  # no sway: the box tilts about the plane of its mounts
     device = wr.Isolator(name="a", roll=stiff, shear=stiff, axial=axial)
     s = wr.load_system(box_text(places=SYMMETRIC, height=height), isolators={"a": device})
     virgin, relaxed = (modes(s, history=history).stability for history in ("virgin", "relaxed"))
-    weight, lever = 120.0 * G, 4 * half_width**2  # the softer tilt, about x
+    weight, lever = 120.0 * G, 4 * arm**2  # the softer tilt, about x
     # 1e9 N/m against 1e5 N/m leaves 1e-4 of sway, and the sag of millimetres a share of the lever.
     assert relaxed.rise == pytest.approx(k * lever / weight - height, rel=5e-3)
     assert virgin.rise == pytest.approx((alpha + k) * lever / weight - height, rel=5e-3)
