@@ -118,6 +118,28 @@ def test_the_undamped_spectrum_of_the_pulse_follows_the_branches(pulse, reached)
     assert 0.6 <= ratio[-1] < 0.75
 
 
+@pytest.mark.parametrize(("ratio", "triangle"), [(3.0, 0.918), (5.454, 0.731), (12.1, 0.699), (40.0, 0.669)])
+def test_the_spectra_between_the_corners_stay_in_the_range_that_is_documented(ratio, triangle):
+    spectrum = DesignSpectrum(displacement=0.01 * ratio, velocity=1.0, acceleration=100.0)  # f2/f1 = d0 a0 / v0^2
+    low, high = spectrum.corner_frequencies
+    between, above = np.geomspace(low, high, 40), np.geomspace(high, 8 * high, 40)
+    pulses = (
+        (spectrum.double_half_sine(direction="z"), (0.69, 1.19), (1.06, 1.19)),
+        (spectrum.double_triangle(direction="z"), (0.665, 1.22), (0.94, 1.04)),
+        (spectrum.double_triangle(direction="z", r2=0.6), (0.665, 1.265), (0.94, 1.11)),
+    )
+    for pulse, velocities, accelerations in pulses:
+        time = np.linspace(0.0, pulse.duration + 2 / low, 20_001)
+        base = pulse.acceleration(time)[:, 2]
+        found = shock_response_spectrum(time, base, between, q=1e6).pseudo_velocity
+        assert velocities[0] <= found.min()
+        assert found.max() <= velocities[1]
+        reached = shock_response_spectrum(time, base, above, q=1e6).maximax.max() / spectrum.acceleration
+        assert accelerations[0] - 0.005 <= reached <= accelerations[1]  # 40 frequencies may pass by the highest
+        if pulse is pulses[1][0]:
+            assert found.min() == pytest.approx(triangle, abs=0.01)  # measured; 40 frequencies may pass by the lowest
+
+
 def test_the_factors_are_parameters():
     pulse = SPECTRUM.double_half_sine(direction="y", factors=(0.5, 0.8, 1.1), start=0.2)
     assert pulse.peak == pytest.approx(50 * G)

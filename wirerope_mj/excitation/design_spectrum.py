@@ -22,9 +22,11 @@ class DesignSpectrum:
     """Undamped shock spectrum of constant displacement, velocity and acceleration, one branch after the other.
 
     The levels come from the customer's specification (BV 043, STANAG 4142, ...); none are built in. With the usual factors
-    the undamped spectrum of the double half-sine lies at 1.05 d0 far below the first corner, between 0.77 and 1.17 of v0
-    between the corners, reaches 1.11 to 1.15 a0 near twice the second, and falls from there to its own peak, 0.6 a0, as
-    that of every pulse does; that of the double triangle reaches 0.95 to 1.05 a0 (seen on three spectra).
+    the undamped spectra of the pulses lie at 1.05 d0 far below the first corner f1. Where the second corner f2 is 3 to 40
+    times the first, that of the double half-sine lies between 0.69 and 1.19 v0 from f1 to f2 and reaches 1.06 to 1.19 a0 from
+    f2 on; that of the double triangle 0.67 to 1.21 v0 (1.26 with `r2=0.6`) and 0.94 to 1.03 a0 (1.11). The farther apart the
+    corners, the lower all of these; neither pulse is an envelope. Far above f2 both fall to the pulse's own peak, 0.6 a0, as
+    the spectrum of every pulse does.
 
     Attributes:
         displacement: Spectral displacement d0 of the low branch [m].

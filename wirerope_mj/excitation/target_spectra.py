@@ -71,6 +71,8 @@ def ac156_spectrum(
 
     Horizontal: A_flx = S_DS (1 + 2 z/h), at most 1.6 S_DS, from 1.3 to 8.3 Hz, and A_rig = 0.4 S_DS (1 + 2 z/h), at most
     1.2 S_DS, from 33.3 Hz on; straight on logarithmic axes between them. Vertical: 0.67 and 0.27 S_DS at any height.
+    A motion that `match_spectrum` makes holds the rigid plateau up to the last frequency of its target only: give it points
+    beyond 33.3 Hz.
 
     Args:
         frequencies: Frequencies [Hz], any shape, 1.3 Hz or more.
