@@ -44,6 +44,25 @@ def test_the_command_prints_every_mode_and_writes_a_folder(capsys, tmp_path, rec
     assert modes(again).frequencies[2] == results[0]["modes"][2]["frequency_Hz"]
 
 
+def test_amplitudes_beyond_a_rated_travel_are_said(capsys, tmp_path, recordable):
+    """shock_table's m1 is rated 43.2 mm in compression and rests 2.241 mm below the modelled place."""
+    assert main(["modes", "shock_table", "--amplitude-mm", "5", "60", "--out", str(tmp_path / "modes")]) == 0
+    shown = capsys.readouterr().out
+    isolator = wr.load_system(models_folder() / "shock_table.xml").mounts["m1"].isolator
+    compression, tension = isolator.rated_travel("axial")
+    shares = [(60.0 + 2.241) / (1e3 * compression)] + ([] if tension is None else [(60.0 - 2.241) / (1e3 * tension)])
+    assert "60 mm takes mounts beyond their rated travel: m1" in shown
+    assert f"up to {100 * max(*shares, 60.0 / (1e3 * isolator.rated_travel('roll')[0])):.0f} % of it" in shown
+    assert "\n  5 mm takes" not in shown
+
+
+def test_two_equal_modes_show_equal_damping_and_none_that_rounds_to_nothing(capsys, tmp_path, recordable):
+    assert main(["modes", "shock_table_frame", "--out", str(tmp_path / "modes")]) == 0
+    shown = capsys.readouterr().out
+    assert "(0.000)" not in shown
+    assert "81.895 (0.020)" in shown
+
+
 def test_what_is_there_is_replaced_only_by_force(capsys, tmp_path, recordable):
     file = tmp_path / "shapes.rrd"
     assert main(["modes", "sdof_shaker", "--out", str(file)]) == 0

@@ -364,6 +364,7 @@ def test_compare_prints_what_differs_and_writes_one_file(saved, tmp_path, capsys
         (["g10", "g12", "--names", "A", " "], "`--names` must not be empty"),
         (["g10", "g12", "--out", "x.txt"], "`--out` must be a file that ends with .rrd"),
         (["g10", "g12", "--out", "folder.rrd"], "this is a folder; a recording is a file"),
+        (["g10", "g12", "--out", "new/both.rrd"], "there is no folder"),
         (["g10", "g12", "--align", "end"], "Invalid value"),
     ],
 )

@@ -379,6 +379,9 @@ def test_a_table_has_a_cell_for_every_heading():
 
 def test_the_command_writes_page_and_says_where(table, tmp_path, capsys, quick):
     out = tmp_path / "hand over" / "Deck 3.html"
+    assert main(["report", str(table), "--out", str(out)]) == 2
+    assert "there is no folder" in capsys.readouterr().err
+    out.parent.mkdir()
     assert main(["report", str(table), "--out", str(out)]) == 0
     assert f"written: {out}" in capsys.readouterr().out
     assert [path.name for path in out.parent.iterdir()] == [out.name]

@@ -8,6 +8,7 @@ import pytest
 
 from wirerope_mj.errors import ConvergenceError
 from wirerope_mj.excitation import EN1998_TYPE_1, ac156_spectrum, en1998_spectrum, match_spectrum, motion_from_dict
+from wirerope_mj.excitation.spectrum_flanks import too_steep
 from wirerope_mj.spectra import shock_response_spectrum
 
 GRID = np.geomspace(1.3, 33.3, 60)
@@ -80,8 +81,24 @@ def test_little_damping_takes_more_lines():
 def test_a_target_that_cannot_be_met_is_said_so():
     # A factor 1000 within a twelfth of an octave: an oscillator of 5 % beside the peak answers to it too.
     steep = [(5.0, 0.01), (5.3, 10.0), (5.6, 0.01)]
-    with pytest.raises(ConvergenceError, match=r"within 2 %; the best of 60 corrections was .* % away, at .* Hz. Try"):
+    with pytest.raises(
+        ConvergenceError, match=r"within 2 %; the best of 60 .* % away, farthest at .* Hz: .* m/s\^2 instead of"
+    ):
         match_spectrum(steep, duration=5.0, seed=1, direction="x")
+
+
+def test_a_flank_that_no_motion_has_is_named_with_its_figures():
+    """A steady sine r = 1, 1/2 and 2 times the oscillator's frequency: |1 + 2 i zeta r| / |1 - r^2 + 2 i zeta r|."""
+    frequencies = np.array([2.0, 4.0])
+    at_resonance = np.sqrt(1 + 10.0**2)
+    below, above = np.sqrt(1.0025 / (0.75**2 + 0.0025)), np.sqrt(1.04 / (9.0 + 0.04))  # sine at half and at twice, 5 %
+    rise, fall = at_resonance / above, at_resonance / below
+    assert too_steep(frequencies, np.array([1.0, 0.99 * rise]), 0.05) == ""
+    assert too_steep(frequencies, np.array([0.99 * fall, 1.0]), 0.05) == ""
+    said = too_steep(frequencies, np.array([1.0, 1.5 * rise]), 0.05)
+    assert said.startswith(f"The target rises by {20 * np.log10(1.5 * rise):.3g} dB from 2 to 4 Hz")
+    assert f"steady sine of 4 Hz sets oscillators there no more than {20 * np.log10(rise):.3g} dB apart" in said
+    assert "The target falls by" in too_steep(frequencies, np.array([1.5 * fall, 1.0]), 0.05)
 
 
 @pytest.mark.parametrize(

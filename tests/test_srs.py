@@ -270,7 +270,9 @@ def test_frequencies_by_default_are_twelve_to_an_octave_up_to_a_tenth_of_the_rat
         ({"frequencies": [10.0, -1.0]}, "`frequencies` must be finite and > 0 Hz"),
         ({"frequencies": [600.0]}, "nothing above 500 Hz"),
         ({"frequencies": [[10.0]]}, "a row of numbers"),
-        ({"q": 0.5}, "`q` must be > 0.5"),
+        ({"q": 0.5}, "`q` must be a number > 0.5"),
+        ({"q": None}, "`q` must be a number > 0.5 .* got None"),
+        ({"q": "10"}, "`q` must be a number > 0.5 .* got '10'"),
     ],
 )
 def test_bad_input_is_refused(changes, message):

@@ -9,6 +9,7 @@ from house import deck, hysteresis, mjcf, sdof, sdof_text
 import wirerope_mj as wr
 from wirerope_mj.cli.app import main
 from wirerope_mj.cli.statics_tables import print_statics
+from wirerope_mj.criteria import starting_load_verdicts
 from wirerope_mj.criteria.static_load import static_load_verdicts
 from wirerope_mj.resources import models_folder
 from wirerope_mj.statics import static_table
@@ -183,11 +184,30 @@ def test_verdicts_judge_what_is_rated():
 def test_unrated_mounts_are_not_judged():
     verdicts = static_load_verdicts(static_table(sdof(wr.KelvinVoigt(k=1e4, c=0.0), gravity=G)))
     assert {v.verdict for v in verdicts} == {"not judged"}
-    assert all("states no static load" in v.note for v in verdicts)
+    assert {v.note for v in verdicts} == {"no static load is rated"}
+
+
+def test_mounts_that_hang_or_carry_across_are_judged_as_a_run_judges_them():
+    """The stabilisers of the cabinet stand across the weight; the run's first sample is the virgin position."""
+    system = wr.load_system(models_folder() / "cabinet.xml")
+    table = static_table(system)
+    found = {v.subject: v for v in static_load_verdicts(table) if "virgin" in v.criterion}
+    motion = wr.HalfSine(peak=1.0, duration=0.01, direction="z", start=0.005)
+    of_run = {v.subject: v for v in starting_load_verdicts(wr.simulate(system, motion, duration=0.01, timestep=1e-3))}
+    assert {name: (v.verdict, v.note) for name, v in found.items()} == {
+        name: (v.verdict, v.note) for name, v in of_run.items()
+    }
+    assert found["s1"].note.startswith("the load is across the axis")
+    assert table.virgin.mounts["s1"].share is None
+    assert table.virgin.mounts["m01"].share == found["m01"].share > 0.3
+    rated = wr.Isolator(name="a", axial=wr.KelvinVoigt(k=1e4, c=0.0), limits=wr.Limits(static_load=100.0))
+    hung = static_table(wr.load_system(sdof_text(gravity=-G), isolators={"a": rated}))
+    assert {v.note for v in static_load_verdicts(hung)} == {"the mount hangs, and the rating holds for compression"}
+    assert hung.virgin.mounts["m1"].share is None
 
 
 def test_the_command_prints_both_histories_and_writes_plain_figures(capsys, tmp_path):
-    path = tmp_path / "new" / "statics.json"
+    path = tmp_path / "statics.json"
     assert main(["statics", "shock_table", "--json", str(path)]) == 0
     shown = capsys.readouterr().out
     assert "-2.241 / -4.333" in shown
@@ -202,10 +222,34 @@ def test_the_command_prints_both_histories_and_writes_plain_figures(capsys, tmp_
 def test_the_command_says_what_there_is_no_equilibrium_for(capsys, tmp_path):
     wr.Isolator(name="a", axial=wr.BoucWen(**hysteresis(alpha=1e5, z_max=100.0))).save(tmp_path / "a.toml")
     (tmp_path / "rig.xml").write_text(sdof_text(gravity=G))
-    assert main(["statics", str(tmp_path / "rig.xml")]) == 0
+    assert main(["statics", str(tmp_path / "rig.xml")]) == 1
     shown = capsys.readouterr().out
     assert "relaxed: there is no relaxed equilibrium: the axial law of mount 'm1' has no elastic part" in shown
     assert "mounts under the weight, virgin;" in shown
+
+
+def test_the_command_shows_no_share_for_what_is_not_judged(capsys):
+    assert main(["statics", "cabinet"]) == 0
+    shown = capsys.readouterr().out
+    row = next(line for line in shown.splitlines() if line.startswith("s1"))
+    assert row.rstrip().endswith("- / -  not judged")
+    assert (
+        "Not judged, because the load is across the axis, and the rating holds for compression: s1, s2, s3, s4."
+        in shown
+    )
+
+
+def test_a_place_that_cannot_be_written_is_said_before_anything_is_printed(capsys, tmp_path, monkeypatch):
+    assert main(["statics", "cabinet", "--json", str(tmp_path / "new" / "statics.json")]) == 2
+    captured = capsys.readouterr()
+    assert "there is no folder" in captured.err
+    assert not captured.out
+    assert not (tmp_path / "new").exists()
+    monkeypatch.setattr("os.access", lambda *_: False)
+    assert main(["statics", "cabinet", "--json", str(tmp_path / "statics.json")]) == 2
+    captured = capsys.readouterr()
+    assert captured.err == f"wirerope: {tmp_path / 'statics.json'}: cannot write here (Permission denied).\n"
+    assert not captured.out
 
 
 def test_a_mount_between_two_payloads_carries_the_upper_one():

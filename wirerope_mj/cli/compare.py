@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from wirerope_mj.errors import RecordError
+from wirerope_mj.whole import check_place
 
 
 def compare(
@@ -80,4 +81,6 @@ def _target(out: Path | None, *, force: bool) -> Path:
         raise RecordError(f"{target}: this is a folder; a recording is a file. Choose another place.")
     if target.exists() and not force:
         raise RecordError(f"{target}: there is a recording already. Replace it with --force, or choose another place.")
+    if out is not None:
+        check_place(out)
     return target

@@ -11,6 +11,7 @@ from wirerope_mj.cli.tables import console
 from wirerope_mj.isolator import AXES, Isolator, find_isolator, load_isolator
 from wirerope_mj.laws import Law
 from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.whole import check_place as check_writable
 
 _SHARES = (0.25, 0.5, 1.0)
 _FREQUENCY = 5.0
@@ -105,11 +106,12 @@ def describe(law: Law) -> str:
 
 
 def check_place(out: Path) -> None:
-    """Raise ValueError unless a picture can be written as `out`."""
+    """Raise ValueError or RecordError unless a picture can be written as `out`."""
     if out.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise ValueError(f"`--out` must end with .png, .svg or .pdf, got {str(out)!r}.")
     if not out.resolve().parent.is_dir():
         raise ValueError(f"`--out`: there is no folder {str(out.resolve().parent)!r}.")
+    check_writable(out)
 
 
 def _number(value: float | None, scale: float) -> str:

@@ -1,7 +1,7 @@
 """What `wirerope modes` does and prints."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 
@@ -12,11 +12,13 @@ from wirerope_mj.cli.models import model_path
 from wirerope_mj.cli.statics_tables import plain_table, stability_words
 from wirerope_mj.cli.tables import console
 from wirerope_mj.errors import RecordError
+from wirerope_mj.isolator import AXES
 from wirerope_mj.modes import Modes, modes
 from wirerope_mj.runfolder.folder import check_target
 from wirerope_mj.runfolder.modes import KIND, MARKS, write_modes
 from wirerope_mj.statics import History
-from wirerope_mj.system import load_system
+from wirerope_mj.system import System, load_system
+from wirerope_mj.whole import check_place
 
 
 def modes_command(
@@ -31,7 +33,9 @@ def modes_command(
     alone = target.suffix == ".rrd"
     if alone and target.exists() and not force:
         raise RecordError(f"{target}: there is a file already. Replace it with --force, or choose another one.")
-    if not alone:
+    if alone:
+        check_place(target)
+    else:
         check_target(target, force=force, kind=KIND, marks=MARKS)
     system = load_system(path)
     small = modes(system, history=history)
@@ -45,6 +49,8 @@ def modes_command(
         write_modes(system, path.stem, [small, *large], target, force=force)
     print_modes(path.stem, small, large)
     screen = console()
+    for sentence in beyond_rating(system, large):
+        screen.print(f"  {sentence}", soft_wrap=True, markup=False)
     place = f"{target}" if alone else f"{target}/"
     screen.print(f"\n  written to {escape(place)}", soft_wrap=True)
     screen.print(f"  [bold]wirerope show {escape(str(target))}[/] opens the view", soft_wrap=True)
@@ -64,6 +70,30 @@ def print_modes(name: str, small: Modes, large: Sequence[Modes]) -> None:
         soft_wrap=True,
         markup=False,
     )
+
+
+def beyond_rating(system: System, large: Sequence[Modes]) -> Iterator[str]:
+    """Yield for each amplitude a sentence on the mounts that it takes beyond a rated travel in some mode, sag included."""
+    for found in large:
+        shares = {name: share for name in system.mounts if (share := _share_of_travel(system, found, name)) > 1.0}
+        if shares:
+            worst = max(shares, key=lambda name: shares[name])
+            yield (
+                f"{1e3 * (found.amplitude or 0.0):g} mm takes mounts beyond their rated travel: {', '.join(shares)} "
+                f"({worst} up to {100.0 * shares[worst]:.0f} % of it, sag included). Nobody vouches for the law there."
+            )
+
+
+def _share_of_travel(system: System, found: Modes, name: str) -> float:
+    """Return the largest share of a rated travel that a mount uses in any mode of an amplitude [-]; 0 if none is rated."""
+    rest, largest = found.equilibrium.mounts[name].deflection, 0.0
+    ways = (found.amplitude or 0.0) * abs(found.mounts[name])  # (n_modes, 3)
+    for axis, key in enumerate(AXES):
+        way = float(ways[:, axis].max(initial=0.0))
+        reached = (way - float(rest[axis]), way + float(rest[axis]))  # below and above zero
+        for limit, size in zip(system.mounts[name].isolator.rated_travel(key), reached, strict=True):
+            largest = max(largest, 0.0 if limit is None else size / limit)
+    return largest
 
 
 def _table(name: str, small: Modes, large: Sequence[Modes]) -> Table:
@@ -87,4 +117,5 @@ def _table(name: str, small: Modes, large: Sequence[Modes]) -> Table:
 def _hertz(frequency: float, damping: float | None = None) -> str:
     if not math.isfinite(frequency):
         return "tips"
-    return f"{frequency:.3f}" if not damping else f"{frequency:.3f} ({damping:.3f})"
+    none = damping is None or f"{damping:.3f}" == "0.000"
+    return f"{frequency:.3f}" if none else f"{frequency:.3f} ({damping:.3f})"

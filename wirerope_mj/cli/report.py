@@ -24,8 +24,13 @@ def report(
         pdf: write a PDF of the page beside it, which needs the extra "pdf" (WeasyPrint).
         force: replace files that `--out` names.
     """
-    from wirerope_mj.runfolder.report import write_report
+    from wirerope_mj.runfolder.report import REPORT, write_report
+    from wirerope_mj.whole import check_place
 
+    if out is not None:
+        check_place(out)
+    elif folder.is_dir():  # what is no folder at all has a message of its own
+        check_place(folder / REPORT)
     for path in write_report(folder, out=out, pdf=pdf, force=force):
         print(f"written: {path} ({path.stat().st_size / 1e6:.2f} MB)")
     return 0

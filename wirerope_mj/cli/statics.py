@@ -2,12 +2,15 @@
 
 from pathlib import Path
 
+MISSING = 1
+"""Exit code if there is no virgin or no relaxed position; what there is has been printed."""
+
 
 def statics(model: str, *, json: Path | None = None) -> int:
     """Print where a model rests under its weight: sag and load of every mount, tilt of the payloads, verdicts on static loads.
 
     Virgin is the position after the weight was laid on slowly, relaxed the one after long vibration, when the hysteretic
-    share of the load has leaked away; both stand side by side.
+    share of the load has leaked away; both stand side by side. Exits 1 if only one of them exists, and says why.
 
     Args:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
@@ -19,7 +22,10 @@ def statics(model: str, *, json: Path | None = None) -> int:
     from wirerope_mj.modes import modes
     from wirerope_mj.statics import static_table
     from wirerope_mj.system import load_system
+    from wirerope_mj.whole import check_place
 
+    if json is not None:
+        check_place(json)
     path = model_path(model)
     system = load_system(path)
     table = static_table(system)
@@ -33,7 +39,7 @@ def statics(model: str, *, json: Path | None = None) -> int:
         }
         write_json(content, json)
         print(f"  written to {json}")
-    return 0
+    return MISSING if table.missing else 0
 
 
 def write_json(content: dict[str, object], path: Path) -> None:
@@ -42,6 +48,5 @@ def write_json(content: dict[str, object], path: Path) -> None:
 
     from wirerope_mj.whole import written_whole
 
-    path.parent.mkdir(parents=True, exist_ok=True)
     with written_whole(path) as beside:
         beside.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")

@@ -117,9 +117,12 @@ def _sentences(table: StaticTable, verdicts: list[Verdict], stability: dict[str,
             f"{worst.subject} has most of its rated static load: {100 * (worst.share or 0.0):.1f} % "
             f"({worst.criterion}): {worst.verdict}."
         )
-    unjudged = list(dict.fromkeys(verdict.subject for verdict in verdicts if verdict.limit is None))
-    if unjudged:
-        yield f"Not judged, because no static load is rated: {', '.join(unjudged)}."
+    unjudged: dict[str, dict[str, None]] = {}  # names without repetition, in the order of the model
+    for verdict in verdicts:
+        if verdict.limit is None:
+            unjudged.setdefault(verdict.note, {})[verdict.subject] = None
+    for reason, names in unjudged.items():
+        yield f"Not judged, because {reason}: {', '.join(names)}."
     said = {history: stability_words(figures) for history, figures in stability.items()}
     if len(set(said.values())) == 1:
         said = {" and ".join(said): next(iter(said.values()))}

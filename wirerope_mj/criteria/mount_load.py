@@ -6,7 +6,9 @@ from collections.abc import Mapping
 import numpy as np
 
 from wirerope_mj.criteria.limits import payload_bodies
+from wirerope_mj.criteria.sampled import read_start
 from wirerope_mj.criteria.verdict import Verdict
+from wirerope_mj.isolator.static_rating import static_load_unjudged
 from wirerope_mj.response import Response
 from wirerope_mj.response.scene import SceneMount
 from wirerope_mj.units import STANDARD_GRAVITY
@@ -22,9 +24,12 @@ def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
     is a run that does not begin at rest in equilibrium.
     """
     moving = payload_bodies(response)
-    start = [float(np.abs(response.bodies[name].acceleration[0]).max()) for name in moving]
+    start = [float(np.abs(read_start(response, f"bodies/{name}/acceleration/x", 3)).max()) for name in moving]
     rest = max(start, default=0.0) < AT_REST
-    return tuple(_static(mount, response.mounts[mount.name].force[0], rest) for mount in response.scene.mounts)
+    return tuple(
+        _static(mount, read_start(response, f"mounts/{mount.name}/force/roll", 3), rest)
+        for mount in response.scene.mounts
+    )
 
 
 def peak_force_verdicts(response: Response, limits: Mapping[str, float] | None = None) -> tuple[Verdict, ...]:
@@ -55,18 +60,13 @@ def peak_force_verdicts(response: Response, limits: Mapping[str, float] | None =
 
 def _static(mount: SceneMount, force: np.ndarray, rest: bool) -> Verdict:
     """Return the verdict on the static load of one mount."""
-    across, along = math.hypot(float(force[0]), float(force[1])), float(force[2])
-    reasons = [
-        (math.isnan(mount.static_load), "no static load is rated"),
-        (not rest, "the run does not begin at rest in equilibrium"),
-        (along > 0.0 and along >= across, "the mount hangs, and the rating holds for compression"),
-        (across > abs(along), "the load is across the axis, and the rating holds for compression"),
-    ]
-    note = next((words for holds, words in reasons if holds), "")
+    note = static_load_unjudged(force, mount.static_load)
+    if not rest and not math.isnan(mount.static_load):
+        note = "the run does not begin at rest in equilibrium"
     return Verdict(
         criterion="static load in compression",
         subject=mount.name,
-        value=max(-along, 0.0),
+        value=max(-float(force[2]), 0.0),
         limit=None if note else mount.static_load,
         unit="N",
         note=note,

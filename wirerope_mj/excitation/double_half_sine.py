@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wirerope_mj.excitation.double_pulse import DoublePulse
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class DoubleHalfSine(DoublePulse):
     """Two half-sines: a = a1 sin(pi t/t1), then -a2 sin(pi (t - t1)/t2).
 

@@ -24,7 +24,7 @@ from wirerope_mj.excitation.motion import StraightMotion, unique_times
 from wirerope_mj.units import STANDARD_GRAVITY
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class DoublePulse(StraightMotion):
     """Two opposite acceleration pulses: at rest before `start`, at rest at the displacement after the second.
 
@@ -59,6 +59,11 @@ class DoublePulse(StraightMotion):
         object.__setattr__(self, "start", finite("start", start))
         self._check_second_pulse()
         object.__setattr__(self, "duration", self.first_duration + self.second_duration)
+
+    def __repr__(self) -> str:
+        """Return the call that makes this motion: the constructor's words, not those of the attributes."""
+        given = ", ".join(f"{name}={value!r}" for name, value in self._parameters({}).items())
+        return f"{type(self).__name__}({given})"
 
     @property
     @abstractmethod

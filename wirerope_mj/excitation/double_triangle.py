@@ -17,7 +17,7 @@ from wirerope_mj.excitation.motion import unique_times
 from wirerope_mj.excitation.piecewise import PiecewiseLinear
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, init=False, repr=False)
 class DoubleTriangle(DoublePulse):
     """Two triangles: up to a2 at t2, zero at t3, down to a4 at t4, zero at t5.
 

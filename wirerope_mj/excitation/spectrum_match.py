@@ -15,6 +15,7 @@ from wirerope_mj.excitation.checks import checked_direction, checked_seed, finit
 from wirerope_mj.excitation.envelope import Envelope, check_room, usual_ramp
 from wirerope_mj.excitation.psd_lines import Points, checked_points
 from wirerope_mj.excitation.random_phases import random_phases
+from wirerope_mj.excitation.spectrum_flanks import too_steep
 from wirerope_mj.excitation.vibration_lines import VibrationLines
 from wirerope_mj.spectra import shock_response_spectrum
 
@@ -198,11 +199,14 @@ class _Search:
                 if np.abs(achieved / self.target - 1).max() <= tolerance:
                     return q.reshape(2, -1), achieved, iteration
             if abs(excess[worst]) < best:
-                best, where = float(abs(excess[worst])), self.frequencies[worst]
+                best, place, reached = float(abs(excess[worst])), worst, float(abs(values[worst]))
             q -= self.correction(q, places, np.sign(values), excess)
+        steep = too_steep(self.frequencies, self.target, self.damping)
         raise ConvergenceError(
             f"no motion of these lines meets the target within {100 * tolerance:.3g} %; the best of {ITERATIONS} corrections "
-            f"was {100 * best:.3g} % away, at {where:.4g} Hz. Try another `seed`, a longer `duration` or a larger `tolerance`."
+            f"was {100 * best:.3g} % away, farthest at {self.frequencies[place]:.4g} Hz: {reached:.4g} m/s^2 instead of "
+            f"{self.target[place]:.4g}. "
+            + (steep or "Try another `seed`, a longer `duration` or a larger `tolerance`.")
         )
 
     def acceleration(self, q: Array) -> Array:

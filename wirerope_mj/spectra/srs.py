@@ -3,6 +3,7 @@
 import math
 import warnings
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
 import numpy.typing as npt
@@ -86,8 +87,8 @@ def shock_response_spectrum(
     """
     values, step = check_samples(time, acceleration)
     wanted = _frequencies(frequencies, step, values.shape[0])
-    if not q > 0.5:
-        raise ValueError(f"`q` must be > 0.5 (below critical damping), got {q!r}.")
+    if not (isinstance(q, Real) and q > 0.5):
+        raise ValueError(f"`q` must be a number > 0.5 (below critical damping; infinite: undamped), got {q!r}.")
     damping = 0.5 / q
     channels = values.reshape(values.shape[0], -1).T
     primary, residual = np.zeros((2, channels.shape[0], wanted.size, 3))

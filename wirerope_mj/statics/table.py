@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from wirerope_mj.control import installed
 from wirerope_mj.errors import ConvergenceError
+from wirerope_mj.isolator.static_rating import static_load_unjudged
 from wirerope_mj.statics.find import equilibrium
 from wirerope_mj.statics.payloads import payloads_of
 from wirerope_mj.statics.result import Equilibrium, History
@@ -43,8 +44,10 @@ class MountSag:
 
     @property
     def share(self) -> float | None:
-        """Axial load over the rated static load; None = not judged."""
-        return None if self.static_load is None else self.compression / self.static_load
+        """Axial load over the rated static load; None = not judged: not rated, or no load in compression along the axis."""
+        if self.static_load is None or static_load_unjudged(self.force, self.static_load):
+            return None
+        return self.compression / self.static_load
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,0 +1,35 @@
+"""Flanks of a response spectrum: how much the answers of two oscillators can differ."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def too_steep(frequencies: Array, target: Array, damping: float) -> str:
+    """Returns a sentence on the flank of a spectrum that is farthest beyond any motion; empty if there is none.
+
+    Of all motions a steady sine at the frequency of one oscillator sets it the most apart from another: the amplifications
+    |1 + 2 i zeta r| / |1 - r^2 + 2 i zeta r| of the two, r = sine's over oscillator's frequency, are the measure.
+
+    Args:
+        frequencies: Of the oscillators [Hz], rising, shape (n,).
+        target: Asked for there [m/s^2], shape (n,).
+        damping: Damping ratio of the oscillators.
+    """
+    ratio = frequencies[:, np.newaxis] / frequencies  # of sine i over oscillator j
+    answers = np.abs((1 + 2j * damping * ratio) / (1 - ratio**2 + 2j * damping * ratio))
+    possible = np.diag(answers)[:, np.newaxis] / answers
+    asked = target[:, np.newaxis] / target
+    excess = asked / possible
+    high, low = np.unravel_index(int(np.argmax(excess)), excess.shape)
+    if excess[high, low] <= 1.0:
+        return ""
+    asked_db, possible_db = (20 * float(np.log10(part[high, low])) for part in (asked, possible))
+    way = "falls" if high < low else "rises"
+    first, last = sorted((float(frequencies[high]), float(frequencies[low])))
+    return (
+        f"The target {way} by {asked_db:.3g} dB from {first:.4g} to {last:.4g} Hz; at a damping ratio of {damping:g} even a "
+        f"steady sine of {frequencies[high]:.4g} Hz sets oscillators there no more than {possible_db:.3g} dB apart. Make that "
+        "flank less steep."
+    )

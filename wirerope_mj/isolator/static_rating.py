@@ -1,0 +1,24 @@
+"""What a rated static load speaks of: a mount that stands."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+
+def static_load_unjudged(force: npt.ArrayLike, rated: float | None) -> str:
+    """Return why a rated static load says nothing of the load of a mount, in words; empty where it judges it.
+
+    The rating holds for compression: a mount that hangs, or carries more across its axis than along it, is not judged.
+
+    Args:
+        force: restoring force at rest, roll, shear, axial [N], (3,); axial negative in compression.
+        rated: static load in compression [N]; None or NaN = not rated.
+    """
+    if rated is None or math.isnan(rated):
+        return "no static load is rated"
+    roll, shear, along = np.asarray(force, dtype=np.float64).tolist()
+    across = math.hypot(roll, shear)
+    if across > abs(along):
+        return "the load is across the axis, and the rating holds for compression"
+    return "the mount hangs, and the rating holds for compression" if along > 0.0 else ""
