@@ -183,7 +183,8 @@ def _together(variants: Sequence[_Variant], grid: TimeGrid, threads: int) -> dic
                     peaks=peaks, initial_state=variants[place].start, final_state=final,
                     timestep=side_by_side.largest_step, steps=side_by_side.steps,
                 )  # fmt: skip
-    # What went wrong with a variant is found by going the same way alone, as does what threads cannot serve.
+            found |= {variants[i].number: BatchFailure(error=error) for i, error in side_by_side.errors.items()}
+    # Where it is not known yet what went wrong, it is found by going the same way alone, as does what threads cannot serve.
     alone = [variant for variant in variants if variant.number not in found]
     return found | {variant.number: _alone(variant, grid, kind) for variant in alone}
 

@@ -1,6 +1,7 @@
 """Many systems of one layout through one time grid, side by side on several threads."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import mujoco
 import numpy as np
@@ -9,13 +10,21 @@ from mujoco.batch import Batch
 from mujoco.batch import SimulationError as BatchError
 
 from wirerope_mj.control import layout as at
+from wirerope_mj.errors import SimulationError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response.peaks import Peaks
 from wirerope_mj.simulation.grid import Grid, TimeGrid
 from wirerope_mj.simulation.run import CHECK_EVERY, peaks_of
 from wirerope_mj.simulation.same_layout import expand_differences
-from wirerope_mj.simulation.stages import Stages, StageTables
-from wirerope_mj.simulation.stepper import STATE, acceleration_before, base_before, leave_behind, velocity_jump
+from wirerope_mj.simulation.stages import Piece, Stages, StageTables
+from wirerope_mj.simulation.stepper import (
+    STATE,
+    Stepper,
+    acceleration_before,
+    base_before,
+    leave_behind,
+    velocity_jump,
+)
 from wirerope_mj.state import State
 from wirerope_mj.system import System
 
@@ -27,6 +36,7 @@ class Lockstep:
 
     Attributes:
         live: numbers of the systems that MuJoCo has not warned of so far, (n_live,).
+        errors: by number, what `run` raises for systems that are not live; not all are known.
         steps: number of steps so far.
         largest_step: largest of them [s].
     """
@@ -43,6 +53,7 @@ class Lockstep:
         assembly = systems[0].assembly
         self._drive = assembly.tables.drive
         self._model, self.live = systems[0].model, np.arange(len(systems))
+        self.errors: dict[int, SimulationError] = {}
         self.steps, self.largest_step = 0, 0.0
         self._batch = Batch(self._model, nsim=len(systems), nthread=min(threads, len(systems)))
         self._timestep = self._batch.expand("opt.timestep")
@@ -54,7 +65,7 @@ class Lockstep:
         self._dofs = np.array(assembly.driven_dofs, dtype=int)
         self._places = self._model.jnt_qposadr[list(assembly.subjects.driven)]
         self._origin = np.array([system.model.qpos0[self._places] for system in systems])
-        self._finals = np.empty_like(self._batch.state)
+        self._finals, self._checked = np.empty_like(self._batch.state), self._batch.state.copy()
 
     def go(self, grid: TimeGrid) -> None:
         """Step through a grid, the mounts of the model acting; its motion says nothing here, its corners everything."""
@@ -80,31 +91,40 @@ class Lockstep:
         return final, peaks_of(self.systems[number], self._user[number], base)
 
     def _advance(self, block: Grid, grids: list[Grid], stages: tuple[Stages, ...]) -> None:
+        """Step through the pieces of `stages`, each motion's own, in which the motions' `grids` have the events."""
         first, ends = stages[0].first, [0, *stages[0].ends.tolist()]
-        pieces = slice(first, first + len(ends) - 1)
+        n_pieces = len(ends) - 1
         # (n_motions, ...), pieces first where only one of them is needed at a time
-        events = np.array([own.event[pieces] for own in grids]).T
-        places, rates = (
-            np.array([getattr(own, part) for own in stages]).transpose(1, 0, 2) for part in ("places", "rates")
-        )
+        events = np.array([own.event[first : first + n_pieces] for own in grids]).T
+        places = np.array([own.places for own in stages]).transpose(1, 0, 2)
+        rates = np.array([own.rates for own in stages]).transpose(1, 0, 2)
         accelerations = np.array([own.accelerations.ravel() for own in stages])
-        for piece in range(len(ends) - 1):
-            if (first + piece) % CHECK_EVERY == 0:
-                self._drop_failed()
+        checked = 0
+        for piece in range(n_pieces):
             if not self.live.size:
                 return
-            start, length = block.start[first + piece], block.stop[first + piece] - block.start[first + piece]
+            start, stop = float(block.start[first + piece]), float(block.stop[first + piece])
             steps = int(block.steps[first + piece])
-            self._jump(events[piece], float(start))
+            self._jump(events[piece], start)
             self._place_base(places[piece], rates[piece])
-            user, table = self._user, accelerations[:, 3 * ends[piece] : 3 * ends[piece + 1]]
-            user[:, at.EVENT] = events[piece][self._which]
-            user[:, at.STAGE_POINTS], user[:, at.STAGE_START] = 2 * steps + 1, start
-            user[:, at.STAGE_RATE] = 2.0 * steps / length
-            user[:, at.STAGES : at.STAGES + table.shape[1]] = self._of_each(table)
+            self._user[:, at.EVENT] = events[piece][self._which]
+            self._set_table(
+                accelerations[:, 3 * ends[piece] : 3 * ends[piece + 1]], start, 2.0 * steps / (stop - start)
+            )
             self._batch.state[:, 0] = start  # so that rounding does not add up over the steps
-            self._timestep[:] = length / steps
-            self._step(steps)
+            self._timestep[:] = (stop - start) / steps
+            self._call(partial(self._batch.step, self.live, nstep=steps))
+            if piece + 1 - checked == CHECK_EVERY or piece + 1 == n_pieces:
+                for number in self._drop_failed():
+                    which = self._which[number]
+                    self._look_again(number, grids[which], list(stages[which].pieces(checked, piece + 1)))
+                checked, self._checked[:] = piece + 1, self._batch.state
+
+    def _set_table(self, accelerations: Array, start: float, rate: float) -> None:
+        """Give every base its accelerations (n_motions, 3 n_points), `rate` of them a second."""
+        user, size = self._user, accelerations.shape[1]
+        user[:, at.STAGE_POINTS], user[:, at.STAGE_START], user[:, at.STAGE_RATE] = size // 3, start, rate
+        user[:, at.STAGES : at.STAGES + size] = self._of_each(accelerations)
 
     def _of_each(self, rows: Array) -> Array:
         """Return the rows of the systems from those of the distinct motions."""
@@ -123,11 +143,33 @@ class Lockstep:
             leave_behind(system, system.model, data, velocity_jump(self.motions[number], time))
             self._qvel[number] = data.qvel
 
-    def _step(self, steps: int) -> None:
+    def _call(self, work: Callable[[], None]) -> None:
+        """Let the batch do some work, and leave out the systems with which MuJoCo could not go on."""
+        if not self.live.size:
+            return
         try:
-            self._batch.step(self.live, nstep=steps)
+            work()
         except BatchError as error:
             self.live = np.setdiff1d(self.live, error.ids)
+
+    def _drop_failed(self) -> list[int]:
+        """Return the numbers of the systems that MuJoCo has warned of since the last call; they are not live any more."""
+        warned = self._batch.warning[self.live, :, 1].any(axis=1)
+        failed, self.live = self.live[warned], self.live[~warned]
+        return failed.tolist()
+
+    def _look_again(self, number: int, grid: Grid, pieces: list[Piece]) -> None:
+        """Take a system alone through the pieces in which it failed, to learn what `run` says of it."""
+        start = State(values=self._checked[number], time=float(self._checked[number, 0]))
+        stepper = Stepper(self.systems[number], self.motions[number], start)
+        stepper.enter(grid)
+        for piece in pieces:
+            stepper.begin(piece)
+            mujoco.mj_step(stepper.model, stepper.data, nstep=int(grid.steps[piece.number]))
+        try:
+            stepper.check()
+        except SimulationError as error:
+            self.errors[number] = error
 
     def _finish(self, stop: float) -> None:
         """Keep the final states, and observe the last instant with the accelerations just before it."""
@@ -139,21 +181,9 @@ class Lockstep:
         user[:] = 0.0
         self._finals[:] = self._batch.state
         user[:] = kept
-        user[:, at.STAGE_POINTS], user[:, at.STAGE_START], user[:, at.STAGE_RATE] = 1.0, stop, 0.0
-        last = np.array([acceleration_before(motion, stop) for motion in self._distinct])
-        user[:, at.STAGES : at.STAGES + 3] = self._of_each(last)
+        self._set_table(np.array([acceleration_before(motion, stop) for motion in self._distinct]), stop, 0.0)
+        self._call(partial(self._batch.forward, self.live))
         self._drop_failed()
-        if self.live.size:
-            try:
-                self._batch.forward(self.live)
-            except BatchError as error:
-                self.live = np.setdiff1d(self.live, error.ids)
-        self._drop_failed()
-
-    def _drop_failed(self) -> None:
-        warned = self._batch.warning[:, :, 1].any(axis=1)
-        if warned.any():
-            self.live = self.live[~warned[self.live]]
 
 
 def _corners_of(motion: BaseMotion) -> tuple[object, ...]:

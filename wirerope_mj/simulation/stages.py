@@ -19,6 +19,16 @@ POINTS = 4096
 
 
 @dataclass(frozen=True, kw_only=True)
+class Piece:
+    """The base in one piece, as `Stages` has it: places and rates (n_driven,), accelerations (2 steps + 1, 3)."""
+
+    number: int
+    places: Array
+    rates: Array
+    accelerations: Array
+
+
+@dataclass(frozen=True, kw_only=True)
 class Stages:
     """The base in pieces that follow each other.
 
@@ -37,15 +47,16 @@ class Stages:
     accelerations: Array
     ends: npt.NDArray[np.int64]
 
-
-@dataclass(frozen=True, kw_only=True)
-class Piece:
-    """One of the pieces of `Stages`: places and rates (n_driven,), accelerations (2 steps + 1, 3)."""
-
-    number: int
-    places: Array
-    rates: Array
-    accelerations: Array
+    def pieces(self, begin: int = 0, end: int | None = None) -> Iterator[Piece]:
+        """Yield the pieces from `begin` to `end`, counted from the first."""
+        ends = [0, *self.ends.tolist()]
+        for piece in range(len(ends) - 1)[begin:end]:
+            yield Piece(
+                number=self.first + piece,
+                places=self.places[piece],
+                rates=self.rates[piece],
+                accelerations=self.accelerations[ends[piece] : ends[piece + 1]],
+            )
 
 
 class StageTables:
@@ -77,15 +88,7 @@ class StageTables:
     def pieces(self, grid: Grid) -> Iterator[Piece]:
         """Yield every piece of a grid."""
         for stages in self.blocks(grid):
-            begin = 0
-            for piece, end in enumerate(stages.ends.tolist()):
-                yield Piece(
-                    number=stages.first + piece,
-                    places=stages.places[piece],
-                    rates=stages.rates[piece],
-                    accelerations=stages.accelerations[begin:end],
-                )
-                begin = end
+            yield from stages.pieces()
 
     def _stages(self, grid: Grid, first: int, block: slice) -> Stages:
         points = 2 * grid.steps[block] + 1
