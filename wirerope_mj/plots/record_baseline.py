@@ -22,6 +22,7 @@ _MEASURED, _PLAYED = "#d95f0e", "#08519c"
 
 _WORDS = {
     "none": "no baseline correction",
+    "rest": "baseline: the level at rest taken off",
     "mean": "baseline: the mean taken off",
     "velocity": "baseline: the constant taken off that leaves no final velocity",
     "highpass": "baseline: high-pass filter without phase",
@@ -33,6 +34,12 @@ def records_of(motion: BaseMotion) -> list[Record]:
     return [part for part in motion.parts if isinstance(part, Record)]
 
 
+def baseline_words(record: Record) -> str:
+    """Return what was done to the baseline of a record, for instance "baseline: the mean taken off"."""
+    words = _WORDS[record.baseline]
+    return words if record.highpass is None else f"{words}, {record.highpass:g} Hz"
+
+
 def save_record_baseline(record: Record, path: str | Path, *, title: str = "") -> None:
     """Write a picture of acceleration, velocity and displacement along every moving axis, as measured and as played.
 
@@ -42,10 +49,8 @@ def save_record_baseline(record: Record, path: str | Path, *, title: str = "") -
     axes = [axis for axis in range(3) if measured.samples[:, axis].any()] or [2]
     figure = Figure(figsize=(1.0 + 5.0 * len(axes), 8.0), layout="constrained", dpi=110)
     panels = figure.subplots(3, len(axes), sharex=True, squeeze=False)
-    words = _WORDS[record.baseline]
-    if record.highpass is not None:
-        words = f"{words}, {record.highpass:g} Hz"
-    figure.suptitle("\n".join([*filter(None, [title]), f"{record.path.name}, {words}"]), fontsize=12, fontweight="bold")
+    words = f"{record.path.name}, {baseline_words(record)}"
+    figure.suptitle("\n".join([*filter(None, [title]), words]), fontsize=12, fontweight="bold")
     lines = [(measured, _MEASURED, "as measured")] if record.baseline != "none" else []
     for part, colour, label in [*lines, (record, _PLAYED, "as played")]:
         _draw(panels, axes, part, colour, label)

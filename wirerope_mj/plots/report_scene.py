@@ -1,6 +1,6 @@
 """The modelled geometry as a drawing: seen from above and from the side, with the mounts."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -43,13 +43,9 @@ def mount_labels(scene: Scene) -> dict[str, str]:
 
 def scene_figure(scene: Scene) -> Figure:
     """Return a plan and an elevation, in which the longer horizontal extent runs to the right, with the mounts labelled."""
-    shapes = [
-        (body, geom, _points(body, geom)) for body in scene.bodies for geom in body.geoms if geom.shape != "plane"
-    ]
-    places = {mount.name: mount_place(scene, mount) for mount in scene.mounts}
-    everything = np.concatenate([*(points for *_, points in shapes), *(place[None] for place in places.values())])
+    shapes, places, everything = _drawn(scene)
     extent = np.ptp(everything, axis=0)
-    views = [View("from above", 0, 1, 2, 1.0), _elevation(extent)]
+    views = _views(extent)
     heights = [float(np.clip(WIDTH * extent[v.up] / max(extent[v.right], 1e-9), _LOWEST, _TALLEST)) for v in views]
     with report_style():
         figure = Figure(figsize=(WIDTH, sum(heights) + 1.7), layout="constrained")
@@ -64,6 +60,16 @@ def scene_figure(scene: Scene) -> Figure:
     return figure
 
 
+def crowded_label(scene: Scene) -> tuple[str, int] | None:
+    """Return the first label in the drawing that stands for more mounts than it names, as "m1 +2", and for how many."""
+    _, places, everything = _drawn(scene)
+    for view in _views(np.ptp(everything, axis=0)):
+        for _, names in _groups(scene, view, places):
+            if len(names) > 2:
+                return _shared(names), len(names)
+    return None
+
+
 def mount_place(scene: Scene, mount: SceneMount) -> Array:
     """Return where a mount stands in the modelled geometry, world frame [m], (3,)."""
     body = next(body for body in scene.bodies if body.name == mount.base_body)
@@ -74,6 +80,19 @@ def axial_direction(scene: Scene, mount: SceneMount) -> Array:
     """Return a mount's axial direction in the world frame of the modelled geometry, (3,)."""
     body = next(body for body in scene.bodies if body.name == mount.base_body)
     return np.asarray(_rotation(body.orientation) @ mount.axes[:, 2])
+
+
+def _drawn(scene: Scene) -> tuple[list[tuple[SceneBody, Geom, Array]], dict[str, Array], Array]:
+    """Return the shapes with their points, the places of the mounts by name, and all of these points, (n, 3)."""
+    shapes = [
+        (body, geom, _points(body, geom)) for body in scene.bodies for geom in body.geoms if geom.shape != "plane"
+    ]
+    places = {mount.name: mount_place(scene, mount) for mount in scene.mounts}
+    return shapes, places, np.concatenate([*(points for *_, points in shapes), *(at[None] for at in places.values())])
+
+
+def _views(extent: Array) -> list[View]:
+    return [View("from above", 0, 1, 2, 1.0), _elevation(extent)]
 
 
 def _elevation(extent: Array) -> View:
@@ -104,14 +123,20 @@ def _draw_mounts(panel: Any, view: View, scene: Scene, places: dict[str, Array])
             at[:, view.right], at[:, view.up], marker, color=colour, ms=5, mec="white", mew=0.5, label=short(device)
         )
     halo = [withStroke(linewidth=1.8, foreground="white")]
-    for names, (x, y) in _grouped(scene, view, places):
+    for (x, y), names in _groups(scene, view, places):
         panel.annotate(
-            names, (x, y), xytext=(3.5, 3.5), textcoords="offset points", fontsize=6.5, color="0.1", path_effects=halo
+            _shared(names),
+            (float(x), float(y)),
+            xytext=(3.5, 3.5),
+            textcoords="offset points",
+            fontsize=6.5,
+            color="0.1",
+            path_effects=halo,
         )
 
 
-def _grouped(scene: Scene, view: View, places: dict[str, Array]) -> Iterable[tuple[str, tuple[float, float]]]:
-    """Return labels and their places in the drawing; mounts behind each other share one: "m1 +2"."""
+def _groups(scene: Scene, view: View, places: dict[str, Array]) -> list[tuple[Array, list[str]]]:
+    """Return places in the drawing with the labels of the mounts that stand behind each other there."""
     labels = mount_labels(scene)
     spread = float(np.ptp([place[view.right] for place in places.values()])) if places else 0.0
     groups: list[tuple[Array, list[str]]] = []
@@ -122,9 +147,12 @@ def _grouped(scene: Scene, view: View, places: dict[str, Array]) -> Iterable[tup
             groups.append((at, [labels[mount.name]]))
         else:
             near.append(labels[mount.name])
-    for at, names in groups:
-        text = ", ".join(names) if len(names) < 3 else f"{names[0]} +{len(names) - 1}"
-        yield text, (float(at[0]), float(at[1]))
+    return groups
+
+
+def _shared(names: list[str]) -> str:
+    """Return one label for mounts behind each other: "m1, m2", or "m1 +2" for three."""
+    return ", ".join(names) if len(names) < 3 else f"{names[0]} +{len(names) - 1}"
 
 
 def _frame(panel: Any, view: View, everything: Array) -> None:

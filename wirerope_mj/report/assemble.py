@@ -7,6 +7,7 @@ from wirerope_mj.report.display import number, several
 from wirerope_mj.report.judged import answer, full_table, headline
 from wirerope_mj.report.model import model_section
 from wirerope_mj.report.motion import motion_section, mounts_section, response_section
+from wirerope_mj.report.record import doubts
 from wirerope_mj.report.rest import modes_section, statics_section
 from wirerope_mj.report.run import FinishedRun
 
@@ -32,7 +33,7 @@ def report_content(run: FinishedRun) -> ReportContent:
         ),
         question=tuple(question or ("The scenario asks no question.",)),
         verdict=headline(run.verdicts),
-        answer=answer(run.verdicts),
+        answer=(*doubts(run), *answer(run.verdicts)),
         sections=(
             model_section(run),
             statics_section(run),

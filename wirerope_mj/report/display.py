@@ -1,6 +1,7 @@
 """Figures as an engineer reads them: millimetres, kilonewtons and g, with as many digits as they are worth."""
 
 import math
+import re
 
 from wirerope_mj.units import STANDARD_GRAVITY
 
@@ -34,7 +35,8 @@ def number(value: float, *, digits: int = 3) -> str:
         return ABSENT
     if value == 0.0 or abs(value) < 1e-9:  # nothing that is shown in mm, kN or g is that small and not rounding
         return "0"
-    places = max(digits - 1 - math.floor(math.log10(abs(value))), 0)
+    rounded = abs(float(f"{value:.{digits - 1}e}"))  # 9.9999 is 10.0, not 10.00
+    places = max(digits - 1 - math.floor(math.log10(rounded)), 0)
     return fixed(value, min(places, 6))
 
 
@@ -54,6 +56,12 @@ def percent(share: float | None, *, places: int = 0) -> str:
 def several(count: int, thing: str, things: str = "") -> str:
     """Return a count with its noun: "1 mount", "3 mounts"."""
     return f"{count} {thing if count == 1 else things or thing + 's'}"
+
+
+def title_of(name: str) -> str:
+    """Return a name as words: "shock-box_3ax" is "Shock box 3ax"; hyphens between digits stay, as in a date."""
+    words = re.sub(r"(?<!\d)-|-(?!\d)", " ", name.replace("_", " ")).strip()
+    return words[:1].upper() + words[1:]
 
 
 def listed(names: list[str], *, most: int = 6) -> str:

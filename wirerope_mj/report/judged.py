@@ -2,8 +2,10 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from wirerope_mj.criteria import EXCEEDED, NOT_JUDGED, WITHIN, Verdict
+from wirerope_mj.criteria.travel import COMBINED
 from wirerope_mj.report.content import Block, Cell, Listing, Mark, Paragraph, Table
 from wirerope_mj.report.display import ABSENT, fixed, listed, several, shown, shown_unit, with_unit
 
@@ -62,7 +64,9 @@ def unjudged(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
 
 def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
     """Return the worst verdict of every criterion; None without verdicts."""
-    rows = _one_each(ordered(verdicts))
+    # Where nothing is judged the largest value is the worst; an unknown one, NaN, is none.
+    by_size = sorted(verdicts, key=lambda row: -math.inf if math.isnan(_known(row).value) else row.value, reverse=True)
+    rows = _one_each(ordered(by_size))
     if not rows:
         return None
     counts = {row.criterion: sum(other.criterion == row.criterion for other in verdicts) for row in rows}
@@ -84,8 +88,9 @@ def full_table(verdicts: Sequence[Verdict]) -> Table | None:
     head = ("criterion", "verdict", "where", "value", "limit", "unit", "margin", "at [s]", "note")
     rows = []
     for row in ordered(verdicts):
-        time = ABSENT if row.time is None else fixed(row.time, 4)
-        rows.append((row.criterion, *_cells(row), time, row.note))
+        time = _known(row).time
+        when = ABSENT if time is None else fixed(time, 4)
+        rows.append((row.criterion, *_cells(row), when, row.note))
     return Table(
         caption="Every figure against its limit: the smallest margin first, what is not judged last",
         head=head,
@@ -108,12 +113,18 @@ def margin(row: Verdict) -> str:
     return f"{fixed(100.0 * row.margin, 1 if abs(row.margin) < 0.1 else 0)} %"
 
 
+def _known(row: Verdict) -> Verdict:
+    """Return the verdict; without value and instant if it is a sum of shares of which none is rated, which says nothing."""
+    nothing = row.criterion == COMBINED and row.limit is None and (row.value == 0.0 or math.isnan(row.value))
+    return replace(row, value=math.nan, time=None) if nothing else row
+
+
 def _cells(row: Verdict) -> tuple[Cell, ...]:
     """Return verdict, subject, value, limit, unit and margin."""
     return (
         Mark(text=row.verdict, tone=TONE[row.verdict]),
         row.subject,
-        shown(row.value, row.unit),
+        shown(_known(row).value, row.unit),
         shown(row.limit, row.unit),
         shown_unit(row.unit),
         margin(row),

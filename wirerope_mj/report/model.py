@@ -3,7 +3,7 @@
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.modes import Modes
 from wirerope_mj.plots.report_image import image_of
-from wirerope_mj.plots.report_scene import axial_direction, mount_labels, mount_place, scene_figure
+from wirerope_mj.plots.report_scene import axial_direction, crowded_label, mount_labels, mount_place, scene_figure
 from wirerope_mj.report.content import Block, Listing, Paragraph, Picture, Section, Table
 from wirerope_mj.report.display import ABSENT, fixed, number, several, shown
 from wirerope_mj.report.run import FinishedRun
@@ -23,7 +23,8 @@ def model_section(run: FinishedRun) -> Section:
         if scene.mounts:
             named = any(label != name for name, label in mount_labels(scene).items())
             caption += ", its mounts with their " + ("numbers (see the table)." if named else "names.")
-            caption += ' "m1 +2": three mounts behind each other.' if len(scene.mounts) > 2 else ""
+            behind = crowded_label(scene)
+            caption += f' "{behind[0]}": {behind[1]} mounts behind each other.' if behind else ""
         alt = f"Plan and elevation of the model {scene.name} with {several(len(scene.mounts), 'mount')}."
         detailed = sum(len(body.geoms) for body in scene.bodies) > _MOST_SHAPES
         blocks.append(Picture(image=image_of(scene_figure(scene), detailed=detailed), caption=caption, alt=alt))

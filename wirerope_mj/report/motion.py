@@ -1,12 +1,16 @@
 """The parts of a report about what moves: the base, the payload and the mounts."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from wirerope_mj.criteria.steady import steady_stretch
 from wirerope_mj.excitation import Sweep
 from wirerope_mj.plots.report_image import image_of
 from wirerope_mj.plots.report_motion import base_acceleration, motion_figure, moving_axes
 from wirerope_mj.plots.report_response import (
     MOST,
+    acceleration_along,
     accelerations_figure,
     deflections_figure,
     loop_rows,
@@ -15,11 +19,13 @@ from wirerope_mj.plots.report_response import (
 )
 from wirerope_mj.plots.report_spectra import base_spectrum_figure, densities_figure, payload_spectra_figure
 from wirerope_mj.report.content import Block, Paragraph, Picture, Section, Table
-from wirerope_mj.report.display import fixed, listed, several, shown
+from wirerope_mj.report.display import ABSENT, fixed, listed, several, shown
+from wirerope_mj.report.record import record_blocks
 from wirerope_mj.report.run import BASE, Absent, FinishedRun, worst_names
 from wirerope_mj.verdicts import AXES, MountPeak, body_peaks, mount_peaks
 
 _COASTING = 1e-3  # [m/s] at the end, from which the base is said to coast
+_STILL = 1e-6  # [m/s^2]: an rms that is rounding
 _MOST_EVENTS = 12  # in the table of what the base does: a record may have any number
 
 
@@ -28,7 +34,7 @@ def motion_section(run: FinishedRun) -> Section:
     blocks: list[Block] = [Paragraph(text=f"Base motion: {run.motion.description}.")]
     axes = moving_axes(run.response)
     if not axes:
-        blocks.append(Paragraph(text="The base rests.", tone="quiet"))
+        blocks += [Paragraph(text="The base rests.", tone="quiet"), *record_blocks(run)]
         return Section(title="Base motion", blocks=tuple(blocks))
     names = listed(["xyz"[axis] for axis in axes])
     still = "" if len(axes) == 3 else f" along {names}; it does not move along the others"
@@ -42,6 +48,7 @@ def motion_section(run: FinishedRun) -> Section:
         )
     )
     blocks += [table for table in (_extremes(run, axes), _events(run)) if table is not None]
+    blocks += record_blocks(run)
     blocks.append(_base_spectrum(run))
     return Section(title="Base motion", blocks=tuple(blocks))
 
@@ -54,7 +61,7 @@ def response_section(run: FinishedRun) -> Section:
         blocks.append(
             Picture(
                 image=image_of(accelerations_figure(run.response, worst, base_acceleration(run.response, run.motion))),
-                caption=f"Absolute accelerations of {listed(worst)}, the largest of all bodies and points, and of the base.",
+                caption=f"Absolute accelerations of {listed(worst)} and of the base; {_chosen(run)}.",
                 alt=f"Histories of the accelerations of {listed(worst)} and the base along x, y and z.",
             )
         )
@@ -62,6 +69,16 @@ def response_section(run: FinishedRun) -> Section:
             blocks.append(_over_frequency(run, run.motion, worst))
         blocks += _payload_spectra(run) + _densities(run)
     return Section(title="What reaches the payload", blocks=tuple(blocks))
+
+
+def _chosen(run: FinishedRun) -> str:
+    """Return why these bodies and points are drawn."""
+    first = (
+        "those with limits come first, the nearest to them before the others; then "
+        if run.response.scene.limits
+        else ""
+    )
+    return f"{first}those with the largest accelerations"
 
 
 def mounts_section(run: FinishedRun) -> Section:
@@ -94,15 +111,13 @@ def mounts_section(run: FinishedRun) -> Section:
 
 def _extremes(run: FinishedRun, axes: list[int]) -> Table:
     base = run.response.base
-    _, acceleration = base_acceleration(run.response, run.motion)
+    peak = run.response.peaks.bodies[
+        run.response.scene.base
+    ].acceleration  # of every step, as in the table of the peaks
     rows = []
     for axis in axes:
-        cells = ["xyz"[axis]]
-        for values, unit in (
-            (acceleration[:, axis], "m/s^2"),
-            (base.velocity[:, axis], "m/s"),
-            (base.displacement[:, axis], "m"),
-        ):
+        cells = ["xyz"[axis], shown(float(peak.minimum[axis]), "m/s^2"), shown(float(peak.maximum[axis]), "m/s^2")]
+        for values, unit in ((base.velocity[:, axis], "m/s"), (base.displacement[:, axis], "m")):
             cells += [shown(float(values.min()), unit), shown(float(values.max()), unit)]
         rows.append(tuple(cells))
     head = ("axis", "acceleration [g], lowest", "highest", "velocity [m/s], lowest", "highest")
@@ -115,15 +130,17 @@ def _extremes(run: FinishedRun, axes: list[int]) -> Table:
 
 
 def _events(run: FinishedRun) -> Table | None:
-    events = list(
-        dict.fromkeys((fixed(time, 4), words) for time, words in run.response.events)
-    )  # pulses along two axes
+    end = float(run.response.time[-1])
+    all_of_them = dict.fromkeys((time <= end, fixed(time, 4), words) for time, words in run.response.events)
+    events = [(when, words) for inside, when, words in all_of_them if inside]  # each once: pulses along two axes
+    later = [words for inside, _, words in all_of_them if not inside]
     if not events:
         return None
     rows, left = tuple(events[:_MOST_EVENTS]), max(len(events) - _MOST_EVENTS, 0)
+    beyond = f"After the end of the run at {end:g} s, and not simulated: {listed(later)}." if later else ""
     return Table(
         caption="What the base does when", head=("at [s]", "event"), align="rt", rows=rows,
-        note=f"And {left} more." if left else "",
+        note=" ".join(filter(None, [f"And {left} more." if left else "", beyond])),
     )  # fmt: skip
 
 
@@ -161,17 +178,6 @@ def _payload_spectra(run: FinishedRun) -> list[Block]:
 def _densities(run: FinishedRun) -> list[Block]:
     if not run.densities:
         return []
-    rows = tuple(
-        (
-            axis,
-            name,
-            shown(float(found.rms), "m/s^2"),
-            shown(3.0 * float(found.rms), "m/s^2"),
-            fixed(100.0 * float(found.rms_error), 1),
-        )
-        for axis, along in run.densities.items()
-        for name, found in along.items()
-    )
     one = next(iter(next(iter(run.densities.values())).values()))
     names = listed([name for name in next(iter(run.densities.values())) if name != BASE])
     return [
@@ -184,12 +190,26 @@ def _densities(run: FinishedRun) -> list[Block]:
         ),
         Table(
             caption="Root mean squares while the vibration is stationary",
-            head=("axis", "where", "rms [g]", "3 sigma [g]", "error of the rms [%]"),
+            head=("where", "axis", "rms [g]", "3 sigma [g]", "error of the rms [%]"),
             align="llrrr",
-            rows=rows,
-            note="Error: one standard deviation of the estimate, from bandwidth and length.",
+            rows=tuple(row for name in next(iter(run.densities.values())) for row in _rms_rows(run, name)),
+            note="Along every axis that is moved. Error: one standard deviation of the estimate, from bandwidth and length; "
+            "it is known along the base's motion.",
         ),
     ]
+
+
+def _rms_rows(run: FinishedRun, name: str) -> Iterator[tuple[str, ...]]:
+    """Yield the root mean square of a body along every axis: of its density, or else of the samples it was made of."""
+    one = next(iter(run.densities.values()))[name]
+    _, _, last = steady_stretch(run.motion.to_dict())
+    rows = slice(*np.searchsorted(run.response.time, [min(last, run.response.time[-1]) - one.duration, last]))
+    for axis in range(3):
+        found = run.densities.get("xyz"[axis], {}).get(name)
+        rms = float(found.rms if found else acceleration_along(run.response, name, axis)[rows].std())
+        if rms > _STILL:
+            error = fixed(100.0 * float(found.rms_error), 1) if found else ABSENT
+            yield name, "xyz"[axis], shown(rms, "m/s^2"), shown(3.0 * rms, "m/s^2"), error
 
 
 def _over_frequency(run: FinishedRun, motion: Sweep, names: list[str]) -> Picture:

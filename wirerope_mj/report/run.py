@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.criteria import Verdict
+from wirerope_mj.criteria import Verdict, acceleration_verdicts
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.modes import Modes
 from wirerope_mj.plots.report_response import MOST
+from wirerope_mj.report.display import title_of
 from wirerope_mj.response import Response
 from wirerope_mj.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.statics import StaticTable
@@ -41,6 +42,7 @@ class FinishedRun:
         duration: simulated time [s].
         sample_rate: of the response [Hz].
         motion: of the base.
+        doubts: what is said of its measured records when they are read, a sentence each.
         response: what came out.
         isolators: of every mount, by the mount's name.
         gravity: of the model [m/s^2].
@@ -61,6 +63,7 @@ class FinishedRun:
     duration: float
     sample_rate: float
     motion: BaseMotion
+    doubts: tuple[str, ...]
     response: Response
     isolators: Mapping[str, Isolator]
     gravity: float
@@ -74,15 +77,21 @@ class FinishedRun:
     @property
     def title(self) -> str:
         """The scenario's name as words."""
-        words = self.name.replace("_", " ").strip()
-        return words[:1].upper() + words[1:]
+        return title_of(self.name)
 
 
 def worst_names(response: Response) -> list[str]:
-    """Return the bodies and points with the largest accelerations, three at most; of those that move alike, the first."""
+    """Return the bodies and points to draw, three at most; of those that move alike, the first.
+
+    First those that are nearest to their limits of acceleration, then others with limits, then the largest accelerations.
+    """
     found: list[str] = []
     peaks: list[tuple[float, ...]] = []
-    for row in body_peaks(response):
+    shares = dict.fromkeys((limit.name for limit in response.scene.limits), 0.0)
+    for verdict in acceleration_verdicts(response):  # from the peaks alone: rattle space would take every sample
+        if verdict.share is not None:
+            shares[verdict.subject] = max(verdict.share, shares[verdict.subject])
+    for row in sorted(body_peaks(response), key=lambda row: -shares.get(row.name, -1.0)):  # else as they are: by size
         size = (row.value, *row.axes)
         alike = any(np.allclose(size, other, rtol=1e-6, atol=1e-9) for other in peaks)  # a point of what cannot turn
         if row.kind != "base" and not alike:

@@ -1,5 +1,6 @@
 """The report of a run, from its folder alone: what the run does not hold, statics, modes and spectra, is computed here."""
 
+import math
 from collections.abc import Callable, Mapping
 from datetime import datetime
 from functools import partial
@@ -8,16 +9,19 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from wirerope_mj.criteria import judge
+from wirerope_mj.criteria import Verdict, judge
+from wirerope_mj.criteria.mount_load import starting_load_verdicts
+from wirerope_mj.criteria.static_load import static_load_verdicts
 from wirerope_mj.errors import RecordError, WireRopeError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.modes import modes
 from wirerope_mj.report import Absent, FinishedRun, check_pdf, report_content, report_html, worst_names, write_pdf
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.runfolder.frequency_response import KIND, MARKS
+from wirerope_mj.runfolder.record_doubts import record_doubts
 from wirerope_mj.runfolder.run_spectra import run_densities, run_spectra
 from wirerope_mj.runfolder.sources import scenario_content, system_and_motion
-from wirerope_mj.statics import History, static_table
+from wirerope_mj.statics import History, StaticTable, static_table
 from wirerope_mj.system import System
 from wirerope_mj.whole import written_whole
 
@@ -83,6 +87,7 @@ def report_page(content: Mapping[str, Any], system: System, motion: BaseMotion, 
     gravity = float(np.linalg.norm(system.model.opt.gravity))
     histories = _HISTORIES if gravity else _HISTORIES[:1]  # without a load there is nothing to relax
     names = worst_names(response)
+    statics = _found(partial(static_table, system))
     run = FinishedRun(
         name=str(content.get("name", response.scene.name)),
         question=str(content.get("question", "")),
@@ -93,17 +98,38 @@ def report_page(content: Mapping[str, Any], system: System, motion: BaseMotion, 
         duration=float(arguments["duration"]),
         sample_rate=float(arguments["sample_rate"]),
         motion=motion,
+        doubts=record_doubts(motion),
         response=response,
         isolators={name: mount.isolator for name, mount in system.mounts.items()},
         gravity=gravity,
-        statics=_found(partial(static_table, system)),
+        statics=statics,
         modes={history: _found(partial(modes, system, history=history)) for history in histories},
         spectra=run_spectra(motion, response, names, float(arguments["sample_rate"])),
         densities=run_densities(motion, response, names),
-        verdicts=tuple(judge(response)),
+        verdicts=_verdicts(response, statics if gravity else None),
         versions=content.get("versions", {}),
     )
     return report_html(report_content(run))
+
+
+def _verdicts(response: Response, statics: StaticTable | Absent | None) -> tuple[Verdict, ...]:
+    """Return the verdicts on a run; static loads on the first loading and relaxed, where these are known, not at its start."""
+    found = judge(response)
+    if not isinstance(statics, StaticTable):
+        return found
+    missing = [
+        Verdict(
+            criterion=f"static load in compression, {history}",
+            subject="every mount",
+            value=math.nan,
+            limit=None,
+            unit="N",
+            note=reason.rstrip("."),
+        )
+        for history, reason in statics.missing.items()
+    ]
+    start = {verdict.criterion for verdict in starting_load_verdicts(response)}
+    return (*(verdict for verdict in found if verdict.criterion not in start), *static_load_verdicts(statics), *missing)
 
 
 def _found(compute: Callable[[], Found]) -> Found | Absent:

@@ -18,6 +18,7 @@ from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.runfolder.folder import FORMAT, SCENARIO, SUMMARY, check_target, written_whole
 from wirerope_mj.runfolder.model_files import model_table, write_model
+from wirerope_mj.runfolder.record_doubts import record_doubts
 from wirerope_mj.scenario import Scenario
 from wirerope_mj.simulation import simulate
 from wirerope_mj.system import System, load_system
@@ -143,6 +144,7 @@ def _summary_text(scenario: Scenario, response: Response, seconds: float) -> str
         "format": FORMAT,
         "name": scenario.name,
         "motion": scenario.motion.description,
+        "record_warnings": list(record_doubts(scenario.motion)),
         **summary(response),
         "numerics": {
             "timestep_s": numerics.timestep,
@@ -163,8 +165,9 @@ def _write_pictures(scenario: Scenario, response: Response, folder: Path) -> Non
     from wirerope_mj.plots.histories import save_histories, save_mount_loops
     from wirerope_mj.plots.record_baseline import records_of, save_record_baseline
     from wirerope_mj.recording import record_rerun
+    from wirerope_mj.report.display import title_of
 
-    title, text = scenario.name.replace("_", " ").capitalize(), _scenario_markdown(scenario)
+    title, text = title_of(scenario.name), _scenario_markdown(scenario)
     record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=verdict_lines(response))
     save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
     if response.scene.mounts:
