@@ -9,7 +9,8 @@ from house import deck, mjcf
 from made_up_floor import TRAVEL, floor_response
 
 import wirerope_mj as wr
-from wirerope_mj.criteria import judge, peak_force_verdicts, starting_load_verdicts, travel_verdicts
+from wirerope_mj.criteria import bottoming_verdicts, judge, peak_force_verdicts, starting_load_verdicts, travel_verdicts
+from wirerope_mj.verdicts import verdict_lines
 
 G = wr.STANDARD_GRAVITY
 
@@ -172,12 +173,27 @@ def test_largest_forces_are_judged_by_what_is_given(floor):
         peak_force_verdicts(floor, {"m99": 1.0})
 
 
+def test_a_mount_pressed_beyond_its_height_is_said_to_lack_a_stop(floor):
+    low = -floor.peaks.mounts["m04"].deflection.minimum[2]
+    verdict = by_name(bottoming_verdicts(with_height(floor, 0.99 * low)))["m04", "bottoming"]
+    assert verdict.value == low
+    assert verdict.verdict == "exceeded"
+    assert "m04" in next(line for line in verdict_lines(with_height(floor, 0.99 * low)) if "A stop is missing" in line)
+    assert by_name(bottoming_verdicts(with_height(floor, 1.01 * low)))["m04", "bottoming"].verdict == "within"
+    assert by_name(bottoming_verdicts(with_height(floor, np.nan)))["m04", "bottoming"].verdict == "not judged"
+
+
+def with_height(response, height):
+    mounts = tuple(replace(mount, height=height) for mount in response.scene.mounts)
+    return replace(response, scene=replace(response.scene, mounts=mounts))
+
+
 def test_a_floor_is_judged_fast():
     floor = floor_response(mounts=24, equipment=10, rows=2000)
     begin = time.perf_counter()
     found = judge(floor)
     assert time.perf_counter() - begin < 0.2 * 5  # asked: 0.2 s; measured 0.02 s, and other work may share the machine
-    assert len({v.criterion for v in found}) == 8
+    assert len({v.criterion for v in found}) == 9
     assert all(np.isfinite(v.value) for v in found)
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from wirerope_mj.criteria.acceleration import acceleration_verdicts
+from wirerope_mj.criteria.bottoming import bottoming_verdicts
 from wirerope_mj.criteria.mount_load import starting_load_verdicts
 from wirerope_mj.criteria.rattle import rattle_verdicts
 from wirerope_mj.criteria.travel import travel_verdicts
@@ -12,7 +13,7 @@ from wirerope_mj.response import Response
 
 
 def judge(response: Response, limits: Sequence[PayloadLimit] | None = None) -> tuple[Verdict, ...]:
-    """Return the verdicts on accelerations, travels, rattle space and static loads of a run.
+    """Return the verdicts on accelerations, travels, bottoming, rattle space and static loads of a run.
 
     Args:
         response: of the run.
@@ -21,6 +22,7 @@ def judge(response: Response, limits: Sequence[PayloadLimit] | None = None) -> t
     return (
         *acceleration_verdicts(response, limits),
         *travel_verdicts(response),
+        *bottoming_verdicts(response),
         *rattle_verdicts(response, limits),
         *starting_load_verdicts(response),
     )

@@ -1,6 +1,14 @@
 """Verdicts in a few sentences: payload and mounts against their limits, and what nobody judges."""
 
-from wirerope_mj.criteria import EXCEEDED, NOT_JUDGED, Verdict, acceleration_verdicts, rattle_verdicts, travel_verdicts
+from wirerope_mj.criteria import (
+    EXCEEDED,
+    NOT_JUDGED,
+    Verdict,
+    acceleration_verdicts,
+    bottoming_verdicts,
+    rattle_verdicts,
+    travel_verdicts,
+)
 from wirerope_mj.criteria.travel import COMBINED
 from wirerope_mj.response import Response
 from wirerope_mj.units import STANDARD_GRAVITY
@@ -49,6 +57,11 @@ def _travel_lines(response: Response) -> list[str]:
         words = [f"in {rating} by {', '.join(names)}" for rating, names in over.items() if names]
         lines.append(f"Rated travel exceeded {'; '.join(words)}." if words else "No mount exceeds a rated travel.")
         lines += _combined_line(response)
+    flat = [row.subject for row in bottoming_verdicts(response) if row.verdict == EXCEEDED]
+    if flat:
+        lines.append(
+            f"Pressed beyond their own height, which cannot be: {', '.join(flat)}. A stop is missing in the model."
+        )
     untensioned = bool(judged) and all(row.shares["tension"] is None for row in judged)
     unjudged = ["tension of every mount"] if untensioned else []
     unjudged += [row.name for row in mounts if row.share is None]
