@@ -46,10 +46,29 @@ def test_rejected_parts_are_listed_with_their_reasons(capsys):
 
 
 def test_no_part_is_an_exit_code_of_its_own(capsys):
-    code, out = shown(capsys, "--shock", "50 g 30 ms half-sine", "--travel", "10")
+    code, out = shown(capsys, "--velocity", "9", "--travel", "10")
     assert code == 1
-    assert "No part of the tables does." in out
+    assert "No part of the tables meets it." in out
     assert "room" in out
+
+
+def test_without_a_fragility_the_softest_that_fits_comes_first_and_what_amplifies_is_marked(capsys):
+    """WR40-200: 2 pi f V of 17.18 g out of a pulse of 15 g; its load, 2 % of the rating, must not put it in front."""
+    _, out = shown(capsys, "--shock", "15 g 11 ms half-sine", "--all")
+    assert out.index("WR12-700 92 6.60") < out.index("WR12-606-06 69") < out.index("WR40-200 2")
+    assert "17.18*" in out
+    assert "14.99 " in out  # CB1700-17: below the pulse's peak
+    assert "14.99*" not in out
+    assert "pass on more than the pulse's own peak of 15 g" in out
+
+
+def test_a_pulse_that_is_far_too_long_for_the_rule_is_not_judged_by_it(capsys):
+    code, out = shown(capsys, "--shock", "15 g 500 ms half-sine")
+    assert code == 1
+    assert "parts are not judged" in out
+    assert "the rule of the velocity change does not hold" in out
+    assert "rated travel" not in out
+    assert "No part of the tables meets it" not in out
 
 
 def test_simulation_stands_beside_the_worksheet(capsys):
@@ -92,14 +111,20 @@ def test_the_sawtooth_of_the_rack_has_the_vendors_velocity_change():
         (("--shock", "15 g -11 ms half-sine"), "'-11' must be a finite number > 0"),
         ((), "give one shock"),
         (("--velocity", "1", "--drop", "1"), "give one shock"),
-        (("--velocity", "1", "--travel", "-5"), "`travel` must be a finite number > 0"),
+        (("--velocity", "1", "--travel", "-5"), "`--travel` must be a finite number > 0, got -5."),
+        (("--mass", "-200"), "`--mass` must be a finite number > 0, got -200."),
+        (("--mounts", "4.5", "--velocity", "1"), "--mounts: must be a whole number, got 4.5."),
+        (("--mounts", "0"), "`--mounts` must be a whole number >= 1, got 0."),
+        (("--velocity", "1", "--loops", "4", "6.5"), "`--loops` must be a whole number, got 6.5."),
         (("--velocity", "1", "--disturbance-rpm", "2400", "--disturbance-hz", "40"), "not both"),
         (("--velocity", "1", "--simulate", "--best", "0"), "`--best` must be >= 1"),
         (("--velocity", "1", "--loading", "sideways"), "sideways"),
     ],
 )
 def test_bad_input_is_one_message(capsys, arguments, message):
-    assert main([*LOAD, *arguments]) == 2
+    given = {"--mass": "200", "--mounts": "4"}
+    load = [word for option, value in given.items() if option not in arguments for word in (option, value)]
+    assert main(["select", *load, *arguments]) == 2
     captured = capsys.readouterr()
     assert message in captured.err
     assert captured.err.count("\n") == 1

@@ -167,6 +167,33 @@ def test_candidates_come_with_the_largest_smallest_margin_first_and_unrated_ones
     assert all(f.governing.margin == f.margin for f in found)
 
 
+def test_without_a_fragility_the_softest_that_fits_comes_first():
+    found = select_isolators(mass=200.0, mounts=4, velocity=1.0).candidates
+    for group in ([f for f in found if not f.unrated], [f for f in found if f.unrated]):
+        assert [f.acceleration for f in group] == sorted(f.acceleration for f in group)
+    assert found[0].load_share > 0.5
+    assert found[0].part.name != max(found, key=lambda f: f.margin).part.name
+
+
+def test_a_pulse_far_beyond_the_rule_leaves_parts_undecided_and_load_still_rejects():
+    """At f D = 1 an undamped mass reaches sin(2 pi / 3) / (1 - 1/2) = 1.73 times a half-sine's peak, the rule says 4 times."""
+    selection = select_isolators(mass=200.0, mounts=4, pulse=wr.HalfSine(peak=15 * G, duration=0.5, direction="z"))
+    assert not selection.candidates
+    by_name = {found.part.name: found for found in selection.rejected}
+    assert by_name["WR16-400"].undecided
+    assert "far above 0.25" in by_name["WR16-400"].reasons[0]
+    assert math.isnan(by_name["WR16-400"].margin)
+    tiny = by_name["WR2-100"]
+    assert not tiny.undecided
+    assert tiny.reasons == ("static load 490.5 N, limit 47 N",)
+    assert tiny.margin == pytest.approx(47.0 / 490.5 - 1.0)
+    order = [found.undecided for found in selection.rejected]
+    assert order == sorted(order, reverse=True)
+    # Whatever passes on the safe side passes.
+    gentle = select_isolators(mass=200.0, mounts=4, pulse=wr.HalfSine(peak=0.1 * G, duration=0.5, direction="z"))
+    assert any(found.impulse > 1.0 for found in gentle.candidates)
+
+
 def test_a_rating_that_the_vendor_does_not_state_is_not_judged_and_not_passed():
     found = on(PARTS["CB1400-25"], mass=1e5, mounts=1, velocity=1e-3)  # a hundred times any rating
     verdict = found.verdicts[0]

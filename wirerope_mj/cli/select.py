@@ -15,7 +15,7 @@ from wirerope_mj.selection import Candidate, Selection, SimulatedShock, Workshee
 from wirerope_mj.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY, Shock
 
 NOTHING_FOUND = 1
-"""Exit code if no part does."""
+"""Exit code if no part meets the worksheet."""
 
 _RISE = 0.1
 """Rise and fall of a trapezoid over its length, as the shock standards draw it."""
@@ -55,15 +55,23 @@ def select_command(selection: Selection, *, rejected: bool, best: int) -> int:
     simulated, failures = _simulate(selection, best)
     screen = console()
     _print_worksheet(selection.worksheet)
+    undecided = sum(part.undecided for part in selection.rejected)
     if selection.candidates:
         screen.print(_candidates(selection, simulated, None if rejected else _FIRST))
         _print_notes(selection, simulated, failures)
-    else:
-        screen.print("\n  [bold red]No part of the tables does.[/]")
+    elif not undecided:
+        screen.print("\n  [bold red]No part of the tables meets it.[/]")
+    if undecided:
+        screen.print(
+            f"\n  [bold]{undecided} parts are not judged[/]: the pulse is far too long to count by its velocity change alone. "
+            "Simulate it, in a scenario of its own: wirerope run.",
+            soft_wrap=True,
+        )
     if selection.rejected and (rejected or not selection.candidates):
         screen.print(_rejected(selection, None if rejected else _NEAREST))
     elif selection.rejected:
-        screen.print(f"  {len(selection.rejected)} parts do not do; --all shows every part and says why.")
+        rest = len(selection.rejected) - undecided
+        screen.print(f"  {rest} parts do not meet it; --all shows every part and says why.")
     return 0 if selection.candidates else NOTHING_FOUND
 
 
@@ -105,18 +113,19 @@ def _print_worksheet(sheet: Worksheet) -> None:
 
 
 def _candidates(selection: Selection, simulated: Mapping[str, SimulatedShock], most: int | None) -> Table:
-    """Return the table of candidates, those with the largest smallest margin first."""
+    """Return the table of candidates in their order."""
     heads = ["load\n[%]", "f\n[Hz]", "travel\n[mm]", "of rated\n[%]", "peak\n[g]", "margin\n[%]"]
     of = "" if most is None or len(selection.candidates) <= most else f", the first {most}"
     simulating = ["simul.\n[mm]", "of rated\n[%]", "simul.\n[g]", "margin\n[%]"] if simulated else []
-    table = _table(f"{len(selection.candidates)} parts do{of}", "part", heads)
+    table = _table(f"{len(selection.candidates)} parts meet it{of}", "part", heads)
     table.add_column("governs", no_wrap=True)
     for head in simulating:
         table.add_column(escape(head), justify="right", no_wrap=True)
     for found in selection.candidates[:most]:
         rated = found.part.modes[selection.worksheet.direction].travel
         cells = [_percent(found.load_share), f"{found.frequency:.2f}", f"{1e3 * found.travel:.1f}"]
-        cells += [_percent(None if rated is None else found.travel / rated), f"{_g(found.acceleration):.2f}"]
+        mark = "*" if amplifies(found, selection.worksheet) else ""
+        cells += [_percent(None if rated is None else found.travel / rated), f"{_g(found.acceleration):.2f}{mark}"]
         cells += [_margin(found.margin), _governing(found)]
         if simulated:
             cells += _simulated_cells(simulated.get(found.part.name), rated)
@@ -134,10 +143,11 @@ def _simulated_cells(run: SimulatedShock | None, rated: float | None) -> list[st
 
 
 def _rejected(selection: Selection, most: int | None) -> Table:
-    """Return the table of parts that do not do, nearest first."""
+    """Return the table of parts that do not meet the worksheet, nearest first."""
     shown = selection.rejected[:most]
     of = "" if len(shown) == len(selection.rejected) else f", the nearest {len(shown)}"
-    table = _table(f"{len(selection.rejected)} parts do not do{of}", "part", ("margin\n[%]",))
+    undecided = " or are not judged" if any(part.undecided for part in selection.rejected) else ""
+    table = _table(f"{len(selection.rejected)} parts do not meet it{undecided}{of}", "part", ("margin\n[%]",))
     table.add_column("why")
     for part in shown:
         table.add_row(escape(part.part.name), _margin(part.margin), escape("; ".join(part.reasons)))
@@ -148,6 +158,14 @@ def _print_notes(selection: Selection, simulated: Mapping[str, SimulatedShock], 
     """Print what the table rests on."""
     screen, sheet = console(), selection.worksheet
     notes = [f"{name} is not simulated: {reason}" for name, reason in failures.items()]
+    stiff = sum(amplifies(found, sheet) for found in selection.candidates)
+    if stiff:
+        notes.append(
+            f"* {stiff} of them pass on more than the pulse's own peak of {_g(sheet.peak):.4g} g: too stiff to isolate this "
+            "shock, whatever the margin"
+        )
+    if sheet.fragility is None:
+        notes.append("without --fragility the part that passes on least, the softest that fits, comes first")
     longest = max(found.impulse for found in selection.candidates)
     if not all(found.impulse_holds for found in selection.candidates):
         notes.append(
@@ -178,6 +196,11 @@ def _print_notes(selection: Selection, simulated: Mapping[str, SimulatedShock], 
         )
     for note in notes:
         screen.print(f"  {escape(note)}", soft_wrap=True)
+
+
+def amplifies(found: Candidate, sheet: Worksheet) -> bool:
+    """Return whether a part passes on more than the pulse's own peak."""
+    return sheet.peak is not None and found.acceleration > sheet.peak
 
 
 def _governing(found: Candidate) -> str:

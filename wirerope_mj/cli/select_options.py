@@ -1,16 +1,33 @@
 """The options of `wirerope select`."""
 
-from typing import Annotated, Literal
+import math
+from collections.abc import Sequence
+from typing import Annotated, Any, Literal
 
-from cyclopts import Parameter
+from cyclopts import Parameter, Token
 
 Mode = Literal["compression", "45", "shear", "roll"]
+
+
+def whole_numbers(hint: Any, tokens: Sequence[Token]) -> int | list[int]:
+    """Return the whole number or numbers of an option; 4.5 is refused, not cut to 4."""
+    found = []
+    for token in tokens:
+        try:
+            found.append(int(token.value))
+        except ValueError:
+            name = "" if hint is int else f"`{token.keyword}` "  # the parser names options of one value itself
+            raise ValueError(f"{name}must be a whole number, got {token.value}.") from None
+    return found[0] if hint is int else found
+
+
+Whole = Annotated[int, Parameter(converter=whole_numbers)]
 
 
 def select(
     *,
     mass: float,
-    mounts: int,
+    mounts: Whole,
     shock: str | None = None,
     velocity: float | None = None,
     drop: float | None = None,
@@ -22,14 +39,15 @@ def select(
     isolation_ratio: float = 3.0,
     loading: Mode = "compression",
     direction: Mode | None = None,
-    loops: Annotated[list[int] | None, Parameter(consume_multiple=True, negative=())] = None,
+    loops: Annotated[list[int] | None, Parameter(consume_multiple=True, negative=(), converter=whole_numbers)] = None,
     all: Annotated[bool, Parameter(negative=())] = False,  # noqa: A002  # the option's name
     simulate: Annotated[bool, Parameter(negative=())] = False,
-    best: int = 5,
+    best: Whole = 5,
 ) -> int:
     """Choose isolators by the vendors' worksheet: what carries the load and keeps travel, frequency and acceleration.
 
-    Every g here is 9.81 m/s^2, as in the vendors' sheets. A pulse counts by its velocity change. Exits 1 if no part does.
+    Every g here is 9.81 m/s^2, as in the vendors' sheets. A pulse counts by its velocity change. Parts come by their smallest
+    margin if --fragility is given, and otherwise the softest that fits first. Exits 1 if no part meets the worksheet.
 
     Args:
         mass: of the payload [kg], its centre of mass in the middle of the mounts.
@@ -46,13 +64,21 @@ def select(
         loading: how the weight loads the mounts.
         direction: how the shock does; as the weight by default.
         loops: also try the parts with so many loops; load and stiffness in proportion.
-        all: show the parts that do not do as well, with the reasons.
+        all: show the parts that do not meet it as well, with the reasons.
         simulate: fit the best parts from their rows and put their simulated shock beside the worksheet.
         best: how many are simulated.
     """
     from wirerope_mj.cli.select import g_units, parse_shock, select_command
     from wirerope_mj.selection import select_isolators
 
+    if mounts < 1:
+        raise ValueError(f"`--mounts` must be a whole number >= 1, got {mounts}.")
+    for option, value in (
+        ("mass", mass), ("velocity", velocity), ("drop", drop), ("travel", travel), ("fragility", fragility),
+        ("disturbance-rpm", disturbance_rpm), ("disturbance-hz", disturbance_hz), ("isolation-ratio", isolation_ratio),
+    ):  # fmt: skip
+        if value is not None and not (math.isfinite(value) and value > 0.0):
+            raise ValueError(f"`--{option}` must be a finite number > 0, got {value:g}.")
     if disturbance_rpm is not None and disturbance_hz is not None:
         raise ValueError("give the disturbance as `--disturbance-rpm` or as `--disturbance-hz`, not both.")
     if disturbance_rpm is not None:

@@ -7,9 +7,12 @@ from dataclasses import dataclass
 from wirerope_mj.criteria.verdict import EXCEEDED, Verdict
 from wirerope_mj.excitation import VelocityStep
 from wirerope_mj.selection.parts import Figures, Part, vendor_parts
-from wirerope_mj.selection.worksheet import IMPULSE, ISOLATION_RATIO, WORKSHEET_GRAVITY, Shock, Worksheet
+from wirerope_mj.selection.worksheet import IMPULSE, ISOLATION_RATIO, LONG, WORKSHEET_GRAVITY, Shock, Worksheet
 
 UNSTATED = "the vendor states none"
+
+BY_VELOCITY = ("rated travel", "room", "acceleration")
+"""Criteria whose values come from the velocity change."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,12 +68,14 @@ class Rejected:
     Attributes:
         part: the part.
         reasons: one sentence each.
-        margin: of the worst criterion [-], negative; NaN if figures are missing.
+        margin: of the worst criterion [-], negative; NaN if figures are missing or nothing could be judged.
+        undecided: whether nothing but the velocity rule speaks against it, for a pulse that is far too long for that rule.
     """
 
     part: Part
     reasons: tuple[str, ...]
     margin: float
+    undecided: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,8 +84,10 @@ class Selection:
 
     Attributes:
         worksheet: what was asked.
-        candidates: parts that exceed no limit: those with every rating first, each group by its smallest margin.
-        rejected: the others, nearest first.
+        candidates: parts that exceed no limit: those with every rating first; in each group the largest smallest margin first
+            if a fragility is given, and otherwise the part that passes on least, which is the softest that fits the travel:
+            margins of load and travel alone would put the stiffest and most oversized part first.
+        rejected: the others: what is undecided first, then the nearest.
     """
 
     worksheet: Worksheet
@@ -151,9 +158,19 @@ def select_isolators(
             rejected.append(answer)
     return Selection(
         worksheet=worksheet,
-        candidates=tuple(sorted(candidates, key=lambda found: (len(found.unrated) > 0, -found.margin))),
-        rejected=tuple(sorted(rejected, key=lambda found: -found.margin if math.isfinite(found.margin) else math.inf)),
+        candidates=tuple(sorted(candidates, key=lambda found: (len(found.unrated) > 0, _rank(found, worksheet)))),
+        rejected=tuple(
+            sorted(
+                rejected,
+                key=lambda found: (not found.undecided, -found.margin if math.isfinite(found.margin) else math.inf),
+            )
+        ),
     )
+
+
+def _rank(found: Candidate, worksheet: Worksheet) -> float:
+    """Return what candidates are ordered by, the smallest first."""
+    return found.acceleration if worksheet.fragility is None else -found.margin
 
 
 def judge(part: Part, worksheet: Worksheet) -> Candidate | Rejected:
@@ -176,8 +193,16 @@ def judge(part: Part, worksheet: Worksheet) -> Candidate | Rejected:
     exceeded = [verdict for verdict in found.verdicts if verdict.verdict == EXCEEDED]
     if not exceeded:
         return found
-    reasons = tuple(_reason(verdict, worksheet.gravity) for verdict in exceeded)
-    return Rejected(part=part, reasons=reasons, margin=found.margin)
+    rule = found.impulse < LONG
+    decided = [verdict for verdict in exceeded if rule or verdict.criterion not in BY_VELOCITY]
+    reasons = tuple(_reason(verdict, worksheet.gravity) for verdict in decided)
+    if not decided:
+        reasons = (
+            f"not judged: natural frequency x length of the pulse is {found.impulse:.3g}, far above {IMPULSE:g}: the rule of "
+            "the velocity change does not hold",
+        )
+    margins = [verdict.margin for verdict in decided if verdict.margin is not None]
+    return Rejected(part=part, reasons=reasons, margin=min(margins, default=math.nan), undecided=not decided)
 
 
 def _verdicts(name: str, worksheet: Worksheet, carried: Figures, struck: Figures) -> tuple[Verdict, ...]:

@@ -16,6 +16,10 @@ ISOLATION_RATIO = 3.0
 IMPULSE = 0.25
 """Natural frequency times length of a pulse up to which only its velocity change counts (the vendors' condition)."""
 
+LONG = 1.0
+"""The same from which the rule says nothing: there an undamped mass under a half-sine reaches 1.73 times the pulse's peak, and
+the rule says 4 times."""
+
 Shock = Pulse | VelocityStep
 
 
@@ -73,6 +77,11 @@ class Worksheet:
     def velocity(self) -> float:
         """Velocity change V of the shock [m/s]."""
         return abs(self.shock.velocity_change)
+
+    @property
+    def peak(self) -> float | None:
+        """Acceleration of the pulse at its peak [m/s^2]; None for a velocity step, which has none."""
+        return None if isinstance(self.shock, VelocityStep) else abs(self.shock.peak)
 
     @property
     def largest_frequency(self) -> float | None:
