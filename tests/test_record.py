@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wirerope_mj.errors import RecordError
+from wirerope_mj.errors import RecordError, RecordWarning
 from wirerope_mj.excitation import HalfSine, load_record, motion_from_dict
 
 DATA = Path(__file__).parent / "data"
@@ -150,7 +150,11 @@ GOOD = "time [s],z [g]\n"
         (GOOD + "0,1\n1,1\n0.5,1\n", "line 4: time 0.5 comes after 1.0; times must increase"),
         (GOOD + "0,1\n1,1\n1,2\n", "line 4: time 1.0 repeats the row before"),
         (GOOD + "0,1\n1,high\n", 'line 3: "high" in column "z" is not a number'),
-        (GOOD + "0,1\n1,\n", 'line 3: "" in column "z" is not a number'),
+        (
+            GOOD + "0,1\n1,\n",
+            'line 3: an empty cell in column "z"; have such samples filled.* gaps="fill" (--gaps fill)',
+        ),
+        (GOOD + "0,1\n,1\n", 'line 3: an empty cell in column "time"; its time is needed'),
         (
             "time [s];z [g]\n0;1\n1;1,5\n",
             'line 3: "1,5" in column "z" is not a number. Decimals are written with a point',
@@ -168,7 +172,8 @@ GOOD = "time [s],z [g]\n"
         ("0,1\n1,1\n", "line 1: the first column must be time.* the columns are 0, 1"),
         (
             "time [s],ch1 [g]\n0,1\n1,1\n",
-            "no column is named x, y or z; the columns are time, ch1. Name one with `channels`",
+            "no column is named x, y or z; the columns are time, ch1. Say which one moves the base where, for instance "
+            'channels={"ch1": "z"} (--channels ch1=z or, with one column, --direction z)',
         ),
         ("time [s]\n0\n1\n", "no column is named x, y or z; the columns are time"),
         ("time [s],x [g],ax [g]\n0,1,1\n1,1,1\n", '"ax" is a second column for direction x'),
@@ -179,6 +184,39 @@ def test_a_bad_file_gets_one_clear_message(record_file, text, message):
     pattern = re.escape(message).replace(r"\.\*", ".*")
     with pytest.raises(RecordError, match=pattern):
         load_record(record_file(text))
+
+
+def test_empty_cells_and_nan_are_filled_with_straight_lines_only_on_request(record_file):
+    rows = ["0,1,0", "1,2,", "2,NaN,4", "3, ,6", "4,8,8"]
+    path = record_file("time [s],x [m/s^2],z [m/s^2]\n" + "\n".join(rows))
+    with pytest.raises(RecordError, match='line 3: an empty cell in column "z"'):
+        load_record(path)
+    with pytest.warns(RecordWarning) as found:
+        record = load_record(path, gaps="fill")
+    assert [str(item.message).split(": ", 1)[1] for item in found] == [
+        '2 samples missing in column "x" (at 2 s) filled with straight lines.',
+        '1 sample missing in column "z" (at 1 s) filled with straight lines.',
+    ]
+    assert all(item.filename == __file__ for item in found)  # the line that loaded it
+    # each column on its own: what is there in one is not lost because the other has a gap
+    np.testing.assert_allclose(record.samples[:, 0], [1.0, 2.0, 4.0, 6.0, 8.0], rtol=1e-15)
+    np.testing.assert_allclose(record.samples[:, 2], [0.0, 2.0, 4.0, 6.0, 8.0], rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ("0,\n1,1\n2,1\n", '1 sample missing in column "z", also at the beginning, where no straight line'),
+        ("0,1\n1,1\n2,nan\n", "also at the end, where no straight line"),
+        ("0,1\n,1\n2,\n", 'line 3: an empty cell in column "time"'),
+        ("0,1\n1,\n2,inf\n", 'line 4: inf in column "z"'),
+        ("0,1\n1,\n2,high\n", 'line 4: "high" in column "z" is not a number'),
+        ("0,1\n1,\n1,1\n", "line 4: time 1.0 repeats the row before"),
+    ],
+)
+def test_what_is_wrong_beside_a_gap_is_still_refused(record_file, rows, message):
+    with pytest.raises(RecordError, match=re.escape(message)):
+        load_record(record_file(GOOD + rows), gaps="fill")
 
 
 def test_the_bad_line_of_a_long_record_is_found(record_file):
@@ -213,7 +251,7 @@ def test_a_missing_file_and_a_folder_are_no_records(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"baseline": "linear"}, '`baseline` must be "none", "mean", "velocity" or "highpass", got \'linear\''),
+        ({"baseline": "linear"}, '`baseline` must be "none", "rest", "mean", "velocity" or "highpass", got \'linear\''),
         ({"scale": 0.0}, "`scale` must not be zero"),
         ({"start": np.nan}, "`start` must be a finite number, got nan"),
         ({"channels": {}}, "`channels` must name at least one column"),

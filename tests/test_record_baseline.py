@@ -111,11 +111,53 @@ def test_a_high_pass_of_a_record_that_begins_amid_its_pulse_is_warned_of(tmp_pat
         load_record(path, baseline="highpass", highpass=1.0)
 
 
+def pulse_of(start, stop):
+    """A half-sine of 147 m/s^2 between two samples."""
+    inside = (start <= TIME) & (stop >= TIME)
+    return np.where(inside, 147.0 * np.sin(np.pi * (TIME - start) / (stop - start)), 0.0)
+
+
+@pytest.mark.parametrize("offset", [9.80665, -9.80665, 1.47])
+def test_the_level_at_rest_leaves_a_pulse_its_velocity(csv, offset):
+    pulse = pulse_of(3.0, 3.011)
+    record = load_record(csv(offset + pulse), baseline="rest")
+    np.testing.assert_allclose(record.samples[:, 0], pulse, atol=1e-10)  # 12 printed digits
+    # a median of the noise lies within 1.25 sigma / sqrt(n) = 0.0009; its mean within 0.0007; the pulse's mean is 0.05
+    noise = 0.1 * np.random.default_rng(3).standard_normal(TIME.size)
+    noisy = load_record(csv(offset + pulse + noise), baseline="rest")
+    assert abs(float(np.mean(noisy.samples[:, 0] - pulse - (noise - noise.mean())))) < 4 * 0.0009
+
+
+def test_the_level_at_rest_of_a_coarse_converter_is_a_mean_of_its_steps(csv):
+    step, rng = 0.5, np.random.default_rng(5)
+    level = np.round((1.1 + 0.2 * rng.standard_normal(TIME.size)) / step) * step  # 1.0 mostly, sometimes 1.5 and 0.5
+    record = load_record(csv(level + pulse_of(3.0, 3.011)), baseline="rest")
+    assert float(level.mean()) > 1.05  # a median would be 1.0
+    np.testing.assert_allclose(record.samples[0, 0], level[0] - level.mean(), atol=2e-3)
+
+
+def test_nothing_is_taken_off_a_pulse_that_fills_its_record_and_the_mean_off_a_vibration(csv):
+    bare = 1e-4 * pulse_of(0.0, TIME[-1])  # 20 s long: 0.19 m/s
+    np.testing.assert_allclose(load_record(csv(bare), baseline="rest").samples[:, 0], bare, atol=1e-9)
+    plate = np.clip(0.04 * np.sin(np.pi * TIME / TIME[-1]), None, 0.012)  # at its top most of the time
+    record = load_record(csv(plate), baseline="rest")
+    np.testing.assert_allclose(record.samples[:, 0], plate, atol=1e-9)
+    wave = np.sin(2 * np.pi * 5.0 * TIME)
+    record = load_record(csv(wave + 0.7), baseline="rest")
+    np.testing.assert_allclose(record.samples[:, 0], wave, atol=1e-4)
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"baseline": "highpass"}, 'baseline="highpass" needs its cutoff'),
-        ({"highpass": 1.0}, "`highpass` is the cutoff of baseline=\"highpass\"; the baseline is 'none'"),
+        (
+            {"baseline": "highpass"},
+            'baseline="highpass" needs its cutoff .Hz., for instance highpass=1.0 .--highpass 1.',
+        ),
+        (
+            {"highpass": 1.0},
+            "`highpass` is the cutoff of baseline=\"highpass\" .--baseline highpass.; the baseline is 'none'",
+        ),
         ({"baseline": "highpass", "highpass": -1.0}, "`highpass` must be > 0"),
         ({"baseline": "highpass", "highpass": 500.0}, "`highpass` must be below half the sampling rate, 500, got 500"),
         ({"baseline": "highpass", "highpass": 1e-6}, "`highpass` must be at least 0.0002 Hz at 1000 samples a second"),

@@ -1,5 +1,6 @@
 """What looks wrong about a record is said with its reason, and sound records are left in peace."""
 
+import re
 import warnings
 
 import numpy as np
@@ -92,7 +93,7 @@ def test_a_saturated_sensor_is_said(doubts, level, bits):
     found = doubts(values)
     assert len(found) == 1
     assert "samples in a row stand at exactly" in found[0]
-    assert "saturated, and the true peak is higher" in found[0]
+    assert "may have been saturated, and the true peak be higher" in found[0]  # it cannot be known
 
 
 def test_a_trapezoid_that_was_not_measured_is_doubted_too(doubts):
@@ -117,7 +118,7 @@ def test_a_record_that_rests_at_gravity_tells_its_unit(doubts, rest, header, mes
     found = doubts(values, header=header)
     assert len([words for words in found if message in words]) == 1
     if "gravity were in it" in message:  # the correction that it asks for ends it
-        assert doubts(values, header=header, baseline="mean") == []
+        assert doubts(values, header=header, baseline="rest") == []
 
 
 @pytest.mark.parametrize(
@@ -145,13 +146,64 @@ def test_seconds_for_milliseconds_are_doubted(doubts):
     assert any("5e+06 samples a second" in words for words in found)
 
 
-def test_a_drift_is_said_and_corrections_end_it(doubts):
+def test_an_offset_at_rest_is_said_and_corrections_end_it(doubts):
     values = 0.2 * along_z(PULSE) + 1.5 + noise(0.2)  # the pulse itself leaves 0.206 m/s after 1 s
     (words,) = doubts(values)
-    assert "along z the base would reach" in words
-    assert "the acceleration stands off zero by 1.71 m/s^2 all along" in words
-    for more in ({"baseline": "mean"}, {"baseline": "velocity"}, {"baseline": "highpass", "highpass": 2.0}):
+    assert "along z the base would reach 1.7" in words
+    stands = float(re.search(r"stands off zero by (\S+) m/s\^2 where it rests", words)[1])
+    assert stands == pytest.approx(1.5, abs=0.012)  # four standard errors of a mean of 5000; with the pulse 1.706
+    for more in ({"baseline": "rest"}, {"baseline": "highpass", "highpass": 2.0}):
         assert doubts(values, **more) == []
+
+
+@pytest.mark.parametrize("offset", [0.15 * G, -0.15 * G, G])
+@pytest.mark.parametrize("size", [2500, 5000])
+def test_a_small_offset_under_a_large_pulse_is_said_with_its_level_at_rest(doubts, offset, size):
+    found = doubts(along_z(PULSE)[:size] + offset)
+    assert len([w for w in found if f"stands off zero by {offset:.4g} m/s^2 where it rests" in w]) == 1
+    assert all('"mean"' not in words for words in found)  # which would take a part of the pulse off
+
+
+def test_a_mean_that_holds_the_pulse_is_said(doubts):
+    values = along_z(PULSE)[:2500] + G
+    gained = 2.0 / np.pi * 15.0 * G * 0.011  # the half-sine's velocity change: 1.03 m/s
+    for baseline in ("mean", "velocity"):
+        (words,) = doubts(values, baseline=baseline)
+        level = float(re.search(r"the quiet part stands at (\S+) m/s\^2 after", words)[1])
+        assert level == pytest.approx(-gained / 0.5, rel=1e-2)  # straight lines between samples take less than that off
+        assert 'baseline="rest" (--baseline rest)' in words
+    waves = np.where((TIME > 0.1) & (TIME < 0.2), 30.0 * np.sin(2 * np.pi * 50.0 * TIME), 0.0)
+    assert doubts(waves - 0.5, baseline="velocity") == []  # five waves: no velocity that could be spread
+
+
+@pytest.mark.parametrize("ripple", [0.0, 0.3])
+def test_coasting_after_a_pulse_is_no_drift(doubts, ripple):
+    long = np.arange(50_000) / RATE  # 10 s: the base goes on for 30 m
+    trapezoid = Trapezoid(peak=200.0, duration=0.02, rise=0.002, direction="z", start=1.0)
+    values = along_z(trapezoid, long) + noise(ripple, size=long.size)
+    assert not [words for words in doubts(values, time=long) if "the base would" in words]
+    plate = np.where(along_z(PULSE) > 0.0, 100.0, 0.0)
+    assert not [words for words in doubts(plate) if "the base would" in words]
+    top = along_z(Trapezoid(peak=50.0, duration=0.9, rise=0.05, direction="z", start=0.05))  # mostly at its top
+    assert not [words for words in doubts(top) if "rests" in words]
+
+
+def test_a_growing_drift_of_a_ride_is_said(doubts):
+    (words,) = doubts(noise(3.0) + 4.0 * TIME)
+    assert "by 1.99 m/s^2 all along" in words  # half of 4 m/s^2, and the noise's mean
+    assert doubts(noise(3.0) + 4.0 * TIME, baseline="highpass", highpass=2.0) == []
+
+
+def test_a_record_without_motion_is_said_once(doubts):
+    (words,) = doubts(0.0 * TIME)
+    assert words.endswith("all of its samples are zero: the base does not move.")
+
+
+def test_a_pulse_that_is_too_weak_by_a_thousand_is_doubted(doubts):
+    (words,) = doubts(along_z(PULSE), header="time [s],z [mm/s^2]")
+    assert 'if the values are in m/s^2 and not in mm/s^2, say unit="m/s^2"' in words
+    assert doubts(1000.0 * along_z(PULSE), header="time [s],z [mm/s^2]") == []
+    assert doubts(100.0 * noise(1.0), header="time [s],z [mm/s^2]") == []  # a quiet floor, but no pulse
 
 
 def test_every_axis_is_judged(tmp_path):
@@ -159,7 +211,7 @@ def test_every_axis_is_judged(tmp_path):
     values = np.column_stack([TIME, along_z(PULSE), G + noise(0.01), np.clip(along_z(PULSE) + noise(1.0), None, 100.0)])
     np.savetxt(path, values, delimiter=",", header="time [s],x [m/s^2],y [m/s^2],z [m/s^2]", comments="", fmt="%.9g")
     with pytest.warns(RecordWarning) as found:
-        load_record(path, baseline="mean")
+        load_record(path, baseline="rest")
     (words,) = (str(item.message) for item in found)
     assert "along z" in words
     assert "stand at exactly 100 m/s^2" in words

@@ -59,7 +59,8 @@ def test_channels_choose_among_nodes_and_turn_them(uff):
         history(3, "scalar", 5.0 * WAVE, unit="m/s^2"),
     )
     with pytest.raises(
-        RecordError, match=r"which of 1:z, 2:z, 3 move the base.* `channels`, for instance \{\"1:z\": \"z\"\}"
+        RecordError,
+        match=r"which of 1:z, 2:z, 3 move the base.* for instance channels=\{\"1:z\": \"z\"\} \(--channels 1:z=z\)",
     ):
         load_record(path)
     record = load_record(path, channels={"2:z": "x", "3": (0.0, 0.0, -1.0)})
@@ -103,6 +104,11 @@ def test_an_uneven_abscissa_is_resampled_and_said(uff):
         (history(7, "z", WAVE, unit="V"), '7:z has the unknown unit "v". Say which is meant, for instance unit="g"'),
         (history(7, "z", WAVE, unit="g", count=500), "7:z holds 200 values where its header says 500"),
         (b"    -1\n    58\nno header\n    -1\n", "this universal file cannot be read"),
+        (history(7, "z", WAVE, unit="g")[:-40], "holds no complete dataset: it was cut off before the line -1"),
+        (
+            b"    -1\n   151\n    -1\n" + history(7, "z", WAVE, unit="g")[:3000],
+            "no complete time history of an acceleration",
+        ),
         (b"    -1\n   151\n    -1\n", "no time history of an acceleration"),
         (
             history(7, "x", WAVE, unit="g") + history(7, "z", WAVE, unit="g", step=2e-3),
@@ -113,6 +119,14 @@ def test_an_uneven_abscissa_is_resampled_and_said(uff):
 def test_a_bad_file_gets_one_clear_message(uff, content, message):
     with pytest.raises(RecordError, match=r"deck\.unv: .*" + re.escape(message)):
         load_record(uff(content))
+
+
+def test_a_universal_file_that_lost_its_end_is_said(uff):
+    path = uff(history(1, "x", WAVE, unit="g"), history(1, "z", WAVE, unit="g")[:3000])
+    with pytest.warns(RecordWarning, match=r"deck\.unv: the end of this universal file is missing; what was cut off"):
+        record = load_record(path)
+    assert not record.samples[:, 2].any()
+    assert record.samples[:, 0].any()
 
 
 def test_a_stored_record_is_read_again_bit_for_bit(uff, tmp_path):

@@ -94,6 +94,21 @@ def test_a_universal_file_moves_the_base_on_its_axes(record, capsys, tmp_path):
     assert "bit-identical" in capsys.readouterr().out
 
 
+def test_gravity_and_gaps_are_mended_by_the_options_that_the_messages_name(record, asked, capsys, tmp_path):
+    file = record("z", values=PULSE / G + 1.0)
+    rows = (tmp_path / file).read_text().splitlines()
+    rows[11] = rows[11].partition(",")[0] + ","
+    (tmp_path / file).write_text("\n".join(rows))
+    assert main(["shock", "shock_table", "--record", file, *QUICK]) == 2
+    assert 'deck.csv, line 12: an empty cell in column "z"; have such samples filled' in capsys.readouterr().err
+    made = asked("shock_table", "--record", file, "--gaps", "fill")
+    assert "(--baseline rest) takes it off" in capsys.readouterr().err
+    made = asked("shock_table", "--record", file, "--gaps", "fill", "--baseline", "rest")
+    np.testing.assert_allclose(made.motion.samples[:, 2], PULSE, atol=1e-7)  # nine printed digits
+    (said,) = capsys.readouterr().err.splitlines()
+    assert said.endswith('1 sample missing in column "z" (at 0.005 s) filled with straight lines.')
+
+
 def test_the_run_goes_on_for_ten_periods_of_the_slowest_mode(record, asked):
     made = asked("sdof_shaker", "--record", record("z"))
     system = wr.load_system(made.model_source())
@@ -124,14 +139,25 @@ def test_doubts_are_one_line_each_on_standard_error(record, asked, capsys):
         ),
         (["--record", "deck.csv", "--channels", "a"], "`--channels` are NAME=DIRECTION, for instance ch3=z, got 'a'"),
         (["--record", "deck.csv", "--channels", "q=z"], 'there is no column "q"; the columns are a, b'),
-        (["--record", "deck.csv"], "no column is named x, y or z"),
-        (["--record", "deck.csv", "--channels", "a=z", "--baseline", "highpass"], "needs its cutoff"),
+        (["--record", "deck.csv"], "(--channels b=z)"),
+        (["--record", "still.csv"], "still.csv: all of its samples are zero, so that the base would not move"),
+        (["--record", "z.csv", "--start", "-1"], "the record end at -0.8005 s, before the simulation begins at 0 s"),
+        (
+            ["--record", "z.csv", "--start", "0.1"],
+            "`--duration` 0.1 ends the simulation before the record begins, at 0.1 s",
+        ),
+        (
+            ["--record", "deck.csv", "--channels", "a=z", "--baseline", "highpass"],
+            "needs its cutoff [Hz], for instance highpass=1.0 (--highpass 1)",
+        ),
         (["--record", "deck.csv", "--channels", "a=z", "--scale", "0"], "`scale` must not be zero"),
         ([], "--record"),
     ],
 )
 def test_bad_input_is_one_message_and_exit_code_2(record, capsys, options, message):
     record("a", "b")
+    record("z", name="z.csv")
+    record("z", name="still.csv", values=0.0 * TIME)
     assert main(["shock", "shock_table", *options, *QUICK]) == 2
     error = capsys.readouterr().err
     assert message in error

@@ -7,9 +7,14 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from time import perf_counter
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
+
+from wirerope_mj.errors import RecordError
+
+if TYPE_CHECKING:
+    from wirerope_mj.excitation.record import Record
 
 QUESTION = "What does a measured shock do to the payload?"
 
@@ -26,7 +31,7 @@ def shock(
     scale: float = 1.0,
     direction: str | None = None,
     channels: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
-    baseline: Literal["none", "mean", "velocity", "highpass"] = "none",
+    baseline: Literal["none", "rest", "mean", "velocity", "highpass"] = "none",
     highpass: float | None = None,
     resample: float | None = None,
     gaps: Literal["refuse", "fill"] = "refuse",
@@ -46,10 +51,11 @@ def shock(
         direction: in which a record of one channel moves the base: x, y, z, -x, -y, -z or a vector such as 1,1,0.
         channels: which channels to use, NAME=DIRECTION, one or several; those named x, y and z by default. A universal file
             calls its channels NODE:DIRECTION, such as 12:z.
-        baseline: correction of the baseline: none, mean, velocity (a constant, so that the base ends at rest) or highpass.
+        baseline: correction of the baseline: none, rest (the level of the quiet part, gravity for instance), mean, velocity
+            (a constant, so that the base ends at rest) or highpass.
         highpass: cutoff of the baseline highpass [Hz].
         resample: rate at which the record is played [Hz], through an anti-alias filter; as sampled by default.
-        gaps: what is done about missing samples: refuse, or fill with straight lines.
+        gaps: what is done about missing samples, absent rows, empty cells and NaN: refuse, or fill with straight lines.
         unit: of the accelerations, in place of what the file says, or does not say.
         start: instant at which the record begins [s].
         duration: simulated time [s]; until ten periods of the slowest mode after the record by default.
@@ -68,6 +74,7 @@ def shock(
         record, channels=_channels(record, channels, direction), scale=scale, baseline=baseline, start=start,
         highpass=highpass, resample=resample, gaps=gaps, unit=unit,
     )  # fmt: skip
+    _check_that_it_moves(record, motion, duration)
     name = f"shock-{Path(model).stem}-{record.stem}"
     options: dict[str, Any] = {
         "record": record.name,
@@ -84,6 +91,24 @@ def shock(
     response = run_scenario(made, folder, force=force, progress=sys.stderr.isatty())
     print_run(made, response, folder, seconds=perf_counter() - began)
     return 0
+
+
+def _check_that_it_moves(path: Path, motion: "Record", duration: float | None) -> None:
+    """Raise an error for a record that would leave the base at rest all the time."""
+    if not motion.samples.any():
+        zero = "all of its samples are zero" if motion.baseline == "none" else "nothing but zeros is left of it"
+        raise RecordError(
+            f"{path}: {zero}, so that the base would not move. Is it the right file, and the right channel?"
+        )
+    if motion.end <= 0.0:
+        raise ValueError(
+            f"`--start` {motion.start:g} lets the record end at {motion.end:g} s, before the simulation begins at 0 s: the "
+            "base would not move. Start it at 0 s or later."
+        )
+    if duration is not None and duration <= motion.start:
+        raise ValueError(
+            f"`--duration` {duration:g} ends the simulation before the record begins, at {motion.start:g} s (--start)."
+        )
 
 
 def _rounded_up(seconds: float) -> float:

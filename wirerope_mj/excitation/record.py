@@ -53,7 +53,7 @@ class Record(BaseMotion):
         samples: Acceleration [m/s^2], scaled and baseline-corrected, shape (n, 3).
         channels: Columns and their directions as asked for; None: the columns named x, y and z.
         scale: Factor on the acceleration.
-        baseline: `"none"`, `"mean"`, `"velocity"` or `"highpass"`.
+        baseline: `"none"`, `"rest"`, `"mean"`, `"velocity"` or `"highpass"`.
         start: Instant of the first sample [s].
         highpass: Cutoff of the high-pass baseline [Hz]; None for the others.
         resample: Rate that was asked for [Hz]; None: that of the file.
@@ -186,8 +186,10 @@ def load_record(
         channels: Which channel moves the base in which direction, for instance `{"ch3": "z"}`; others are not used. None: the
             columns named x, y, z (or ax, acc_x, acceleration_x, ...), or all directions of a universal file of one node.
         scale: Factor on the acceleration.
-        baseline: `"none"`: as measured. `"mean"`: the mean of the samples is subtracted from each direction.
-            `"velocity"`: the constant acceleration is subtracted that makes the final velocity zero. `"highpass"`: what is
+        baseline: `"none"`: as measured. `"rest"`: the level of the quiet part that the record begins or ends with is subtracted
+            from each direction: gravity, or an offset; nothing from a pulse that fills its record, the mean from a vibration.
+            `"mean"`: the mean of the samples, which holds a pulse too. `"velocity"`: the constant that makes the final
+            velocity zero, also where a pulse leaves one. `"highpass"`: what is
             slower than `highpass` is filtered out, without phase. Such a filter answers before a shock as well as after it:
             the record is lengthened by two periods of the cutoff at either end, at rest or, if the signal stands off zero,
             at that offset, and is played with them; 1e-4 of a shock's velocity change is left. A record that begins or ends
@@ -196,7 +198,8 @@ def load_record(
             first of those before the file's.
         highpass: Cutoff of the baseline `"highpass"` [Hz], where the filter's gain is one half.
         resample: Samples per second to play [Hz], through an anti-alias filter; None: those of the file.
-        gaps: `"refuse"`: a record with gaps is an error. `"fill"`: they are filled with straight lines.
+        gaps: `"refuse"`: a record in which rows are missing, cells are empty or hold NaN is an error. `"fill"`: they are filled
+            with straight lines.
         unit: Of the accelerations, in place of what the file says; for a file that does not say it, or says it wrong.
 
     Raises:
@@ -212,7 +215,9 @@ def load_record(
     wanted = None if channels is None else _checked_channels(channels)
     file = Path(path).absolute()
 
-    reading = even(file, (read_uff if is_uff(file) else read_csv)(file, wanted, unit), gaps=gaps)
+    fill = gaps == "fill"
+    reading = read_uff(file, wanted, unit) if is_uff(file) else read_csv(file, wanted, unit, fill=fill)
+    reading = even(file, reading, gaps=gaps)
     for doubt in doubts_about_reading(reading, corrected=baseline != "none"):
         warnings.warn(f"{file}: {doubt}", RecordWarning, stacklevel=2)
     if rate is not None:
@@ -221,7 +226,7 @@ def load_record(
     time += start - time[0]
     samples *= scale
     time, samples = without_baseline(time, samples, baseline, highpass)
-    for doubt in doubts_about_motion(time, samples):
+    for doubt in doubts_about_motion(time, samples, baseline):
         warnings.warn(f"{file}: {doubt}", RecordWarning, stacklevel=2)
     for array in (time, samples):
         array.flags.writeable = False
@@ -251,10 +256,12 @@ def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:
     _one_of("baseline", baseline, BASELINES)
     if baseline != "highpass":
         if highpass is not None:
-            raise ValueError(f'`highpass` is the cutoff of baseline="highpass"; the baseline is {baseline!r}.')
+            raise ValueError(
+                f'`highpass` is the cutoff of baseline="highpass" (--baseline highpass); the baseline is {baseline!r}.'
+            )
         return None
     if highpass is None:
-        raise ValueError('baseline="highpass" needs its cutoff [Hz], for instance highpass=1.0.')
+        raise ValueError('baseline="highpass" needs its cutoff [Hz], for instance highpass=1.0 (--highpass 1).')
     return positive("highpass", highpass)
 
 

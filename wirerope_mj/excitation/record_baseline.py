@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from wirerope_mj.excitation.record_rest import standing_value
 
-BASELINES = ("none", "mean", "velocity", "highpass")
+BASELINES = ("none", "rest", "mean", "velocity", "highpass")
 
 _ORDER = 2
 """Of the Butterworth filter; it is run forward and backward, so that its gain is that of the fourth order, without phase."""
@@ -23,7 +23,7 @@ _MOST_ADDED = 20_000_000
 def without_baseline(
     time: NDArray[np.float64], samples: NDArray[np.float64], baseline: str, highpass: float | None
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Returns instants and samples without a mean, what makes the final velocity zero, or what is slower than a cutoff [Hz].
+    """Returns instants and samples without a constant (`baseline`), or without what is slower than a cutoff [Hz].
 
     The samples are changed in place, unless they are filtered: a record is then longer, by rest at both ends.
 
@@ -39,7 +39,9 @@ def without_baseline(
     if highpass is not None:
         return _highpassed(time, samples, highpass)
     for column in samples.T:
-        if baseline == "mean":
+        if baseline == "rest":
+            column -= standing_value(column)
+        elif baseline == "mean":
             column -= column.mean()
         elif baseline == "velocity":
             # The trapezoidal rule at equal intervals, without the copies that it would make of a long record.

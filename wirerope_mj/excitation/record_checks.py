@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirerope_mj.excitation.record_reading import Reading
-from wirerope_mj.excitation.record_rest import is_pulse, peak_from, resting_value, standing_value
+from wirerope_mj.excitation.record_rest import is_pulse, peak_from, quiet_level, standing_value
 from wirerope_mj.units import STANDARD_GRAVITY
 
 Array = NDArray[np.float64]
@@ -39,8 +39,18 @@ LARGEST_SPEED, LARGEST_TRAVEL = 30.0, 10.0
 """Speed [m/s] and travel [m] of a base beyond which a record is doubted: shocks of ships, drops and crashes stay below."""
 
 _DRIFT, _SLOW, _OFFSET = 3.0, 0.1, 0.2
-"""Final velocity over the range of what is left when a steady drift is taken off, from which the drift rules; the velocity
-below which nobody minds [m/s]; the share of the peak above which a mean is that of a pulse that fills its record."""
+"""Of a record without a quiet part: final velocity over the range of what is left when a steady drift is taken off, from which
+the drift rules; the velocity below which nobody minds [m/s]; the share of the peak above which a mean is that of a pulse that
+fills its record."""
+
+_SHARE = 0.1
+"""Velocity that a level at rest adds up to, over the range of that of the motion itself, from which it is said."""
+
+_MEDIAN_STEP = 0.954
+"""Median of the steps from sample to sample of white noise, over its rms."""
+
+_WEAK = 0.5
+"""Peak [m/s^2] below which a single pulse given in mm/s^2 is doubted: 0.05 g is no shock, but 50 g in m/s^2 is one."""
 
 
 def doubts_about_reading(reading: Reading, *, corrected: bool) -> Iterator[str]:
@@ -51,39 +61,73 @@ def doubts_about_reading(reading: Reading, *, corrected: bool) -> Iterator[str]:
     for axis, a in zip("xyz", reading.samples.T, strict=True):
         low, high = float(a.min()), float(a.max())
         if high > low:
-            yield from _wrong_unit(axis, resting_value(a), reading.units, corrected)
+            yield from _wrong_unit(axis, quiet_level(a), reading.units, corrected)
             yield from _cut_off(axis, a, standing_value(a))
             yield from _clipped(axis, a, low, high)
 
 
-def doubts_about_motion(time: Array, samples: Array) -> Iterator[str]:
-    """Yields what is suspicious about where the acceleration [m/s^2], (n, 3), takes the base."""
+def doubts_about_motion(time: Array, samples: Array, baseline: str = "none") -> Iterator[str]:
+    """Yields what is suspicious about where the acceleration [m/s^2], (n, 3), takes the base after its correction."""
     if time.size < _FEWEST:
         return
     step, length = float(time[1] - time[0]), float(time[-1] - time[0])
     for axis, a in zip("xyz", samples.T, strict=True):
         if not a.any():
             continue
+        rest = quiet_level(a)
         velocity = a[:-1] + a[1:]
         velocity *= step / 2.0
         np.cumsum(velocity, out=velocity)
         end, speed = float(velocity[-1]), max(float(velocity.max()), -float(velocity.min()))
         travel = float(velocity.sum()) * step
-        velocity -= np.linspace(0.0, end, velocity.size)
-        small = abs(end) / length < _OFFSET * float(np.abs(a).max())
-        drifts = small and abs(end) > max(_SLOW, _DRIFT * float(np.ptp(velocity)))
-        if drifts or speed > LARGEST_SPEED or abs(travel) > LARGEST_TRAVEL:
-            why = (
-                f"the acceleration stands off zero by {end / length:.3g} m/s^2 all along"
-                if drifts
-                else "a small offset adds up, or its unit is another one, by a factor of 9.81 or 1000"
-                if speed > LARGEST_SPEED
-                else "a small offset adds up"
-            )
+        gained = end if rest is None else rest * length  # what a steady part makes of the velocity
+        velocity -= np.linspace(0.0, gained, velocity.size)
+        own = float(np.ptp(velocity))
+        where = f"along {axis} the base would reach {speed:.3g} m/s, and end {travel:.3g} m away at {end:.3g} m/s: "
+        if rest is None:
+            large = abs(gained) / length >= _OFFSET * float(np.abs(a).max())
+            drifts = abs(gained) > max(_SLOW, _DRIFT * own) and not large
+            yield from _strays(where, gained / length if drifts else 0.0, speed, travel)
+        elif abs(gained) > max(_SLOW, _SHARE * own, _noise_gain(a, step)):
             yield (
-                f"along {axis} the base would reach {speed:.3g} m/s, and end {travel:.3g} m away at {end:.3g} m/s: {why}. "
-                'Correct it with baseline="velocity", "mean" or "highpass" (--baseline).'
+                _pushed(axis, rest, gained, baseline)
+                if baseline in ("mean", "velocity")
+                else (
+                    f"{where}it stands off zero by {rest:.4g} m/s^2 where it rests, which makes {gained:.3g} m/s of it. "
+                    'Correct it with baseline="rest" or "highpass" (--baseline).'
+                )
             )
+        elif speed > LARGEST_SPEED:  # it coasts after its pulse, wherever that takes it
+            yield f"{where}its unit is another one, by a factor of 9.81 or 1000. Say the right one with `unit` (--unit)."
+
+
+def _noise_gain(a: Array, step: float) -> float:
+    """Returns four standard deviations of what the noise of a signal adds up to, if it is white [m/s]."""
+    rms = float(np.median(np.abs(np.diff(a[:100_000])))) / _MEDIAN_STEP
+    return 4.0 * rms * step * float(np.sqrt(a.size))
+
+
+def _strays(where: str, steady: float, speed: float, travel: float) -> Iterator[str]:
+    """Yields words for a motion without a quiet part that goes too far, by a steady drift [m/s^2] or another way."""
+    if steady:
+        why = f"the acceleration stands off zero by {steady:.3g} m/s^2 all along"
+    elif speed > LARGEST_SPEED:
+        why = "a small offset adds up, or its unit is another one, by a factor of 9.81 or 1000 (--unit)"
+    elif abs(travel) > LARGEST_TRAVEL:
+        why = "a small offset adds up"
+    else:
+        return
+    yield f'{where}{why}. Correct it with baseline="velocity", "mean" or "highpass" (--baseline).'
+
+
+def _pushed(axis: str, rest: float, gained: float, baseline: str) -> str:
+    """Returns words for a correction that takes the record's pulse for an offset."""
+    what = "mean" if baseline == "mean" else "final velocity"
+    return (
+        f'along {axis} the quiet part stands at {rest:.4g} m/s^2 after baseline="{baseline}": the {what} holds the pulse too, '
+        f'and {-gained:.3g} m/s of its velocity are spread over the record. baseline="rest" (--baseline rest) takes '
+        "off the level at rest alone."
+    )
 
 
 def _implausible(reading: Reading) -> Iterator[str]:
@@ -95,13 +139,25 @@ def _implausible(reading: Reading) -> Iterator[str]:
             f"its peak of {peak:.3g} m/s^2 is beyond any base's: are the values in another unit than {units}, by a factor "
             'of 1000 or 9.81? Say the right one, for instance unit="mm/s^2" (--unit).'
         )
-    if peak < SMALLEST_PEAK:
+    if peak == 0.0:
+        yield "all of its samples are zero: the base does not move."
+    elif peak < SMALLEST_PEAK:
         yield (
             f"its peak is {peak:.3g} m/s^2, less than most sensors' noise: are the values in another unit than {units}, by a "
             'factor of 1000 or 9.81? Say the right one, for instance unit="g" (--unit).'
         )
+    elif peak < _WEAK and all(unit.startswith("mm") for unit in reading.units) and _are_pulses(reading.samples):
+        yield (
+            f"its peak is {peak:.3g} m/s^2, little for a shock: if the values are in m/s^2 and not in {units}, say "
+            'unit="m/s^2" (--unit).'
+        )
     if not SMALLEST_RATE <= rate <= LARGEST_RATE:
         yield f"it has {rate:.4g} samples a second: is its time in another unit than the header says, s for ms or ms for s?"
+
+
+def _are_pulses(samples: Array) -> bool:
+    """Returns whether there are pulses and no vibrations in samples (n, 3)."""
+    return all(is_pulse(a, standing_value(a)) for a in samples.T if a.any())
 
 
 def _wrong_unit(axis: str, rest: float | None, units: tuple[str, ...], corrected: bool) -> Iterator[str]:
@@ -119,10 +175,13 @@ def _wrong_unit(axis: str, rest: float | None, units: tuple[str, ...], corrected
             if other:
                 yield (
                     f'{words}which is gravity if the values are in {other} and not in {unit}. If so, say unit="{other}" '
-                    '(--unit), and baseline="mean".'
+                    '(--unit), and baseline="rest" (--baseline rest).'
                 )
             elif not corrected:
-                yield f'{words}as if gravity were in it, which the model has already: baseline="mean" takes it off.'
+                yield (
+                    f'{words}as if gravity were in it, which the model has already: baseline="rest" (--baseline rest) '
+                    "takes it off."
+                )
 
 
 def _cut_off(axis: str, a: Array, rest: float) -> Iterator[str]:
@@ -153,7 +212,7 @@ def _clipped(axis: str, a: Array, low: float, high: float) -> Iterator[str]:
         if fall > max(_FALL * (high - low), _STEPS * _converter_step(a)):
             yield (
                 f"along {axis} {length} samples in a row stand at exactly {extreme:.5g} m/s^2 with steep flanks beside: the "
-                "sensor or its amplifier was saturated, and the true peak is higher."
+                "sensor or its amplifier may have been saturated, and the true peak be higher."
             )
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+import warnings
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from wirerope_mj.errors import RecordError
+from wirerope_mj.errors import RecordError, RecordWarning
 from wirerope_mj.excitation.checks import Direction
 from wirerope_mj.excitation.record_file import (
     ACCELERATION_UNITS,
@@ -29,13 +31,14 @@ def csv_channels(path: Path) -> tuple[str, ...]:
     return read_header(path).names[1:]
 
 
-def read_csv(path: Path, channels: Mapping[str, Direction] | None, unit: str | None) -> Reading:
+def read_csv(path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False) -> Reading:
     """Returns what the columns of a CSV file hold.
 
     Args:
         path: The file.
         channels: Columns and their directions; None: the columns named x, y and z.
         unit: Of the accelerations, in place of what the header says; None: the header's.
+        fill: Whether empty cells and NaN are filled with straight lines; else they are an error.
     """
     header = read_header(path)
     directions = _axis_columns(header) if channels is None else _named_columns(header, channels)
@@ -46,7 +49,8 @@ def read_csv(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
 
     most = most_rows(path)  # memory that is not written to costs nothing: a long record stands in memory once
     time, samples, size = np.empty(most), np.empty((most, 3)), 0
-    for numbers in read_blocks(header, columns):
+    blocks = read_blocks(header, columns, missing=fill)
+    for numbers in _filled(header, columns, list(blocks)) if fill else blocks:
         part = slice(size, size + len(numbers))
         np.multiply(numbers[:, 0], time_factor, out=time[part])
         np.matmul(numbers[:, 1:] * factors, axes, out=samples[part])
@@ -55,8 +59,36 @@ def read_csv(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
         raise RecordError(f"{path}: a record needs at least 2 rows of numbers, this one has {size}.")
     time, samples = time[:size], samples[:size]
     if np.any(time[1:] <= time[:-1]):
-        name_bad_line(header, columns)
+        name_bad_line(header, columns, missing=fill)
     return Reading(time=time, samples=samples, units=tuple(dict.fromkeys(units)))
+
+
+def _filled(header: Header, columns: Sequence[int], blocks: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+    """Returns the blocks of numbers, joined and with straight lines where samples are missing, if there are any."""
+    if all(np.all(np.isfinite(block)) for block in blocks):
+        return blocks
+    numbers = np.concatenate(blocks)
+    time = numbers[:, 0]
+    for column, values in zip(columns[1:], numbers[:, 1:].T, strict=True):
+        missing = np.isnan(values)
+        if not missing.any():
+            continue
+        places = np.flatnonzero(missing)
+        words = (
+            f'{places.size} {"sample" if places.size == 1 else "samples"} missing in column "{header.names[column]}"'
+        )
+        if missing[0] or missing[-1]:
+            raise RecordError(
+                f"{header.path}: {words}, also at the {'beginning' if missing[0] else 'end'}, where no straight line can "
+                "be drawn. Cut the record there."
+            )
+        starts = places[np.flatnonzero(np.diff(places, prepend=-2) > 1)]
+        listed = [f"at {time[place]:.6g} s" for place in starts[:3]] + ["..."] * (starts.size > 3)
+        values[missing] = np.interp(time[missing], time[~missing], values[~missing])
+        warnings.warn(
+            f"{header.path}: {words} ({', '.join(listed)}) filled with straight lines.", RecordWarning, stacklevel=4
+        )
+    return [numbers]
 
 
 def _unit(header: Header, column: int) -> str:
@@ -86,13 +118,19 @@ def _axis_columns(header: Header) -> dict[int, Direction]:
         if match[1].lower() in found.values():
             raise RecordError(
                 f'{header.path}, line {header.line}: "{name}" is a second column for direction {match[1].lower()}. '
-                "Choose with `channels`."
+                f'Choose with channels={{"{name}": "{match[1].lower()}"}} (--channels {name}={match[1].lower()}).'
             )
         found[column] = match[1].lower()
     if not found:
+        example = header.names[-1] if len(header.names) > 1 else "ch1"
+        alone = " or, with one column, --direction z" if len(header.names) == 2 else ""
         raise RecordError(
             f"{header.path}, line {header.line}: no column is named x, y or z; the columns are "
-            f"{', '.join(header.names)}. Name one with `channels`, for instance "
-            f'{{"{header.names[-1] if len(header.names) > 1 else "ch1"}": "z"}}.'
+            f"{', '.join(header.names)}. Say which one moves the base where, for instance "
+            f'channels={{"{example}": "z"}} (--channels {_quoted(example + "=z")}{alone}).'
         )
     return found
+
+
+def _quoted(text: str) -> str:
+    return f'"{text}"' if " " in text else text

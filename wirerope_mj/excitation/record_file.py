@@ -108,8 +108,13 @@ def _time_first(header: Header) -> Header:
     return header
 
 
-def read_blocks(header: Header, columns: Sequence[int]) -> Iterator[NDArray[np.float64]]:
+def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False) -> Iterator[NDArray[np.float64]]:
     """Yields the columns' numbers block by block, shape (n, n_columns); the first of them is time.
+
+    Args:
+        header: Of the file.
+        columns: Numbers of the columns.
+        missing: Whether cells behind the time may be empty or NaN; both are NaN then.
 
     Raises:
         RecordError: A row is short, no number or not finite.
@@ -122,15 +127,16 @@ def read_blocks(header: Header, columns: Sequence[int]) -> Iterator[NDArray[np.f
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore", UserWarning)  # empty lines, and no line at all at the end
                     block = np.loadtxt(
-                        file, delimiter=header.delimiter, comments=None, usecols=columns, ndmin=2, max_rows=_BLOCK
-                    )
+                        file, delimiter=header.delimiter, comments=None, usecols=columns, ndmin=2, max_rows=_BLOCK,
+                        converters=_number_or_nan if missing else None,
+                    )  # fmt: skip
             except ValueError as error:
-                name_bad_line(header, columns)
+                name_bad_line(header, columns, missing=missing)
                 raise RecordError(f"{header.path}: the rows cannot be read as numbers ({error}).") from None
             if not len(block):
                 return
             if not np.all(np.isfinite(block)):
-                name_bad_line(header, columns)
+                name_bad_line(header, columns, missing=missing)
             yield block
 
 
@@ -143,8 +149,8 @@ def most_rows(path: Path) -> int:
     return rows
 
 
-def name_bad_line(header: Header, columns: Sequence[int]) -> None:
-    """Raises a RecordError that names the first line that cannot belong to a record."""
+def name_bad_line(header: Header, columns: Sequence[int], *, missing: bool = False) -> None:
+    """Raises a RecordError that names the first line that cannot belong to a record, if there is one."""
     before = -math.inf
     with header.path.open(encoding="utf-8-sig", errors="replace") as lines:
         for number, text in enumerate(lines, start=1):
@@ -154,14 +160,31 @@ def name_bad_line(header: Header, columns: Sequence[int]) -> None:
             cells = text.rstrip("\r\n").split(header.delimiter)
             if len(cells) <= max(columns):
                 raise RecordError(f"{where}: {len(cells)} cells where the header has {len(header.names)} columns.")
-            time = [_number(where, header.names[column], cells[column].strip()) for column in columns][0]
+            numbers = [
+                _number(where, header.names[column], cells[column].strip(), missing=missing and place > 0)
+                for place, column in enumerate(columns)
+            ]
+            time = numbers[0]
             if time <= before:
                 fault = "repeats the row before" if time == before else f"comes after {before!r}"
                 raise RecordError(f"{where}: time {time!r} {fault}; times must increase from row to row.")
             before = time
 
 
-def _number(where: str, name: str, cell: str) -> float:
+def _number_or_nan(cell: str) -> float:
+    return float(cell) if cell.strip() else math.nan
+
+
+def _number(where: str, name: str, cell: str, *, missing: bool) -> float:
+    if not cell or cell.lower().lstrip("+-") == "nan":
+        if missing:
+            return math.nan
+        fill = (
+            "its time is needed"
+            if name.lower() in ("time", "t")
+            else 'have such samples filled with straight lines, gaps="fill" (--gaps fill), or use what lies before or behind'
+        )
+        raise RecordError(f'{where}: {cell or "an empty cell"} in column "{name}"; {fill}.')
     try:
         value = float(cell)
     except ValueError:

@@ -10,6 +10,15 @@ Array = NDArray[np.float64]
 _RESTS, _BAND, _BESIDE = 0.3, 0.02, 0.1
 """A record rests at its median if this share of its samples lies beside it, within a share of its range or of the median."""
 
+_NOISE, _ENOUGH = 4.5, 100_000
+"""Median deviations, three standard deviations of noise, within which samples are quiet; samples that tell the median."""
+
+_ERRORS = 7.4
+"""Four standard errors of a median of noise, in median deviations over the root of the number of samples."""
+
+_FEW, _DITHERED = 16, 0.05
+"""Samples at either end that tell whether a record begins or ends quietly, at least; share of samples one step off a level."""
+
 _PULSE_WAVES = 10
 """Half waves above a tenth of the peak up to which a record is of a pulse, which begins and ends near zero."""
 
@@ -22,9 +31,38 @@ def resting_value(a: Array) -> float | None:
     return middle if share >= _RESTS else None
 
 
+def quiet_level(a: Array) -> float | None:
+    """Returns the mean of the quiet part of a signal (n,), which it begins or ends with; None if there is no such part.
+
+    A level that is neither at the beginning nor at the end is the top of a pulse.
+    """
+    middle = resting_value(a)
+    if middle is None:
+        return None
+    off = np.abs(a - middle)
+    spread = float(np.median(off[:: max(1, off.size // _ENOUGH)]))
+    few = max(_FEW, a.size // 50)
+    if not any(_stands_at(part, middle, _BAND * float(np.ptp(a))) for part in (a[:few], a[-few:])):
+        return None
+    return float(a[off <= (_NOISE * spread if spread > 0.0 else _converter_step(off))].mean())
+
+
+def _stands_at(part: Array, level: float, near: float) -> bool:
+    """Returns whether the median of samples is a level, but for what their own noise does to it or for what is near."""
+    middle = float(np.median(part))
+    spread = float(np.median(np.abs(part - middle)))
+    return abs(middle - level) <= max(near, _ERRORS * spread / np.sqrt(part.size))
+
+
+def _converter_step(off: Array) -> float:
+    """Returns how far samples may be off a level that most of them are equal to: a step of the converter if it is dithered."""
+    step = 1.5 * float(off[off > 0.0].min(initial=np.inf))
+    return step if np.count_nonzero((off > 0.0) & (off <= step)) > _DITHERED * off.size else 0.0
+
+
 def standing_value(a: Array) -> float:
     """Returns the value that a signal (n,) had before and after: where it rests, a vibration's mean, zero for a bare pulse."""
-    rest = resting_value(a)
+    rest = quiet_level(a)
     if rest is not None:
         return rest
     mean = float(a.mean())

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wirerope_mj.errors import RecordError
+from wirerope_mj.errors import RecordError, RecordWarning
 from wirerope_mj.excitation.checks import Direction
 from wirerope_mj.excitation.record_file import ACCELERATION_UNITS, TIME_UNITS
 from wirerope_mj.excitation.record_reading import Reading, axes_of
@@ -26,6 +27,9 @@ _SAME_CLOCK = 1e-3
 """Share of the interval by which the clocks of two channels may differ: text files carry six digits of it."""
 
 
+_CUT = ": it was cut off before the line -1 that ends a dataset. Export or copy it again."
+
+
 def is_uff(path: Path) -> bool:
     """Returns whether the file begins as universal files do, with a line that holds -1 alone."""
     try:
@@ -34,6 +38,13 @@ def is_uff(path: Path) -> bool:
     except OSError:
         return False
     return next((line.strip() for line in lines if line.strip()), b"") == b"-1"
+
+
+def _is_complete(path: Path) -> bool:
+    """Returns whether the file ends as universal files do, with a line that holds -1 alone."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - 400))
+        return file.read().split()[-1:] == [b"-1"]
 
 
 def uff_channels(path: Path) -> tuple[str, ...]:
@@ -50,6 +61,10 @@ def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
         unit: Of the accelerations, in place of what the file says; None: the ordinate's label, then dataset 164.
     """
     histories, systems = _histories(path, unit)
+    if not _is_complete(path):
+        warnings.warn(
+            f"{path}: the end of this universal file is missing; what was cut off is not read.", RecordWarning, 3
+        )
     chosen = _all_of_one_node(path, histories) if channels is None else _named(path, histories, channels)
     heads = dict(histories)
     time, columns = np.zeros(0), list[NDArray[np.float64]]()
@@ -82,12 +97,16 @@ def _histories(path: Path, unit: str | None) -> tuple[list[tuple[int, dict[str, 
         systems = [file.read_sets(n) for n, kind in enumerate(kinds) if kind == 164]
     except Exception as error:  # the reader knows no other class
         raise RecordError(f"{path}: this universal file cannot be read ({error})") from None
+    if not kinds:
+        raise RecordError(f"{path}: this universal file holds no complete dataset{_CUT}")
     found = [(n, head) for n, head in heads if _is_acceleration(head, unit)]
+    if not found and not _is_complete(path):
+        raise RecordError(f"{path}: this universal file holds no complete time history of an acceleration{_CUT}")
     if not found:
         raise RecordError(
             f"{path}: this universal file holds no time history of an acceleration (dataset 58, function type 1); its "
-            f"datasets are {', '.join(str(kind) for kind in kinds) or 'none'}. If an ordinate is called general or unknown, "
-            'say its unit, for instance unit="m/s^2".'
+            f"datasets are {', '.join(str(kind) for kind in kinds)}. If an ordinate is called general or unknown, "
+            'say its unit, for instance unit="m/s^2" (--unit).'
         )
     return found, systems
 
@@ -109,7 +128,7 @@ def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:
     if factor <= 0.0 or (code == _SI and abs(factor - 1.0) > 1e-6):
         raise RecordError(
             f"{path}: dataset 164 contradicts itself: units code {code}, but {factor:g} units of length in a metre. "
-            'Say the unit of the accelerations, for instance unit="m/s^2".'
+            'Say the unit of the accelerations, for instance unit="m/s^2" (--unit).'
         )
     return factor
 
@@ -121,14 +140,14 @@ def _unit(path: Path, head: Mapping[str, Any], unit: str | None, systems: list[d
         return label, ACCELERATION_UNITS[label]
     if label:
         raise RecordError(
-            f'{path}: {_name(head)} has the unknown unit "{label}". Say which is meant, for instance unit="g"; known '
-            f"units: {', '.join(ACCELERATION_UNITS)}."
+            f'{path}: {_name(head)} has the unknown unit "{label}". Say which is meant, for instance unit="g" (--unit g); '
+            f"known units: {', '.join(ACCELERATION_UNITS)}."
         )
     length = _length(path, systems)
     if length is None:
         raise RecordError(
             f"{path}: neither {_name(head)} nor a dataset 164 says the unit of the accelerations. Say it, for instance "
-            f'unit="m/s^2"; known units: {", ".join(ACCELERATION_UNITS)}.'
+            f'unit="m/s^2" (--unit); known units: {", ".join(ACCELERATION_UNITS)}.'
         )
     return ("m/s^2" if length == 1.0 else f"1/{length:g} m/s^2"), 1.0 / length
 
@@ -149,10 +168,11 @@ def _all_of_one_node(path: Path, histories: list[tuple[int, dict[str, Any]]]) ->
     names = [_name(head) for _, head in histories]
     ends = [name.partition(":")[2] for name in names]
     nodes = {name.partition(":")[0] for name in names}
+    end = (ends[0] or "z").lstrip("-")
     if len(nodes) > 1 or not all(ends) or len({end.lstrip("-") for end in ends}) < len(ends):
         raise RecordError(
-            f"{path}: which of {', '.join(names)} move the base? Name one for each direction with `channels`, for instance "
-            f'{{"{names[0]}": "{(ends[0] or "z").lstrip("-")}"}}.'
+            f"{path}: which of {', '.join(names)} move the base? Name one for each direction, for instance "
+            f'channels={{"{names[0]}": "{end}"}} (--channels {names[0]}={end}).'
         )
     return {n: _VECTORS.get(end, end) for (n, _), end in zip(histories, ends, strict=True)}
 
