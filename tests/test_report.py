@@ -16,6 +16,7 @@ from wirerope_mj.cli import main
 from wirerope_mj.criteria import EXCEEDED, NOT_JUDGED, WITHIN, Verdict, judge
 from wirerope_mj.errors import ConvergenceError, RecordError, RecordWarning, WireRopeError
 from wirerope_mj.limits import PayloadLimit
+from wirerope_mj.plots.report_response import accelerations_figure
 from wirerope_mj.plots.report_scene import crowded_label
 from wirerope_mj.report import Absent, judged, report_content, report_html, worst_names
 from wirerope_mj.report import pdf as pdf_module
@@ -301,6 +302,13 @@ def test_bodies_with_limits_are_drawn_before_larger_accelerations(finished):
     assert worst_names(faster) == ["block_top", "block"]
     limits = (PayloadLimit(kind="acceleration", name="block", values=(100.0,)),)
     assert worst_names(replace(faster, scene=replace(faster.scene, limits=limits))) == ["block", "block_top"]
+
+
+def test_the_first_of_several_lines_lies_over_the_others_and_the_base_behind_them(finished):
+    base = finished.response.time, finished.response.base.acceleration
+    panel = accelerations_figure(finished.response, ["block", "block_top"], base).axes[0]
+    behind_first = sorted(panel.get_lines(), key=lambda line: line.get_zorder())
+    assert [line.get_label() for line in behind_first] == ["base", "block_top", "block"]
 
 
 def test_a_label_is_explained_only_where_it_is_drawn(finished):

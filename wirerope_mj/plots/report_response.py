@@ -15,6 +15,7 @@ from wirerope_mj.plots.report_image import (
     crest,
     dress,
     legend_above,
+    level,
     report_style,
     round_ticks,
     short,
@@ -148,10 +149,12 @@ def _histories(lines: list[list[Line]], names: list[str], marks: list[list[float
         figure = Figure(figsize=(WIDTH, 0.7 + 1.2 * len(kept) + (0.9 if len(kept) == 1 else 0.0)), layout="constrained")
         panels = np.atleast_1d(figure.subplots(len(kept), 1, sharex=True))
         for place, panel in zip(kept, panels, strict=True):
-            for drawn in lines[place]:
-                panel.plot(drawn.time, drawn.values, color=drawn.colour, label=drawn.name)
+            for number, drawn in enumerate(lines[place]):
+                panel.plot(
+                    drawn.time, drawn.values, color=drawn.colour, label=drawn.name, zorder=level(number, drawn.colour)
+                )
             for mark in marks[place] if marks else []:
-                panel.axhline(mark, color=RATED, ls="--", lw=0.9, label="rated travel")
+                panel.axhline(mark, color=RATED, ls="--", lw=0.9, label="rated travel", zorder=2.9)
             dress(panel, ylabel=names[place])
         panels[-1].set_xlabel("time [s]")
         legend_above(figure, *panels)

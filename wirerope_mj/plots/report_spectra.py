@@ -6,7 +6,17 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from wirerope_mj.plots.report_image import BASE, COLOURS, WIDTH, Array, legend_above, report_style, round_ticks, short
+from wirerope_mj.plots.report_image import (
+    BASE,
+    COLOURS,
+    WIDTH,
+    Array,
+    legend_above,
+    level,
+    report_style,
+    round_ticks,
+    short,
+)
 from wirerope_mj.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.units import STANDARD_GRAVITY
 
@@ -67,8 +77,9 @@ def _panels(lines: Mapping[str, Mapping[str, tuple[Array, Array]]], label: str, 
         panels = np.atleast_1d(figure.subplots(1, len(lines)))
         for panel, (axis, along) in zip(panels, lines.items(), strict=True):
             colours = iter(COLOURS)
-            for name, (frequency, values) in along.items():
-                panel.plot(frequency, values, color=BASE if name == "base" else next(colours), label=short(name))
+            for number, (name, (frequency, values)) in enumerate(along.items()):
+                colour = BASE if name == "base" else next(colours)
+                panel.plot(frequency, values, color=colour, label=short(name), zorder=level(number, colour))
             panel.set_title(f"along {axis}")
             _dress(panel, label if panel is panels[0] else "", ticks=12 // len(lines) + 3, decades=decades)
         legend_above(figure, *panels)
