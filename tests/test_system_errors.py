@@ -195,6 +195,13 @@ def test_a_state_of_another_system():
         wr.simulate(sdof(LAW), SHOCK, duration=0.1, initial=state)
 
 
+def test_a_file_that_is_no_model_is_said_to_be_none(tmp_path):
+    path = tmp_path / "deck.csv"
+    path.write_text("time,z\n0,0\n", encoding="utf-8")
+    with pytest.raises(wr.ModelError, match=r"deck\.csv: this is not a model; an MJCF file is XML"):
+        wr.load_system(path)
+
+
 def blow_up(out=None):
     """Run a mass whose cubic spring is far too stiff for the step as soon as the pulse has thrown it out."""
     law = wr.SymmetricBoucWen(**hysteresis(alpha=1e5, z_max=60.0), k1=2e4, k2=0.0, k3=1e9)

@@ -161,8 +161,8 @@ def _print_notes(selection: Selection, simulated: Mapping[str, SimulatedShock], 
     stiff = sum(amplifies(found, sheet) for found in selection.candidates)
     if stiff:
         notes.append(
-            f"* {stiff} of them pass on more than the pulse's own peak of {_g(sheet.peak):.4g} g: too stiff to isolate this "
-            "shock, whatever the margin"
+            f"* by the worksheet {stiff} of them pass on more than the pulse's own peak of {_g(sheet.peak):.4g} g: too stiff "
+            "to isolate this shock, whatever the margin"
         )
     if sheet.fragility is None:
         notes.append("without --fragility the part that passes on least, the softest that fits, comes first")

@@ -136,9 +136,12 @@ def _read(source: str | Path) -> tuple[str, Path | None]:
         return source, None
     path = Path(source)
     try:
-        return path.read_text(encoding="utf-8"), path.resolve()
+        text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise ModelError(f"{path}: the model cannot be read ({error.__class__.__name__}: {error}).") from None
+    if not text.lstrip("\ufeff").lstrip().startswith("<"):
+        raise ModelError(f"{path}: this is not a model; an MJCF file is XML and begins with <mujoco>.")
+    return text, path.resolve()
 
 
 def _check_payloads(model: mujoco.MjModel, declared: list[DeclaredMount], base: int) -> None:
