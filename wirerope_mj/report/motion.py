@@ -183,13 +183,13 @@ def _densities(run: FinishedRun) -> list[Block]:
     return [
         Picture(
             image=image_of(densities_figure(run.densities)),
-            caption=f"Power spectral densities of {names} and of the base while the vibration is stationary: "
+            caption=f"Power spectral densities of {names} and of the base once the response has settled, while the vibration is stationary: "
             f"{one.duration:.4g} s, resolution {one.resolution:.3g} Hz, {several(one.segments, 'segment')}, so that each "
             f"density is known to {100.0 * one.standard_error:.0f} %.",
             alt=f"Power spectral densities of {names} and the base.",
         ),
         Table(
-            caption="Root mean squares while the vibration is stationary",
+            caption="Root mean squares, once the response has settled",
             head=("where", "axis", "rms [g]", "3 sigma [g]", "error of the rms [%]"),
             align="llrrr",
             rows=tuple(row for name in next(iter(run.densities.values())) for row in _rms_rows(run, name)),
