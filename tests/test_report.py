@@ -381,7 +381,7 @@ def test_random_vibration_is_shown_by_its_density(tmp_path):
     folder = run_of(tmp_path, motion=motion, duration=6.0)
     page = Page((folder / "report.html").read_text(encoding="utf-8"))
     assert "power spectral densities stand for shock response spectra" in page.words
-    caption = "Power spectral densities of mass and of the base while the vibration is stationary: "
+    caption = "Power spectral densities of mass and of the base while the response is stationary: "
     length = float(page.words.split(caption)[1].split()[0])
     assert 3.5 < length < 5.0  # [s]: of the 5 that are stationary, what the response needs to settle is left out
     # One sample of 4 s: with 40 Hz of bandwidth its rms is known to 1 / (2 sqrt(40 * 4)) = 4 %; three times that is allowed.

@@ -183,7 +183,7 @@ def _densities(run: FinishedRun) -> list[Block]:
     return [
         Picture(
             image=image_of(densities_figure(run.densities)),
-            caption=f"Power spectral densities of {names} and of the base once the response has settled, while the vibration is stationary: "
+            caption=f"Power spectral densities of {names} and of the base while the response is stationary: "
             f"{one.duration:.4g} s, resolution {one.resolution:.3g} Hz, {several(one.segments, 'segment')}, so that each "
             f"density is known to {100.0 * one.standard_error:.0f} %.",
             alt=f"Power spectral densities of {names} and the base.",
