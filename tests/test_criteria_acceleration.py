@@ -112,7 +112,8 @@ def test_limits_written_in_the_model_judge_its_run(tmp_path):
     world = deck({"b": 'pos="0 0 .2"'}, slides="z") + (
         f'<body name="box" pos="0 0 .3">{joint}<geom size=".1" mass="9"/>{sites}</body>'
     )
-    custom = '<numeric name="limit/acceleration/box" data="0 0 30"/><numeric name="limit/clearance/lid" data="0 0 0 0 .03 .05"/>'
+    custom = '<numeric name="limit/acceleration/box" data="0 0 30"/>'
+    custom += '<numeric name="limit/clearance/lid" data="0 0 0 0 .03 .05"/>'
     spring = wr.Isolator(name="S", axial=wr.KelvinVoigt(k=9000.0, c=30.0))
     system = wr.load_system(mjcf(world, [("m1", "p", "b", "s")], custom=custom), isolators={"s": spring})
     shock = wr.HalfSine(peak=20.0 * G, duration=0.011, direction="z", start=0.01)
