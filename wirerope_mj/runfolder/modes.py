@@ -10,7 +10,7 @@ import tomli_w
 
 from wirerope_mj.modes import Modes
 from wirerope_mj.runfolder.folder import written_whole
-from wirerope_mj.runfolder.model_files import model_table, write_model
+from wirerope_mj.system.model_files import model_table, write_model
 from wirerope_mj.system import System
 
 FORMAT = 1

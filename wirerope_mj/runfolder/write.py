@@ -17,7 +17,7 @@ from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.runfolder.folder import FORMAT, SCENARIO, SUMMARY, check_target, written_whole
-from wirerope_mj.runfolder.model_files import model_table, write_model
+from wirerope_mj.system.model_files import model_table, write_model
 from wirerope_mj.scenario import Scenario
 from wirerope_mj.simulation import simulate
 from wirerope_mj.system import System, load_system
