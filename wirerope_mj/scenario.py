@@ -11,7 +11,7 @@ from typing import Any
 from wirerope_mj.errors import ModelError, WireRopeError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.isolator import Isolator
-from wirerope_mj.resources import models_folder, scenarios_folder
+from wirerope_mj.resources import model_source, scenarios_folder
 from wirerope_mj.system import Changes
 
 
@@ -44,18 +44,7 @@ class Scenario:
 
     def model_source(self) -> str | Path:
         """Return the MJCF text, or the path of the model file; ModelError names where it was looked for."""
-        if isinstance(self.model, str) and self.model.lstrip().startswith("<"):
-            return self.model
-        wanted = Path(self.model) if str(self.model).endswith(".xml") else Path(f"{self.model}.xml")
-        places = [(self.folder or Path()) / wanted, models_folder() / wanted]
-        for place in places:
-            if place.is_file():
-                return place
-        shipped = ", ".join(sorted(path.name for path in models_folder().glob("*.xml")))
-        raise ModelError(
-            f"scenario {self.name!r}: there is no model {str(self.model)!r}; looked for "
-            f"{' and '.join(str(place) for place in dict.fromkeys(places))}. The package ships {shipped}."
-        )
+        return model_source(self.model, folder=self.folder, asker=f"scenario {self.name!r}")
 
 
 @dataclass(frozen=True, kw_only=True)

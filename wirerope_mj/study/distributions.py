@@ -45,7 +45,9 @@ class Normal:
         high: float | None = None,
     ) -> None:
         _keep(self, mean=_finite("mean", mean), deviation=_finite("deviation", deviation), relative=relative, each=each)
-        _keep(self, low=low if low is None else _finite("low", low), high=high if high is None else _finite("high", high))
+        _keep(
+            self, low=low if low is None else _finite("low", low), high=high if high is None else _finite("high", high)
+        )
         if self.deviation <= 0.0:
             raise ValueError(f"`deviation` must be > 0, got {deviation}.")
         if self.low is not None and self.high is not None:
@@ -117,9 +119,7 @@ class Choice:
         _keep(self, choices=plain, relative=relative, each=each)
         kinds = {_kind(choice) for choice in plain}
         if len(kinds) > 1 or kinds - {"number", "truth value", "word"}:
-            raise ValueError(
-                f"the values of a `Choice` must all be numbers, truth values or words, got {list(plain)}."
-            )
+            raise ValueError(f"the values of a `Choice` must all be numbers, truth values or words, got {list(plain)}.")
 
     def values(self, shares: Array) -> npt.NDArray[Any]:
         """Return the choices at shares of 0 to 1, (n,)."""

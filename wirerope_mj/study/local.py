@@ -1,0 +1,179 @@
+"""The engine of one machine: processes side by side, each with a lock-step batch on one thread."""
+
+import os
+import pickle
+import queue
+import subprocess
+import sys
+import threading
+from collections.abc import Iterable, Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import pyarrow as pa
+
+import wirerope_mj
+from wirerope_mj.study.compute import Chunk, compute, failed
+from wirerope_mj.study.variants import Work
+
+TRIES = 2
+"""How often a chunk is begun if its process dies: the first death may have been an accident."""
+
+
+class Died(Exception):
+    """A process ended in the middle of a chunk."""
+
+
+def run_local(
+    work: Work, chunks: Iterable[Chunk], *, workers: int | None = None, address: str | None = None
+) -> Iterator[tuple[int, pa.Table]]:
+    """Yield number and table of every chunk as they are ready.
+
+    Args:
+        work: what all variants share.
+        chunks: what is to be computed; read as processes become free.
+        workers: number of processes; None for one per processor. One worker is this process itself.
+        address: of no use here.
+    """
+    if address is not None:
+        raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")
+    workers = processors() if workers is None else workers
+    if workers == 1:
+        for chunk in chunks:
+            yield chunk.number, compute(work, chunk)
+        return
+    yield from _Pool(work, chunks, workers).results()
+
+
+def processors() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class _Pool:
+    """One thread for each worker process: it hands out chunks, and starts the process again if it dies."""
+
+    def __init__(self, work: Work, chunks: Iterable[Chunk], workers: int) -> None:
+        self._work, self._chunks, self._workers = work, iter(chunks), workers
+        self._pickled = pickle.dumps(work, protocol=pickle.HIGHEST_PROTOCOL)
+        self._lock, self._stop = threading.Lock(), threading.Event()
+        # A slow reader holds the workers up, so that memory does not grow.
+        self._done: queue.Queue[tuple[int, pa.Table] | BaseException | None] = queue.Queue(maxsize=2 * workers)
+        self._processes: list[_Process | None] = [None] * workers
+
+    def results(self) -> Iterator[tuple[int, pa.Table]]:
+        threads = [threading.Thread(target=self._serve, args=(n,), daemon=True) for n in range(self._workers)]
+        for thread in threads:
+            thread.start()
+        try:
+            left = self._workers
+            while left:
+                result = self._done.get()
+                if isinstance(result, BaseException):
+                    raise result
+                if result is None:
+                    left -= 1
+                else:
+                    yield result
+        finally:
+            self._end(threads)
+
+    def _end(self, threads: list[threading.Thread]) -> None:
+        self._stop.set()
+        for thread in threads:
+            while thread.is_alive():
+                for process in self._processes:
+                    if process is not None:
+                        process.end()
+                while not self._done.empty():  # a thread may wait for a place
+                    self._done.get_nowait()
+                thread.join(timeout=0.05)
+
+    def _serve(self, number: int) -> None:
+        try:
+            while not self._stop.is_set():
+                with self._lock:
+                    chunk = next(self._chunks, None)
+                if chunk is None:
+                    break
+                table = self._table(number, chunk)
+                if not self._stop.is_set():
+                    self._done.put((chunk.number, table))
+            self._done.put(None)
+        except BaseException as error:
+            self._done.put(error)
+        finally:
+            process = self._processes[number]
+            if process is not None:
+                process.kill()
+
+    def _table(self, number: int, chunk: Chunk) -> pa.Table:
+        reason = ""
+        for _ in range(TRIES):
+            process = self._processes[number] or _Process(self._pickled)
+            self._processes[number] = process
+            try:
+                return process.compute(chunk)
+            except Died as death:
+                reason, self._processes[number] = str(death), None
+                if self._stop.is_set():
+                    break
+        return failed(self._work, chunk, reason)
+
+
+class _Process:
+    """A worker process and its pipes."""
+
+    def __init__(self, pickled_work: bytes) -> None:
+        place = str(Path(wirerope_mj.__file__).parent.parent)
+        paths = [place, *filter(None, [os.environ.get("PYTHONPATH")])]
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+        # One thread each: more of them would fight for the processors that the other processes have.
+        environment |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+        command = [sys.executable, "-m", "wirerope_mj.study.worker"]
+        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment)
+        self._work: bytes | None = pickled_work
+
+    def compute(self, chunk: Chunk) -> pa.Table:
+        """Return the table of a chunk; Died if the process is gone."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        try:
+            if self._work is not None:
+                self._process.stdin.write(self._work)
+                self._work = None
+            pickle.dump(chunk, self._process.stdin, protocol=pickle.HIGHEST_PROTOCOL)
+            self._process.stdin.flush()
+            return pickle.load(self._process.stdout)  # type: ignore[no-any-return]
+        except (EOFError, OSError, ValueError, pickle.UnpicklingError):
+            code = self._process.poll() if self._ended() else None
+            self.kill()
+            raise Died(_death(code)) from None
+
+    def end(self) -> None:
+        """End the process; whoever waits for it finds it dead."""
+        self._process.kill()
+
+    def kill(self) -> None:
+        """End the process and close its pipes."""
+        self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                with suppress(OSError):  # what was not yet written has nobody to read it
+                    pipe.close()
+
+    def _ended(self) -> bool:
+        try:
+            self._process.wait(timeout=5.0)
+        except subprocess.TimeoutExpired:
+            return False
+        return True
+
+
+def _death(code: int | None) -> str:
+    how = "" if code is None else f" (signal {-code})" if code < 0 else f" (exit status {code})"
+    return (
+        f"the process that computed this chunk of variants died{how}, {TRIES} times in a row. It may have run out of memory: "
+        "use fewer `workers`; or simulate the variants of the chunk one by one."
+    )
