@@ -58,7 +58,7 @@ class Normal:
         ends = [-math.inf if self.low is None else self.low, math.inf if self.high is None else self.high]
         first, last = ndtr((np.array(ends) - self.mean) / self.deviation)
         inside = np.clip(first + shares * (last - first), SMALLEST, 1.0 - SMALLEST)
-        return np.asarray(np.clip(self.mean + self.deviation * ndtri(inside), *ends))
+        return np.clip(self.mean + self.deviation * ndtri(inside), ends[0], ends[1])
 
 
 @dataclass(frozen=True, init=False)
@@ -157,7 +157,7 @@ def distribution_from_dict(content: dict[str, Any]) -> Distribution:
     """Return the distribution that `distribution_to_dict` stored."""
     kinds: dict[str, Any] = {kind.__name__: kind for kind in (Normal, Uniform, Choice, Specimens)}
     rest = {key: value for key, value in content.items() if key not in ("kind", "choices")}
-    return kinds[content["kind"]](*content.get("choices", ()), **rest)  # type: ignore[no-any-return]
+    return kinds[content["kind"]](*content.get("choices", ()), **rest)
 
 
 def _keep(thing: Any, **values: Any) -> None:

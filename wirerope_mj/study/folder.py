@@ -101,17 +101,25 @@ def parts(folder: Path, numbers: list[int]) -> Iterator[pa.Table]:
 
 
 def finish(study: "Study", folder: Path, chunks: int) -> None:
-    """Write the table and the summary from all parts, and remove the parts."""
-    with written_whole(folder / TABLE) as beside:
-        writer: pq.ParquetWriter | None = None
-        for table in parts(folder, list(range(chunks))):
-            writer = writer or pq.ParquetWriter(beside, table.schema)
+    """Write the table and the summary from all parts if they are not there, and remove the parts."""
+    if not (folder / TABLE).is_file():
+        with written_whole(folder / TABLE) as beside:
+            _write_table(beside, parts(folder, list(range(chunks))))
+    if not (folder / SUMMARY).is_file():
+        text = json.dumps(_summary(study, folder), indent=2, allow_nan=False) + "\n"
+        with written_whole(folder / SUMMARY) as beside:
+            beside.write_text(text, encoding="utf-8")
+    shutil.rmtree(folder / PARTS, ignore_errors=True)
+    for left in folder.glob(".*.part.*"):  # of a process that was killed while it wrote
+        left.unlink(missing_ok=True)
+
+
+def _write_table(path: Path, tables: Iterator[pa.Table]) -> None:
+    first = next(tables)
+    with pq.ParquetWriter(path, first.schema) as writer:
+        writer.write_table(first)
+        for table in tables:
             writer.write_table(table)
-        assert writer is not None  # a study has at least one variant
-        writer.close()
-    with written_whole(folder / SUMMARY) as beside:
-        beside.write_text(json.dumps(_summary(study, folder), indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    shutil.rmtree(folder / PARTS)
 
 
 def _part(folder: Path, number: int) -> Path:

@@ -144,7 +144,7 @@ class _Process:
                 self._work = None
             pickle.dump(chunk, self._process.stdin, protocol=pickle.HIGHEST_PROTOCOL)
             self._process.stdin.flush()
-            return pickle.load(self._process.stdout)  # type: ignore[no-any-return]
+            return pickle.load(self._process.stdout)
         except (EOFError, OSError, ValueError, pickle.UnpicklingError):
             code = self._process.poll() if self._ended() else None
             self.kill()

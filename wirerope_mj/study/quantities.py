@@ -131,9 +131,9 @@ def _parameter(name: str, isolator: Isolator, mount: str, axis: str, parameter: 
 
 def _failed(name: str, pattern: str, distribution: Distribution, system: System) -> Quantity:
     mounts = _matching(name, pattern, list(system.mounts), "mount")
-    values = set(distribution.choices) if isinstance(distribution, Choice) else {None}
-    if all(isinstance(value, str) for value in values) and not distribution.each:  # type: ignore[union-attr]
-        unknown = sorted(values - {"", *mounts})
+    choices = distribution.choices if isinstance(distribution, Choice) else (None,)
+    if all(isinstance(value, str) for value in choices) and not distribution.each:
+        unknown = [value for value in choices if value not in ("", *mounts)]
         if unknown:
             raise ModelError(
                 f'`vary`: {name!r}: there is no mount {unknown[0]!r} there; choose from "" (none), {", ".join(mounts)}.'
@@ -143,7 +143,7 @@ def _failed(name: str, pattern: str, distribution: Distribution, system: System)
             distribution=distribution,
             columns=(Column(name=name, kind="failed", targets=tuple(mounts), type="string"),),
         )
-    if not all(isinstance(value, bool) for value in values):
+    if not all(isinstance(value, bool) for value in choices):
         raise ValueError(
             f'`vary`: {name!r} must be a Choice of True and False, or of the mount\'s name that has failed ("" = none).'
         )
@@ -151,8 +151,9 @@ def _failed(name: str, pattern: str, distribution: Distribution, system: System)
 
 
 def _of_bodies(name: str, parts: list[str], distribution: Distribution, system: System) -> Quantity:
+    key: tuple[str, ...] = ()
     if parts[-1] == "mass":
-        pattern, kind, key = "/".join(parts[:-1]), "mass", ()
+        pattern, kind = "/".join(parts[:-1]), "mass"
     elif len(parts) >= 3 and parts[-2] == "centre":
         pattern, kind, key = "/".join(parts[:-2]), "centre", (parts[-1],)
         _check_shift(name, parts[-1], distribution)

@@ -51,7 +51,7 @@ def run_study(
                 write_part(folder, number, table)
                 ended += table.num_rows
                 update((already + ended) / study.size, ended / (perf_counter() - began))
-        finish(study, folder, len(numbers))
+    finish(study, folder, len(numbers))
     return load_study(folder)
 
 

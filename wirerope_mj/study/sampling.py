@@ -32,16 +32,14 @@ def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: st
         raise ValueError(f"`sampling` must be one of {', '.join(SAMPLINGS)}, got {sampling!r}.")
     columns = [column for quantity in quantities for column in quantity.columns]
     if sampling == "grid":
-        values = _grid(quantities, variants)
+        values: Sequence[Any] = _grid(quantities, variants)
     else:
         if isinstance(variants, bool) or not isinstance(variants, int | np.integer) or variants < 1:
             raise ValueError(f"`variants` must be a whole number >= 1, got {variants!r}.")
         shares = _shares(sampling, int(variants), len(columns), seed)
-        values, first = [], 0
-        for quantity in quantities:
-            last = first + len(quantity.columns)
-            values += _values(quantity, shares[:, first:last])
-            first = last
+        ends = np.cumsum([len(quantity.columns) for quantity in quantities])[:-1]
+        blocks = zip(quantities, np.split(shares, ends, axis=1), strict=True)
+        values = [column for quantity, own in blocks for column in _values(quantity, own)]
     numbers = pa.array(np.arange(len(values[0])), type=pa.int64())
     arrays = [pa.array(value, type=arrow_type(column)) for value, column in zip(values, columns, strict=True)]
     return pa.table([numbers, *arrays], names=["variant", *(column.name for column in columns)])

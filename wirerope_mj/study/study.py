@@ -15,7 +15,7 @@ from wirerope_mj.simulation import simulate
 from wirerope_mj.simulation.grid import joined
 from wirerope_mj.simulation.simulate import check_arguments, check_direction
 from wirerope_mj.study.distributions import Distribution
-from wirerope_mj.study.quantities import quantities
+from wirerope_mj.study.quantities import Column, quantities
 from wirerope_mj.study.result import StudyResult
 from wirerope_mj.study.run import run_study
 from wirerope_mj.study.sampling import inputs
@@ -128,7 +128,7 @@ class Study:
         """Return the inputs of one variant by column."""
         if not 0 <= variant < self.size:
             raise ValueError(f"`variant` must be from 0 to {self.size - 1}, got {variant}.")
-        return self._inputs.slice(variant, 1).to_pylist()[0]  # type: ignore[no-any-return]
+        return self._inputs.slice(variant, 1).to_pylist()[0]
 
     def system(self, variant: int) -> System:
         """Return the system of one variant."""
@@ -197,7 +197,7 @@ class Study:
         )  # fmt: skip
 
     @property
-    def _columns(self) -> tuple:
+    def _columns(self) -> tuple[Column, ...]:
         return tuple(column for quantity in self.quantities for column in quantity.columns)
 
     @cached_property

@@ -62,7 +62,7 @@ class Maker:
         if key not in self._made:
             changes = self.changes(row)
             self._made[key] = varied(self._system, **vars(changes)) if any(vars(changes).values()) else self._system
-        return self._made[key]  # type: ignore[no-any-return]
+        return self._made[key]
 
     def motion(self, row: Row) -> BaseMotion:
         """Return the base motion of a variant."""
@@ -73,7 +73,7 @@ class Maker:
             if {"azimuth", "elevation"} & set(values):
                 motion = Turned(motion, direction=direction(values.get("azimuth", 0.0), values.get("elevation", 0.0)))
             self._made[key] = Scaled(motion, values["level"]) if "level" in values else motion
-        return self._made[key]  # type: ignore[no-any-return]
+        return self._made[key]
 
     def changes(self, row: Row) -> Changes:
         """Return what a variant's system differs by from the base system."""
@@ -135,8 +135,10 @@ def _edited(isolator: Isolator, edit: Mapping[tuple[str, ...], tuple[bool, Any]]
         laws.setdefault(axis, {})[name] = value
     changed: dict[str, Law] = {}
     for axis, values in laws.items():
+        law = isolator.axes[axis]
+        assert law is not None  # `quantities` has seen to it
         try:
-            changed[axis] = replace(isolator.axes[axis], **values)  # type: ignore[type-var]
+            changed[axis] = replace(law, **values)
         except ValueError as error:
             raise ValueError(f"[{axis}] {error}") from None
     return replace(isolator, **changed)  # type: ignore[arg-type]
