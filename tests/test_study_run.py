@@ -266,3 +266,4 @@ def test_a_chunk_whose_worker_dies_is_tried_once_more_and_then_fails(alone, tmp_
 def test_arguments_of_a_run_are_checked(tmp_path, arguments, message):
     with pytest.raises(ValueError, match=message):
         table_study().run(tmp_path / "study", **arguments)
+    assert not (tmp_path / "study").exists()

@@ -43,11 +43,14 @@ ROW_GROUP = 64
 def prepare(study: "Study", folder: Path, *, resume: bool, force: bool) -> None:
     """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with.
 
+    Without a single part that is done there is nothing to go on with, and nothing to lose.
+
     Raises:
         RecordError: something else stands there, or a study that is neither resumed nor replaced.
     """
     there = (folder / STUDY).is_file()
-    if there and resume:
+    begun = there and bool(done(folder) or (folder / TABLE).is_file())
+    if there and (resume or not (begun or force)):
         with tempfile.TemporaryDirectory() as place:
             _check_same(folder, _write_inputs(study, Path(place)))
         return

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pyarrow as pa
 
-import wirerope_mj
 from wirerope_mj.study.compute import Chunk, compute, failed
 from wirerope_mj.study.variants import Work
 
@@ -33,10 +32,8 @@ def run_local(
         work: what all variants share.
         chunks: what is to be computed; read as processes become free.
         workers: number of processes; None for one per processor. One worker is this process itself.
-        address: of no use here.
+        address: of no use here; engines with a cluster take one.
     """
-    if address is not None:
-        raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")
     workers = processors() if workers is None else workers
     if workers == 1:
         for chunk in chunks:
@@ -125,7 +122,7 @@ class _Process:
     """A worker process and its pipes."""
 
     def __init__(self, pickled_work: bytes) -> None:
-        place = str(Path(wirerope_mj.__file__).parent.parent)
+        place = str(Path(__file__).resolve().parents[2])
         paths = [place, *filter(None, [os.environ.get("PYTHONPATH")])]
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
         # One thread each: more of them would fight for the processors that the other processes have.

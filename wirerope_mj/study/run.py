@@ -39,6 +39,8 @@ def run_study(
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
         raise ValueError(f"`workers` must be a whole number >= 1, got {workers!r}.")
     run = _engine(engine)
+    if engine == "local" and address is not None:
+        raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")
     study.table()  # every variant is checked before anything is written
     prepare(study, folder, resume=resume, force=force)
     numbers = range(math.ceil(study.size / chunk_size(study.size)))
