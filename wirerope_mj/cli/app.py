@@ -26,6 +26,7 @@ from wirerope_mj.cli.select_options import select
 from wirerope_mj.cli.shock import shock
 from wirerope_mj.cli.statics import statics
 from wirerope_mj.cli.study import list_studies, study_command
+from wirerope_mj.cli.study_report import study_report
 from wirerope_mj.errors import RecordWarning, WireRopeError
 
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
@@ -126,6 +127,7 @@ app.command(loops)
 app.command(identify_records, name="identify")
 app.command(frf)
 app.command(report)
+app.command(study_report)
 app.command(compare)
 app.command(shock)
 app.command(select)

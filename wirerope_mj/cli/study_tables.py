@@ -14,6 +14,7 @@ from wirerope_mj.cli.tables import console
 from wirerope_mj.study.findings import (
     chance,
     headlines,
+    input_label,
     input_names,
     measure_of,
     percent,
@@ -91,7 +92,9 @@ def _worst(table: pa.Table, by: str, found: Sequence[Influence]) -> Table:
     measures = list(dict.fromkeys([by, *headlines(table)]))
     inputs = shown_inputs(table, found)
     title = f"Worst variants by {by}"
-    listing = _empty(title, ("variant", *(f"{name} [{measure_of(name).unit}]" for name in measures), *inputs))
+    listing = _empty(
+        title, ("variant", *(f"{name} [{measure_of(name).unit}]" for name in measures), *map(input_label, inputs))
+    )
     for number in worst(table, by, WORST):
         row = row_of(table, number)
         values = [_number(measure_of(name).factor * row[name]) for name in measures]

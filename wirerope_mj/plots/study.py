@@ -11,7 +11,17 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from wirerope_mj.plots.report_image import BASE, COLOURS, RATED, WIDTH, report_style, short
-from wirerope_mj.study.findings import CONFIDENCE, Measure, chance, finite, measure_of, percent, quantiles, values_of
+from wirerope_mj.study.findings import (
+    CONFIDENCE,
+    Measure,
+    chance,
+    finite,
+    input_label,
+    measure_of,
+    percent,
+    quantiles,
+    values_of,
+)
 from wirerope_mj.study.sensitivity import Influence
 
 Array = npt.NDArray[np.float64]
@@ -57,6 +67,9 @@ def sensitivity_figure(found: Sequence[Influence], measure: str) -> Figure:
                 _sign(one), (share, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7
             )
         panel.set_yticks(range(len(shown)), [_name(one.name) for one in shown])
+        panel.set_xlim(0.0, max(1.5 * max(100.0 * one.share for one in shown), 5.0))
+        panel.xaxis.set_major_locator(MaxNLocator(6))
+        panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 100.0])
         panel.set_xlim(0.0, max(1.5 * max(100.0 * one.share for one in shown), 5.0))
         panel.set_xlabel(f"share of the variance that the input explains alone [%]: {measure_of(measure).words}")
         _calm(panel, axis="x")
@@ -219,6 +232,7 @@ def _sign(one: Influence) -> str:
 
 
 def _name(name: str) -> str:
+    name = input_label(name)
     fits = name if len(name) <= _NAME else f"{name[: _NAME // 2 - 1]}…{name[-_NAME // 2 :]}"
     return fits.replace("$", r"\$")
 

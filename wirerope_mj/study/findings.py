@@ -22,6 +22,7 @@ HEADLINES = ("travel", "acceleration", "fragility")
 CONFIDENCE = 0.95
 
 _KEPT = ("variant", "status", "message")
+_ANGLES = ("motion/azimuth", "motion/elevation")
 _ROOMS = {
     "travel": ("share of the rated travel", "%", 100.0, 1.0),
     "acceleration": ("largest acceleration", "g", 1.0 / STANDARD_GRAVITY, None),
@@ -85,6 +86,12 @@ def input_names(table: pa.Table) -> list[str]:
     return names[1 : names.index("acceleration")]
 
 
+def input_label(name: str) -> str:
+    """Return the name of an input with the unit of its values, where the name alone says it."""
+    unit = "m" if "/centre/" in name or "/position/" in name else "°" if name in _ANGLES else ""
+    return f"{name} [{unit}]" if unit else name
+
+
 def measures_of(table: pa.Table) -> list[str]:
     """Return the names of the measures of a table."""
     first = table.column_names.index("acceleration")
@@ -145,7 +152,7 @@ def worst(table: pa.Table, measure: str, count: int) -> list[int]:
 def row_of(table: pa.Table, number: int) -> dict[str, Any]:
     """Return the row of a variant."""
     place = int(np.flatnonzero(np.asarray(table["variant"]) == number)[0])
-    return table.slice(place, 1).to_pylist()[0]  # type: ignore[no-any-return]
+    return table.slice(place, 1).to_pylist()[0]
 
 
 def random_study(result: StudyResult) -> bool:
