@@ -18,6 +18,10 @@ Array = npt.NDArray[np.float64]
 CHANCE = 0.01
 """How likely any of the inputs may be called certain by accident, if none has an effect."""
 
+SMALLEST_SHARE = 0.005
+"""Share of the variance below which no effect is called certain: the test takes the scatter in all classes for equal, which is
+not quite so where inputs act together, and so little matters to nobody."""
+
 _LEAST = 12  # variants below which nothing is said: three bins of four
 
 
@@ -71,7 +75,7 @@ def influences(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[In
             effects = {name: _effect(places, rest) for name, places in left.items()}
         name = max(left, key=lambda one: effects[one][0])
         explained, chance = effects[name]
-        certain = chance < CHANCE / len(classes)
+        certain = chance < CHANCE / len(classes) and explained >= SMALLEST_SHARE * whole
         found.append(Influence(name=name, share=explained / whole, rank=_rank(columns[name], values), certain=certain))
         places = left.pop(name)
         if certain:
