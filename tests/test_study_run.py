@@ -4,14 +4,18 @@ import os
 import random
 import shutil
 import signal
+import subprocess
+import sys
 import time
 import tomllib
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import wirerope_mj as wr
+from wirerope_mj.resources import models_folder
 from wirerope_mj.response.peaks import MountPeaks, Peak, Peaks
 from wirerope_mj.study import folder as study_folder
 from wirerope_mj.study import local
@@ -238,7 +242,7 @@ def test_a_chunk_whose_worker_dies_is_tried_once_more_and_then_fails(alone, tmp_
     lives, ordinary = [], local._Process.compute
 
     def deadly(process, chunk):
-        if chunk.number == 3 and len(lives) < deaths:
+        if chunk.number == 3 and len(lives) < deaths:  # in the middle of its life: it has said that it is ready
             lives.append(process)
             process.end()
         return ordinary(process, chunk)
@@ -253,6 +257,52 @@ def test_a_chunk_whose_worker_dies_is_tried_once_more_and_then_fails(alone, tmp_
     assert "died (signal 9), 2 times in a row" in result.failed[9]
     expected = [row for number, row in enumerate(rows(alone.table)) if number not in (9, 10, 11)]
     assert [row for row in rows(result.table) if row["status"] == "'done'"] == expected
+
+
+def test_workers_that_cannot_start_end_the_study_with_one_message(tmp_path, monkeypatch):
+    monkeypatch.setattr(local.sys, "executable", shutil.which("false"))
+    with pytest.raises(wr.SimulationError, match=r"a worker process could not start: it died \(exit status 1\)"):
+        table_study().run(tmp_path / "study", workers=2)
+    assert not (tmp_path / "study" / "variants.parquet").exists()
+
+
+def test_a_script_needs_no_guard_and_ctrl_c_ends_its_workers(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import wirerope_mj as wr\n"
+        "pulse = wr.HalfSine(peak=98.0, duration=0.011, direction='z', start=0.01)\n"
+        "study = wr.Study(model='shock_table.xml', motion=pulse, duration=5.0, timestep=1e-3, variants=2000,\n"
+        "                 vary={'motion/level': wr.Uniform(0.5, 1.5)})\n"
+        f"study.run({str(tmp_path / 'study')!r}, workers=2)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(Path(wr.__file__).parent.parent)}
+    with subprocess.Popen([sys.executable, script], env=environment, stderr=subprocess.PIPE, text=True) as process:
+        deadline = time.monotonic() + 120.0
+        while time.monotonic() < deadline and not list(tmp_path.glob("study/parts/0*.parquet")):
+            time.sleep(0.02)
+        workers = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+        children = [
+            int(number) for task in workers.parent.parent.glob("*/children") for number in task.read_text().split()
+        ]
+        process.send_signal(signal.SIGINT)
+        error = process.communicate(timeout=60.0)[1]
+    assert len(children) == 2
+    assert error.rstrip().endswith("KeyboardInterrupt")
+    assert not [number for number in children if Path(f"/proc/{number}").exists()]
+    assert wr.load_study(tmp_path / "study").table.num_rows % 32 == 0
+
+
+def test_a_study_of_a_record_and_of_a_text_holds_all_it_needs(tmp_path):
+    time_, record = np.arange(101) * 5e-4, tmp_path / "deck.csv"
+    values = 50.0 * np.sin(np.pi * time_ / time_[-1]) ** 2
+    lines = ["time [s],z [m/s^2]", *(f"{t!r},{a!r}" for t, a in zip(time_.tolist(), values.tolist(), strict=True))]
+    record.write_text("\n".join(lines))
+    text = (models_folder() / "shock_table.xml").read_text()
+    study = table_study(model=text, motion=wr.load_record(record), variants=4)
+    table = rows(study.run(tmp_path / "study", workers=1).table)
+    record.unlink()
+    again = wr.load_study(tmp_path / "study").study
+    assert rows(again.run(tmp_path / "again", workers=1).table) == table
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,6 @@
 """What every engine computes: the rows of some variants, from what all variants share and their own inputs."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,7 +29,7 @@ class Chunk:
     rows: Sequence[dict[str, Any]]
 
 
-Engine = Callable[..., Iterator[tuple[int, pa.Table]]]
+Engine = Callable[..., Generator[tuple[int, pa.Table], None, None]]
 """`engine(work, chunks, *, workers, address)` yields number and table of chunks, as they are ready, in any order.
 
 `chunks` may be long and is read as workers become free. Of a chunk that cannot be computed it yields

@@ -6,7 +6,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from importlib.metadata import PackageNotFoundError, version
@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
 
-import wirerope_mj
 from wirerope_mj.errors import SimulationError
 from wirerope_mj.study.compute import Chunk, compute, failed
 from wirerope_mj.study.local import processors
@@ -46,7 +45,7 @@ _DECIDING = ("wirerope-mj", "mujoco", "numba", "numpy", "scipy")
 
 def run_dask(
     work: Work, chunks: Iterable[Chunk], *, workers: int | None, address: str | None = None
-) -> Iterator[tuple[int, pa.Table]]:
+) -> Generator[tuple[int, pa.Table], None, None]:
     """Yield number and table of each chunk as they are ready, in any order.
 
     A worker that dies loses nothing: the scheduler gives what it had to another. A chunk that ends the life of its workers
@@ -177,7 +176,7 @@ def _workers(place: str, number: int) -> Iterator["subprocess.Popen[bytes]"]:
     """
     command = [sys.executable, "-m", "dask", "worker", place, "--nworkers", str(number), "--nthreads", "1",
                "--host", "127.0.0.1", "--no-dashboard", "--memory-limit", "0", "--death-timeout", f"{STARTING:g}"]  # fmt: skip
-    paths = [str(Path(wirerope_mj.__file__).parent.parent), *filter(None, [os.environ.get("PYTHONPATH")])]
+    paths = [str(Path(__file__).resolve().parents[2]), *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
     with (
         tempfile.TemporaryDirectory() as folder,

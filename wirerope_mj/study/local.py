@@ -6,12 +6,14 @@ import queue
 import subprocess
 import sys
 import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Generator, Iterable
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pyarrow as pa
 
+from wirerope_mj.errors import SimulationError
 from wirerope_mj.study.compute import Chunk, compute, failed
 from wirerope_mj.study.variants import Work
 
@@ -25,7 +27,7 @@ class Died(Exception):
 
 def run_local(
     work: Work, chunks: Iterable[Chunk], *, workers: int | None = None, address: str | None = None
-) -> Iterator[tuple[int, pa.Table]]:
+) -> Generator[tuple[int, pa.Table], None, None]:
     """Yield number and table of every chunk as they are ready.
 
     Args:
@@ -58,7 +60,7 @@ class _Pool:
         self._done: queue.Queue[tuple[int, pa.Table] | BaseException | None] = queue.Queue(maxsize=2 * workers)
         self._processes: list[_Process | None] = [None] * workers
 
-    def results(self) -> Iterator[tuple[int, pa.Table]]:
+    def results(self) -> Generator[tuple[int, pa.Table], None, None]:
         threads = [threading.Thread(target=self._serve, args=(n,), daemon=True) for n in range(self._workers)]
         for thread in threads:
             thread.start()
@@ -107,15 +109,19 @@ class _Pool:
     def _table(self, number: int, chunk: Chunk) -> pa.Table:
         reason = ""
         for _ in range(TRIES):
-            process = self._processes[number] or _Process(self._pickled)
-            self._processes[number] = process
             try:
+                process = self._processes[number] = self._processes[number] or _Process(self._pickled)
                 return process.compute(chunk)
             except Died as death:
                 reason, self._processes[number] = str(death), None
                 if self._stop.is_set():
                     break
-        return failed(self._work, chunk, reason)
+        return failed(
+            self._work,
+            chunk,
+            f"the process that computed this chunk of variants {reason}, {TRIES} times in a row. "
+            "It may have run out of memory: use fewer `workers`, or simulate the variants of the chunk one by one.",
+        )
 
 
 class _Process:
@@ -127,25 +133,36 @@ class _Process:
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
         # One thread each: more of them would fight for the processors that the other processes have.
         environment |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-        command = [sys.executable, "-m", "wirerope_mj.study.worker"]
-        self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment)
-        self._work: bytes | None = pickled_work
+        # A session of its own: Ctrl-C is for the process that started this one, which ends it.
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "wirerope_mj.study.worker"],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, start_new_session=True,
+        )  # fmt: skip
+        try:
+            self._asked(pickled_work)
+        except Died as death:
+            raise SimulationError(
+                f"a worker process could not start: it {death}. Its own message stands on standard error; with one of "
+                "`workers` the study runs in this process."
+            ) from None
 
     def compute(self, chunk: Chunk) -> pa.Table:
         """Return the table of a chunk; Died if the process is gone."""
+        return self._asked(pickle.dumps(chunk, protocol=pickle.HIGHEST_PROTOCOL))
+
+    def _asked(self, question: bytes) -> Any:
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         try:
-            if self._work is not None:
-                self._process.stdin.write(self._work)
-                self._work = None
-            pickle.dump(chunk, self._process.stdin, protocol=pickle.HIGHEST_PROTOCOL)
+            self._process.stdin.write(question)
             self._process.stdin.flush()
             return pickle.load(self._process.stdout)
         except (EOFError, OSError, ValueError, pickle.UnpicklingError):
-            code = self._process.poll() if self._ended() else None
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(timeout=5.0)
+            code = self._process.poll()
             self.kill()
-            raise Died(_death(code)) from None
+            raise Died("died" if code is None else f"died ({_words(code)})") from None
 
     def end(self) -> None:
         """End the process; whoever waits for it finds it dead."""
@@ -160,17 +177,6 @@ class _Process:
                 with suppress(OSError):  # what was not yet written has nobody to read it
                     pipe.close()
 
-    def _ended(self) -> bool:
-        try:
-            self._process.wait(timeout=5.0)
-        except subprocess.TimeoutExpired:
-            return False
-        return True
 
-
-def _death(code: int | None) -> str:
-    how = "" if code is None else f" (signal {-code})" if code < 0 else f" (exit status {code})"
-    return (
-        f"the process that computed this chunk of variants died{how}, {TRIES} times in a row. It may have run out of memory: "
-        "use fewer `workers`; or simulate the variants of the chunk one by one."
-    )
+def _words(code: int) -> str:
+    return f"signal {-code}" if code < 0 else f"exit status {code}"

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import closing
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -49,10 +50,12 @@ def run_study(
         already = study.size - _count(study, missing)
         with share_bar("study", "variants/s", enabled=progress) as update:
             began, ended = perf_counter(), 0
-            for number, table in run(study.work, chunks(study, missing), workers=workers, address=address):
-                write_part(folder, number, table)
-                ended += table.num_rows
-                update((already + ended) / study.size, ended / (perf_counter() - began))
+            results = run(study.work, chunks(study, missing), workers=workers, address=address)
+            with closing(results):  # so that no process goes on if this one is interrupted
+                for number, table in results:
+                    write_part(folder, number, table)
+                    ended += table.num_rows
+                    update((already + ended) / study.size, ended / (perf_counter() - began))
     finish(study, folder, len(numbers))
     return load_study(folder)
 

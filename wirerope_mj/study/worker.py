@@ -8,29 +8,33 @@ import os
 import pickle
 import signal
 import sys
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 from wirerope_mj.study.compute import compute
 
 
 def main() -> None:
     """Serve chunks until the input ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the process that started this one
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where a session of its own is not known
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # whatever prints must not disturb the answers
     serve(sys.stdin.buffer, answers)
 
 
 def serve(questions: BinaryIO, answers: BinaryIO) -> None:
-    """Answer every chunk with its table; the first question is the work that all of them share."""
+    """Answer every chunk with its table; before them comes the work that all of them share."""
     try:
         work = pickle.load(questions)
+        _answer(answers, "ready")
         while True:
-            table = compute(work, pickle.load(questions))
-            pickle.dump(table, answers, protocol=pickle.HIGHEST_PROTOCOL)
-            answers.flush()
+            _answer(answers, compute(work, pickle.load(questions)))
     except (EOFError, BrokenPipeError):
         return
+
+
+def _answer(answers: BinaryIO, what: Any) -> None:
+    pickle.dump(what, answers, protocol=pickle.HIGHEST_PROTOCOL)
+    answers.flush()
 
 
 if __name__ == "__main__":
