@@ -52,6 +52,17 @@ def test_a_study_that_is_there_is_not_replaced_unasked(done, capsys):
     assert "--resume" in capsys.readouterr().err
 
 
+def test_an_interrupted_study_says_how_it_goes_on(done, capsys, monkeypatch):
+    file, folder = done
+
+    def interrupted(*arguments, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(wr.Study, "run", interrupted)
+    assert main(["study", str(file), "--resume", "--out", str(folder)]) == 130
+    assert f"--resume --out {folder}" in capsys.readouterr().err
+
+
 def test_another_study_does_not_go_on_in_the_folder(done, capsys):
     file, folder = done
     assert main(["study", str(file), "--variants", "63", "--resume", "--out", str(folder)]) == 2

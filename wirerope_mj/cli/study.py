@@ -86,6 +86,7 @@ def _run(
     from wirerope_mj.cli.study_tables import print_study
     from wirerope_mj.runfolder.study import checked_count, write_study_pictures, write_worst
     from wirerope_mj.study.findings import HEADLINES, checked_measure, headlines, input_names
+    from wirerope_mj.study.folder import STUDY
     from wirerope_mj.study.measures import measure_names
     from wirerope_mj.study.sensitivity import influences
 
@@ -97,10 +98,18 @@ def _run(
     if by is not None and by not in names:
         raise ValueError(f"`--by`: there is no measure {by!r}; there are {', '.join(names[:8])}, ...")
     folder = out or Path("runs") / f"{file.name}-{datetime.now():%Y%m%d-%H%M%S}"
-    result = study.run(
-        folder, engine=engine, workers=workers, address=address, resume=resume, force=force,
-        progress=sys.stderr.isatty(),
-    )  # fmt: skip
+    try:
+        result = study.run(
+            folder, engine=engine, workers=workers, address=address, resume=resume, force=force,
+            progress=sys.stderr.isatty(),
+        )  # fmt: skip
+    except KeyboardInterrupt:
+        if (folder / STUDY).is_file():
+            print(
+                f"wirerope: what is done is kept; go on with the same options and --resume --out {folder}",
+                file=sys.stderr,
+            )
+        raise
     if len(result.failed) == result.table.num_rows:
         number, message = next(iter(result.failed.items()))
         raise ValueError(f"every variant failed; variant {number}: {message} The table is in {folder}.")

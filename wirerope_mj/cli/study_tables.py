@@ -35,6 +35,7 @@ WORST = 8
 
 _INPUTS = 4  # columns of inputs beside a variant
 _INFLUENCES = 8
+_LONG = 14  # letters of a heading that stands on two lines
 _FAILED = 5  # messages of failed variants
 
 
@@ -72,7 +73,7 @@ def _measures(result: StudyResult, by: str) -> Table:
         limit = ["", ""]
         if measure.limit is not None:
             beyond = chance(values, measure.limit)
-            share = f" ({percent(beyond.count / beyond.n)})"
+            share = f" ({percent(beyond.count / beyond.n)})" if drawn else ""
             limit = [_number(measure.factor * measure.limit), f"{beyond.count} of {beyond.n}{share}"]
         listing.add_row(escape(measure.label), *cells, str(worst(table, name, 1)[0]), *limit)
     return listing
@@ -92,9 +93,8 @@ def _worst(table: pa.Table, by: str, found: Sequence[Influence]) -> Table:
     measures = list(dict.fromkeys([by, *headlines(table)]))
     inputs = shown_inputs(table, found)
     title = f"Worst variants by {by}"
-    listing = _empty(
-        title, ("variant", *(f"{name} [{measure_of(name).unit}]" for name in measures), *map(input_label, inputs))
-    )
+    heads = [*(f"{name} [{measure_of(name).unit}]" for name in measures), *map(input_label, inputs)]
+    listing = _empty(title, ("variant", *map(_two_lines, heads)))
     for number in worst(table, by, WORST):
         row = row_of(table, number)
         values = [_number(measure_of(name).factor * row[name]) for name in measures]
@@ -110,6 +110,16 @@ def shown_inputs(table: pa.Table, found: Sequence[Influence], most: int = _INPUT
 def shown_input(value: Any) -> str:
     """Return an input's value as a cell."""
     return _number(value) if isinstance(value, float) else str(value) or "none"
+
+
+def _two_lines(name: str) -> str:
+    """Return a heading on two lines if it is long: "mount/m16/", "axial/k1"."""
+    parts = name.replace(" [", "/[").split("/")
+    if len(name) <= _LONG or len(parts) < 2:
+        return name
+    half = len(parts) // 2
+    first = "/".join(parts[:half]) + ("" if parts[half].startswith("[") else "/")
+    return f"{first}\n{'/'.join(parts[half:]).replace('/[', ' [')}"
 
 
 def _number(value: float) -> str:

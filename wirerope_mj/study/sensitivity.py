@@ -64,7 +64,7 @@ def influences(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[In
     values = values[kept]
     if values.size < _LEAST or np.ptp(values) <= 1e-12 * np.abs(values).max():
         return ()
-    columns = {name: np.asarray(table[name].to_pylist(), dtype=object)[kept] for name in inputs}
+    columns = {name: np.asarray(table[name])[kept] for name in inputs}
     classes = {name: _classes(column) for name, column in columns.items()}
     left = {name: places for name, places in classes.items() if 2 <= places.max() + 1 <= values.size / 2}
     whole, rest = float(np.sum((values - values.mean()) ** 2)), values - values.mean()
@@ -101,7 +101,7 @@ def _class_means(classes: npt.NDArray[np.int64], values: Array) -> Array:
 def _classes(column: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
     """Return the class of each variant: its value, or of many different numbers one of some stretches of equal size."""
     _, places = np.unique(column, return_inverse=True)
-    if isinstance(column[0], str | bool):
+    if column.dtype.kind not in "fiu":  # words and truth values
         return np.asarray(places, dtype=np.int64)
     # The cube root: enough classes for a curve, and enough variants in each for its mean.
     wanted = max(round(column.size ** (1.0 / 3.0)), 3)
@@ -115,7 +115,7 @@ def _classes(column: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
 
 def _rank(column: npt.NDArray[Any], values: Array) -> float:
     """Return Spearman's correlation: Pearson's of the ranks."""
-    if isinstance(column[0], str):
+    if column.dtype.kind not in "fiub":
         return math.nan
     a, b = rankdata(column.astype(np.float64)), rankdata(values)
     a, b = a - a.mean(), b - b.mean()
