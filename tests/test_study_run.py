@@ -202,7 +202,8 @@ def test_a_study_that_is_there_is_neither_overwritten_nor_mistaken_for_another(a
         table_study(seed=2).run(folder, resume=True)
     with pytest.raises(wr.RecordError, match="folder of another study .*simulate.duration is 0.05 there and 0.06 here"):
         table_study(duration=0.06).run(folder, resume=True)
-    assert table_study().run(folder, resume=True).message == alone.message  # nothing is missing
+    asked = table_study(question="Which mount?", name="tolerances")
+    assert asked.run(folder, resume=True).message == alone.message  # nothing is missing
     assert rows(table_study(seed=2).run(folder, force=True, workers=1).table) != rows(alone.table)
 
 

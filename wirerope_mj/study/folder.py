@@ -36,6 +36,9 @@ FORMAT = 1
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba")
 """Packages on which the last bit of a number may depend."""
 
+_WORDS = ("id", "name", "question")
+"""What may differ between two folders of the same study."""
+
 ROW_GROUP = 64
 """Parts that are joined in one row group of the table: some 2000 variants, a few MB."""
 
@@ -156,8 +159,8 @@ def _write_inputs(study: "Study", folder: Path) -> dict[str, Any]:
 
 
 def _identity(content: dict[str, Any]) -> str:
-    """Return what tells this study from all others: a digest of every input."""
-    inputs = {key: value for key, value in content.items() if key != "id"}
+    """Return what tells this study from all others: a digest of every input that a number may depend on."""
+    inputs = {key: value for key, value in content.items() if key not in _WORDS}
     return hashlib.sha256(tomli_w.dumps(inputs).encode()).hexdigest()[:16]
 
 
@@ -167,7 +170,7 @@ def _check_same(folder: Path, content: dict[str, Any]) -> None:
     if there["id"] == content["id"]:
         return
     old, new = _flat(there), _flat(content)
-    key = next((key for key in {**old, **new} if key != "id" and old.get(key) != new.get(key)), "")
+    key = next((key for key in {**old, **new} if key not in _WORDS and old.get(key) != new.get(key)), "")
     raise RecordError(
         f"{folder}: this is the folder of another study ({key} is {old.get(key, 'absent')!r} there and "
         f"{new.get(key, 'absent')!r} here); nothing in it was touched. Choose another folder, or replace it with --force "
