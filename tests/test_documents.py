@@ -92,3 +92,12 @@ def test_a_shock_is_judged_from_python(capsys):
     assert words["acceleration"] == words["travel in tension"] == "not judged"
     assert names["verdict"].verdict == "not judged"  # the last of the random ones: nobody limits it
     assert "standard error" in capsys.readouterr().out
+
+
+def test_studies_run_into_a_folder(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(compile(blocks("docs/studies.md"), "studies.md", "exec"), names)
+    assert names["result"].table.num_rows == 32
+    assert not names["result"].failed
+    assert "acceleration" in capsys.readouterr().out
