@@ -107,3 +107,12 @@ def test_a_shock_is_judged_from_python(capsys):
     given = names["random_verdicts"](names["shaking"].time, names["history"], **stretch)[0]
     assert given.value == pytest.approx(by_hand, rel=1e-9)
     assert "standard error" in capsys.readouterr().out
+
+
+def test_studies_run_into_a_folder(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    exec(compile(blocks("docs/studies.md"), "studies.md", "exec"), names)
+    assert names["result"].table.num_rows == 32
+    assert not names["result"].failed
+    assert "acceleration" in capsys.readouterr().out

@@ -94,6 +94,13 @@ from wirerope_mj.spectra import shock_response_spectrum as shock_response_spectr
 from wirerope_mj.state import State as State
 from wirerope_mj.statics import equilibrium as equilibrium
 from wirerope_mj.statics import static_table as static_table
+from wirerope_mj.study import Choice as Choice
+from wirerope_mj.study import Normal as Normal
+from wirerope_mj.study import Specimens as Specimens
+from wirerope_mj.study import Study as Study
+from wirerope_mj.study import StudyResult as StudyResult
+from wirerope_mj.study import Uniform as Uniform
+from wirerope_mj.study import load_study as load_study
 from wirerope_mj.sweep import FrequencySweep as FrequencySweep
 from wirerope_mj.sweep import frequency_sweep as frequency_sweep
 from wirerope_mj.sweep import stepped_sine as stepped_sine

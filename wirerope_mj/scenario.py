@@ -1,17 +1,15 @@
 """A scenario: a question, the model and the base motion that answer it, and the file that makes them from options."""
 
-import inspect
-import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.errors import ModelError, WireRopeError
+from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.isolator import Isolator
-from wirerope_mj.resources import models_folder, scenarios_folder
+from wirerope_mj.option_file import all_options, defaults, guarded, load_function, question_of
+from wirerope_mj.resources import model_source, scenarios_folder
 from wirerope_mj.system import Changes
 
 
@@ -44,18 +42,7 @@ class Scenario:
 
     def model_source(self) -> str | Path:
         """Return the MJCF text, or the path of the model file; ModelError names where it was looked for."""
-        if isinstance(self.model, str) and self.model.lstrip().startswith("<"):
-            return self.model
-        wanted = Path(self.model) if str(self.model).endswith(".xml") else Path(f"{self.model}.xml")
-        places = [(self.folder or Path()) / wanted, models_folder() / wanted]
-        for place in places:
-            if place.is_file():
-                return place
-        shipped = ", ".join(sorted(path.name for path in models_folder().glob("*.xml")))
-        raise ModelError(
-            f"scenario {self.name!r}: there is no model {str(self.model)!r}; looked for "
-            f"{' and '.join(str(place) for place in dict.fromkeys(places))}. The package ships {shipped}."
-        )
+        return model_source(self.model, folder=self.folder, asker=f"scenario {self.name!r}")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,12 +56,12 @@ class ScenarioFile:
     @property
     def question(self) -> str:
         """First line of the file's docstring."""
-        return (self.function.__doc__ or "").strip().split("\n", 1)[0]
+        return question_of(self.function)
 
     @property
     def defaults(self) -> dict[str, Any]:
         """Options and their default values."""
-        return {name: option.default for name, option in inspect.signature(self.function).parameters.items()}
+        return defaults(self.function)
 
     def make(self, **options: Any) -> Scenario:
         """Return the scenario of some options; the others have their defaults.
@@ -82,12 +69,8 @@ class ScenarioFile:
         Raises:
             ModelError: an option is unknown, or the function does not return a Scenario, or fails; says in which line.
         """
-        values = self.defaults
-        for option in options:
-            if option not in values:
-                raise ModelError(f"{self.path}: no option {option!r}; the options are {', '.join(values)}.")
-        values |= options
-        made = _guarded(self.path, lambda: self.function(**values))
+        values = all_options(self.path, self.function, options)
+        made = guarded(self.path, lambda: self.function(**values))
         if not isinstance(made, Scenario):
             raise ModelError(f"{self.path}: `scenario` must return a wirerope_mj.Scenario, got {made!r}.")
         return replace(made, name=self.name, options=values, folder=self.path.parent)
@@ -113,35 +96,4 @@ def load_scenario(name_or_path: str | Path) -> ScenarioFile:
                 "anything else must be the path of a Python file."
             )
         path = shipped[str(name_or_path)]
-    spec = spec_from_file_location(path.stem, path.resolve())
-    if path.suffix != ".py" or spec is None or spec.loader is None:
-        raise ModelError(f"{path}: a scenario is a Python file; its name ends with .py.")
-    module, loader = module_from_spec(spec), spec.loader
-    _guarded(path, lambda: loader.exec_module(module))
-    function = getattr(module, "scenario", None)
-    if not inspect.isfunction(function):
-        raise ModelError(f"{path}: there is no function `scenario` here.")
-    for name, option in inspect.signature(function).parameters.items():
-        if option.kind is not option.KEYWORD_ONLY or option.default is option.empty:
-            raise ModelError(f"{path}: `{name}` of `scenario` must be a keyword-only argument with a default.")
-    # The question stands above the file; of the function's own docstring, the options are for the reader of --help.
-    _, arguments, options = (inspect.getdoc(function) or "").partition("Args:")
-    function.__doc__ = f"{(inspect.getdoc(module) or '').strip()}\n\n{arguments}{options}".strip()
-    return ScenarioFile(name=path.stem, path=path.resolve(), function=function)
-
-
-def _guarded(path: Path, action: Callable[[], Any]) -> Any:
-    """Return what `action` returns; ModelError with file and line if the scenario's own code fails."""
-    try:
-        return action()
-    except (WireRopeError, ValueError) as error:
-        raise ModelError(f"{path}{_line_in(path, error)}: {error}") from error
-    except Exception as error:
-        raise ModelError(f"{path}{_line_in(path, error)}: {type(error).__name__}: {error}") from error
-
-
-def _line_in(path: Path, error: Exception) -> str:
-    """Return words for the last line of the file that an error passed through."""
-    lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if Path(f.filename) == path.resolve()]
-    lines += [error.lineno] if isinstance(error, SyntaxError) and error.lineno else []
-    return f", line {lines[-1]}" if lines else ""
+    return ScenarioFile(name=path.stem, path=path.resolve(), function=load_function(path, "scenario"))

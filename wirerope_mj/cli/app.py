@@ -25,6 +25,8 @@ from wirerope_mj.cli.run import list_scenarios, run_command
 from wirerope_mj.cli.select_options import select
 from wirerope_mj.cli.shock import shock
 from wirerope_mj.cli.statics import statics
+from wirerope_mj.cli.study import list_studies, study_command
+from wirerope_mj.cli.study_report import study_report
 from wirerope_mj.errors import RecordWarning, WireRopeError
 
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
@@ -60,6 +62,31 @@ def run(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)
     if tokens[0].startswith("-"):
         raise ValueError(f"the scenario comes first: wirerope run SCENARIO {' '.join(tokens)}")
     run_command(tokens[0], tokens[1:])
+    return 0
+
+
+study_app = App(name="study", help_flags=[], version_flags=[], suppress_keyboard_interrupt=False)
+app.command(study_app)
+
+
+@study_app.default
+def study(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
+    """Compute many variants of one system into one folder: what is likely, which inputs matter, which variants are worst.
+
+    wirerope study STUDY [OPTIONS] [--out FOLDER] [--resume] [--force] [--workers N] [--by MEASURE] [--open-worst K]
+
+    STUDY is the path of a study file or the name of one that ships with the package; `wirerope study --list` shows those,
+    and `wirerope study STUDY --help` the options of one. A study that was interrupted goes on with --resume --out FOLDER.
+    """
+    if not tokens or tokens[0] in ("--help", "-h"):
+        app.help_print(["study"])
+        return 0 if tokens else BAD_INPUT
+    if tokens[0] == "--list":
+        list_studies()
+        return 0
+    if tokens[0].startswith("-"):
+        raise ValueError(f"the study comes first: wirerope study STUDY {' '.join(tokens)}")
+    study_command(tokens[0], tokens[1:])
     return 0
 
 
@@ -100,6 +127,7 @@ app.command(loops)
 app.command(identify_records, name="identify")
 app.command(frf)
 app.command(report)
+app.command(study_report)
 app.command(compare)
 app.command(shock)
 app.command(select)

@@ -1,13 +1,10 @@
-"""A folder that appears whole or not at all."""
+"""The folder of a run, which appears whole or not at all."""
 
-import os
-import shutil
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from wirerope_mj.errors import RecordError
+from wirerope_mj.whole import check_folder, folder_written_whole
 
 SCENARIO, SUMMARY = "scenario.toml", "summary.json"
 
@@ -16,69 +13,14 @@ FORMAT = 1
 
 
 def check_target(folder: Path, *, force: bool, kind: str = "run", marks: Sequence[str] = (SCENARIO, SUMMARY)) -> None:
-    """Raise RecordError unless `folder` may be written: nothing is there, or a folder of its kind that `force` replaces.
-
-    Args:
-        folder: where something is to be written.
-        force: whether it may replace another of its kind.
-        kind: what messages call it.
-        marks: files by which one is known.
-    """
-    if not folder.exists() and not folder.is_symlink():
-        return
-    if not folder.is_dir():
-        raise RecordError(f"{folder}: this is a file; a {kind} is a folder. Choose another place.")
-    if not any(folder.iterdir()):
-        return
-    if not all((folder / mark).is_file() for mark in marks):
-        raise RecordError(
-            f"{folder}: this folder exists and is not a {kind}; nothing in it was touched. Choose another one."
-        )
-    if not force:
-        raise RecordError(
-            f"{folder}: there is a {kind} already. Replace it with --force (`force=True`), or choose another one."
-        )
+    """Raise RecordError unless a run may be written to `folder`, or another `kind` of folder, known by its `marks`."""
+    check_folder(folder, force=force, kind=kind, marks=marks)
 
 
 @contextmanager
 def written_whole(
     folder: Path, *, force: bool, kind: str = "run", marks: Sequence[str] = (SCENARIO, SUMMARY)
 ) -> Iterator[Path]:
-    """Yield a new folder beside `folder` that becomes it when the block ends well, and is removed when it does not.
-
-    The arguments are those of `check_target`.
-    """
-    check_target(folder, force=force, kind=kind, marks=marks)
-    folder = folder.resolve()
-    missing = [parent for parent in folder.parents if not parent.exists()]
-    try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        beside = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=".part", dir=folder.parent))
-    except OSError as error:
-        raise RecordError(f"{folder}: cannot write here ({error.strerror}).") from None
-    try:
-        beside.chmod(0o755)  # mkdtemp makes folders that nobody else may read
+    """Yield a new folder that becomes the run `folder` when the block ends well; arguments as those of `check_target`."""
+    with folder_written_whole(folder, force=force, kind=kind, marks=marks) as beside:
         yield beside
-        check_target(folder, force=force, kind=kind, marks=marks)
-        _put(beside, folder)
-    except BaseException:
-        shutil.rmtree(beside, ignore_errors=True)
-        for parent in missing:
-            if parent.is_dir() and not any(parent.iterdir()):
-                parent.rmdir()
-        raise
-
-
-def _put(beside: Path, folder: Path) -> None:
-    """Rename `beside` to `folder`; what was there is removed only after the new one stands."""
-    if not folder.exists():
-        os.rename(beside, folder)
-        return
-    old = beside.with_suffix(".old")
-    os.rename(folder, old)
-    try:
-        os.rename(beside, folder)
-    except BaseException:
-        os.rename(old, folder)
-        raise
-    shutil.rmtree(old)

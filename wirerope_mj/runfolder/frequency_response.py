@@ -13,7 +13,7 @@ from wirerope_mj.frf import FrequencyResponse
 from wirerope_mj.frf.storage import save_tables
 from wirerope_mj.frf.summary import Findings, summary
 from wirerope_mj.runfolder.folder import written_whole
-from wirerope_mj.runfolder.model_files import model_table, write_model
+from wirerope_mj.system.model_files import model_table, write_model
 
 FORMAT = 1
 SETTINGS, SUMMARY = "settings.toml", "frequency_response.json"

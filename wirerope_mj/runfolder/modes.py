@@ -10,8 +10,8 @@ import tomli_w
 
 from wirerope_mj.modes import Modes
 from wirerope_mj.runfolder.folder import written_whole
-from wirerope_mj.runfolder.model_files import model_table, write_model
 from wirerope_mj.system import System
+from wirerope_mj.system.model_files import model_table, write_model
 
 FORMAT = 1
 SETTINGS, FIGURES = "settings.toml", "modes.json"

@@ -9,8 +9,8 @@ from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.motion import BaseMotion
 from wirerope_mj.excitation.restore import motion_from_dict
 from wirerope_mj.runfolder.folder import FORMAT, SCENARIO
-from wirerope_mj.runfolder.model_files import missing_isolators
 from wirerope_mj.system import Changes, System, load_system
+from wirerope_mj.system.model_files import missing_isolators
 from wirerope_mj.system.varied import with_changes
 
 

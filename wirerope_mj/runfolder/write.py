@@ -2,7 +2,6 @@
 
 import json
 import math
-import shutil
 import tomllib
 from collections.abc import Mapping
 from datetime import UTC, datetime
@@ -15,13 +14,14 @@ import tomli_w
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.excitation.copies import copy_records
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.runfolder.folder import FORMAT, SCENARIO, SUMMARY, check_target, written_whole
-from wirerope_mj.runfolder.model_files import model_table, write_model
 from wirerope_mj.runfolder.record_doubts import record_doubts
 from wirerope_mj.scenario import Scenario
 from wirerope_mj.simulation import simulate
 from wirerope_mj.system import System, load_system
+from wirerope_mj.system.model_files import model_table, write_model
 from wirerope_mj.system.varied import with_changes
 from wirerope_mj.verdicts import summary, verdict_lines
 
@@ -118,24 +118,10 @@ def _scenario_text(
         "model": model,
         "simulate": resolved,
         "motion": {"description": scenario.motion.description}
-        | scenario.motion.to_dict(files=_copy_records(scenario, folder)),
+        | scenario.motion.to_dict(files=copy_records([scenario.motion], folder)),
         "versions": {name: version(name) for name in _PACKAGES},
     }
     return tomli_w.dumps(content, multiline_strings=True)
-
-
-def _copy_records(scenario: Scenario, folder: Path) -> dict[Path, str]:
-    """Copy the files that the motion was read from and return what to call them, relative to the run's folder."""
-    names: dict[Path, str] = {}
-    for path in scenario.motion.files:
-        name, number = f"inputs/{path.name}", 1
-        while name in names.values():
-            number += 1
-            name = f"inputs/{path.stem}-{number}{path.suffix}"
-        (folder / "inputs").mkdir(exist_ok=True)
-        shutil.copyfile(path, folder / name)
-        names[path] = name
-    return names
 
 
 def _summary_text(scenario: Scenario, response: Response, seconds: float) -> str:

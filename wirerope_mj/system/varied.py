@@ -128,15 +128,16 @@ def _change_bodies(model: mujoco.MjModel, data: mujoco.MjData, changes: Changes)
         model.body_ipos[body] += _in_body(data, body, shift)
 
 
+def moving_bodies(model: mujoco.MjModel) -> list[str]:
+    """Return the names of the bodies that move and have a mass: those that can vary."""
+    return [model.body(b).name for b in range(1, model.nbody) if model.body_weldid[b] != 0 and model.body_mass[b] > 0.0]
+
+
 def _body(model: mujoco.MjModel, name: str) -> int:
-    bodies = {
-        model.body(b).name: b for b in range(1, model.nbody) if model.body_weldid[b] != 0 and model.body_mass[b] > 0.0
-    }
+    bodies = moving_bodies(model)
     if name not in bodies:
-        raise ModelError(
-            f"there is no moving body {name!r} with a mass. Bodies that move and have one: {list(bodies)}."
-        )
-    return bodies[name]
+        raise ModelError(f"there is no moving body {name!r} with a mass. Bodies that move and have one: {bodies}.")
+    return int(model.body(name).id)
 
 
 def _move_sites(model: mujoco.MjModel, data: mujoco.MjData, system: System, changes: Changes) -> None:

@@ -1,0 +1,188 @@
+import re
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+from small_study import STUDY_FILE, write_study
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.errors import ModelError, RecordError
+from wirerope_mj.runfolder.study import write_worst
+from wirerope_mj.runfolder.study_report import write_study_report
+from wirerope_mj.study.findings import row_of, worst
+from wirerope_mj.study.study_file import load_study_file, shipped_studies
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """Return a study's file and the folder that the command has written, with what it printed."""
+    place = tmp_path_factory.mktemp("studies")
+    file, folder = write_study(place), place / "out"
+    assert main(["study", str(file), "--variants", "64", "--workers", "1", "--out", str(folder)]) == 0
+    return file, folder
+
+
+def test_a_study_becomes_one_folder_with_table_and_pictures(done):
+    _, folder = done
+    files = {path.name for path in folder.iterdir() if path.is_file()}
+    assert files >= {"variants.parquet", "study.toml", "summary.json", "distribution.png", "sensitivity.png"}
+    assert pq.read_table(folder / "variants.parquet").num_rows == 64
+
+
+def test_resuming_a_complete_study_prints_it_again_and_computes_nothing(done, capsys):
+    file, folder = done
+    before = (folder / "variants.parquet").stat().st_mtime_ns
+    assert main(["study", str(file), "--variants", "64", "--resume", "--out", str(folder)]) == 0
+    out = capsys.readouterr().out
+    assert (folder / "variants.parquet").stat().st_mtime_ns == before
+    table = wr.load_study(folder).table
+    top = worst(table, "travel", 1)[0]
+    beyond = int((np.asarray(table["travel"]) > 1.0).sum())
+    assert 0 < beyond < 64
+    assert f"beyond 100 % in {beyond} of 64 variants" in out
+    assert f"in variant {top}." in out
+    assert "Worst variants by travel" in out
+    assert "motion/level" in out
+
+
+def test_a_study_that_is_there_is_not_replaced_unasked(done, capsys):
+    file, folder = done
+    assert main(["study", str(file), "--variants", "64", "--out", str(folder)]) == 2
+    assert "--resume" in capsys.readouterr().err
+
+
+def test_an_interrupted_study_says_how_it_goes_on(done, capsys, monkeypatch):
+    file, folder = done
+
+    def interrupted(*arguments, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(wr.Study, "run", interrupted)
+    assert main(["study", str(file), "--resume", "--out", str(folder)]) == 130
+    assert f"--resume --out {folder}" in capsys.readouterr().err
+
+
+def test_another_study_does_not_go_on_in_the_folder(done, capsys):
+    file, folder = done
+    assert main(["study", str(file), "--variants", "63", "--resume", "--out", str(folder)]) == 2
+    assert "another study" in capsys.readouterr().err
+
+
+def test_the_worst_variants_become_runs_with_the_peaks_of_the_table(done):
+    _, folder = done
+    result = wr.load_study(folder)
+    recording, *runs = write_worst(result, "travel", 2)
+    assert recording.name == "worst.rrd"
+    assert recording.stat().st_size > 10_000  # two scenes and their histories
+    values = np.asarray(result.table["travel"])
+    numbers = [int(run.name.split("-")[1]) for run in runs]
+    assert numbers == np.argsort(-values)[:2].tolist()
+    for number, run in zip(numbers, runs, strict=True):
+        peaks = wr.load_response(run).peaks
+        row = row_of(result.table, number)
+        assert (
+            peaks.bodies["mass"].acceleration.value == row["acceleration/mass"]
+        )  # one motion, so the same steps: bit for bit
+        assert peaks.mounts["m1"].force.value == row["force/m1"]
+
+
+def test_options_of_the_study_and_of_the_command_are_listed(done, capsys):
+    file, _ = done
+    assert main(["study", str(file), "--help"]) == 0
+    out = capsys.readouterr().out
+    for option in ("--variants", "--peak", "--engine", "--workers", "--resume", "--open-worst", "--by"):
+        assert option in out
+    assert "How does a mass on one mount do?" in out
+
+
+def test_a_wrong_measure_is_said_before_anything_is_simulated(done, tmp_path, capsys):
+    file, _ = done
+    assert main(["study", str(file), "--by", "speed", "--out", str(tmp_path / "no")]) == 2
+    assert "there is no measure 'speed'" in capsys.readouterr().err
+    assert not (tmp_path / "no").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nosuch"], "there is no study 'nosuch'.*floor_tolerances"),
+        (["floating_floor_shock"], "is a scenario, one run: wirerope run floating_floor_shock"),
+        (["--out", "x"], "the study comes first"),
+        (["floor_levels", "--resume"], "say which one with --out"),
+        (["floor_levels", "--open-worst", "99"], "from 0 to 6, got 99"),
+        (["floor_directions", "--step-deg", "40"], r"floor_directions\.py, line \d+: `step_deg` must divide 90"),
+    ],
+)
+def test_bad_input_is_one_message_and_exit_code_2(arguments, message, capsys):
+    assert main(["study", *arguments]) == 2
+    err = capsys.readouterr().err
+    assert re.search(message, err)
+    assert "Traceback" not in err
+
+
+def test_shipped_studies_are_listed_with_their_questions(capsys):
+    assert main(["study", "--list"]) == 0
+    out = capsys.readouterr().out
+    for name in ("floor_tolerances", "floor_failed_mount", "floor_levels", "floor_directions"):
+        assert name in out
+
+
+@pytest.mark.parametrize("name", sorted(shipped_studies()))
+def test_every_shipped_study_is_short_asks_first_and_can_be_made(name):
+    file = load_study_file(name)
+    assert file.question.endswith("?")
+    assert len(file.path.read_text(encoding="utf-8").splitlines()) <= 60
+    study = file.make()
+    assert study.name == name
+    assert study.question.startswith(file.question)
+    assert study.table().num_rows == study.size
+
+
+def test_directions_cover_the_sphere_and_failures_every_wire_rope_mount():
+    table = load_study_file("floor_directions").make(step_deg=30.0).table()
+    assert table.num_rows == 13 * 7
+    assert min(table["motion/elevation"].to_pylist()) == -90.0
+    failed = load_study_file("floor_failed_mount").make().table()
+    assert len(set(failed["mount/*/failed"].to_pylist())) == 21  # 16 upright, 4 horizontal, and none
+
+
+def test_a_file_without_a_study_and_one_that_returns_something_else_are_refused(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text("a = 1\n", encoding="utf-8")
+    with pytest.raises(ModelError, match="no function `study` here"):
+        load_study_file(path)
+    path.write_text("def study(*, a=1):\n    return a\n", encoding="utf-8")
+    with pytest.raises(ModelError, match="must return a wirerope_mj.Study, got 1"):
+        load_study_file(path).make()
+
+
+def test_an_option_of_the_command_cannot_be_one_of_the_study(tmp_path, capsys):
+    path = tmp_path / "mine.py"
+    path.write_text(STUDY_FILE.replace("peak: float", "workers: float"), encoding="utf-8")
+    assert main(["study", str(path)]) == 2
+    assert "`workers` is an option of the command" in capsys.readouterr().err
+
+
+def test_the_report_of_a_study_is_one_page_that_needs_nothing_else(done, capsys):
+    _, folder = done
+    assert main(["study-report", str(folder)]) == 0
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "A limit is exceeded in" in page
+    assert "How does a mass on one mount do?" in page
+    assert page.count("<figure") == 3  # distribution, sensitivity, scatter
+    assert not re.search(r'(src|href)="(?!data:)', page)
+    assert "motion/level" in page
+
+
+def test_a_report_looks_at_the_measure_that_is_asked_for(done, tmp_path):
+    _, folder = done
+    (page,) = write_study_report(folder, by="force/m1", out=tmp_path / "page.html")
+    assert "Worst by force/m1" in page.read_text(encoding="utf-8")
+    with pytest.raises(RecordError, match="exists already"):
+        write_study_report(folder, out=page)
+
+
+def test_no_report_is_made_of_what_is_not_a_complete_study(done, tmp_path):
+    with pytest.raises(RecordError, match="not a study"):
+        write_study_report(tmp_path)

@@ -1,0 +1,100 @@
+from types import SimpleNamespace
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from wirerope_mj.plots.study import choices_figure, directions_figure, distribution_figure, sensitivity_figure
+from wirerope_mj.plots.study_pictures import study_pictures
+from wirerope_mj.study.sensitivity import Influence, influences
+
+
+def table_of(inputs, travel):
+    n = len(travel)
+    return pa.table(
+        {
+            "variant": list(range(n)),
+            **{name: list(column) for name, column in inputs.items()},
+            "acceleration": [10.0 * one for one in travel],
+            "travel": [float(one) for one in travel],
+            "fragility": [float("nan")] * n,
+            "status": ["done"] * n,
+            "message": [""] * n,
+        }
+    )
+
+
+def pictures(table, sampling, inputs):
+    result = SimpleNamespace(table=table, study=SimpleNamespace(sampling=sampling))
+    return {one.name: one for one in study_pictures(result, "travel", influences(table, inputs, "travel"))}
+
+
+def texts(panel):
+    return [text.get_text() for text in panel.texts]
+
+
+def test_the_distribution_rises_to_all_variants_and_marks_limit_and_percentiles():
+    travel = np.linspace(0.205, 1.2, 200)  # 0.005 apart, so that 40 are beyond 1
+    (panel,) = distribution_figure(table_of({"x": travel}, travel), ["travel"]).axes
+    line = panel.lines[0]
+    assert line.get_ydata()[-1] == 100.0
+    assert line.get_xdata()[[0, -1]].tolist() == pytest.approx([20.5, 120.0])
+    assert [one.get_xdata()[0] for one in panel.lines if one.get_linestyle() == "--"] == [100.0]
+    assert "40 of 200 variants" in panel.get_title(loc="left")
+    assert [text.split(":")[0] for text in texts(panel)] == ["50 %", "90 %", "95 %"]  # two are beyond 99 %: not known
+
+
+def test_bars_of_inputs_go_from_the_strongest_down_and_pale_ones_say_so():
+    found = [
+        Influence(name="motion/level", share=0.7, rank=0.9, certain=True),
+        Influence(name="mount/m1/axial/alpha", share=0.1, rank=-0.3, certain=True),
+        Influence(name="body/floor/centre/x", share=-0.01, rank=0.0, certain=False),
+    ]
+    (panel,) = sensitivity_figure(found, "travel").axes
+    assert [bar.get_width() for bar in panel.patches] == pytest.approx([0.0, 10.0, 70.0])
+    labels = [label.get_text() for label in panel.get_yticklabels()]
+    assert labels == ["body/floor/centre/x [m]", "mount/m1/axial/alpha", "motion/level"]
+    assert "may be chance" in texts(panel)[0]
+    assert panel.patches[0].get_alpha() < 0.5 < panel.patches[1].get_alpha()
+    assert panel.patches[1].get_facecolor() != panel.patches[2].get_facecolor()  # one falls, one rises
+
+
+def test_the_map_of_directions_puts_every_value_where_it_belongs():
+    azimuth, elevation = (one.ravel() for one in np.meshgrid([-90.0, 0.0, 90.0, 180.0], [-90.0, 0.0, 90.0]))
+    travel = 1.0 + 0.001 * azimuth + 0.0001 * elevation
+    table = table_of({"motion/azimuth": azimuth, "motion/elevation": elevation}, travel)
+    panel = directions_figure(table, "motion/azimuth", "motion/elevation", "travel").axes[0]
+    grid = panel.collections[0].get_array().reshape(3, 4)  # a row for each elevation
+    assert grid[0, 0] == pytest.approx(100.0 * (1.0 - 0.09 - 0.009))
+    assert grid[2, 0] == pytest.approx(100.0 * (1.0 - 0.09 + 0.009))
+    assert "azimuth 180°, elevation 90°" in panel.get_title(loc="left")
+
+
+def test_choices_are_sorted_and_the_one_without_a_failure_is_called_none():
+    table = table_of({"mount/*/failed": ["", "m1", "m2"]}, [0.5, 1.2, 0.8])
+    panel = choices_figure(table, "mount/*/failed", ["travel"]).axes[0]
+    assert [label.get_text() for label in panel.get_yticklabels()] == ["none", "m2", "m1"]
+    assert [bar.get_width() for bar in panel.patches] == pytest.approx([50.0, 80.0, 120.0])
+
+
+def test_drawn_variants_get_their_distribution_and_their_inputs():
+    x = np.random.default_rng(1).random((200, 2))
+    table = table_of({"motion/level": x[:, 0], "mount/m$1/axial/alpha": x[:, 1]}, x[:, 0])
+    found = pictures(table, "random", ["motion/level", "mount/m$1/axial/alpha"])
+    assert list(found) == ["distribution", "sensitivity", "scatter"]
+    found["scatter"].figure.canvas.draw()  # a dollar in a name begins no formula
+
+
+@pytest.mark.parametrize(
+    ("inputs", "name"),
+    [
+        ({"motion/level": np.arange(12.0)}, "curve"),
+        ({"mount/*/failed": ["", *(f"m{k}" for k in range(11))]}, "choices"),
+        (
+            {"motion/azimuth": np.tile([0.0, 90.0, 180.0, 270.0], 3), "motion/elevation": np.repeat([0, 45, 90], 4)},
+            "directions",
+        ),
+    ],
+)
+def test_a_grid_gets_the_one_picture_that_suits_it_and_no_probabilities(inputs, name):
+    assert list(pictures(table_of(inputs, np.linspace(0.5, 1.5, 12)), "grid", list(inputs))) == [name]

@@ -1,0 +1,320 @@
+"""A study that runs: the same table whatever computes it and however often it is stopped."""
+
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+import tomllib
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.resources import models_folder
+from wirerope_mj.response.peaks import MountPeaks, Peak, Peaks
+from wirerope_mj.study import folder as study_folder
+from wirerope_mj.study import local
+from wirerope_mj.study.compute import compute
+from wirerope_mj.study.measures import measures
+from wirerope_mj.study.run import chunk_size, chunks
+
+G = wr.STANDARD_GRAVITY
+PULSE = wr.HalfSine(peak=10.0 * G, duration=0.011, direction="z", start=0.01)
+VARY = {
+    "mount/m1/axial/alpha": wr.Normal(1.0, 0.1, relative=True),
+    "body/block/mass": wr.Uniform(0.9, 1.1, relative=True),
+    "motion/level": wr.Uniform(0.5, 1.5),
+}
+
+
+def table_study(**others):
+    given = {"model": "shock_table.xml", "vary": VARY, "variants": 40, "duration": 0.05, "timestep": 1e-3}
+    return wr.Study(**{**given, "motion": PULSE, **others})
+
+
+def rows(table):
+    """The rows with every bit of their numbers; NaN is equal to NaN."""
+    return [{key: repr(value) for key, value in row.items()} for row in table.to_pylist()]
+
+
+def peak_of(**extremes):
+    nothing = np.zeros(3)
+    given = {"value": 0.0, "time": 0.0, "vector": nothing, "minimum_time": nothing, "maximum_time": nothing}
+    return Peak(**{**given, "minimum": nothing, "maximum": nothing, **extremes})
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """A study left alone, in this process."""
+    return table_study().run(tmp_path_factory.mktemp("study") / "alone", workers=1)
+
+
+def test_the_table_holds_inputs_measures_and_status(alone):
+    table, study = alone.table, table_study()
+    assert table.column_names[:4] == ["variant", *VARY]
+    assert table.column_names[-2:] == ["status", "message"]
+    assert table.select(study.table().column_names).equals(study.table())
+    assert set(table["status"].to_pylist()) == {"done"}
+    assert alone.failed == {}
+    assert alone.message == "40 variants, none failed."
+    mount = study.base.mounts["m1"].isolator.limits.travel
+    share = np.asarray(table["deflection/m1/compression"]) / mount.compression
+    assert (np.asarray(table["travel/m1"]) >= share).all()
+    np.testing.assert_array_equal(np.asarray(table["travel"]), np.asarray(table["travel/m1"]))
+    np.testing.assert_array_equal(np.asarray(table["acceleration"]), np.asarray(table["acceleration/block"]))
+    assert "acceleration/table" not in table.column_names  # the base's own
+    # the stronger the pulse the larger the peak: by far the largest influence here
+    level, peak = np.asarray(table["motion/level"]), np.asarray(table["acceleration"])
+    assert np.corrcoef(level, peak)[0, 1] > 0.9
+
+
+def test_measures_are_those_of_the_peaks():
+    system = wr.load_system(wr.Scenario("", "shock_table.xml", PULSE, {}).model_source())
+    still = wr.simulate(system, PULSE, duration=0.001, timestep=1e-3).peaks
+    deflection = peak_of(minimum=np.array([-0.01, -0.002, -0.03]), maximum=np.array([0.02, 0.001, 0.004]))
+    force = peak_of(value=123.0)
+    found = measures(
+        system,
+        Peaks(bodies=still.bodies, points=still.points, mounts={"m1": MountPeaks(deflection=deflection, force=force)}),
+    )
+    rated = system.mounts["m1"].isolator.limits.travel
+    assert [found[f"deflection/m1/{way}"] for way in ("compression", "tension", "shear", "roll")] == [
+        0.03,
+        0.004,
+        0.002,
+        0.02,
+    ]
+    assert found["travel"] == max(0.03 / rated.compression, 0.002 / rated.shear, 0.02 / rated.roll)
+    assert found["force/m1"] == 123.0
+
+
+def test_every_variant_is_what_it_is_alone_bit_for_bit(alone):
+    study = table_study()
+    for number in (0, 17, 39):
+        peaks = study.response(number).peaks
+        row = alone.table.slice(number, 1).to_pylist()[0]
+        found = measures(study.system(number), peaks)
+        assert {key: row[key] for key in found} == pytest.approx(found, rel=0.0, abs=0.0, nan_ok=True)
+
+
+def test_a_floor_whose_everything_varies_is_what_each_variant_is_alone(tmp_path):
+    vary = {
+        "mount/m*/axial/alpha": wr.Normal(1.0, 0.1, relative=True, each=True),
+        "mount/h*/failed": wr.Choice("", "h1"), "body/floor/centre/x": wr.Normal(0.0, 0.02),
+        "mount/m01/position/z": wr.Normal(0.0, 0.001), "motion/record": wr.Choice(0, 1),
+        "motion/azimuth": wr.Uniform(0.0, 360.0), "motion/elevation": wr.Uniform(-90.0, 90.0),
+    }  # fmt: skip
+    motions = [PULSE, wr.HalfSine(peak=5.0 * G, duration=0.02, direction="z", start=0.0033)]
+    given = {"model": "floating_floor.xml", "vary": vary, "motion": None, "motions": motions, "variants": 6}
+    study = table_study(**given, timestep=5e-4)
+    result = study.run(tmp_path / "floor", workers=1)
+    assert result.failed == {}
+    for number in (1, 4):
+        found = measures(study.system(number), study.response(number).peaks)
+        row = result.table.slice(number, 1).to_pylist()[0]
+        assert {key: row[key] for key in found} == pytest.approx(found, rel=0.0, abs=0.0, nan_ok=True)
+
+
+def test_two_workers_find_the_same_table_as_one(alone, tmp_path):
+    result = table_study().run(tmp_path / "two", workers=2)
+    assert result.table.schema == alone.table.schema
+    assert rows(result.table) == rows(alone.table)
+
+
+def test_the_table_does_not_depend_on_which_variants_share_a_chunk(alone):
+    study = table_study()
+    first, *_ = chunks(study, [4])
+    single = [compute(study.work, type(first)(number=0, rows=[row])) for row in first.rows]
+    together = rows(compute(study.work, first))
+    assert [row for table in single for row in rows(table)] == together
+    assert together == rows(alone.table)[4 * chunk_size(40) :][: len(first.rows)]
+
+
+def test_a_study_is_made_again_from_its_folder_alone(alone, tmp_path):
+    shutil.copytree(alone.folder, tmp_path / "elsewhere")
+    loaded = wr.load_study(tmp_path / "elsewhere")
+    assert loaded.study.table().equals(table_study().table())
+    again = loaded.study.run(tmp_path / "again", workers=1)
+    assert rows(again.table) == rows(alone.table)
+    assert again.inputs["id"] == alone.inputs["id"]
+
+
+def test_a_study_killed_at_random_ten_times_ends_with_the_same_table(alone, tmp_path):
+    folder, chance, parts = tmp_path / "killed", random.Random(7), []
+    for _ in range(10):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", DeprecationWarning)  # threads of libraries do not matter to this child
+            child = os.fork()
+        if child == 0:
+            try:
+                table_study().run(folder, workers=1, resume=True)
+            finally:
+                os._exit(0)
+        # until a few more parts are done, and then a moment more: anywhere in a chunk or in the writing of one
+        wanted, give_up = len(parts) + chance.randint(0, 2), time.monotonic() + 20.0
+        while time.monotonic() < give_up and len(list(folder.glob("parts/0*.parquet"))) < wanted:
+            time.sleep(0.002)
+        time.sleep(chance.uniform(0.0, 0.05))
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        parts = list(folder.glob("parts/0*.parquet"))
+    assert 0 < len(parts) < 14 or (folder / "variants.parquet").exists()
+    result = table_study().run(folder, workers=1, resume=True)
+    assert rows(result.table) == rows(alone.table)
+    assert sorted(path.name for path in folder.iterdir()) == ["model", "study.toml", "summary.json", "variants.parquet"]
+
+
+def test_an_interrupted_study_keeps_its_parts_and_goes_on_with_the_missing_ones(alone, tmp_path, monkeypatch):
+    computed = []
+
+    def interrupted(work, chunk):
+        if len(computed) == 5:
+            raise KeyboardInterrupt
+        computed.append(chunk.number)
+        return compute(work, chunk)
+
+    monkeypatch.setattr(local, "compute", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        table_study().run(tmp_path / "study", workers=1)
+    half = wr.load_study(tmp_path / "study")
+    assert not half.complete
+    assert half.table.num_rows == 5 * chunk_size(40)
+    assert "go on with it with --resume" in half.message
+    monkeypatch.setattr(local, "compute", lambda work, chunk: computed.append(chunk.number) or compute(work, chunk))
+    result = table_study().run(tmp_path / "study", workers=1, resume=True)
+    assert computed == list(range(14))
+    assert rows(result.table) == rows(alone.table)
+
+
+def test_a_study_that_is_there_is_neither_overwritten_nor_mistaken_for_another(alone, tmp_path):
+    folder = tmp_path / "study"
+    shutil.copytree(alone.folder, folder)
+    with pytest.raises(wr.RecordError, match="there is a study already. Go on with it with --resume"):
+        table_study().run(folder)
+    with pytest.raises(
+        wr.RecordError, match=r"of another study \(sampling.seed is 1 there and 2 here\); nothing in it"
+    ):
+        table_study(seed=2).run(folder, resume=True)
+    with pytest.raises(wr.RecordError, match="folder of another study .*simulate.duration is 0.05 there and 0.06 here"):
+        table_study(duration=0.06).run(folder, resume=True)
+    asked = table_study(question="Which mount?", name="tolerances")
+    assert asked.run(folder, resume=True).message == alone.message  # nothing is missing
+    assert rows(table_study(seed=2).run(folder, force=True, workers=1).table) != rows(alone.table)
+
+
+def test_a_folder_of_something_else_is_not_touched(tmp_path):
+    (tmp_path / "notes.txt").write_text("mine")
+    for choice in ({"force": True}, {"resume": True}):
+        with pytest.raises(wr.RecordError, match="exists and is not a study; nothing in it was touched"):
+            table_study().run(tmp_path, **choice)
+    with pytest.raises(wr.RecordError, match="this is not a study; there is no study.toml here"):
+        wr.load_study(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
+
+
+def test_a_changed_study_file_is_noticed(alone, tmp_path):
+    shutil.copytree(alone.folder, tmp_path / "study")
+    path = tmp_path / "study" / study_folder.STUDY
+    path.write_text(path.read_text().replace("seed = 1", "seed = 2"))
+    assert tomllib.loads(path.read_text())["sampling"]["seed"] == 2
+    with pytest.raises(wr.RecordError, match="was changed after it had been written"):
+        wr.load_study(tmp_path / "study")
+
+
+def test_variants_that_fail_say_why_and_do_not_stop_the_rest(tmp_path):
+    """The only mount of the table fails: nothing holds the block, and there is no equilibrium to start from."""
+    vary = {**VARY, "mount/m1/failed": wr.Choice(False, True)}
+    result = table_study(vary=vary, variants=12).run(tmp_path / "study", workers=1)
+    gone = np.asarray(result.table["mount/m1/failed"])
+    assert 0 < gone.sum() < 12
+    assert sorted(result.failed) == np.flatnonzero(gone).tolist()
+    assert all("no equilibrium was found" in message for message in result.failed.values())
+    assert (np.isnan(np.asarray(result.table["acceleration"])) == gone).all()
+    assert f"12 variants, {gone.sum()} failed; variant {np.argmax(gone)}: no equilibrium" in result.message
+
+
+@pytest.mark.parametrize("deaths", [1, 2])
+def test_a_chunk_whose_worker_dies_is_tried_once_more_and_then_fails(alone, tmp_path, monkeypatch, deaths):
+    lives, ordinary = [], local._Process.compute
+
+    def deadly(process, chunk):
+        if chunk.number == 3 and len(lives) < deaths:  # in the middle of its life: it has said that it is ready
+            lives.append(process)
+            process.end()
+        return ordinary(process, chunk)
+
+    monkeypatch.setattr(local._Process, "compute", deadly)
+    result = table_study().run(tmp_path / "study", workers=2)
+    assert len(lives) == deaths
+    if deaths == 1:
+        assert rows(result.table) == rows(alone.table)
+        return
+    assert sorted(result.failed) == [9, 10, 11]
+    assert "died (signal 9), 2 times in a row" in result.failed[9]
+    expected = [row for number, row in enumerate(rows(alone.table)) if number not in (9, 10, 11)]
+    assert [row for row in rows(result.table) if row["status"] == "'done'"] == expected
+
+
+def test_workers_that_cannot_start_end_the_study_with_one_message(tmp_path, monkeypatch):
+    monkeypatch.setattr(local.sys, "executable", shutil.which("false"))
+    with pytest.raises(wr.SimulationError, match=r"a worker process could not start: it died \(exit status 1\)"):
+        table_study().run(tmp_path / "study", workers=2)
+    assert not (tmp_path / "study" / "variants.parquet").exists()
+
+
+def test_a_script_needs_no_guard_and_ctrl_c_ends_its_workers(tmp_path):
+    script = tmp_path / "script.py"
+    script.write_text(
+        "import wirerope_mj as wr\n"
+        "pulse = wr.HalfSine(peak=98.0, duration=0.011, direction='z', start=0.01)\n"
+        "study = wr.Study(model='shock_table.xml', motion=pulse, duration=5.0, timestep=1e-3, variants=2000,\n"
+        "                 vary={'motion/level': wr.Uniform(0.5, 1.5)})\n"
+        f"study.run({str(tmp_path / 'study')!r}, workers=2)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(Path(wr.__file__).parent.parent)}
+    with subprocess.Popen([sys.executable, script], env=environment, stderr=subprocess.PIPE, text=True) as process:
+        deadline = time.monotonic() + 120.0
+        while time.monotonic() < deadline and not list(tmp_path.glob("study/parts/0*.parquet")):
+            time.sleep(0.02)
+        workers = Path(f"/proc/{process.pid}/task/{process.pid}/children")
+        children = [
+            int(number) for task in workers.parent.parent.glob("*/children") for number in task.read_text().split()
+        ]
+        process.send_signal(signal.SIGINT)
+        error = process.communicate(timeout=60.0)[1]
+    assert len(children) == 2
+    assert error.rstrip().endswith("KeyboardInterrupt")
+    assert not [number for number in children if Path(f"/proc/{number}").exists()]
+    assert wr.load_study(tmp_path / "study").table.num_rows % 32 == 0
+
+
+def test_a_study_of_a_record_and_of_a_text_holds_all_it_needs(tmp_path):
+    time_, record = np.arange(101) * 5e-4, tmp_path / "deck.csv"
+    values = 50.0 * np.sin(np.pi * time_ / time_[-1]) ** 2
+    lines = ["time [s],z [m/s^2]", *(f"{t!r},{a!r}" for t, a in zip(time_.tolist(), values.tolist(), strict=True))]
+    record.write_text("\n".join(lines))
+    text = (models_folder() / "shock_table.xml").read_text()
+    study = table_study(model=text, motion=wr.load_record(record), variants=4)
+    table = rows(study.run(tmp_path / "study", workers=1).table)
+    record.unlink()
+    again = wr.load_study(tmp_path / "study").study
+    assert rows(again.run(tmp_path / "again", workers=1).table) == table
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"engine": "cloud"}, "`engine` must be one of local, dask, got 'cloud'"),
+        ({"workers": 0}, "`workers` must be a whole number >= 1, got 0"),
+        ({"address": "tcp://here:1"}, "`address` is for an engine with a cluster"),
+    ],
+)
+def test_arguments_of_a_run_are_checked(tmp_path, arguments, message):
+    with pytest.raises(ValueError, match=message):
+        table_study().run(tmp_path / "study", **arguments)
+    assert not (tmp_path / "study").exists()

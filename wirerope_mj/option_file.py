@@ -1,0 +1,69 @@
+"""Python files with one function whose keyword arguments are the options of a command."""
+
+import inspect
+import traceback
+from collections.abc import Callable
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.errors import ModelError, WireRopeError
+
+
+def load_function(path: Path, name: str) -> Callable[..., Any]:
+    """Return the function `name` of a Python file; its docstring is the file's, followed by its own arguments.
+
+    Raises:
+        ModelError: the file cannot be read or has no such function with keyword options only; says in which line.
+    """
+    spec = spec_from_file_location(path.stem, path.resolve())
+    if path.suffix != ".py" or spec is None or spec.loader is None:
+        raise ModelError(f"{path}: a {name} is a Python file; its name ends with .py.")
+    module, loader = module_from_spec(spec), spec.loader
+    guarded(path, lambda: loader.exec_module(module))
+    function = getattr(module, name, None)
+    if not inspect.isfunction(function):
+        raise ModelError(f"{path}: there is no function `{name}` here.")
+    for option, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind is not parameter.KEYWORD_ONLY or parameter.default is parameter.empty:
+            raise ModelError(f"{path}: `{option}` of `{name}` must be a keyword-only argument with a default.")
+    # The question stands above the file; of the function's own docstring, the options are for the reader of --help.
+    _, arguments, options = (inspect.getdoc(function) or "").partition("Args:")
+    function.__doc__ = f"{(inspect.getdoc(module) or '').strip()}\n\n{arguments}{options}".strip()
+    return function
+
+
+def all_options(path: Path, function: Callable[..., Any], options: dict[str, Any]) -> dict[str, Any]:
+    """Return the options of a function with their defaults; ModelError if one is unknown."""
+    values = defaults(function)
+    for option in options:
+        if option not in values:
+            raise ModelError(f"{path}: no option {option!r}; the options are {', '.join(values)}.")
+    return values | options
+
+
+def defaults(function: Callable[..., Any]) -> dict[str, Any]:
+    """Return the options of a function and their default values."""
+    return {name: option.default for name, option in inspect.signature(function).parameters.items()}
+
+
+def question_of(function: Callable[..., Any]) -> str:
+    """Return the first line of the file's docstring."""
+    return (function.__doc__ or "").strip().split("\n", 1)[0]
+
+
+def guarded(path: Path, action: Callable[[], Any]) -> Any:
+    """Return what `action` returns; ModelError with file and line if the file's own code fails."""
+    try:
+        return action()
+    except (WireRopeError, ValueError) as error:
+        raise ModelError(f"{path}{_line_in(path, error)}: {error}") from error
+    except Exception as error:
+        raise ModelError(f"{path}{_line_in(path, error)}: {type(error).__name__}: {error}") from error
+
+
+def _line_in(path: Path, error: Exception) -> str:
+    """Return words for the last line of the file that an error passed through."""
+    lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if Path(f.filename) == path.resolve()]
+    lines += [error.lineno] if isinstance(error, SyntaxError) and error.lineno else []
+    return f", line {lines[-1]}" if lines else ""

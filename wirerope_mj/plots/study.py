@@ -1,0 +1,247 @@
+"""What a study says, as pictures: how likely, which inputs, and where."""
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from wirerope_mj.plots.report_image import BASE, COLOURS, RATED, WIDTH, report_style, short
+from wirerope_mj.study.findings import (
+    CONFIDENCE,
+    Measure,
+    chance,
+    finite,
+    input_label,
+    measure_of,
+    percent,
+    quantiles,
+    values_of,
+)
+from wirerope_mj.study.sensitivity import Influence
+
+Array = npt.NDArray[np.float64]
+
+QUANTILES = (0.5, 0.9, 0.95, 0.99)
+
+MOST_BARS = 12
+"""Inputs in one picture: those below explain next to nothing."""
+
+MOST_SCATTERS = 3
+"""Inputs that are drawn with all their variants."""
+
+_NAME = 34  # letters of an input's name beside its bar
+
+
+def distribution_figure(table: pa.Table, names: Sequence[str]) -> Figure:
+    """Return for each measure the share of variants that stay below a value, with percentiles and limit.
+
+    Args:
+        table: of a study whose variants were drawn.
+        names: measures with values, one panel each.
+    """
+    with report_style():
+        figure = Figure(figsize=(WIDTH, 3.3), layout="constrained")
+        panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
+        for panel, name in zip(panels, names, strict=True):
+            _distribution(panel, measure_of(name), values_of(table, name))
+        panels[0].set_ylabel("share of the variants below [%]")
+    return figure
+
+
+def sensitivity_figure(found: Sequence[Influence], measure: str) -> Figure:
+    """Return what the inputs explain of a measure's variance, as bars; those that may be chance are pale."""
+    shown = list(found[:MOST_BARS])[::-1]
+    with report_style():
+        figure = Figure(figsize=(WIDTH, 1.1 + 0.24 * len(shown)), layout="constrained")
+        panel = figure.subplots()
+        for place, one in enumerate(shown):
+            colour = BASE if math.isnan(one.rank) else COLOURS[0] if one.rank >= 0.0 else COLOURS[1]
+            share = max(100.0 * one.share, 0.0)
+            panel.barh(place, share, color=colour, alpha=1.0 if one.certain else 0.25, height=0.7)
+            panel.annotate(
+                _sign(one), (share, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7
+            )
+        panel.set_yticks(range(len(shown)), [_name(one.name) for one in shown])
+        panel.set_xlim(0.0, max(1.5 * max(100.0 * one.share for one in shown), 5.0))
+        panel.xaxis.set_major_locator(MaxNLocator(6))
+        panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 100.0])
+        panel.set_xlim(0.0, max(1.5 * max(100.0 * one.share for one in shown), 5.0))
+        panel.set_xlabel(f"share of the variance that the input explains alone [%]: {measure_of(measure).words}")
+        _calm(panel, axis="x")
+    return figure
+
+
+def scatter_figure(table: pa.Table, names: Sequence[str], measure: str) -> Figure:
+    """Return every variant by a measure over some inputs, with the means of classes of the input."""
+    shown, values = measure_of(measure), values_of(table, measure)
+    with report_style():
+        figure = Figure(figsize=(WIDTH, 2.7), layout="constrained")
+        panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
+        for panel, name in zip(panels, names, strict=True):
+            x, y = np.asarray(table[name], dtype=np.float64), shown.factor * values
+            panel.plot(
+                x,
+                y,
+                ".",
+                ms=max(2.5, 7.0 - math.log2(x.size) / 2.0),
+                color=COLOURS[0],
+                alpha=0.5,
+                mec="none",
+                rasterized=True,
+            )
+            panel.plot(*_means(x, y), color=COLOURS[1], lw=1.5)
+            _limit(panel.axhline, shown)
+            panel.set_xlabel(_name(name))
+            panel.xaxis.set_major_locator(MaxNLocator(5))
+            _calm(panel)
+        panels[0].set_ylabel(_wrapped(shown))
+    return figure
+
+
+def curve_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
+    """Return measures over the one number that varies."""
+    x = np.asarray(table[name], dtype=np.float64)
+    order = np.argsort(x)
+    with report_style():
+        figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
+        for panel, measure in zip(np.atleast_1d(figure.subplots(1, len(names))), names, strict=True):
+            shown = measure_of(measure)
+            panel.plot(x[order], shown.factor * values_of(table, measure)[order], "o-", ms=3, color=COLOURS[0])
+            _limit(panel.axhline, shown)
+            panel.set_xlabel(_name(name))
+            panel.set_ylabel(_wrapped(shown))
+            panel.set_ylim(bottom=0.0)
+            _calm(panel)
+    return figure
+
+
+def choices_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
+    """Return measures of each choice as bars, the largest first by the first measure."""
+    words = [word or "none" for word in table[name].to_pylist()]
+    order = np.argsort(np.nan_to_num(values_of(table, names[0]), nan=-1.0), kind="stable")
+    with report_style():
+        figure = Figure(figsize=(WIDTH, 1.1 + 0.2 * len(words)), layout="constrained")
+        panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
+        for panel, measure in zip(panels, names, strict=True):
+            shown = measure_of(measure)
+            values = shown.factor * values_of(table, measure)[order]
+            colours = [BASE if words[place] == "none" else COLOURS[0] for place in order]
+            panel.barh(range(len(words)), np.nan_to_num(values), color=colours, height=0.7)
+            _limit(panel.axvline, shown)
+            panel.set_xlabel(_wrapped(shown))
+            _calm(panel, axis="x")
+        panels[0].set_yticks(range(len(words)), [_name(words[place]) for place in order])
+        panels[0].set_ylabel(_name(name))
+    return figure
+
+
+def directions_figure(table: pa.Table, azimuth: str, elevation: str, measure: str) -> Figure:
+    """Return a measure over the directions of the motion as a map, with the largest and the limit marked."""
+    a, e = (np.asarray(table[name], dtype=np.float64) for name in (azimuth, elevation))
+    shown = measure_of(measure)
+    values = shown.factor * values_of(table, measure)
+    along, up = np.unique(a), np.unique(e)
+    with report_style():
+        figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
+        panel = figure.subplots()
+        if along.size * up.size == values.size and min(along.size, up.size) > 1:
+            grid = np.full((up.size, along.size), np.nan)
+            grid[np.searchsorted(up, e), np.searchsorted(along, a)] = values
+            drawn: Any = panel.pcolormesh(along, up, grid, cmap="viridis", shading="nearest", rasterized=True)
+            _contours(panel, along, up, grid, shown)
+        else:
+            drawn = panel.scatter(a, e, c=values, cmap="viridis", s=14)
+        figure.colorbar(drawn, ax=panel, label=_wrapped(shown), pad=0.01)
+        if np.isfinite(values).any():
+            top = int(np.nanargmax(values))
+            panel.plot(a[top], e[top], "o", ms=9, mfc="none", mec="white", mew=2.4)
+            panel.plot(a[top], e[top], "o", ms=9, mfc="none", mec=RATED, mew=1.4)
+            panel.set_title(
+                f"largest: {values[top]:.3g} {shown.unit} at azimuth {a[top]:.4g}°, elevation {e[top]:.4g}°", loc="left"
+            )
+        panel.set_xlabel("azimuth [°], 0 = along x, 90 = along y")
+        panel.set_ylabel("elevation [°], 90 = up")
+        for axis in (panel.xaxis, panel.yaxis):
+            axis.set_major_locator(MaxNLocator(9, steps=[1, 1.5, 3, 4.5, 9, 10]))
+    return figure
+
+
+def _contours(panel: Any, along: Array, up: Array, grid: Array, shown: Measure) -> None:
+    """Draw where the limit is met."""
+    if shown.limit is None:
+        return
+    limit = shown.factor * shown.limit
+    known = finite(grid.ravel())
+    if known.size == grid.size and known.min() < limit < known.max():
+        lines = panel.contour(along, up, grid, levels=[limit], colors=[RATED], linewidths=1.4)
+        panel.clabel(lines, fmt=f"{limit:g} {shown.unit}".replace("%", "%%"), fontsize=7)
+
+
+def _distribution(panel: Any, shown: Measure, values: Array) -> None:
+    known = shown.factor * np.sort(finite(values))
+    shares = 100.0 * np.arange(1, known.size + 1) / known.size
+    panel.step(known, shares, where="post", color=COLOURS[0], lw=1.4)
+    counts, edges = np.histogram(known, bins=max(round(2.0 * known.size ** (1.0 / 3.0)), 5))
+    panel.bar(edges[:-1], 60.0 * counts / counts.max(), np.diff(edges), align="edge", color=COLOURS[0], alpha=0.15)
+    for q, value in zip(QUANTILES, quantiles(values, QUANTILES), strict=True):
+        if math.isfinite(value):
+            x = shown.factor * value
+            panel.plot(x, 100.0 * q, "o", ms=3.5, color=COLOURS[0])
+            panel.annotate(
+                f"{100.0 * q:.0f} %: {x:.3g}", (x, 100.0 * q), xytext=(-5, 1), textcoords="offset points", ha="right",
+                va="bottom", fontsize=7,
+            )  # fmt: skip
+    _limit(panel.axvline, shown)
+    if shown.limit is not None:
+        beyond = chance(values, shown.limit)
+        bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
+        text = f"beyond the limit: {beyond.count} of {beyond.n} variants\n{bounds}"
+        panel.set_title(text, loc="left", color=RATED if beyond.count else "0.2", fontweight="normal")
+    panel.set_xlabel(_wrapped(shown))
+    panel.set_ylim(0.0, 104.0)
+    left, right = panel.get_xlim()
+    panel.set_xlim(left - 0.22 * (right - left), right)  # room for the percentiles' names
+    _calm(panel)
+
+
+def _means(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return the mean of each of some classes of x of equal size."""
+    known = np.isfinite(x) & np.isfinite(y)
+    order = np.argsort(x[known], kind="stable")
+    parts = min(max(round(order.size ** (1.0 / 3.0)), 3), 12)
+    rows = [part for part in np.array_split(order, parts) if part.size]
+    return (
+        np.array([x[known][part].mean() for part in rows]),
+        np.array([y[known][part].mean() for part in rows]),
+    )
+
+
+def _limit(draw: Callable[..., Any], shown: Measure) -> None:
+    if shown.limit is not None:
+        draw(shown.factor * shown.limit, color=RATED, ls="--", lw=1.2)
+
+
+def _sign(one: Influence) -> str:
+    trend = "" if math.isnan(one.rank) else f", rank correlation {one.rank:+.2f}".replace("-", "\N{MINUS SIGN}")
+    return f"{max(100.0 * one.share, 0.0):.0f} %{trend}{'' if one.certain else ' (may be chance)'}"
+
+
+def _name(name: str) -> str:
+    name = input_label(name)
+    fits = name if len(name) <= _NAME else f"{name[: _NAME // 2 - 1]}…{name[-_NAME // 2 :]}"
+    return fits.replace("$", r"\$")
+
+
+def _wrapped(shown: Measure) -> str:
+    return f"{short(shown.words) if '/' in shown.name else shown.words} [{shown.unit}]"
+
+
+def _calm(panel: Any, *, axis: str = "both") -> None:
+    panel.grid(color="0.92", axis=axis)
+    panel.set_axisbelow(True)
+    panel.spines[["top", "right"]].set_visible(False)

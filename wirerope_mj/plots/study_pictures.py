@@ -1,0 +1,97 @@
+"""The pictures that suit a study: by what varies of it, and how it was sampled."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+from matplotlib.figure import Figure
+
+from wirerope_mj.plots.study import (
+    MOST_SCATTERS,
+    choices_figure,
+    curve_figure,
+    directions_figure,
+    distribution_figure,
+    scatter_figure,
+    sensitivity_figure,
+)
+from wirerope_mj.study.findings import headlines, input_names, measure_of, random_study
+from wirerope_mj.study.result import StudyResult
+from wirerope_mj.study.sensitivity import Influence
+
+_MOST_CHOICES = 60  # bars in one picture
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyPicture:
+    """A picture with its file name without ending, and what it shows."""
+
+    name: str
+    figure: Figure
+    caption: str
+
+
+def study_pictures(result: StudyResult, by: str, found: Sequence[Influence]) -> list[StudyPicture]:
+    """Return the pictures of a study.
+
+    Args:
+        result: of the study.
+        by: the measure that is looked at most.
+        found: what its inputs do to this measure.
+    """
+    table = result.table
+    inputs = [name for name in input_names(table) if len(set(table[name].to_pylist())) > 1]
+    names = list(dict.fromkeys([by, *headlines(table)]))[:2]
+    words = measure_of(by).words
+    pictures = []
+    if {"motion/azimuth", "motion/elevation"} == set(inputs):
+        figure = directions_figure(table, "motion/azimuth", "motion/elevation", by)
+        caption = f"{_capital(words)} over the direction of the shock; the ring is the largest, the line the limit."
+        pictures.append(StudyPicture(name="directions", figure=figure, caption=caption))
+    elif len(inputs) == 1:
+        pictures += _of_one_input(table, inputs[0], names)
+    if random_study(result):
+        caption = (
+            "Share of the variants that stay below a value, with percentiles; pale: how many lie where; dashed: the limit. "
+            "A percentile is named if at least five variants lie beyond it."
+        )
+        pictures.insert(0, StudyPicture(name="distribution", figure=distribution_figure(table, names), caption=caption))
+    if found and len(inputs) > 1 and "directions" not in {picture.name for picture in pictures}:
+        pictures += _of_influences(table, by, found)
+    return pictures
+
+
+def _of_one_input(table: pa.Table, name: str, names: Sequence[str]) -> list[StudyPicture]:
+    listed = " and ".join(measure_of(measure).words for measure in names)
+    if not pa.types.is_floating(table.schema.field(name).type) and table.num_rows <= _MOST_CHOICES:
+        caption = f"{_capital(listed)} for each choice of {name}, sorted; dashed: the limit."
+        return [StudyPicture(name="choices", figure=choices_figure(table, name, names), caption=caption)]
+    if pa.types.is_string(table.schema.field(name).type):
+        return []
+    caption = f"{_capital(listed)} over {name}; dashed: the limit."
+    return [StudyPicture(name="curve", figure=curve_figure(table, name, names), caption=caption)]
+
+
+def _of_influences(table: pa.Table, by: str, found: Sequence[Influence]) -> list[StudyPicture]:
+    words = measure_of(by).words
+    caption = (
+        f"What each input alone explains of the variance of: {words}. Blue: it rises with the input; orange: it falls; grey: "
+        "the input has no order; pale: may be chance."
+    )
+    pictures = [StudyPicture(name="sensitivity", figure=sensitivity_figure(found, by), caption=caption)]
+    numbers = [one.name for one in found if _is_number(table, one.name)][:MOST_SCATTERS]
+    if numbers:
+        caption = (
+            f"{_capital(words)} of every variant over the strongest inputs; the line is the mean; dashed: the limit."
+        )
+        pictures.append(StudyPicture(name="scatter", figure=scatter_figure(table, numbers, by), caption=caption))
+    return pictures
+
+
+def _is_number(table: pa.Table, name: str) -> bool:
+    return not pa.types.is_string(table.schema.field(name).type) and len(np.unique(np.asarray(table[name]))) > 2
+
+
+def _capital(words: str) -> str:
+    return words[0].upper() + words[1:]

@@ -1,0 +1,91 @@
+"""What stands beside a study's table: its pictures, and its worst variants as runs."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from wirerope_mj.errors import RecordError
+from wirerope_mj.response import load_response
+from wirerope_mj.runfolder.write import run_scenario
+from wirerope_mj.scenario import Scenario
+from wirerope_mj.study.findings import input_names, worst
+from wirerope_mj.study.result import StudyResult
+from wirerope_mj.study.sensitivity import Influence
+from wirerope_mj.whole import written_whole
+
+MOST = 6
+"""Variants in one comparison: more cannot be told apart."""
+
+WORST = "worst"
+"""Folder of the worst variants, in that of the study."""
+
+
+def checked_count(count: int) -> int:
+    """Return the number of worst variants that are written; ValueError if there cannot be so many."""
+    if not 0 <= count <= MOST:
+        raise ValueError(f"`--open-worst` must be from 0 to {MOST}, got {count}: each becomes a run of its own.")
+    return count
+
+
+def write_study_pictures(result: StudyResult, by: str, found: Sequence[Influence]) -> list[Path]:
+    """Write the pictures of a study into its folder and return them; arguments as those of `study_pictures`."""
+    from wirerope_mj.plots.study_pictures import study_pictures  # late: matplotlib takes a while
+
+    paths = []
+    for picture in study_pictures(result, by, found):
+        paths.append(result.folder / f"{picture.name}.png")
+        with written_whole(paths[-1]) as beside:
+            picture.figure.savefig(beside, format="png", dpi=150)
+    return paths
+
+
+def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
+    """Write the worst variants as runs, each replacing one that is there, and return what can be opened.
+
+    Each run is that of the variant alone, with its changes beside the model as written. Two or more are laid over each other in
+    one recording, too, which is returned first.
+
+    Args:
+        result: of the study.
+        by: measure whose largest values are the worst.
+        count: how many.
+    """
+    from wirerope_mj.recording import record_overlay
+
+    folders = {}
+    for number in worst(result.table, by, checked_count(count)):
+        folder = result.folder / WORST / f"variant-{number:06d}"
+        run_scenario(_scenario(result, number), folder, force=True)
+        folders[f"variant {number}"] = folder
+    if not folders:
+        raise RecordError(f"{result.folder}: no variant has a value of {by!r}.")
+    if len(folders) < 2:
+        return list(folders.values())
+    responses = {name: load_response(folder) for name, folder in folders.items()}
+    inputs = {name: _inputs(result, int(name.split()[1])) for name in folders}
+    recording = record_overlay(responses, result.folder / WORST / "worst.rrd", inputs=inputs)
+    return [recording, *folders.values()]
+
+
+def _inputs(result: StudyResult, number: int) -> dict[str, str]:
+    """Return the inputs of a variant as words."""
+    row = result.study.row(number)
+    return {
+        name: f"{row[name]:.5g}" if isinstance(row[name], float) else str(row[name])
+        for name in input_names(result.table)
+    }
+
+
+def _scenario(result: StudyResult, number: int) -> Scenario:
+    """Return the scenario of one variant, from the study's folder."""
+    study, work = result.study, result.study.work
+    simulate = {
+        "duration": work.duration, "timestep": work.timestep, "sample_rate": work.sample_rate, "initial": work.initial,
+    }  # fmt: skip
+    return Scenario(
+        question=f"{study.question}\n\nVariant {number} of the study {study.name}.",
+        model=result.folder / result.inputs["model"]["file"],
+        motion=study.motion(number),
+        simulate=simulate,
+        name=f"{study.name}-{number:06d}",
+        changes=study.system(number).changes,
+    )

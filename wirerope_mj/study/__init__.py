@@ -1,0 +1,9 @@
+"""Studies: many variants of one system, on all cores or on a cluster, in one table."""
+
+from wirerope_mj.study.distributions import Choice as Choice
+from wirerope_mj.study.distributions import Normal as Normal
+from wirerope_mj.study.distributions import Specimens as Specimens
+from wirerope_mj.study.distributions import Uniform as Uniform
+from wirerope_mj.study.result import StudyResult as StudyResult
+from wirerope_mj.study.result import load_study as load_study
+from wirerope_mj.study.study import Study as Study

@@ -1,0 +1,181 @@
+"""What a quantity of a study may be: distributions and choices, each a function of a number between 0 and 1."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.special import ndtr, ndtri
+
+Array = npt.NDArray[np.float64]
+
+SMALLEST = 2.0**-54
+"""What stands for 0 and, taken from 1, for 1, at which a normal distribution is infinite: Sobol points may be 0."""
+
+
+@dataclass(frozen=True, init=False)
+class Normal:
+    """A normal distribution, cut off at `low` and `high` if they are given.
+
+    Args:
+        mean: its mean.
+        deviation: its standard deviation, > 0.
+        relative: whether its values are factors on what the model says, and not values themselves.
+        each: whether every mount or body that the name matches has a sample of its own; else they share one.
+        low, high: bounds of the values; None = unbounded.
+    """
+
+    mean: float
+    deviation: float
+    relative: bool
+    each: bool
+    low: float | None
+    high: float | None
+
+    def __init__(
+        self,
+        mean: float,
+        deviation: float,
+        *,
+        relative: bool = False,
+        each: bool = False,
+        low: float | None = None,
+        high: float | None = None,
+    ) -> None:
+        _keep(self, mean=_finite("mean", mean), deviation=_finite("deviation", deviation), relative=relative, each=each)
+        _keep(
+            self, low=low if low is None else _finite("low", low), high=high if high is None else _finite("high", high)
+        )
+        if self.deviation <= 0.0:
+            raise ValueError(f"`deviation` must be > 0, got {deviation}.")
+        if self.low is not None and self.high is not None:
+            _check_bounds(self.low, self.high)
+
+    def values(self, shares: Array) -> Array:
+        """Return the quantiles at shares of 0 to 1, (n,)."""
+        ends = [-math.inf if self.low is None else self.low, math.inf if self.high is None else self.high]
+        first, last = ndtr((np.array(ends) - self.mean) / self.deviation)
+        inside = np.clip(first + shares * (last - first), SMALLEST, 1.0 - SMALLEST)
+        return np.clip(self.mean + self.deviation * ndtri(inside), ends[0], ends[1])
+
+
+@dataclass(frozen=True, init=False)
+class Uniform:
+    """Values between two bounds, all equally likely.
+
+    Args:
+        low, high: the bounds, low < high.
+        relative: whether its values are factors on what the model says, and not values themselves.
+        each: whether every mount or body that the name matches has a sample of its own; else they share one.
+        points: number of equally spaced values from `low` to `high` in a grid, at least 2; other samplings do not use it.
+    """
+
+    low: float
+    high: float
+    relative: bool
+    each: bool
+    points: int | None
+
+    def __init__(
+        self, low: float, high: float, *, relative: bool = False, each: bool = False, points: int | None = None
+    ) -> None:
+        _keep(self, low=_finite("low", low), high=_finite("high", high), relative=relative, each=each, points=points)
+        _check_bounds(self.low, self.high)
+        if points is not None and (isinstance(points, bool) or points != int(points) or points < 2):
+            raise ValueError(f"`points` must be a whole number >= 2, got {points!r}.")
+
+    def values(self, shares: Array) -> Array:
+        """Return the quantiles at shares of 0 to 1, (n,)."""
+        return self.low + shares * (self.high - self.low)
+
+    @property
+    def listed(self) -> list[float]:
+        """The values in a grid; empty if `points` is not given."""
+        return [] if self.points is None else np.linspace(self.low, self.high, self.points).tolist()
+
+
+@dataclass(frozen=True, init=False)
+class Choice:
+    """One of some values, all equally likely; in a grid each of them.
+
+    Args:
+        choices: numbers, truth values or words, all of one kind.
+        relative: whether they are factors on what the model says, and not values themselves.
+        each: whether every mount or body that the name matches has a sample of its own; else they share one.
+    """
+
+    choices: tuple[Any, ...]
+    relative: bool
+    each: bool
+
+    def __init__(self, *choices: Any, relative: bool = False, each: bool = False) -> None:
+        if len(choices) == 1 and not isinstance(choices[0], str) and isinstance(choices[0], Sequence):
+            choices = tuple(choices[0])
+        if not choices:
+            raise ValueError("`Choice` must have at least one value, got none.")
+        plain = tuple(choice.item() if isinstance(choice, np.generic) else choice for choice in choices)
+        _keep(self, choices=plain, relative=relative, each=each)
+        kinds = {_kind(choice) for choice in plain}
+        if len(kinds) > 1 or kinds - {"number", "truth value", "word"}:
+            raise ValueError(f"the values of a `Choice` must all be numbers, truth values or words, got {list(plain)}.")
+
+    def values(self, shares: Array) -> npt.NDArray[Any]:
+        """Return the choices at shares of 0 to 1, (n,)."""
+        places = np.minimum((shares * len(self.choices)).astype(np.int64), len(self.choices) - 1)
+        return np.array(self.choices)[places]
+
+    @property
+    def listed(self) -> list[Any]:
+        """The values in a grid."""
+        return list(self.choices)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Specimens:
+    """The scatter of the specimens that an isolator was identified from: the joint normal distribution of its `spread`.
+
+    Attributes:
+        each: whether every mount has specimens of its own; else those that the name matches share one.
+    """
+
+    each: bool = True
+    relative: bool = False
+
+
+Distribution = Normal | Uniform | Choice | Specimens
+
+
+def distribution_to_dict(distribution: Distribution) -> dict[str, Any]:
+    """Return a distribution as plain TOML values."""
+    values = {key: list(value) if isinstance(value, tuple) else value for key, value in vars(distribution).items()}
+    return {"kind": type(distribution).__name__, **{key: v for key, v in values.items() if v is not None}}
+
+
+def distribution_from_dict(content: dict[str, Any]) -> Distribution:
+    """Return the distribution that `distribution_to_dict` stored."""
+    kinds: dict[str, Any] = {kind.__name__: kind for kind in (Normal, Uniform, Choice, Specimens)}
+    rest = {key: value for key, value in content.items() if key not in ("kind", "choices")}
+    return kinds[content["kind"]](*content.get("choices", ()), **rest)
+
+
+def _keep(thing: Any, **values: Any) -> None:
+    for name, value in values.items():
+        object.__setattr__(thing, name, value)
+
+
+def _finite(name: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not math.isfinite(value):
+        raise ValueError(f"`{name}` must be a finite number, got {value!r}.")
+    return float(value)
+
+
+def _check_bounds(low: float, high: float) -> None:
+    if not low < high:
+        raise ValueError(f"`low` must be less than `high`, got {low:g} and {high:g}: the bounds may be reversed.")
+
+
+def _kind(value: Any) -> str:
+    kinds = (("truth value", bool), ("number", int | float), ("word", str))
+    return next((word for word, kind in kinds if isinstance(value, kind)), "thing")

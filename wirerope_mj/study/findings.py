@@ -1,0 +1,189 @@
+"""What a study says: how its measures are distributed, how likely a limit is exceeded, and the worst variants."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+from scipy.stats import beta
+
+from wirerope_mj.study.compute import DONE
+from wirerope_mj.study.result import StudyResult
+from wirerope_mj.units import STANDARD_GRAVITY
+
+Array = npt.NDArray[np.float64]
+
+HEADLINES = ("travel", "acceleration", "fragility")
+"""Measures that are looked at first, in this order."""
+
+CONFIDENCE = 0.95
+
+_KEPT = ("variant", "status", "message")
+_ANGLES = ("motion/azimuth", "motion/elevation")
+_ROOMS = {
+    "travel": ("share of the rated travel", "%", 100.0, 1.0),
+    "acceleration": ("largest acceleration", "g", 1.0 / STANDARD_GRAVITY, None),
+    "fragility": ("share of the stated acceleration limit", "%", 100.0, 1.0),
+    "deflection": ("largest deflection", "mm", 1e3, None),
+    "displacement": ("largest displacement relative to the base", "mm", 1e3, None),
+    "force": ("largest force", "kN", 1e-3, None),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measure:
+    """How a measure is shown.
+
+    Attributes:
+        name: column of the table.
+        words: what it is, without the unit.
+        unit: in which it is shown.
+        factor: from SI to this unit.
+        limit: that it must not exceed, SI; None if there is none.
+    """
+
+    name: str
+    words: str
+    unit: str
+    factor: float
+    limit: float | None
+
+    @property
+    def label(self) -> str:
+        """Words and unit, as an axis says it."""
+        return f"{self.words} [{self.unit}]"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chance:
+    """How often a limit was exceeded.
+
+    Attributes:
+        count, n: variants that exceed it, of how many.
+        low, high: bounds of the probability at `CONFIDENCE` (Clopper and Pearson 1934), as of random draws; even sampling is
+            rather better than that.
+    """
+
+    count: int
+    n: int
+    low: float
+    high: float
+
+
+def measure_of(name: str) -> Measure:
+    """Return how a column of measures is shown."""
+    room, _, rest = name.partition("/")
+    words, unit, factor, limit = _ROOMS[room]
+    return Measure(name=name, words=f"{words}, {rest}" if rest else words, unit=unit, factor=factor, limit=limit)
+
+
+def input_names(table: pa.Table) -> list[str]:
+    """Return the names of the columns that were sampled."""
+    names = table.column_names
+    return names[1 : names.index("acceleration")]
+
+
+def input_label(name: str) -> str:
+    """Return the name of an input with the unit of its values, where the name alone says it."""
+    unit = "m" if "/centre/" in name or "/position/" in name else "°" if name in _ANGLES else ""
+    return f"{name} [{unit}]" if unit else name
+
+
+def measures_of(table: pa.Table) -> list[str]:
+    """Return the names of the measures of a table."""
+    first = table.column_names.index("acceleration")
+    return [name for name in table.column_names[first:] if name not in _KEPT]
+
+
+def checked_measure(table: pa.Table, name: str) -> str:
+    """Return `name`; ValueError names the measures if it is none, or was not judged."""
+    names = measures_of(table)
+    if name not in names:
+        shown = ", ".join(names[:8])
+        raise ValueError(f"there is no measure {name!r}; there are {shown}{', ...' if len(names) > 8 else ''}.")
+    if not np.isfinite(values_of(table, name)).any():
+        raise ValueError(
+            f"{name!r} has no value in any variant: nothing is rated or stated by which it would be judged."
+        )
+    return name
+
+
+def headlines(table: pa.Table) -> list[str]:
+    """Return the measures of `HEADLINES` that have values."""
+    return [name for name in HEADLINES if np.isfinite(values_of(table, name)).any()]
+
+
+def values_of(table: pa.Table, name: str) -> Array:
+    """Return a column of measures, NaN where the variant failed or nothing is judged, (n,)."""
+    return np.where(np.asarray(table["status"]) == DONE, np.asarray(table[name], dtype=np.float64), np.nan)
+
+
+def finite(values: Array) -> Array:
+    """Return the values without NaN."""
+    return values[np.isfinite(values)]
+
+
+def quantiles(values: Array, shares: Sequence[float]) -> list[float]:
+    """Return quantiles; NaN for those beyond which fewer than five variants lie: nobody knows them."""
+    known = finite(values)
+    return [float(np.quantile(known, q)) if known.size * (1.0 - q) >= 5.0 else math.nan for q in shares]
+
+
+def chance(values: Array, limit: float) -> Chance:
+    """Return how often values are beyond a limit."""
+    known = finite(values)
+    k, n, tail = int((known > limit).sum()), known.size, (1.0 - CONFIDENCE) / 2.0
+    low = float(beta.ppf(tail, k, n - k + 1)) if k else 0.0
+    high = float(beta.ppf(1.0 - tail, k + 1, n - k)) if k < n else 1.0
+    return Chance(count=k, n=n, low=low, high=high)
+
+
+def worst(table: pa.Table, measure: str, count: int) -> list[int]:
+    """Return the numbers of the variants with the largest values of a measure, the largest first."""
+    values = values_of(table, measure)
+    order = np.argsort(-values, kind="stable")  # NaN come last
+    numbers = np.asarray(table["variant"])
+    return [int(numbers[place]) for place in order[:count] if np.isfinite(values[place])]
+
+
+def row_of(table: pa.Table, number: int) -> dict[str, Any]:
+    """Return the row of a variant."""
+    place = int(np.flatnonzero(np.asarray(table["variant"]) == number)[0])
+    return table.slice(place, 1).to_pylist()[0]
+
+
+def random_study(result: StudyResult) -> bool:
+    """Return whether the variants were drawn, so that shares of them are probabilities."""
+    return result.study.sampling != "grid"
+
+
+def percent(share: float) -> str:
+    """Return a probability in per cent, to two digits."""
+    value = 100.0 * share
+    return (
+        f"{value:.0f} %" if value >= 9.95 or value == 0.0 else f"{value:.1f} %" if value >= 0.095 else f"{value:.2g} %"
+    )
+
+
+def sentences(result: StudyResult) -> list[str]:
+    """Return what the study answers, a sentence for every measure with a limit."""
+    table, found = result.table, []
+    for name in headlines(table):
+        measure, values = measure_of(name), values_of(table, name)
+        if measure.limit is None:
+            continue
+        beyond, top = chance(values, measure.limit), worst(table, name, 1)[0]
+        largest = f"the largest is {measure.factor * np.nanmax(values):.3g} % in variant {top}"
+        what = measure.words[0].upper() + measure.words[1:]
+        if not random_study(result):
+            found.append(f"{what}: beyond 100 % in {beyond.count} of {beyond.n} variants; {largest}.")
+            continue
+        bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
+        share = percent(beyond.count / beyond.n)
+        found.append(f"{what}: beyond 100 % in {beyond.count} of {beyond.n} variants, {share} ({bounds}); {largest}.")
+    if not found:
+        found.append("Nothing is judged: the isolators state no rated travel and the model no limit.")
+    return found

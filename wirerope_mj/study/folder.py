@@ -1,0 +1,209 @@
+"""The folder of a study: every input resolved in `study.toml`, the parts that are done, and the table that they make."""
+
+import hashlib
+import json
+import shutil
+import tempfile
+import tomllib
+from collections.abc import Iterator
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import tomli_w
+
+from wirerope_mj.errors import RecordError
+from wirerope_mj.excitation.copies import copy_records
+from wirerope_mj.study.compute import DONE
+from wirerope_mj.study.distributions import distribution_to_dict
+from wirerope_mj.system.model_files import write_model
+from wirerope_mj.whole import check_folder, folder_written_whole, written_whole
+
+if TYPE_CHECKING:
+    from wirerope_mj.study.study import Study
+
+STUDY, TABLE, SUMMARY, PARTS = "study.toml", "variants.parquet", "summary.json", "parts"
+
+MARKS = (STUDY,)
+"""By these files a folder is known as that of a study."""
+
+FORMAT = 1
+"""Of these files."""
+
+_PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba")
+"""Packages on which the last bit of a number may depend."""
+
+_WORDS = ("id", "name", "question")
+"""What may differ between two folders of the same study."""
+
+ROW_GROUP = 64
+"""Parts that are joined in one row group of the table: some 2000 variants, a few MB."""
+
+
+def prepare(study: "Study", folder: Path, *, resume: bool, force: bool) -> None:
+    """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with.
+
+    Without a single part that is done there is nothing to go on with, and nothing to lose.
+
+    Raises:
+        RecordError: something else stands there, or a study that is neither resumed nor replaced.
+    """
+    there = (folder / STUDY).is_file()
+    begun = there and bool(done(folder) or (folder / TABLE).is_file())
+    if there and (resume or not (begun or force)):
+        with tempfile.TemporaryDirectory() as place:
+            _check_same(folder, _write_inputs(study, Path(place)))
+        return
+    if there and not force:
+        raise RecordError(
+            f"{folder}: there is a study already. Go on with it with --resume (`resume=True`), replace it with --force "
+            "(`force=True`), or choose another folder."
+        )
+    check_folder(folder, force=force, kind="study", marks=MARKS)
+    with folder_written_whole(folder, force=force, kind="study", marks=MARKS) as beside:
+        (beside / STUDY).write_text(tomli_w.dumps(_write_inputs(study, beside)), encoding="utf-8")
+        (beside / PARTS).mkdir()
+
+
+def read_inputs(folder: Path) -> dict[str, Any]:
+    """Return the content of a study's `study.toml`.
+
+    Raises:
+        RecordError: there is no study, or it is damaged.
+    """
+    path = folder / STUDY
+    if not path.is_file():
+        raise RecordError(f"{folder}: this is not a study; there is no {STUDY} here.")
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        if content["format"] != FORMAT:
+            raise RecordError(f"{path}: format {content['format']} is not {FORMAT}; use the version that wrote it.")
+        if content["id"] != _identity(content):
+            raise RecordError(f"{path}: this file was changed after it had been written; its study cannot go on.")
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError) as error:
+        raise RecordError(f"{path}: this is not the file of a study ({type(error).__name__}: {error}).") from None
+    return content
+
+
+def done(folder: Path) -> set[int]:
+    """Return the numbers of the chunks whose parts stand in the folder."""
+    return {int(path.stem) for path in (folder / PARTS).glob("*.parquet") if path.stem.isdigit()}
+
+
+def write_part(folder: Path, number: int, table: pa.Table) -> None:
+    """Write the rows of one chunk, whole or not at all."""
+    with written_whole(_part(folder, number)) as beside:
+        pq.write_table(table, beside)
+
+
+def parts(folder: Path, numbers: list[int]) -> Iterator[pa.Table]:
+    """Yield the rows of some chunks, several together."""
+    for first in range(0, len(numbers), ROW_GROUP):
+        tables = [pq.read_table(_part(folder, number)) for number in numbers[first : first + ROW_GROUP]]
+        yield pa.concat_tables(tables).combine_chunks()
+
+
+def finish(study: "Study", folder: Path, chunks: int) -> None:
+    """Write the table and the summary from all parts if they are not there, and remove the parts."""
+    if not (folder / TABLE).is_file():
+        with written_whole(folder / TABLE) as beside:
+            _write_table(beside, parts(folder, list(range(chunks))))
+    if not (folder / SUMMARY).is_file():
+        text = json.dumps(_summary(study, folder), indent=2, allow_nan=False) + "\n"
+        with written_whole(folder / SUMMARY) as beside:
+            beside.write_text(text, encoding="utf-8")
+    shutil.rmtree(folder / PARTS, ignore_errors=True)
+    for left in folder.glob(".*.part.*"):  # of a process that was killed while it wrote
+        left.unlink(missing_ok=True)
+
+
+def _write_table(path: Path, tables: Iterator[pa.Table]) -> None:
+    first = next(tables)
+    with pq.ParquetWriter(path, first.schema) as writer:
+        writer.write_table(first)
+        for table in tables:
+            writer.write_table(table)
+
+
+def _part(folder: Path, number: int) -> Path:
+    return folder / PARTS / f"{number:06d}.parquet"
+
+
+def _write_inputs(study: "Study", folder: Path) -> dict[str, Any]:
+    """Write model and records into `folder` and return what `study.toml` says."""
+    model = write_model(study.base, folder / "model")
+    names = copy_records(study.motions, folder)
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    work = study.work
+    content: dict[str, Any] = {
+        "format": FORMAT,
+        "name": study.name,
+        "question": study.question.strip(),
+        "model": {"file": f"model/{model.name}"},
+        "simulate": {
+            "duration": work.duration,
+            "timestep": work.timestep,
+            "sample_rate": work.sample_rate,
+            "initial": work.initial,
+        },
+        "sampling": {"method": study.sampling, "variants": study.size, "seed": study.seed},
+        "vary": [{"name": name, **distribution_to_dict(value)} for name, value in study.vary.items()],
+        "motions": [motion.to_dict(files=names) for motion in study.motions],
+        "versions": {name: version(name) for name in _PACKAGES},
+        "files": {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
+    }
+    return {"id": _identity(content), **content}
+
+
+def _identity(content: dict[str, Any]) -> str:
+    """Return what tells this study from all others: a digest of every input that a number may depend on."""
+    inputs = {key: value for key, value in content.items() if key not in _WORDS}
+    return hashlib.sha256(tomli_w.dumps(inputs).encode()).hexdigest()[:16]
+
+
+def _check_same(folder: Path, content: dict[str, Any]) -> None:
+    """Raise RecordError if another study than that of `content` stands in the folder."""
+    there = read_inputs(folder)
+    if there["id"] == content["id"]:
+        return
+    old, new = _flat(there), _flat(content)
+    key = next((key for key in {**old, **new} if key not in _WORDS and old.get(key) != new.get(key)), "")
+    raise RecordError(
+        f"{folder}: this is the folder of another study ({key} is {old.get(key, 'absent')!r} there and "
+        f"{new.get(key, 'absent')!r} here); nothing in it was touched. Choose another folder, or replace it with --force "
+        "(`force=True`)."
+    )
+
+
+def _flat(content: Any, place: str = "") -> dict[str, Any]:
+    """Return the values of nested tables and lists by their places, "simulate.duration"."""
+    if not isinstance(content, dict | list):
+        return {place: content}
+    items = content.items() if isinstance(content, dict) else enumerate(content)
+    return {k: v for key, value in items for k, v in _flat(value, f"{place}.{key}" if place else str(key)).items()}
+
+
+def _summary(study: "Study", folder: Path) -> dict[str, Any]:
+    """Return what a reader wants first, as plain values."""
+    kept = ["acceleration", "travel", "fragility"]
+    table = pq.read_table(folder / TABLE, columns=["variant", "status", *kept])
+    ended = np.asarray(table["status"]) == DONE
+    figures: dict[str, Any] = {}
+    for name in kept:
+        values = np.asarray(table[name])
+        if np.isfinite(values).any():
+            low, middle, high = np.nanquantile(values, [0.05, 0.5, 0.95])
+            worst = int(table["variant"][int(np.nanargmax(values))].as_py())
+            figures[name] = {"q05": low, "median": middle, "q95": high, "largest": np.nanmax(values), "variant": worst}
+    return {
+        "format": FORMAT,
+        "name": study.name,
+        "id": read_inputs(folder)["id"],
+        "variants": len(ended),
+        "failed": int((~ended).sum()),
+        "timestep_s": study.work.timestep,
+        "measures": figures,
+    }

@@ -1,0 +1,88 @@
+"""What is kept of each variant: peaks over every step, as plain numbers."""
+
+import math
+from collections.abc import Iterable
+
+from wirerope_mj.criteria.travel import RATINGS
+from wirerope_mj.response.peaks import Peak, Peaks
+from wirerope_mj.simulation.run import point_name
+from wirerope_mj.system import System
+
+NAN = math.nan
+
+
+def measure_names(system: System) -> list[str]:
+    """Return the names of all measures, the columns of the table between inputs and status."""
+    bodies, points = payload_bodies(system), payload_points(system)
+    names = ["acceleration", "travel", "fragility"]
+    names += [f"acceleration/{name}" for name in (*bodies, *points)]
+    names += [f"displacement/{name}" for name in points]
+    for mount in system.mounts:
+        names += [*(f"deflection/{mount}/{rating}" for rating in RATINGS), f"travel/{mount}", f"force/{mount}"]
+    return names
+
+
+def measures(system: System, peaks: Peaks) -> dict[str, float]:
+    """Return the measures of one variant.
+
+    acceleration: largest norm of any payload body [m/s^2]; acceleration/NAME: of one body or point. travel: largest share of
+    a rated travel [-] of any mount; travel/MOUNT: of one; deflection/MOUNT/compression, tension, shear and roll [m], all
+    positive; force/MOUNT: largest norm [N]. displacement/POINT: largest norm relative to the base [m]. fragility: largest
+    share [-] of an acceleration that the model states as a limit. NaN where nothing is rated or stated.
+    """
+    bodies, points = payload_bodies(system), payload_points(system)
+    at = {name: peaks.bodies[name].acceleration for name in bodies}
+    at |= {name: peaks.points[name].acceleration for name in points}
+    found = {"acceleration": _largest(at[name].value for name in bodies), "travel": NAN, "fragility": NAN}
+    found |= {f"acceleration/{name}": peak.value for name, peak in at.items()}
+    found |= {f"displacement/{name}": peaks.points[name].relative_displacement.value for name in points}
+    shares = []
+    for name, mount in system.mounts.items():
+        deflection = peaks.mounts[name].deflection
+        reached = {rating: _reached(deflection, axis, way) for rating, (axis, way) in RATINGS.items()}
+        travel = mount.isolator.limits.travel
+        rated = {rating: getattr(travel, rating) for rating in RATINGS}
+        shares.append(_largest(reached[rating] / limit for rating, limit in rated.items() if limit is not None))
+        found |= {f"deflection/{name}/{rating}": value for rating, value in reached.items()}
+        found |= {f"travel/{name}": shares[-1], f"force/{name}": peaks.mounts[name].force.value}
+    found["travel"] = _largest(share for share in shares if not math.isnan(share))
+    found["fragility"] = _fragility(system, at)
+    return found
+
+
+def payload_bodies(system: System) -> list[str]:
+    """Return the observed bodies that are not fixed to the base."""
+    bodies = system.assembly.subjects.bodies
+    on_base = set(system.assembly.tables.base_channels)
+    return [system.model.body(body).name for place, body in enumerate(bodies) if place not in on_base]
+
+
+def payload_points(system: System) -> list[str]:
+    """Return the points that are not fixed to the base."""
+    subjects, on_base = system.assembly.subjects, set(system.assembly.tables.base_channels)
+    n = len(subjects.bodies)
+    names = [point_name(system.model, point) for point in subjects.points]
+    return [name for place, name in enumerate(names) if n + 2 * place not in on_base]
+
+
+def _reached(deflection: Peak, axis: int, way: float) -> float:
+    """Return how far a mount went along an axis [m]: down, up, or the farther of both."""
+    down, up = -float(deflection.minimum[axis]), float(deflection.maximum[axis])
+    return max(down if way < 0.0 else up if way > 0.0 else max(down, up), 0.0)
+
+
+def _fragility(system: System, at: dict[str, Peak]) -> float:
+    """Return the largest share of a stated acceleration limit."""
+    shares = []
+    for limit in system.limits:
+        if limit.kind != "acceleration" or limit.name not in at:
+            continue
+        peak = at[limit.name]
+        extremes = [max(-float(low), float(high)) for low, high in zip(peak.minimum, peak.maximum, strict=True)]
+        sizes = {"": peak.value, **dict(zip("xyz", extremes, strict=True))}
+        shares += [sizes[axis] / allowed for axis, allowed in limit.judged.items()]
+    return _largest(shares)
+
+
+def _largest(values: Iterable[float]) -> float:
+    return max(values, default=NAN)

@@ -1,0 +1,241 @@
+"""What of a study's system and motion can vary: names such as "mount/m*/axial/alpha", resolved to columns of the table."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from typing import Any
+
+from wirerope_mj.errors import ModelError
+from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.isolator import AXES, Isolator
+from wirerope_mj.study.distributions import Choice, Distribution, Specimens
+from wirerope_mj.system import System
+from wirerope_mj.system.varied import moving_bodies
+
+WORLD = ("x", "y", "z")
+
+MOTION = ("level", "azimuth", "elevation", "record")
+
+FORMS = (
+    "mount/NAME/AXIS/PARAMETER, mount/NAME/position/x, mount/NAME/failed, mount/NAME/spread, body/NAME/mass, "
+    "body/NAME/centre/x, motion/level, motion/azimuth, motion/elevation, motion/record"
+)
+"""What a name may look like; NAME may hold * and ?."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """One sampled number, its column in the table, and what it acts on.
+
+    Attributes:
+        name: of the column.
+        kind: "law", "failed", "position", "mass", "centre", "level", "azimuth", "elevation" or "record".
+        targets: mounts or bodies.
+        key: axis and parameter of a law, or the world axis of a shift.
+        relative: whether it is a factor on what the model says.
+        type: of its values: "double", "int64", "bool" or "string".
+    """
+
+    name: str
+    kind: str
+    targets: tuple[str, ...] = ()
+    key: tuple[str, ...] = ()
+    relative: bool = False
+    type: str = "double"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """What one entry of `vary` amounts to.
+
+    Attributes:
+        name: as it was written.
+        distribution: of its values.
+        columns: what is sampled: one column, or one for each mount or body; for specimens one for each parameter.
+        isolators: of specimens, one for each group of columns that are sampled jointly.
+    """
+
+    name: str
+    distribution: Distribution
+    columns: tuple[Column, ...]
+    isolators: tuple[Isolator, ...] = ()
+
+
+def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequence[BaseMotion]) -> tuple[Quantity, ...]:
+    """Return what varies, resolved for a system and its motions.
+
+    Raises:
+        ModelError: a name stands for nothing that exists; says what does.
+        ValueError: a distribution does not suit its quantity, or two names stand for the same.
+    """
+    if not vary:
+        raise ValueError(f"`vary` must name at least one quantity: {FORMS}.")
+    found = tuple(_quantity(name, distribution, system, motions) for name, distribution in vary.items())
+    taken: dict[tuple[str, str, tuple[str, ...]], str] = {}
+    for quantity in found:
+        for column in quantity.columns:
+            for target in column.targets or ("",):
+                other = taken.setdefault((column.kind, target, column.key), quantity.name)
+                if other != quantity.name:
+                    raise ValueError(f"`vary`: {other!r} and {quantity.name!r} both say {column.name!r}.")
+    return found
+
+
+def _quantity(name: str, distribution: Distribution, system: System, motions: Sequence[BaseMotion]) -> Quantity:
+    if not isinstance(distribution, Distribution):
+        raise ValueError(f"`vary`: {name!r} must be a Normal, Uniform, Choice or Specimens, got {distribution!r}.")
+    room, *parts = name.split("/")
+    if room == "mount" and len(parts) >= 2 and parts[-1] == "spread":
+        return _specimens(name, "/".join(parts[:-1]), distribution, system)
+    if isinstance(distribution, Specimens):
+        raise ValueError(f"`vary`: {name!r} cannot be Specimens; they are for mount/NAME/spread.")
+    if room == "mount" and len(parts) >= 2 and parts[-1] == "failed":
+        return _failed(name, "/".join(parts[:-1]), distribution, system)
+    if room == "mount" and len(parts) >= 3 and parts[-2] in ("position", *AXES):
+        return _of_mounts(name, "/".join(parts[:-2]), (parts[-2], parts[-1]), distribution, system)
+    if room == "body" and len(parts) >= 2:
+        return _of_bodies(name, parts, distribution, system)
+    if room == "motion" and len(parts) == 1 and parts[0] in MOTION:
+        return _of_motion(name, parts[0], distribution, motions)
+    raise ModelError(f"`vary`: there is no quantity {name!r}. What can vary: {FORMS}.")
+
+
+def _of_mounts(name: str, pattern: str, key: tuple[str, str], distribution: Distribution, system: System) -> Quantity:
+    mounts = _matching(name, pattern, list(system.mounts), "mount")
+    if key[0] == "position":
+        _check_shift(name, key[1], distribution)
+        return _split(name, pattern, mounts, distribution, kind="position", key=(key[1],))
+    for mount in mounts:
+        value = _parameter(name, system.mounts[mount].isolator, mount, *key)
+        if isinstance(value, tuple) and not distribution.relative:
+            raise ValueError(f"`vary`: {name!r} is several numbers; give it factors, `relative=True`.")
+    return _split(name, pattern, mounts, distribution, kind="law", key=key)
+
+
+def _parameter(name: str, isolator: Isolator, mount: str, axis: str, parameter: str) -> Any:
+    """Return a law's parameter in the model; ModelError says what there is."""
+    law = isolator.axes[axis]
+    if law is None:
+        there = [axis for axis, law in isolator.axes.items() if law is not None]
+        raise ModelError(f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}.")
+    names = [key for key in law.to_dict() if key != "law"]
+    if parameter not in names:
+        raise ModelError(
+            f"`vary`: {name!r}: law {law.name} of mount {mount!r} has no parameter {parameter!r}; it has {', '.join(names)}."
+        )
+    value = getattr(law, parameter)
+    if not isinstance(value, float | int | tuple):
+        raise ModelError(f"`vary`: {name!r}: {parameter!r} of mount {mount!r} is not a number.")
+    return value
+
+
+def _failed(name: str, pattern: str, distribution: Distribution, system: System) -> Quantity:
+    mounts = _matching(name, pattern, list(system.mounts), "mount")
+    choices = distribution.choices if isinstance(distribution, Choice) else (None,)
+    if all(isinstance(value, str) for value in choices) and not distribution.each:
+        unknown = [value for value in choices if value not in ("", *mounts)]
+        if unknown:
+            raise ModelError(
+                f'`vary`: {name!r}: there is no mount {unknown[0]!r} there; choose from "" (none), {", ".join(mounts)}.'
+            )
+        return Quantity(
+            name=name,
+            distribution=distribution,
+            columns=(Column(name=name, kind="failed", targets=tuple(mounts), type="string"),),
+        )
+    if not all(isinstance(value, bool) for value in choices):
+        raise ValueError(
+            f'`vary`: {name!r} must be a Choice of True and False, or of the mount\'s name that has failed ("" = none).'
+        )
+    return _split(name, pattern, mounts, distribution, kind="failed", key=(), type="bool")
+
+
+def _of_bodies(name: str, parts: list[str], distribution: Distribution, system: System) -> Quantity:
+    key: tuple[str, ...] = ()
+    if parts[-1] == "mass":
+        pattern, kind = "/".join(parts[:-1]), "mass"
+    elif len(parts) >= 3 and parts[-2] == "centre":
+        pattern, kind, key = "/".join(parts[:-2]), "centre", (parts[-1],)
+        _check_shift(name, parts[-1], distribution)
+    else:
+        raise ModelError(f"`vary`: there is no quantity {name!r}. What can vary: {FORMS}.")
+    bodies = _matching(name, pattern, moving_bodies(system.model), "moving body with a mass")
+    return _split(name, pattern, bodies, distribution, kind=kind, key=key)
+
+
+def _of_motion(name: str, kind: str, distribution: Distribution, motions: Sequence[BaseMotion]) -> Quantity:
+    if distribution.relative:
+        raise ValueError(f"`vary`: {name!r} cannot be relative; a level is a factor by itself.")
+    values = distribution.choices if isinstance(distribution, Choice) else ()
+    wrong = isinstance(distribution, Choice) and not all(type(value) in (int, float) for value in values)
+    if wrong or (kind == "record" and (not values or not all(type(value) is int for value in values))):
+        what = "a Choice of whole numbers, places in `motions`" if kind == "record" else "a distribution of numbers"
+        raise ValueError(f"`vary`: {name!r} must be {what}, got {distribution}.")
+    if kind == "record" and not set(values) <= set(range(len(motions))):
+        raise ValueError(f"`vary`: {name!r} must choose from 0 to {len(motions) - 1}, got {list(values)}.")
+    column = Column(name=name, kind=kind, type="int64" if kind == "record" else "double")
+    return Quantity(name=name, distribution=distribution, columns=(column,))
+
+
+def _specimens(name: str, pattern: str, distribution: Distribution, system: System) -> Quantity:
+    if not isinstance(distribution, Specimens):
+        raise ValueError(f"`vary`: {name!r} must be Specimens, got {distribution!r}.")
+    mounts = _matching(name, pattern, list(system.mounts), "mount")
+    isolators = [system.mounts[mount].isolator for mount in mounts]
+    for mount, isolator in zip(mounts, isolators, strict=True):
+        if isolator.spread is None:
+            raise ModelError(f"`vary`: {name!r}: isolator {isolator.name!r} of mount {mount!r} has no [spread].")
+        for parameter in isolator.spread.parameters:
+            axis, _, key = parameter.partition(".")
+            if axis not in AXES:
+                raise ModelError(
+                    f"`vary`: {name!r}: {parameter!r} in the [spread] of {isolator.name!r} is no parameter."
+                )
+            _parameter(name, isolator, mount, axis, key)
+    if not distribution.each and any(isolator != isolators[0] for isolator in isolators):
+        raise ValueError(f"`vary`: {name!r}: the mounts have different isolators and cannot share one specimen.")
+    groups = [(mount, (mount,)) for mount in mounts] if distribution.each else [(pattern, tuple(mounts))]
+    isolators = isolators[: len(groups)]
+    columns = tuple(
+        Column(
+            name=f"mount/{word}/{parameter.replace('.', '/', 1)}", kind="law", targets=targets,
+            key=tuple(parameter.split(".", 1)),
+        )
+        for (word, targets), isolator in zip(groups, isolators, strict=True)
+        for parameter in (isolator.spread.parameters if isolator.spread else ())
+    )  # fmt: skip
+    return Quantity(name=name, distribution=distribution, columns=columns, isolators=tuple(isolators))
+
+
+def _matching(name: str, pattern: str, existing: Sequence[str], word: str) -> list[str]:
+    found = [one for one in existing if fnmatchcase(one, pattern)]
+    if not found:
+        raise ModelError(f"`vary`: {name!r}: there is no {word} {pattern!r}. There is: {', '.join(existing)}.")
+    return found
+
+
+def _split(
+    name: str, pattern: str, targets: Sequence[str], distribution: Distribution, *, kind: str, key: tuple[str, ...],
+    type: str = "double",
+) -> Quantity:  # fmt: skip
+    """Return a quantity with one column, or with one for each target if each has its own."""
+    values = distribution.choices if isinstance(distribution, Choice) and type == "double" else ()
+    if any(isinstance(value, bool | str) for value in values):
+        raise ValueError(f"`vary`: {name!r} must be a distribution of numbers, got {distribution}.")
+    start = name.index("/") + 1
+    after = name[start + len(pattern) :]
+    groups = (
+        [(f"{name[:start]}{one}{after}", (one,)) for one in targets] if distribution.each else [(name, tuple(targets))]
+    )
+    columns = tuple(
+        Column(name=column, kind=kind, targets=group, key=key, relative=distribution.relative, type=type)
+        for column, group in groups
+    )
+    return Quantity(name=name, distribution=distribution, columns=columns)
+
+
+def _check_shift(name: str, axis: str, distribution: Distribution) -> None:
+    if axis not in WORLD:
+        raise ModelError(f"`vary`: {name!r}: there is no world axis {axis!r}; there are {', '.join(WORLD)}.")
+    if distribution.relative:
+        raise ValueError(f"`vary`: {name!r} is a shift [m] and cannot be relative.")

@@ -1,0 +1,101 @@
+"""What a study has found: its table, and the folder it stands in."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from wirerope_mj.errors import RecordError
+from wirerope_mj.excitation.restore import motion_from_dict
+from wirerope_mj.study.compute import FAILED
+from wirerope_mj.study.distributions import distribution_from_dict
+from wirerope_mj.study.folder import TABLE, done, parts, read_inputs
+
+if TYPE_CHECKING:
+    from wirerope_mj.study.study import Study
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyResult:
+    """The result of a study.
+
+    Columns of the table: `variant` (int64), inputs (one for every sampled number, by its name in `vary`, or with the
+    mount's own name in place of the pattern where each has its own: "mount/m01/axial/alpha"), measures (float64, SI, NaN where
+    not judged or failed), `status` ("done" or "failed"), `message`.
+
+    Attributes:
+        folder: where it stands.
+        inputs: content of its `study.toml`.
+        variants: number of variants of the study.
+        complete: whether all of them are in the table.
+    """
+
+    folder: Path
+    inputs: dict[str, Any] = field(repr=False)
+    variants: int
+    complete: bool
+
+    @cached_property
+    def table(self) -> pa.Table:
+        """The table, one row for every variant; of a study that is not complete those that are done."""
+        if self.complete:
+            return pq.read_table(self.folder / TABLE)
+        numbers = sorted(done(self.folder))
+        if not numbers:
+            raise RecordError(f"{self.folder}: no variant of this study is done yet.")
+        return pa.concat_tables(parts(self.folder, numbers))
+
+    @cached_property
+    def failed(self) -> dict[int, str]:
+        """Messages of the variants that failed, by number."""
+        rows = self.table.select(["variant", "status", "message"]).to_pylist()
+        return {row["variant"]: row["message"] for row in rows if row["status"] == FAILED}
+
+    @cached_property
+    def message(self) -> str:
+        """One sentence on how it went."""
+        if not self.complete:
+            return f"{self.folder}: not complete; go on with it with --resume (`resume=True`)."
+        failed = self.failed
+        if not failed:
+            return f"{self.variants} variants, none failed."
+        first = min(failed)
+        return f"{self.variants} variants, {len(failed)} failed; variant {first}: {failed[first]}"
+
+    @cached_property
+    def study(self) -> "Study":
+        """The study itself, made from the folder alone."""
+        from wirerope_mj.study.study import Study  # which returns results
+
+        content, folder = self.inputs, self.folder
+        vary = {one["name"]: {key: value for key, value in one.items() if key != "name"} for one in content["vary"]}
+        return Study(
+            model=folder / content["model"]["file"],
+            motions=[motion_from_dict(motion, folder=folder) for motion in content["motions"]],
+            vary={name: distribution_from_dict(value) for name, value in vary.items()},
+            variants=content["sampling"]["variants"],
+            sampling=content["sampling"]["method"],
+            seed=content["sampling"]["seed"],
+            name=content["name"],
+            question=content["question"],
+            **content["simulate"],
+        )
+
+
+def load_study(folder: str | Path) -> StudyResult:
+    """Return the result of a study from its folder alone; of one that was interrupted, what is done of it.
+
+    Raises:
+        RecordError: the folder is not that of a study, or is damaged.
+    """
+    folder = Path(folder)
+    content = read_inputs(folder)
+    return StudyResult(
+        folder=folder,
+        inputs=content,
+        variants=int(content["sampling"]["variants"]),
+        complete=(folder / TABLE).is_file(),
+    )

@@ -1,0 +1,230 @@
+"""A study: a system and a base motion, what varies of them, and how it is sampled."""
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+
+import pyarrow as pa
+
+from wirerope_mj.errors import ModelError, WireRopeError
+from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.isolator import Isolator
+from wirerope_mj.resources import model_source
+from wirerope_mj.response import Response
+from wirerope_mj.simulation import simulate
+from wirerope_mj.simulation.grid import joined
+from wirerope_mj.simulation.simulate import check_arguments, check_direction
+from wirerope_mj.study.distributions import Distribution
+from wirerope_mj.study.quantities import Column, quantities
+from wirerope_mj.study.result import StudyResult
+from wirerope_mj.study.run import run_study
+from wirerope_mj.study.sampling import inputs
+from wirerope_mj.study.step import common_step
+from wirerope_mj.study.variants import Maker, Row, Work
+from wirerope_mj.system import System, load_system
+
+STARTS = ("settled", "relaxed", "unloaded")
+
+BLOCK = 1024
+"""Variants that are checked before what was made of them is forgotten."""
+
+
+class Study:
+    """Variants of one system under one base motion, or under several.
+
+    What varies is named as follows; NAME may hold * and ?, and then stands for all that match. Values of a relative
+    distribution are factors on what the model says.
+
+        mount/NAME/AXIS/PARAMETER   parameter of the law on axis roll, shear or axial
+        mount/NAME/spread           the isolator's [spread], as `Specimens`
+        mount/NAME/position/x       shift of the mount along a world axis [m]
+        mount/NAME/failed           Choice of True and False, or of the name of the mount that has failed ("" = none)
+        body/NAME/mass              mass [kg] with the moments of inertia, or a factor on both
+        body/NAME/centre/x          shift of the centre of mass along a world axis [m]
+        motion/level                factor on the motion
+        motion/azimuth, elevation   direction of a motion along one line [deg], from x towards y and above that plane
+        motion/record               place in `motions`
+
+    Attributes:
+        base: the system as the model says it.
+        motions: the base motions; one, or those among which "motion/record" chooses.
+        quantities: what varies, resolved.
+        size: number of variants.
+        All arguments, too.
+    """
+
+    def __init__(
+        self,
+        *,
+        model: str | Path,
+        motion: BaseMotion | None = None,
+        motions: Sequence[BaseMotion] = (),
+        duration: float,
+        vary: Mapping[str, Distribution],
+        variants: int | None = None,
+        sampling: str = "sobol",
+        seed: int = 1,
+        timestep: float | None = None,
+        accuracy: float = 1e-4,
+        sample_rate: float = 1000.0,
+        initial: str = "settled",
+        isolators: Mapping[str, Isolator] | None = None,
+        name: str = "study",
+        question: str = "",
+        folder: Path | None = None,
+    ) -> None:
+        """Prepare a study; nothing is simulated, and names and distributions are checked.
+
+        Args:
+            model: MJCF file or text; a relative path starts at `folder`, then at the models that ship with the package.
+            motion: base motion.
+            motions: several of them instead, among which "motion/record" chooses.
+            duration: simulated time [s].
+            vary: distributions by the names above.
+            variants: how many; may be left out of a grid, whose values say it.
+            sampling: "sobol", "latin-hypercube", "random", or "grid": all combinations of Choice(...) and of
+                Uniform(..., points=...).
+            seed: of the sampling.
+            timestep: largest step [s] of all variants; None: chosen once, for the nominal system under the highest levels.
+            accuracy: for which it is chosen, as `simulate` does.
+            sample_rate: as `simulate` takes it [Hz].
+            initial: "settled", "relaxed" or "unloaded".
+            isolators: isolators in memory by the name that follows `isolator/` in the model.
+            name: what the study is called.
+            question: what it asks.
+            folder: where a relative model path starts; None for the current folder.
+
+        Raises:
+            ValueError: an argument is out of range.
+            ModelError: the model is not what it must be, or a name stands for nothing in it.
+        """
+        check_arguments(duration=duration, timestep=timestep, accuracy=accuracy, sample_rate=sample_rate)
+        if initial not in STARTS:
+            raise ValueError(f"`initial` must be one of {', '.join(STARTS)}, got {initial!r}.")
+        if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+            raise ValueError(f"`seed` must be a whole number >= 0, got {seed!r}.")
+        self.name, self.question, self.vary = name, question, dict(vary)
+        self.duration, self.sample_rate, self.initial = float(duration), float(sample_rate), initial
+        self.timestep, self.accuracy = None if timestep is None else float(timestep), accuracy
+        self.sampling, self.seed = sampling, seed
+        self.motions = _motions(motion, motions)
+        self.base = load_system(model_source(model, folder=folder, asker=f"study {name!r}"), isolators=isolators)
+        self.quantities = quantities(self.vary, self.base, self.motions)
+        if len(self.motions) > 1 and not any(one.name == "motion/record" for one in self.quantities):
+            raise ValueError('`motions` holds several base motions, and `vary` has no "motion/record" that chooses.')
+        self._inputs = inputs(self.quantities, variants=variants, sampling=sampling, seed=seed)
+        self.size = self._inputs.num_rows
+        self._maker = Maker(self.base, self.motions, self._columns)
+
+    def table(self) -> pa.Table:
+        """Return the inputs of all variants: `variant` and one column for every sampled number.
+
+        Raises:
+            ModelError: a variant cannot be: a value is outside a law's valid range, for instance; says which and why.
+        """
+        return self._checked
+
+    def row(self, variant: int) -> Row:
+        """Return the inputs of one variant by column."""
+        if not 0 <= variant < self.size:
+            raise ValueError(f"`variant` must be from 0 to {self.size - 1}, got {variant}.")
+        return self._inputs.slice(variant, 1).to_pylist()[0]
+
+    def system(self, variant: int) -> System:
+        """Return the system of one variant."""
+        return self._maker.system(self.row(variant))
+
+    def motion(self, variant: int) -> BaseMotion:
+        """Return the base motion of one variant."""
+        return self._maker.motion(self.row(variant))
+
+    def response(self, variant: int) -> Response:
+        """Return the whole response of one variant; its peaks are those of the study, bit for bit."""
+        work = self.work
+        return simulate(
+            self.system(variant), self.motion(variant), duration=work.duration, timestep=work.timestep,
+            initial=work.initial, sample_rate=work.sample_rate, corners=work.corners,
+        )  # fmt: skip
+
+    def run(
+        self,
+        folder: str | Path,
+        *,
+        engine: str = "local",
+        workers: int | None = None,
+        address: str | None = None,
+        resume: bool = False,
+        force: bool = False,
+        progress: bool = False,
+    ) -> StudyResult:
+        """Compute all variants and return the result, which stands in `folder`.
+
+        Finished parts of the table are kept whatever happens: a study that was killed goes on with what is missing. Its table
+        has the same bits whatever the engine, the number of workers and the number of interruptions.
+
+        Args:
+            folder: of the study; it must not exist, or be empty, or be this study with `resume`, or any study with `force`.
+            engine: "local": processes of this machine; "dask": the workers of a cluster.
+            workers: number of processes; None for one per processor, 1 for this process itself.
+            address: of a Dask scheduler that exists; None for a cluster of this machine's own.
+            resume: whether the study that stands there goes on; it starts if there is none.
+            force: whether a study that stands there is replaced.
+            progress: whether a progress bar is shown on standard error.
+
+        Raises:
+            ValueError: an argument is out of range.
+            ModelError: a variant cannot be; says which and why.
+            RecordError: the folder is not that of this study.
+            SimulationError: the cluster cannot be reached.
+        """
+        return run_study(
+            self, Path(folder), engine=engine, workers=workers, address=address, resume=resume, force=force,
+            progress=progress,
+        )  # fmt: skip
+
+    @cached_property
+    def work(self) -> Work:
+        """What all variants share, the timestep chosen."""
+        step = self.timestep
+        if step is None:
+            step = common_step(
+                self.base, self._maker, self._columns, self._checked, initial=self.initial, duration=self.duration,
+                sample_rate=self.sample_rate, accuracy=self.accuracy,
+            )  # fmt: skip
+        return Work(
+            system=self.base, motions=self.motions, columns=self._columns, duration=self.duration, timestep=step,
+            sample_rate=self.sample_rate, initial=self.initial, corners=joined(*(one.corners for one in self.motions)),
+        )  # fmt: skip
+
+    @property
+    def _columns(self) -> tuple[Column, ...]:
+        return tuple(column for quantity in self.quantities for column in quantity.columns)
+
+    @cached_property
+    def _checked(self) -> pa.Table:
+        maker = Maker(self.base, self.motions, self._columns)
+        checked: set[int] = set()
+        for first in range(0, self.size, BLOCK):
+            for row in self._inputs.slice(first, BLOCK).to_pylist():
+                try:
+                    maker.changes(row)
+                    motion = maker.motion(row)
+                    if id(motion) not in checked:
+                        check_direction(self.base, motion)
+                        checked.add(id(motion))
+                except (ValueError, WireRopeError) as error:
+                    raise ModelError(f"variant {row['variant']} of study {self.name!r} cannot be: {error}") from None
+            maker.forget()
+            checked.clear()
+        maker.system(self.row(0))  # what one variant's layout has no room for, none's has
+        return self._inputs
+
+
+def _motions(motion: BaseMotion | None, motions: Sequence[BaseMotion]) -> tuple[BaseMotion, ...]:
+    found = (motion,) if motion is not None else tuple(motions)
+    if (motion is None) == (len(motions) == 0):
+        raise ValueError("either `motion` or `motions` must be given.")
+    for one in found:
+        if not isinstance(one, BaseMotion):
+            raise ValueError(f"`motion` must be a base motion, got {one!r}.")
+    return found

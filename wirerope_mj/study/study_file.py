@@ -1,0 +1,62 @@
+"""A file with one function that makes a study from options, and the studies that ship with the package."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.errors import ModelError
+from wirerope_mj.option_file import all_options, guarded, load_function, question_of
+from wirerope_mj.resources import scenarios_folder
+from wirerope_mj.study.study import Study
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyFile:
+    """A file with one function `study(*, ...) -> Study`, whose keyword arguments are the options."""
+
+    name: str
+    path: Path
+    function: Callable[..., Study]
+
+    @property
+    def question(self) -> str:
+        """First line of the file's docstring."""
+        return question_of(self.function)
+
+    def make(self, **options: Any) -> Study:
+        """Return the study of some options; the others have their defaults.
+
+        Raises:
+            ModelError: an option is unknown, or the function does not return a Study, or fails; says in which line.
+        """
+        values = all_options(self.path, self.function, options)
+        made = guarded(self.path, lambda: self.function(**values))
+        if not isinstance(made, Study):
+            raise ModelError(f"{self.path}: `study` must return a wirerope_mj.Study, got {made!r}.")
+        made.name = self.name if made.name == "study" else made.name
+        made.question = made.question or (self.function.__doc__ or "").split("\nArgs:")[0].strip()
+        return made
+
+
+def shipped_studies() -> dict[str, Path]:
+    """Return the studies that ship with the package, by name."""
+    return {path.stem: path for path in sorted((scenarios_folder() / "studies").glob("*.py"))}
+
+
+def load_study_file(name_or_path: str | Path) -> StudyFile:
+    """Return the study file at a path, or the shipped one of that name.
+
+    Raises:
+        ModelError: there is no such study, or the file has no function `study` with keyword options only.
+    """
+    path = Path(name_or_path)
+    if not path.is_file():
+        shipped = shipped_studies()
+        if str(name_or_path) not in shipped:
+            raise ModelError(
+                f"there is no study {str(name_or_path)!r}. The package ships {', '.join(shipped) or 'none'}; "
+                "anything else must be the path of a Python file."
+            )
+        path = shipped[str(name_or_path)]
+    return StudyFile(name=path.stem, path=path.resolve(), function=load_function(path, "study"))
