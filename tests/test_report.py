@@ -23,6 +23,7 @@ from wirerope_mj.report import pdf as pdf_module
 from wirerope_mj.report.content import Mark, Paragraph, Picture, ReportContent, Section, Table
 from wirerope_mj.report.display import fixed, listed, number, shown, shown_unit, title_of
 from wirerope_mj.report.model import model_section
+from wirerope_mj.runfolder import page as page_module
 from wirerope_mj.runfolder import report as report_module
 from wirerope_mj.runfolder.report import write_report
 from wirerope_mj.runfolder.run_spectra import run_spectra
@@ -616,8 +617,8 @@ def test_a_failure_leaves_no_half_written_pdf(table, tmp_path, monkeypatch, quic
         path.write_bytes(b"%PDF-1.7 half")
         raise ConvergenceError("no page.")
 
-    monkeypatch.setattr(report_module, "check_pdf", lambda: None)
-    monkeypatch.setattr(report_module, "write_pdf", fail)
+    monkeypatch.setattr(page_module, "check_pdf", lambda: None)
+    monkeypatch.setattr(page_module, "write_pdf", fail)
     with pytest.raises(ConvergenceError):
         write_report(table, out=tmp_path / "page.html", pdf=True)
     (tmp_path / "page.html").unlink()  # whole, and written before

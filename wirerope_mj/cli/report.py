@@ -24,7 +24,8 @@ def report(
         pdf: write a PDF of the page beside it, which needs the extra "pdf" (WeasyPrint).
         force: replace files that `--out` names.
     """
-    from wirerope_mj.runfolder.report import REPORT, write_report
+    from wirerope_mj.runfolder.page import REPORT
+    from wirerope_mj.runfolder.report import write_report
     from wirerope_mj.whole import check_place
 
     if out is not None:

@@ -15,18 +15,15 @@ from wirerope_mj.criteria.static_load import static_load_verdicts
 from wirerope_mj.errors import RecordError, WireRopeError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.modes import modes
-from wirerope_mj.report import Absent, FinishedRun, check_pdf, report_content, report_html, worst_names, write_pdf
+from wirerope_mj.report import Absent, FinishedRun, report_content, report_html, worst_names
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.runfolder.frequency_response import KIND, MARKS
+from wirerope_mj.runfolder.page import page_files, write_page
 from wirerope_mj.runfolder.record_doubts import record_doubts
 from wirerope_mj.runfolder.run_spectra import run_densities, run_spectra
 from wirerope_mj.runfolder.sources import scenario_content, system_and_motion
 from wirerope_mj.statics import History, StaticTable, static_table
 from wirerope_mj.system import System
-from wirerope_mj.whole import written_whole
-
-REPORT = "report.html"
-"""The report in a run's folder."""
 
 _HISTORIES: tuple[History, ...] = ("virgin", "relaxed")
 Found = TypeVar("Found")
@@ -48,28 +45,11 @@ def write_report(
         WireRopeError: a PDF cannot be made here.
     """
     folder = Path(folder)
-    page = folder / REPORT if out is None else Path(out)
-    if page.suffix.lower() not in (".html", ".htm"):
-        raise ValueError(
-            f"`out` must end with .html, got {str(out)!r}; a PDF is written beside it with --pdf (`pdf=True`)."
-        )
-    files = [page, page.with_suffix(".pdf")] if pdf else [page]
-    for path in files:
-        if out is not None and path.exists() and not (force and path.is_file()):
-            raise RecordError(
-                f"{path}: this exists already. Replace it with --force (`force=True`), or choose another name."
-            )
-    if pdf:
-        check_pdf()
+    files = page_files(folder, out, pdf=pdf, force=force)
     content = scenario_content(_run_folder(folder))
     system, motion = system_and_motion(folder, content)
     text = report_page(content, system, motion, load_response(folder))
-    page.parent.mkdir(parents=True, exist_ok=True)
-    with written_whole(page) as beside:
-        beside.write_text(text, encoding="utf-8")
-    if pdf:
-        with written_whole(files[1]) as beside:
-            write_pdf(text, beside)
+    write_page(text, files)
     return files
 
 

@@ -4,14 +4,11 @@ from pathlib import Path
 
 from wirerope_mj.errors import RecordError
 from wirerope_mj.report.page import report_html
-from wirerope_mj.report.pdf import check_pdf, write_pdf
 from wirerope_mj.report.study import study_content
+from wirerope_mj.runfolder.page import page_files, write_page
 from wirerope_mj.study.findings import HEADLINES, checked_measure, headlines, input_names
 from wirerope_mj.study.result import load_study
 from wirerope_mj.study.sensitivity import influences
-from wirerope_mj.whole import written_whole
-
-REPORT = "report.html"
 
 
 def write_study_report(
@@ -37,29 +34,12 @@ def write_study_report(
         WireRopeError: a PDF cannot be made here.
     """
     folder = Path(folder)
-    page = folder / REPORT if out is None else Path(out)
-    if page.suffix.lower() not in (".html", ".htm"):
-        raise ValueError(
-            f"`out` must end with .html, got {str(out)!r}; a PDF is written beside it with --pdf (`pdf=True`)."
-        )
-    files = [page, page.with_suffix(".pdf")] if pdf else [page]
-    for path in files:
-        if out is not None and path.exists() and not (force and path.is_file()):
-            raise RecordError(
-                f"{path}: this exists already. Replace it with --force (`force=True`), or choose another name."
-            )
-    if pdf:
-        check_pdf()
+    files = page_files(folder, out, pdf=pdf, force=force)
     result = load_study(folder)
     if not result.complete:
         raise RecordError(result.message)
     table = result.table
     by = checked_measure(table, by or (headlines(table) or HEADLINES)[0])
     text = report_html(study_content(result, by, influences(table, input_names(table), by)))
-    page.parent.mkdir(parents=True, exist_ok=True)
-    with written_whole(page) as beside:
-        beside.write_text(text, encoding="utf-8")
-    if pdf:
-        with written_whole(files[1]) as beside:
-            write_pdf(text, beside)
+    write_page(text, files)
     return files

@@ -164,7 +164,8 @@ def _write_pictures(scenario: Scenario, response: Response, folder: Path) -> Non
 
 
 def _write_report(text: str, system: System, motion: BaseMotion, response: Response, folder: Path) -> None:
-    from wirerope_mj.runfolder.report import REPORT, report_page  # late, as the pictures
+    from wirerope_mj.runfolder.page import REPORT  # late, as the pictures
+    from wirerope_mj.runfolder.report import report_page
 
     page = report_page(tomllib.loads(text), system, motion, response)
     (folder / REPORT).write_text(page, encoding="utf-8")
