@@ -10,20 +10,13 @@ from typing import Annotated, Any, get_type_hints
 
 from cyclopts import App, Parameter
 
-from wirerope_mj.cli.tables import console, print_run
+from wirerope_mj.cli.tables import print_questions, print_run
 from wirerope_mj.scenario import ScenarioFile, load_scenario, shipped_scenarios
 
 
 def list_scenarios() -> None:
     """Print name and question of the scenarios that ship with the package."""
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False)
-    table.add_column("scenario", no_wrap=True)
-    table.add_column("question")
-    for name in shipped_scenarios():
-        table.add_row(name, load_scenario(name).question)
-    console().print(table)
+    print_questions("scenario", {name: load_scenario(name).question for name in shipped_scenarios()})
 
 
 def run_command(name: str, tokens: Sequence[str]) -> None:

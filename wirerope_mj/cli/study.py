@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, get_type_hints
 
 from cyclopts import App, Parameter
 
-from wirerope_mj.cli.tables import console
+from wirerope_mj.cli.tables import console, print_questions
 from wirerope_mj.scenario import shipped_scenarios
 from wirerope_mj.study.study_file import StudyFile, load_study_file, shipped_studies
 
@@ -22,14 +22,7 @@ OWN: dict[str, Any] = {
 
 def list_studies() -> None:
     """Print name and question of the studies that ship with the package."""
-    from rich.table import Table
-
-    table = Table(box=None, pad_edge=False)
-    table.add_column("study", no_wrap=True)
-    table.add_column("question")
-    for name in shipped_studies():
-        table.add_row(name, load_study_file(name).question)
-    console().print(table)
+    print_questions("study", {name: load_study_file(name).question for name in shipped_studies()})
 
 
 def study_command(name: str, tokens: Sequence[str]) -> None:

@@ -1,7 +1,7 @@
 """What a run prints: peaks against limits, and where the files are."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich import box
@@ -27,6 +27,16 @@ def console() -> Console:
     """Return where tables are printed: as wide as the terminal, or as `WIDTH`."""
     plain = Console(highlight=False)
     return plain if plain.is_terminal else Console(highlight=False, width=WIDTH)
+
+
+def print_questions(kind: str, questions: Mapping[str, str]) -> None:
+    """Print what ships with the package: names of scenarios or studies and what each asks."""
+    table = Table(box=None, pad_edge=False)
+    table.add_column(kind, no_wrap=True)
+    table.add_column("question")
+    for name, question in questions.items():
+        table.add_row(name, question)
+    console().print(table)
 
 
 def print_run(scenario: Scenario, response: Response, folder: Path, *, seconds: float) -> None:
