@@ -104,7 +104,8 @@ def density_figure(densities: Mapping[str, PowerSpectralDensity], *, title: str 
 
 def save_four_way(spectra: Mapping[str, ShockResponseSpectrum], path: str | Path, *, title: str = "") -> None:
     """Write `four_way_figure` as a picture; the ending of `path` says of which kind."""
-    four_way_figure(spectra, title=title).savefig(path)
+    # Equal decades leave empty paper above and below.
+    four_way_figure(spectra, title=title).savefig(path, bbox_inches="tight")
 
 
 def save_shock_spectra(
