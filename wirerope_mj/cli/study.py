@@ -78,10 +78,9 @@ def _run(
 ) -> None:  # fmt: skip
     from wirerope_mj.cli.study_tables import print_study
     from wirerope_mj.runfolder.study import checked_count, write_study_pictures, write_worst
-    from wirerope_mj.study.findings import HEADLINES, checked_measure, headlines, input_names
+    from wirerope_mj.study.answer import answer_of
     from wirerope_mj.study.folder import STUDY
     from wirerope_mj.study.measures import measure_names
-    from wirerope_mj.study.sensitivity import influences
 
     if resume and out is None:
         raise ValueError("--resume goes on with the study in a folder; say which one with --out FOLDER.")
@@ -106,13 +105,11 @@ def _run(
     if len(result.failed) == result.table.num_rows:
         number, message = next(iter(result.failed.items()))
         raise ValueError(f"every variant failed; variant {number}: {message} The table is in {folder}.")
-    judged = headlines(result.table)
-    by = checked_measure(result.table, by) if by is not None else (judged or HEADLINES)[0]
-    found = influences(result.table, input_names(result.table), by)
-    write_study_pictures(result, by, found)
-    worst = write_worst(result, by, open_worst) if open_worst else []
+    answer = answer_of(result, by)
+    write_study_pictures(answer)
+    worst = write_worst(result, answer.by, open_worst) if open_worst else []
     files = sorted(path.name for path in folder.iterdir() if path.is_file())
-    print_study(result, by, found, files)
+    print_study(answer, files)
     for path in worst:
         word = "opens the worst variants over each other" if path.suffix else "opens the view of a variant"
         console().print(f"  [bold]wirerope show {path}[/] {word}", soft_wrap=True)

@@ -4,54 +4,34 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-import pyarrow as pa
 from rich import box
 from rich.markup import escape
 from rich.table import Table
 
 from wirerope_mj.cli.tables import console
-from wirerope_mj.study.findings import (
-    chance,
-    headlines,
-    input_label,
-    input_names,
-    measure_of,
-    percent,
-    quantiles,
-    random_study,
-    row_of,
-    sentences,
-    values_of,
-    worst,
-)
-from wirerope_mj.study.result import StudyResult
-from wirerope_mj.study.sensitivity import Influence
+from wirerope_mj.study.answer import QUANTILES, Answer
+from wirerope_mj.study.findings import input_label, measure_of, percent, sentences
 
-QUANTILES = (0.5, 0.9, 0.95, 0.99)
-
-WORST = 8
-"""Variants in the table of the worst."""
-
+_WORST = 8  # variants in the table of the worst
 _INPUTS = 4  # columns of inputs beside a variant
 _INFLUENCES = 8
 _LONG = 14  # letters of a heading that stands on two lines
 _FAILED = 5  # messages of failed variants
 
 
-def print_study(result: StudyResult, by: str, found: Sequence[Influence], files: Sequence[str]) -> None:
-    """Print what a study found; `found` is what its inputs do to the measure `by`."""
-    out, table = console(), result.table
+def print_study(answer: Answer, files: Sequence[str]) -> None:
+    """Print what a study answers, and the files that it wrote."""
+    out, result = console(), answer.result
     out.print(f"\n[bold]{escape(result.study.name)}[/]  {escape(result.message)}")
-    out.print(_measures(result, by))
-    out.print()
     for line in sentences(result):
         out.print(f"  {escape(line)}", soft_wrap=True)
-    if found:
-        out.print()
-        out.print(_influences(found, by))
     out.print()
-    out.print(_worst(table, by, found))
+    out.print(_measures(answer))
+    if answer.influences:
+        out.print()
+        out.print(_influences(answer))
+    out.print()
+    out.print(_worst(answer))
     failed = result.failed
     for number, message in list(failed.items())[:_FAILED]:
         out.print(f"  variant {number} failed: {escape(message)}", style="red")
@@ -61,54 +41,40 @@ def print_study(result: StudyResult, by: str, found: Sequence[Influence], files:
     out.print(f"  {', '.join(files)}", soft_wrap=True)
 
 
-def _measures(result: StudyResult, by: str) -> Table:
-    table, drawn = result.table, random_study(result)
-    title = "Measures and their percentiles, as far as five variants lie beyond them" if drawn else "Measures"
-    shown = [f"{100.0 * q:.0f} %" for q in QUANTILES] if drawn else ["smallest", "median"]
+def _measures(answer: Answer) -> Table:
+    title = "Measures and their percentiles, as far as five variants lie beyond them" if answer.drawn else "Measures"
+    shown = [f"{100.0 * q:.0f} %" for q in QUANTILES] if answer.drawn else ["smallest", "median"]
     listing = _empty(title, ("measure", *shown, "largest", "variant", "limit", "beyond it"))
-    for name in dict.fromkeys([by, *headlines(table)]):
-        measure, values = measure_of(name), values_of(table, name)
-        figures = quantiles(values, QUANTILES) if drawn else [np.nanmin(values), np.nanmedian(values)]
-        cells = [_number(measure.factor * float(value)) for value in [*figures, np.nanmax(values)]]
+    for one in answer.figures:
+        figures = [*(one.quantiles if answer.drawn else (one.smallest, one.median)), one.largest]
         limit = ["", ""]
-        if measure.limit is not None:
-            beyond = chance(values, measure.limit)
-            share = f" ({percent(beyond.count / beyond.n)})" if drawn else ""
-            limit = [_number(measure.factor * measure.limit), f"{beyond.count} of {beyond.n}{share}"]
-        listing.add_row(escape(measure.label), *cells, str(worst(table, name, 1)[0]), *limit)
+        if one.beyond is not None and one.limit is not None:
+            share = f" ({percent(one.beyond.count / one.beyond.n)})" if answer.drawn else ""
+            limit = [_number(one.limit), f"{one.beyond.count} of {one.beyond.n}{share}"]
+        listing.add_row(escape(one.measure.label), *map(_number, figures), str(one.variant), *limit)
     return listing
 
 
-def _influences(found: Sequence[Influence], by: str) -> Table:
-    title = f"What the inputs explain alone of the variance of: {measure_of(by).words}"
+def _influences(answer: Answer) -> Table:
+    title = f"What the inputs explain alone of the variance of: {measure_of(answer.by).words}"
     listing = _empty(title, ("input", "share", "rank correlation", ""))
-    for one in found[:_INFLUENCES]:
+    for one in answer.influences[:_INFLUENCES]:
         rank = "" if math.isnan(one.rank) else f"{one.rank:+.2f}"
         certain = "" if one.certain else "[dim]may be chance[/]"
         listing.add_row(escape(one.name), f"{max(100.0 * one.share, 0.0):.1f} %", rank, certain)
     return listing
 
 
-def _worst(table: pa.Table, by: str, found: Sequence[Influence]) -> Table:
-    measures = list(dict.fromkeys([by, *headlines(table)]))
-    inputs = shown_inputs(table, found)
-    title = f"Worst variants by {by}"
-    heads = [*(f"{name} [{measure_of(name).unit}]" for name in measures), *map(input_label, inputs)]
-    listing = _empty(title, ("variant", *map(_two_lines, heads)))
-    for number in worst(table, by, WORST):
-        row = row_of(table, number)
-        values = [_number(measure_of(name).factor * row[name]) for name in measures]
-        listing.add_row(str(number), *values, *(escape(shown_input(row[name])) for name in inputs))
+def _worst(answer: Answer) -> Table:
+    heads = [f"{measure.name} [{measure.unit}]" for measure in answer.measures]
+    heads += map(input_label, answer.inputs(_INPUTS))
+    listing = _empty(f"Worst variants by {answer.by}", ("variant", *map(_two_lines, heads)))
+    for one in answer.worst(_WORST, inputs=_INPUTS):
+        listing.add_row(str(one.variant), *map(_number, one.values), *(escape(_input(value)) for value in one.inputs))
     return listing
 
 
-def shown_inputs(table: pa.Table, found: Sequence[Influence], most: int = _INPUTS) -> list[str]:
-    """Return the inputs that are told of a variant: the strongest first."""
-    return list(dict.fromkeys([*(one.name for one in found), *input_names(table)]))[:most]
-
-
-def shown_input(value: Any) -> str:
-    """Return an input's value as a cell."""
+def _input(value: Any) -> str:
     return _number(value) if isinstance(value, float) else str(value) or "none"
 
 

@@ -4,30 +4,14 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from wirerope_mj.plots.report_image import image_of
 from wirerope_mj.plots.study_pictures import study_pictures
 from wirerope_mj.report.content import Block, Cell, Listing, Mark, Paragraph, Picture, ReportContent, Section, Table
 from wirerope_mj.report.display import ABSENT, fixed, number, several
-from wirerope_mj.study.findings import (
-    chance,
-    headlines,
-    input_label,
-    input_names,
-    measure_of,
-    percent,
-    quantiles,
-    random_study,
-    row_of,
-    sentences,
-    values_of,
-    worst,
-)
+from wirerope_mj.study.answer import QUANTILES, Answer
+from wirerope_mj.study.findings import input_label, measure_of, percent, sentences
 from wirerope_mj.study.result import StudyResult
-from wirerope_mj.study.sensitivity import Influence
 
-_QUANTILES = (0.5, 0.9, 0.95, 0.99)
 _WORST, _INPUTS, _INFLUENCES, _FAILED = 10, 5, 15, 20  # rows and columns that are read
 _METHODS = {
     "sobol": "scrambled Sobol sequence", "latin-hypercube": "Latin hypercube", "random": "random draws",
@@ -35,14 +19,9 @@ _METHODS = {
 }  # fmt: skip
 
 
-def study_content(result: StudyResult, by: str, found: Sequence[Influence]) -> ReportContent:
-    """Return the report of a study.
-
-    Args:
-        result: of the study, complete.
-        by: the measure that is looked at most.
-        found: what the inputs do to it.
-    """
+def study_content(answer: Answer) -> ReportContent:
+    """Return the report of a study that is complete."""
+    result = answer.result
     study, content = result.study, result.inputs
     motions = " | ".join(motion.description for motion in study.motions)
     question = tuple(" ".join(part.split()) for part in study.question.strip().split("\n\n") if part.strip())
@@ -55,29 +34,28 @@ def study_content(result: StudyResult, by: str, found: Sequence[Influence]) -> R
             ("By", f"wirerope-mj {content['versions'].get('wirerope-mj', 'unknown')}"),
         ),
         question=question or ("The study asks no question.",),
-        verdict=_verdict(result),
+        verdict=_verdict(answer),
         answer=(Listing(items=tuple(sentences(result))), *_failed(result)),
         sections=(
             Section(title="What varied", blocks=(_varied(content["vary"]),)),
-            Section(title="What came out", blocks=(_measures(result, by), *_pictures(result, by, found))),
-            Section(title="Inputs that matter", blocks=_influences(by, found)),
-            Section(title="Worst variants", blocks=(_worst(result, by, found),)),
+            Section(title="What came out", blocks=(_measures(answer), *_pictures(answer))),
+            Section(title="Inputs that matter", blocks=_influences(answer)),
+            Section(title="Worst variants", blocks=(_worst(answer),)),
             Section(title="Numerics and versions", blocks=(_numerics(result),)),
         ),
     )
 
 
-def _verdict(result: StudyResult) -> Mark:
-    table = result.table
-    limits = {name: measure_of(name).limit for name in headlines(table)}
-    judged = [chance(values_of(table, name), limit) for name, limit in limits.items() if limit is not None]
+def _verdict(answer: Answer) -> Mark:
+    judged = [figures.beyond for figures in answer.figures if figures.beyond is not None]
     if not judged:
         return Mark(text="Not judged: no limit is stated", tone="unjudged")
     most = max(judged, key=lambda one: one.count)
     if most.count:
-        share = f" ({percent(most.count / most.n)})" if random_study(result) else ""
+        share = f" ({percent(most.count / most.n)})" if answer.drawn else ""
         return Mark(text=f"A limit is exceeded in {most.count} of {most.n} variants{share}", tone="exceeded")
-    failed = f"; {several(len(result.failed), 'variant')} failed" if result.failed else ""
+    n_failed = len(answer.result.failed)
+    failed = f"; {several(n_failed, 'variant')} failed" if n_failed else ""
     return Mark(text=f"Within the limits in all {most.n} variants{failed}", tone="unjudged" if failed else "within")
 
 
@@ -111,39 +89,36 @@ def _words(one: Mapping[str, Any]) -> str:
     return "scatter of the specimens that the isolator was identified from"
 
 
-def _measures(result: StudyResult, by: str) -> Table:
-    table, drawn = result.table, random_study(result)
-    rows: list[tuple[Cell, ...]] = []
-    for name in dict.fromkeys([by, *headlines(table)]):
-        shown, values = measure_of(name), values_of(table, name)
-        figures = [*(quantiles(values, _QUANTILES) if drawn else []), float(np.nanmax(values))]
-        cells: list[Cell] = [shown.label, *(number(shown.factor * value) for value in figures)]
-        cells.append(str(worst(table, name, 1)[0]))
-        beyond = None if shown.limit is None else chance(values, shown.limit)
-        if beyond is None or shown.limit is None:
+def _measures(answer: Answer) -> Table:
+    rows = []
+    for one in answer.figures:
+        cells: list[Cell] = [one.measure.label]
+        cells += [number(value) for value in [*(one.quantiles if answer.drawn else ()), one.largest]]
+        cells.append(str(one.variant))
+        if one.beyond is None or one.limit is None:
             cells += [ABSENT, ABSENT]
         else:
-            text = f"{beyond.count} of {beyond.n}"
-            tone = "exceeded" if beyond.count else "within"
-            cells += [number(shown.factor * shown.limit), Mark(text=text, tone=tone)]
+            tone = "exceeded" if one.beyond.count else "within"
+            cells += [number(one.limit), Mark(text=f"{one.beyond.count} of {one.beyond.n}", tone=tone)]
         rows.append(tuple(cells))
-    shares = [f"{100.0 * q:.0f} %" for q in _QUANTILES] if drawn else []
+    shares = [f"{100.0 * q:.0f} %" for q in QUANTILES] if answer.drawn else []
     head = ("measure", *shares, "largest", "in variant", "limit", "beyond it")
     return Table(
-        caption="Measures and their percentiles" if drawn else "Measures", head=head,
+        caption="Measures and their percentiles" if answer.drawn else "Measures", head=head,
         align="l" + "r" * (len(head) - 1), rows=tuple(rows),
-        note="A percentile is given if at least five variants lie beyond it." if drawn else "",
+        note="A percentile is given if at least five variants lie beyond it." if answer.drawn else "",
     )  # fmt: skip
 
 
-def _pictures(result: StudyResult, by: str, found: Sequence[Influence]) -> list[Block]:
+def _pictures(answer: Answer) -> list[Block]:
     return [
         Picture(image=image_of(picture.figure), caption=picture.caption, alt=picture.caption)
-        for picture in study_pictures(result, by, found)
+        for picture in study_pictures(answer.result, answer.by, answer.influences)
     ]
 
 
-def _influences(by: str, found: Sequence[Influence]) -> tuple[Block, ...]:
+def _influences(answer: Answer) -> tuple[Block, ...]:
+    found = answer.influences
     if len(found) < 2:
         return ()
     rows = []
@@ -152,7 +127,7 @@ def _influences(by: str, found: Sequence[Influence]) -> tuple[Block, ...]:
         certain = Mark(text="certain", tone="strong") if one.certain else Mark(text="may be chance", tone="quiet")
         rows.append((one.name, f"{fixed(max(100.0 * one.share, 0.0), 1)} %", rank, certain))
     table = Table(
-        caption=f"What each input explains of the variance of: {measure_of(by).words}",
+        caption=f"What each input explains of the variance of: {measure_of(answer.by).words}",
         head=("input", "share it explains alone", "rank correlation", ""), align="lrrl", rows=tuple(rows),
         note="Shares are first-order Sobol indices, estimated from the variants as they are; what is missing to 100 % is left "
         "to inputs together and to what so few classes do not resolve. Of several inputs that move together, the strongest "
@@ -161,19 +136,17 @@ def _influences(by: str, found: Sequence[Influence]) -> tuple[Block, ...]:
     return (table,)
 
 
-def _worst(result: StudyResult, by: str, found: Sequence[Influence]) -> Table:
-    table = result.table
-    measures = list(dict.fromkeys([by, *headlines(table)]))
-    inputs = list(dict.fromkeys([*(one.name for one in found), *input_names(table)]))[:_INPUTS]
-    rows = []
-    for variant in worst(table, by, _WORST):
-        row = row_of(table, variant)
-        values = [number(measure_of(name).factor * row[name]) for name in measures]
-        rows.append((str(variant), *values, *(_input(row[name]) for name in inputs)))
-    head = ("variant", *(f"{name} [{measure_of(name).unit}]" for name in measures), *map(input_label, inputs))
+def _worst(answer: Answer) -> Table:
+    rows = [
+        (str(one.variant), *(number(value) for value in one.values), *(_input(value) for value in one.inputs))
+        for one in answer.worst(_WORST, inputs=_INPUTS)
+    ]
+    measures = (f"{measure.name} [{measure.unit}]" for measure in answer.measures)
+    head = ("variant", *measures, *map(input_label, answer.inputs(_INPUTS)))
     return Table(
-        caption=f"Worst by {by}, with the inputs that matter most", head=head, align="r" * len(head), rows=tuple(rows)
-    )
+        caption=f"Worst by {answer.by}, with the inputs that matter most", head=head, align="r" * len(head),
+        rows=tuple(rows),
+    )  # fmt: skip
 
 
 def _input(value: Any) -> str:

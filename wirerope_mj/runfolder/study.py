@@ -1,15 +1,14 @@
 """What stands beside a study's table: its pictures, and its worst variants as runs."""
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from wirerope_mj.errors import RecordError
 from wirerope_mj.response import load_response
 from wirerope_mj.runfolder.write import run_scenario
 from wirerope_mj.scenario import Scenario
+from wirerope_mj.study.answer import Answer
 from wirerope_mj.study.findings import input_names, worst
 from wirerope_mj.study.result import StudyResult
-from wirerope_mj.study.sensitivity import Influence
 from wirerope_mj.whole import written_whole
 
 MOST = 6
@@ -26,13 +25,13 @@ def checked_count(count: int) -> int:
     return count
 
 
-def write_study_pictures(result: StudyResult, by: str, found: Sequence[Influence]) -> list[Path]:
-    """Write the pictures of a study into its folder and return them; arguments as those of `study_pictures`."""
+def write_study_pictures(answer: Answer) -> list[Path]:
+    """Write the pictures of a study into its folder and return them."""
     from wirerope_mj.plots.study_pictures import study_pictures  # late: matplotlib takes a while
 
     paths = []
-    for picture in study_pictures(result, by, found):
-        paths.append(result.folder / f"{picture.name}.png")
+    for picture in study_pictures(answer.result, answer.by, answer.influences):
+        paths.append(answer.result.folder / f"{picture.name}.png")
         with written_whole(paths[-1]) as beside:
             picture.figure.savefig(beside, format="png", dpi=150)
     return paths

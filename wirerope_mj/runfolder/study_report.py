@@ -6,9 +6,8 @@ from wirerope_mj.errors import RecordError
 from wirerope_mj.report.page import report_html
 from wirerope_mj.report.study import study_content
 from wirerope_mj.runfolder.page import page_files, write_page
-from wirerope_mj.study.findings import HEADLINES, checked_measure, headlines, input_names
+from wirerope_mj.study.answer import answer_of
 from wirerope_mj.study.result import load_study
-from wirerope_mj.study.sensitivity import influences
 
 
 def write_study_report(
@@ -38,8 +37,5 @@ def write_study_report(
     result = load_study(folder)
     if not result.complete:
         raise RecordError(result.message)
-    table = result.table
-    by = checked_measure(table, by or (headlines(table) or HEADLINES)[0])
-    text = report_html(study_content(result, by, influences(table, input_names(table), by)))
-    write_page(text, files)
+    write_page(report_html(study_content(answer_of(result, by))), files)
     return files
