@@ -1,9 +1,10 @@
 """Many variants of one system, each with its own base motion and start, side by side on several threads."""
 
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import mujoco
@@ -15,12 +16,14 @@ from wirerope_mj.control.install import Kind
 from wirerope_mj.errors import WireRopeError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response.peaks import Peaks
+from wirerope_mj.response.response import Numerics, Response
 from wirerope_mj.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.simulation.initial import initial_state
 from wirerope_mj.simulation.lockstep import Lockstep
+from wirerope_mj.simulation.recorder import Recorder
 from wirerope_mj.simulation.run import run
 from wirerope_mj.simulation.same_layout import check_same_layout
-from wirerope_mj.simulation.simulate import check_arguments, check_direction, checked_corners, checked_step
+from wirerope_mj.simulation.simulate import check_arguments, check_direction, checked_corners, checked_step, versions
 from wirerope_mj.state import State
 from wirerope_mj.system import System
 
@@ -39,6 +42,7 @@ class BatchResult:
         initial_state, final_state: states at the start and at the end.
         timestep: largest step [s].
         steps: number of steps.
+        response: the whole response, if it was asked for.
     """
 
     peaks: Peaks
@@ -46,6 +50,7 @@ class BatchResult:
     final_state: State
     timestep: float
     steps: int
+    response: Response | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,8 +87,9 @@ def simulate_batch(
     sample_rate: float = 1000.0,
     corners: Sequence[float] | Array = (),
     threads: int | None = None,
+    responses: bool = False,
 ) -> list[BatchResult | BatchFailure]:
-    """Return the peaks of many variants of one layout, in their order; no samples are kept.
+    """Return the peaks of many variants of one layout, in their order; samples are kept only on request.
 
     All variants take the same steps: the corners of every motion end steps of all. Each is bit for bit what `simulate` finds
     alone with `timestep` and with the corners of all motions as its `corners`, whatever the number of threads.
@@ -100,6 +106,7 @@ def simulate_batch(
         corners: instants [s] at which steps end besides the motions' own corners: give those of all motions of a study, so
             that the results do not depend on which variants share a batch.
         threads: number of threads; None for one per processor.
+        responses: whether whole responses are kept, too: in memory, those of all variants at once.
 
     Raises:
         ValueError: an argument is out of range.
@@ -128,7 +135,7 @@ def simulate_batch(
             start=_common_instant(variants), duration=duration, sample_rate=sample_rate, timestep=timestep,
             motion=motions[0], corners=_all_corners(motions, checked_corners(corners)),
         )  # fmt: skip
-        found |= _together(variants, grid, threads or os.cpu_count() or 1)
+        found |= _together(variants, grid, threads or os.cpu_count() or 1, responses)
     return [found[number] for number in range(len(systems))]
 
 
@@ -167,7 +174,9 @@ def _common_instant(variants: Sequence[_Variant]) -> float:
     return instants.pop()
 
 
-def _together(variants: Sequence[_Variant], grid: TimeGrid, threads: int) -> dict[int, BatchResult | BatchFailure]:
+def _together(
+    variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool
+) -> dict[int, BatchResult | BatchFailure]:
     """Return the variants' results by number, all stepped through one grid."""
     found: dict[int, BatchResult | BatchFailure] = {}
     model = variants[0].system.model
@@ -176,26 +185,59 @@ def _together(variants: Sequence[_Variant], grid: TimeGrid, threads: int) -> dic
             side_by_side = Lockstep(
                 [v.system for v in variants], [v.motion for v in variants], [v.start for v in variants], threads=threads
             )
-            side_by_side.go(grid)
+            recorders = [_recorder(variant, grid) for variant in variants] if responses else []
+            side_by_side.go(grid, partial(_add, recorders) if responses else None)
             for place in side_by_side.live.tolist():
                 final, peaks = side_by_side.result(place)
-                found[variants[place].number] = BatchResult(
-                    peaks=peaks, initial_state=variants[place].start, final_state=final,
-                    timestep=side_by_side.largest_step, steps=side_by_side.steps,
+                found[variants[place].number] = _result(
+                    variants[place], final, peaks, recorders[place] if responses else None,
+                    timestep=side_by_side.largest_step, steps=side_by_side.steps, callback=kind,
                 )  # fmt: skip
             found |= {variants[i].number: BatchFailure(error=error) for i, error in side_by_side.errors.items()}
     # Where it is not known yet what went wrong, it is found by going the same way alone, as does what threads cannot serve.
     alone = [variant for variant in variants if variant.number not in found]
-    return found | {variant.number: _alone(variant, grid, kind) for variant in alone}
+    return found | {variant.number: _alone(variant, grid, kind, responses) for variant in alone}
 
 
-def _alone(variant: _Variant, grid: TimeGrid, kind: Kind) -> BatchResult | BatchFailure:
+def _alone(variant: _Variant, grid: TimeGrid, kind: Kind, responses: bool) -> BatchResult | BatchFailure:
     own = replace(grid, motion=variant.motion)
+    recorder = _recorder(variant, grid) if responses else None
+    sink = _forget if recorder is None else recorder.add
     try:
-        done = run(variant.system, variant.motion, own, variant.start, callback=kind, sink=lambda sample, values: None)
+        done = run(variant.system, variant.motion, own, variant.start, callback=kind, sink=sink)
     except WireRopeError as error:
         return BatchFailure(error=error)
-    return BatchResult(
-        peaks=done.peaks, initial_state=variant.start, final_state=done.final_state,
-        timestep=done.largest_step, steps=done.steps,
+    return _result(
+        variant, done.final_state, done.peaks, recorder,
+        timestep=done.largest_step, steps=done.steps, callback=done.callback,
     )  # fmt: skip
+
+
+def _recorder(variant: _Variant, grid: TimeGrid) -> Recorder:
+    return Recorder(variant.system, variant.motion, grid, None)
+
+
+def _add(recorders: Sequence[Recorder], sample: int, values: Array) -> None:
+    """Give every variant's recorder its row of a sample's sensor values."""
+    for recorder, row in zip(recorders, values, strict=True):
+        recorder.add(sample, row)
+
+
+def _forget(sample: int, values: Array) -> None:
+    """Keep no sample."""
+
+
+def _result(
+    variant: _Variant, final: State, peaks: Peaks, recorder: Recorder | None,
+    *, timestep: float, steps: int, callback: Kind,
+) -> BatchResult:  # fmt: skip
+    response = None
+    if recorder is not None:
+        numerics = Numerics(
+            timestep=timestep, accuracy=math.nan, error_estimate=math.nan, steps=steps, callback=callback,
+            versions=dict(versions()),
+        )  # fmt: skip
+        response = recorder.finish(variant.start, final, peaks, numerics)
+    return BatchResult(
+        peaks=peaks, initial_state=variant.start, final_state=final, timestep=timestep, steps=steps, response=response
+    )

@@ -29,6 +29,7 @@ from wirerope_mj.state import State
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
+Sink = Callable[[int, Array], None]
 
 
 class Lockstep:
@@ -66,9 +67,18 @@ class Lockstep:
         self._places = self._model.jnt_qposadr[list(assembly.subjects.driven)]
         self._origin = np.array([system.model.qpos0[self._places] for system in systems])
         self._finals, self._checked = np.empty_like(self._batch.state), self._batch.state.copy()
+        self._sink: Sink | None = None
+        self._sample, self._sensors = 0, np.empty(0)
 
-    def go(self, grid: TimeGrid) -> None:
-        """Step through a grid, the mounts of the model acting; its motion says nothing here, its corners everything."""
+    def go(self, grid: TimeGrid, sink: Sink | None = None) -> None:
+        """Step through a grid, the mounts of the model acting; its motion says nothing here, its corners everything.
+
+        Args:
+            grid: pieces of equal steps.
+            sink: called with every sample's number and the systems' sensor values, (n_systems, n_sensors), which it must copy.
+        """
+        if sink is not None:
+            self._sink, self._sensors = sink, self._batch.bind("sensordata")[:, self.systems[0].assembly.sensor :]
         tables = [StageTables(motion, self._drive) for motion in self._distinct]
         keys = [_corners_of(motion) for motion in self._distinct]
         by_corners = dict(zip(keys, self._distinct, strict=True))
@@ -82,6 +92,8 @@ class Lockstep:
             self.steps += int(block.steps.sum())
             self.largest_step = max(self.largest_step, block.largest_step)
         self._finish(stop)
+        if self._sample < grid.sample_times.size:
+            self._take_sample()
         self._base_peaks = [table.peak for table in tables]
 
     def result(self, number: int) -> tuple[State, Peaks]:
@@ -113,12 +125,22 @@ class Lockstep:
             )
             self._batch.state[:, 0] = start  # so that rounding does not add up over the steps
             self._timestep[:] = (stop - start) / steps
-            self._call(partial(self._batch.step, self.live, nstep=steps))
+            if self._sink is not None and block.sampled[first + piece]:
+                self._call(partial(self._batch.step, self.live))
+                self._take_sample()
+                steps -= 1
+            if steps:
+                self._call(partial(self._batch.step, self.live, nstep=steps))
             if piece + 1 - checked == CHECK_EVERY or piece + 1 == n_pieces:
                 for number in self._drop_failed():
                     which = self._which[number]
                     self._look_again(number, grids[which], list(stages[which].pieces(checked, piece + 1)))
                 checked, self._checked[:] = piece + 1, self._batch.state
+
+    def _take_sample(self) -> None:
+        if self._sink is not None:
+            self._sink(self._sample, self._sensors)
+            self._sample += 1
 
     def _set_table(self, accelerations: Array, start: float, rate: float) -> None:
         """Give every base its accelerations (n_motions, 3 n_points), `rate` of them a second."""

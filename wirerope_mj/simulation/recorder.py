@@ -8,10 +8,11 @@ import numpy.typing as npt
 
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response.columns import ColumnPlan
+from wirerope_mj.response.peaks import Peaks
 from wirerope_mj.response.response import MemorySamples, Numerics, Response
 from wirerope_mj.response.storage import FILE, SampleWriter, build_response, load_response, response_metadata
 from wirerope_mj.simulation.grid import TimeGrid
-from wirerope_mj.simulation.run import Run, point_name
+from wirerope_mj.simulation.run import point_name
 from wirerope_mj.simulation.scene import scene_of
 from wirerope_mj.state import State
 from wirerope_mj.system import System
@@ -28,12 +29,7 @@ class Recorder:
     def __init__(self, system: System, motion: BaseMotion, grid: TimeGrid, out: Path | None) -> None:
         """Prepare for the samples of `grid`; `out` is the folder they are streamed to, None to keep them in memory."""
         self._system, self._motion, self._times = system, motion, grid.sample_times
-        model, assembly = system.model, system.assembly
-        self.plan = ColumnPlan(
-            bodies=[model.body(body).name for body in assembly.subjects.bodies],
-            points=[point_name(model, site) for site in assembly.subjects.points],
-            mounts=[(name, _state_names(system, name)) for name in system.mounts],
-        )
+        self.plan = column_plan(system)
         self._names = self.plan.names
         self._writer = SampleWriter(out / FILE, self._names) if out is not None else None
         rows = min(STREAM_ROWS, self._times.size) if out is not None else self._times.size
@@ -55,9 +51,9 @@ class Recorder:
             self._block[:rows, 1 + 3 * column : 4 + 3 * column] = part(times)
         return self._block[:rows]
 
-    def finish(self, start: State, done: Run, numerics: Numerics) -> Response:
+    def finish(self, start: State, final: State, peaks: Peaks, numerics: Numerics) -> Response:
         """Return the response of a run that came to its end."""
-        content = self._metadata(start, done, numerics)
+        content = self._metadata(start, final, peaks, numerics)
         rest = self._with_base(self._times.size - self._written)
         if self._writer is None:
             return build_response(
@@ -68,22 +64,32 @@ class Recorder:
         self._writer.close(content)
         return load_response(self._writer.path.parent)
 
-    def _metadata(self, start: State, done: Run, numerics: Numerics) -> dict[str, Any]:
+    def _metadata(self, start: State, final: State, peaks: Peaks, numerics: Numerics) -> dict[str, Any]:
         return response_metadata(
             plan=self.plan,
-            peaks=done.peaks,
+            peaks=peaks,
             scene=scene_of(self._system),
             motion=self._motion.to_dict(),
             events=self._motion.events,
             numerics=numerics,
             initial_state=start,
-            final_state=done.final_state,
+            final_state=final,
         )
 
     def discard(self) -> None:
         """Leave no half-written file."""
         if self._writer is not None:
             self._writer.discard()
+
+
+def column_plan(system: System) -> ColumnPlan:
+    """Return what is sampled of a system."""
+    model, subjects = system.model, system.assembly.subjects
+    return ColumnPlan(
+        bodies=[model.body(body).name for body in subjects.bodies],
+        points=[point_name(model, site) for site in subjects.points],
+        mounts=[(name, _state_names(system, name)) for name in system.mounts],
+    )
 
 
 def _state_names(system: System, mount: str) -> tuple[str, ...]:

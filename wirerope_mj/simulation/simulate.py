@@ -88,16 +88,16 @@ def simulate(
             error_estimate=step.error,
             steps=done.steps,
             callback=done.callback,
-            versions=dict(_versions()),
+            versions=dict(versions()),
         )
-        return recorder.finish(start, done, numerics)
+        return recorder.finish(start, done.final_state, done.peaks, numerics)
     except BaseException:
         recorder.discard()
         raise
 
 
 @cache
-def _versions() -> dict[str, str]:
+def versions() -> dict[str, str]:
     """Return the versions of the packages that compute a response; reading them takes half as long as a short one."""
     return {name: version(name) for name in ("wirerope-mj", "mujoco", "numpy", "numba")}
 
