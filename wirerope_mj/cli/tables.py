@@ -11,10 +11,11 @@ from rich.table import Table
 
 from wirerope_mj.criteria import Verdict, acceleration_verdicts
 from wirerope_mj.excitation import Sweep
+from wirerope_mj.isolator.travel import RATINGS
 from wirerope_mj.response import Response
 from wirerope_mj.scenario import Scenario
 from wirerope_mj.units import STANDARD_GRAVITY
-from wirerope_mj.verdicts import RATINGS, MountPeak, body_peaks, mount_peaks, verdict_lines
+from wirerope_mj.verdicts import MountPeak, body_peaks, mount_peaks, verdict_lines
 
 WIDTH = 120
 """Width of tables where there is no terminal to fit them into [characters]."""

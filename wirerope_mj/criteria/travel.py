@@ -5,14 +5,11 @@ import numpy.typing as npt
 
 from wirerope_mj.criteria.sampled import read_columns, sampled_peak
 from wirerope_mj.criteria.verdict import EXCEEDED, Verdict
+from wirerope_mj.isolator.travel import RATINGS, travel_in, travel_reached
 from wirerope_mj.response import Response
 from wirerope_mj.response.scene import SceneMount
 
 Array = npt.NDArray[np.float64]
-
-RATINGS = {"compression": (2, -1.0), "tension": (2, 1.0), "shear": (1, 0.0), "roll": (0, 0.0)}
-"""Rated travels: the mount's axis, and which way along it; 0 = both."""
-
 
 COMBINED = "travel combined"
 """Name of the criterion on all axes at once."""
@@ -40,12 +37,11 @@ def _along(response: Response, mount: SceneMount, rating: str, deflection: Array
     """Return the verdict on one rated travel, from the peaks of every step."""
     axis, way = RATINGS[rating]
     peak = response.peaks.mounts[mount.name].deflection
-    low, high = -float(peak.minimum[axis]), float(peak.maximum[axis])
-    down = way < 0.0 or (way == 0.0 and low > high)
+    down = way < 0.0 or (way == 0.0 and -peak.minimum[axis] > peak.maximum[axis])
     verdict = Verdict(
         criterion=f"travel in {rating}",
         subject=mount.name,
-        value=max(low if down else high, 0.0),
+        value=float(travel_reached(peak.minimum, peak.maximum)[rating]),
         limit=mount.travel.get(rating),
         unit="m",
         time=float(peak.minimum_time[axis] if down else peak.maximum_time[axis]),
@@ -53,8 +49,7 @@ def _along(response: Response, mount: SceneMount, rating: str, deflection: Array
     )
     if verdict.verdict != EXCEEDED:
         return verdict
-    toward = np.abs(deflection[:, axis]) if way == 0.0 else way * deflection[:, axis]
-    beyond = _length(response.time, toward > mount.travel[rating])
+    beyond = _length(response.time, travel_in(rating, deflection) > mount.travel[rating])
     return Verdict(**{**vars(verdict), "note": f"beyond it for {beyond}"})
 
 
@@ -68,15 +63,15 @@ def _combined(time: Array, mount: SceneMount, deflection: Array) -> Verdict:
     total = np.zeros(time.size)
     judged = np.ones(time.size, dtype=bool)
     missing, left_out = [], ""
-    for rating, (axis, way) in RATINGS.items():
-        toward = np.abs(deflection[:, axis]) if way == 0.0 else np.clip(way * deflection[:, axis], 0.0, None)
+    for rating, (_, way) in RATINGS.items():
+        travel = travel_in(rating, deflection)
         if rating in mount.travel:
-            total += (toward / mount.travel[rating]) ** 2
-        elif toward.any():
+            total += (travel / mount.travel[rating]) ** 2
+        elif travel.any():
             missing.append(rating)
             if way:
-                judged &= toward == 0.0
-                left_out = f"left out: {_length(time, toward > 0.0)} with up to {1e3 * toward.max():.3g} mm of {rating}"
+                judged &= travel == 0.0
+                left_out = f"left out: {_length(time, travel > 0.0)} with up to {1e3 * travel.max():.3g} mm of {rating}"
     bound = not judged.any() or any(RATINGS[rating][1] == 0.0 for rating in missing)
     square, when = sampled_peak(time, total)
     notes = ["sqrt of the sum of (deflection / rated)^2 at one instant"]

@@ -8,6 +8,7 @@ from typing import Any
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Spread
 from wirerope_mj.isolator.tables import AXES, read_tables, write_toml
+from wirerope_mj.isolator.travel import SIDES
 from wirerope_mj.laws import BiaxialBoucWen, Law
 
 BIAXIAL = "biaxial"
@@ -85,13 +86,10 @@ class Isolator:
 
     def rated_travel(self, axis: str) -> tuple[float | None, float | None]:
         """Return how far the axis may deflect below and above zero [m], both positive; None = not judged."""
-        travel = self.limits.travel
-        if axis == "axial":
-            return travel.compression, travel.tension
-        if axis not in AXES:
+        if axis not in SIDES:
             raise ValueError(f"`axis` must be one of {', '.join(AXES)}, got {axis!r}.")
-        limit = travel.shear if axis == "shear" else travel.roll
-        return limit, limit
+        below, above = (self.limits.travel.stated.get(rating) for rating in SIDES[axis])
+        return below, above
 
     def save(self, path: str | Path) -> None:
         """Write the isolator file, whole or not at all."""

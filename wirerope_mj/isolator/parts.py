@@ -46,6 +46,11 @@ class Travel:
     def __post_init__(self) -> None:
         _require_positive(self, "compression", "tension", "shear", "roll")
 
+    @property
+    def stated(self) -> dict[str, float]:
+        """The rated travels that are stated [m], by name."""
+        return _stated(self)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
@@ -62,8 +67,7 @@ class Limits:
     def to_dict(self) -> dict[str, Any]:
         """Return the limits as they stand in an isolator file."""
         load = {} if self.static_load is None else {"static_load": self.static_load}
-        travel = _stated(self.travel)
-        return {**load, **({"travel": travel} if travel else {})}
+        return {**load, **({"travel": self.travel.stated} if self.travel.stated else {})}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,6 +5,7 @@ import numpy.typing as npt
 
 from wirerope_mj.control import layout as at
 from wirerope_mj.control.observer import parabola_extreme
+from wirerope_mj.isolator.travel import travel_reached, travel_shares
 from wirerope_mj.periodic.coordinates import Ranges
 from wirerope_mj.periodic.track import Track
 from wirerope_mj.system import System
@@ -79,15 +80,10 @@ def travel_exceeded(system: System, track: Track) -> str:
     lowest, highest = deflections.min(axis=0), deflections.max(axis=0)
     found = []
     for (name, mount), low, high in zip(system.mounts.items(), lowest, highest, strict=True):
-        rated = mount.isolator.limits.travel
-        reached = {"compression": -low[2], "tension": high[2]}
-        reached |= {axis: max(high[i], -low[i]) for i, axis in enumerate(("roll", "shear"))}
-        for axis, value in reached.items():
-            limit = getattr(rated, axis, None)
-            if limit is not None and value > limit:
-                found.append(
-                    (value / limit, f"mount {name!r} reaches {value:.4g} m in {axis}, rated for {limit:.4g} m")
-                )
+        rated, reached = mount.isolator.limits.travel.stated, travel_reached(low, high)
+        for rating, share in travel_shares(reached, rated).items():
+            far = f"mount {name!r} reaches {reached[rating]:.4g} m in {rating}, rated for {rated[rating]:.4g} m"
+            found += [(share, far)] if share > 1.0 else []
     found.sort(reverse=True)
     more = f", and {len(found) - 1} more" if len(found) > 1 else ""
     return found[0][1] + more if found else ""

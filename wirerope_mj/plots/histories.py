@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from wirerope_mj.isolator.travel import SIDES
 from wirerope_mj.response import Response
 from wirerope_mj.units import STANDARD_GRAVITY
 from wirerope_mj.verdicts import AXES, MountPeak, body_peaks, mount_peaks
@@ -90,7 +91,7 @@ def _rated(response: Response, panel: Any, row: MountPeak) -> None:
     """Mark the rated travel of the busiest mount."""
     travel = next(mount.travel for mount in response.scene.mounts if mount.name == row.name)
     axis = AXES[_governing(row)]
-    below, above = ("compression", "tension") if axis == "axial" else (axis, axis)
+    below, above = SIDES[axis]
     for limit, sign in ((below, -1.0), (above, 1.0)):
         if limit in travel:
             label = f"rated {limit}, {row.name}" if (limit, sign) != (below, 1.0) else None

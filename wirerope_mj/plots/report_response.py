@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from wirerope_mj.isolator.travel import SIDES
 from wirerope_mj.plots.report_image import (
     BASE,
     COLOURS,
@@ -163,5 +164,6 @@ def _histories(lines: list[list[Line]], names: list[str], marks: list[list[float
 
 def _ratings(travel: dict[str, float], axis: str) -> list[float]:
     """Return the rated travels of an axis below and above zero [mm], as far as there are any."""
-    below, above = ("compression", "tension") if axis == "axial" else (axis, axis)
-    return [sign * 1e3 * travel[rating] for rating, sign in ((below, -1.0), (above, 1.0)) if rating in travel]
+    return [
+        sign * 1e3 * travel[rating] for rating, sign in zip(SIDES[axis], (-1.0, 1.0), strict=True) if rating in travel
+    ]

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wirerope_mj.isolator.travel import SIDES, travel_reached, travel_shares
 from wirerope_mj.recording.paths import AXES, AXIAL, Array
 from wirerope_mj.response import Peak, Response
 from wirerope_mj.response.scene import SceneMount
@@ -77,7 +78,7 @@ class Selection:
 def select(response: Response) -> Selection:
     """Return what is shown of `response`."""
     mounts = tuple(mount.name for mount in response.scene.mounts)
-    shares = np.array([travel_shares(m, response.peaks.mounts[m.name].deflection) for m in response.scene.mounts])
+    shares = np.array([_shares(m, response.peaks.mounts[m.name].deflection) for m in response.scene.mounts])
     shares = shares.reshape(-1, 3)
     ranked = {axis: _ranked(response, mounts, shares, number) for number, axis in enumerate(AXES)}
     first, last = float(response.time[0]), float(response.time[-1])
@@ -97,17 +98,15 @@ def select(response: Response) -> Selection:
     )
 
 
-def travel_shares(mount: SceneMount, deflection: Peak) -> Array:
+def _shares(mount: SceneMount, deflection: Peak) -> Array:
     """Return the share of the rated travel of roll, shear and axial that the extremes reach, (3,); NaN if not rated."""
-    limits = np.array([travel_limits(mount, axis) for axis in AXES])
-    shares = np.column_stack([deflection.minimum / limits[:, 0], deflection.maximum / limits[:, 1]])
-    rated = ~np.isnan(limits).all(axis=1)
-    return np.where(rated, np.where(np.isnan(shares), 0.0, shares).max(axis=1), np.nan)
+    shares = travel_shares(travel_reached(deflection.minimum, deflection.maximum), mount.travel)
+    return np.array([max((shares[side] for side in SIDES[axis] if side in shares), default=np.nan) for axis in AXES])
 
 
 def travel_limits(mount: SceneMount, axis: str) -> tuple[float, float]:
     """Return the lowest and highest rated deflection of an axis [m]; NaN where none is rated."""
-    below, above = ("compression", "tension") if axis == AXES[AXIAL] else (axis, axis)
+    below, above = SIDES[axis]
     return -mount.travel.get(below, np.nan), mount.travel.get(above, np.nan)
 
 

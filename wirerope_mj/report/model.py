@@ -1,6 +1,7 @@
 """The part of a report that says what was simulated: geometry, mounts and isolators with their provenance."""
 
 from wirerope_mj.isolator import Isolator
+from wirerope_mj.isolator.travel import RATINGS
 from wirerope_mj.modes import Modes
 from wirerope_mj.plots.report_image import image_of
 from wirerope_mj.plots.report_scene import axial_direction, crowded_label, mount_labels, mount_place, scene_figure
@@ -10,8 +11,6 @@ from wirerope_mj.report.run import FinishedRun
 
 _MOST_SHAPES = 80
 """Geoms from which the drawing is stored as pixels: each takes about a kilobyte in either view, and as long to write."""
-
-_RATINGS = ("compression", "tension", "shear", "roll")
 
 
 def model_section(run: FinishedRun) -> Section:
@@ -106,7 +105,7 @@ def _isolators(devices: list[Isolator]) -> Table:
                 shown(size.height if size else None, "m"),
                 shown(size.width if size else None, "m"),
                 shown(device.limits.static_load, "N"),
-                *(shown(getattr(travel, rating), "m") for rating in _RATINGS),
+                *(shown(getattr(travel, rating), "m") for rating in RATINGS),
             )
         )
     return Table(

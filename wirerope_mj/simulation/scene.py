@@ -1,7 +1,5 @@
 """The drawable scene of a system."""
 
-from dataclasses import asdict
-
 import mujoco
 import numpy as np
 import numpy.typing as npt
@@ -97,7 +95,7 @@ def _mount(model: mujoco.MjModel, data: mujoco.MjData, mount: Mount) -> SceneMou
         height=_NAN if geometry is None else _number(geometry.height),
         width=_NAN if geometry is None else _number(geometry.width),
         static_load=_number(limits.static_load),
-        travel={key: value for key, value in asdict(limits.travel).items() if value is not None},
+        travel=limits.travel.stated,
     )
 
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Iterable
 
-from wirerope_mj.criteria.travel import RATINGS
+from wirerope_mj.isolator.travel import RATINGS, travel_reached, travel_shares
 from wirerope_mj.response.peaks import Peak, Peaks
 from wirerope_mj.simulation.run import point_name
 from wirerope_mj.system import System
@@ -39,11 +39,9 @@ def measures(system: System, peaks: Peaks) -> dict[str, float]:
     shares = []
     for name, mount in system.mounts.items():
         deflection = peaks.mounts[name].deflection
-        reached = {rating: _reached(deflection, axis, way) for rating, (axis, way) in RATINGS.items()}
-        travel = mount.isolator.limits.travel
-        rated = {rating: getattr(travel, rating) for rating in RATINGS}
-        shares.append(_largest(reached[rating] / limit for rating, limit in rated.items() if limit is not None))
-        found |= {f"deflection/{name}/{rating}": value for rating, value in reached.items()}
+        reached = travel_reached(deflection.minimum, deflection.maximum)
+        shares.append(_largest(travel_shares(reached, mount.isolator.limits.travel.stated).values()))
+        found |= {f"deflection/{name}/{rating}": float(value) for rating, value in reached.items()}
         found |= {f"travel/{name}": shares[-1], f"force/{name}": peaks.mounts[name].force.value}
     found["travel"] = _largest(share for share in shares if not math.isnan(share))
     found["fragility"] = _fragility(system, at)
@@ -63,12 +61,6 @@ def payload_points(system: System) -> list[str]:
     n = len(subjects.bodies)
     names = [point_name(system.model, point) for point in subjects.points]
     return [name for place, name in enumerate(names) if n + 2 * place not in on_base]
-
-
-def _reached(deflection: Peak, axis: int, way: float) -> float:
-    """Return how far a mount went along an axis [m]: down, up, or the farther of both."""
-    down, up = -float(deflection.minimum[axis]), float(deflection.maximum[axis])
-    return max(down if way < 0.0 else up if way > 0.0 else max(down, up), 0.0)
 
 
 def _fragility(system: System, at: dict[str, Peak]) -> float:

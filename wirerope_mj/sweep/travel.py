@@ -6,13 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.errors import SimulationError
+from wirerope_mj.isolator.travel import RATINGS, travel_reached
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
-
-WAYS = ("roll", "shear", "compression", "tension")
-"""Ways in which a travel is rated, in the order of a watch's columns."""
-
 
 RAN_AWAY = 10.0
 """Finite travels beyond which a deflection is but the overflow of a law that has ended."""
@@ -53,16 +50,13 @@ class TravelWatch:
     """Remembers where the mounts go farthest while a sweep goes on."""
 
     def __init__(self, system: System) -> None:
-        self._names = tuple(system.mounts)
-        rated = [[getattr(m.isolator.limits.travel, way) for way in WAYS] for m in system.mounts.values()]
-        self._rated = np.array([[math.inf if limit is None else limit for limit in row] for row in rated])
-        self._largest = np.full((len(system.mounts), len(WAYS)), -math.inf)
+        self._rated = {name: mount.isolator.limits.travel.stated for name, mount in system.mounts.items()}
+        self._largest = np.full((len(system.mounts), len(RATINGS)), -math.inf)
         self._at = np.zeros(self._largest.shape)
 
     def add(self, frequency: Array, lowest: Array, highest: Array) -> None:
         """Take extreme deflections [m], (n, n_mounts, 3), at frequencies [Hz], (n,)."""
-        both = np.maximum(highest, -lowest)
-        reached = np.stack([both[..., 0], both[..., 1], -lowest[..., 2], highest[..., 2]], axis=-1)
+        reached = np.stack(list(travel_reached(lowest, highest).values()), axis=-1)
         row = np.argmax(reached, axis=0)
         largest = np.take_along_axis(reached, row[np.newaxis], axis=0)[0]
         grown = largest > self._largest
@@ -71,9 +65,8 @@ class TravelWatch:
     def warnings(self) -> tuple[str, ...]:
         """Return a sentence for every rated travel that was exceeded, where it was most."""
         return tuple(
-            f"mount {name!r} goes {self._largest[m, w]:.4g} m in {way} at {self._at[m, w]:.5g} Hz, beyond its rated "
-            f"{self._rated[m, w]:.4g} m."
-            for m, name in enumerate(self._names)
-            for w, way in enumerate(WAYS)
-            if self._largest[m, w] > self._rated[m, w]
+            f"mount {name!r} goes {largest:.4g} m in {rating} at {frequency:.5g} Hz, beyond its rated {rated[rating]:.4g} m."
+            for (name, rated), row, at in zip(self._rated.items(), self._largest, self._at, strict=True)
+            for rating, largest, frequency in zip(RATINGS, row, at, strict=True)
+            if largest > rated.get(rating, math.inf)
         )

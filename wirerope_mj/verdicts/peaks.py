@@ -2,11 +2,9 @@
 
 from dataclasses import dataclass
 
+from wirerope_mj.isolator.travel import RATINGS, travel_reached, travel_shares
 from wirerope_mj.response import Response
 from wirerope_mj.units import STANDARD_GRAVITY
-
-RATINGS = ("compression", "tension", "shear", "roll")
-"""Rated travels of an isolator, in the order of the tables."""
 
 AXES = ("roll", "shear", "axial")
 
@@ -81,14 +79,8 @@ def mount_peaks(response: Response) -> list[MountPeak]:
     for mount in response.scene.mounts:
         peaks = response.peaks.mounts[mount.name]
         low, high = peaks.deflection.minimum, peaks.deflection.maximum
-        reached = {
-            "compression": max(-float(low[2]), 0.0),
-            "tension": max(float(high[2]), 0.0),
-            "shear": float(max(high[1], -low[1])),
-            "roll": float(max(high[0], -low[0])),
-        }
         force = [_extreme(float(a), float(b)) for a, b in zip(peaks.force.minimum, peaks.force.maximum, strict=True)]
-        shares = {name: reached[name] / mount.travel[name] if name in mount.travel else None for name in RATINGS}
+        shares = travel_shares(travel_reached(low, high), mount.travel)
         found.append(
             MountPeak(
                 name=mount.name,
@@ -96,7 +88,7 @@ def mount_peaks(response: Response) -> list[MountPeak]:
                 lowest=(float(low[0]), float(low[1]), float(low[2])),
                 highest=(float(high[0]), float(high[1]), float(high[2])),
                 force=(force[0], force[1], force[2]),
-                shares=shares,
+                shares={name: shares.get(name) for name in RATINGS},
             )
         )
     return sorted(found, key=lambda row: -1.0 if row.share is None else row.share, reverse=True)

@@ -10,9 +10,10 @@ from wirerope_mj.criteria import (
     travel_verdicts,
 )
 from wirerope_mj.criteria.travel import COMBINED
+from wirerope_mj.isolator.travel import RATINGS
 from wirerope_mj.response import Response
 from wirerope_mj.units import STANDARD_GRAVITY
-from wirerope_mj.verdicts.peaks import RATINGS, mount_peaks
+from wirerope_mj.verdicts.peaks import mount_peaks
 
 
 def verdict_lines(response: Response) -> list[str]:

@@ -1,0 +1,43 @@
+"""How far deflections go in each way that an isolator is rated for."""
+
+import numpy as np
+import pytest
+
+from wirerope_mj.isolator import AXES, Travel
+from wirerope_mj.isolator.travel import RATINGS, SIDES, travel_in, travel_reached, travel_shares
+
+# roll, shear, axial: pressed by 30 mm at most, pulled by 10 mm
+LOWEST, HIGHEST = np.array([-0.002, -0.004, -0.030]), np.array([0.005, 0.001, 0.010])
+
+
+def test_axial_has_two_ways_and_the_other_axes_count_both_as_one():
+    assert travel_reached(LOWEST, HIGHEST) == {"compression": 0.030, "tension": 0.010, "shear": 0.004, "roll": 0.005}
+
+
+def test_a_mount_that_never_leaves_compression_reaches_no_tension():
+    reached = travel_reached(np.array([0.0, 0.0, -0.03]), np.array([0.0, 0.0, -0.01]))
+    assert (reached["tension"], reached["compression"]) == (0.0, 0.03)
+    assert not any(np.signbit(value) for value in reached.values())  # zeros of one kind, as tables are compared by bits
+
+
+def test_the_farthest_of_many_instants_is_what_the_extremes_reach():
+    deflection = np.random.default_rng(7).normal(size=(200, 5, 3))
+    reached = travel_reached(deflection.min(axis=0), deflection.max(axis=0))
+    for rating in RATINGS:
+        np.testing.assert_array_equal(reached[rating], travel_in(rating, deflection).max(axis=0))
+
+
+def test_shares_are_of_the_stated_ratings_only():
+    rated = Travel(compression=0.04, shear=0.002).stated
+    shares = travel_shares(travel_reached(LOWEST, HIGHEST), rated)
+    assert shares == pytest.approx({"compression": 0.75, "shear": 2.0}, rel=1e-15)  # one division
+    assert travel_shares(travel_reached(LOWEST, HIGHEST), Travel().stated) == {}
+
+
+def test_every_rating_is_a_side_of_one_axis_and_a_field_of_travel():
+    assert tuple(SIDES) == AXES
+    assert {rating for sides in SIDES.values() for rating in sides} == set(RATINGS)
+    assert tuple(Travel(compression=1.0, tension=1.0, shear=1.0, roll=1.0).stated) == tuple(RATINGS)
+    for rating, (axis, way) in RATINGS.items():
+        sides = SIDES[AXES[axis]]
+        assert [side == rating for side in sides] == [way <= 0.0, way >= 0.0]
