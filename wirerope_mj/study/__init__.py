@@ -4,6 +4,9 @@ from wirerope_mj.study.distributions import Choice as Choice
 from wirerope_mj.study.distributions import Normal as Normal
 from wirerope_mj.study.distributions import Specimens as Specimens
 from wirerope_mj.study.distributions import Uniform as Uniform
+from wirerope_mj.study.indices import SobolIndex as SobolIndex
+from wirerope_mj.study.indices import SobolIndices as SobolIndices
+from wirerope_mj.study.indices import sobol_indices as sobol_indices
 from wirerope_mj.study.result import StudyResult as StudyResult
 from wirerope_mj.study.result import load_study as load_study
 from wirerope_mj.study.study import Study as Study

@@ -21,8 +21,10 @@ from wirerope_mj.study.findings import (
     values_of,
     worst,
 )
+from wirerope_mj.study.indices import SobolIndices, drawn, sobol_indices
 from wirerope_mj.study.result import StudyResult
 from wirerope_mj.study.sensitivity import Influence, influences
+from wirerope_mj.study.sobol import SAMPLING
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 
@@ -85,6 +87,13 @@ class Answer:
         return random_study(self.result)
 
     @cached_property
+    def indices(self) -> tuple[SobolIndices, ...]:
+        """Sobol's indices of the measures that are told; of a study that was not sampled for them, none."""
+        if self.result.study.sampling != SAMPLING:
+            return ()
+        return tuple(found for one in self.measures if (found := sobol_indices(self.result, one.name)).factors)
+
+    @cached_property
     def measures(self) -> tuple[Measure, ...]:
         """The measures that are told: `by` first, then those that are looked at first anyway."""
         names = dict.fromkeys([self.by, *headlines(self.result.table)])
@@ -112,16 +121,16 @@ class Answer:
 
     def _figures(self, measure: Measure) -> Figures:
         table, limit = self.result.table, measure.limit
-        values = values_of(table, measure.name)
+        values, independent = values_of(table, measure.name), values_of(drawn(self.result), measure.name)
         return Figures(
             measure=measure,
-            quantiles=tuple(measure.factor * value for value in quantiles(values, QUANTILES)),
+            quantiles=tuple(measure.factor * value for value in quantiles(independent, QUANTILES)),
             smallest=measure.factor * float(np.nanmin(values)),
             median=measure.factor * float(np.nanmedian(values)),
             largest=measure.factor * float(np.nanmax(values)),
             variant=worst(table, measure.name, 1)[0],
             limit=None if limit is None else measure.factor * limit,
-            beyond=None if limit is None else chance(values, limit),
+            beyond=None if limit is None else chance(independent, limit),
         )
 
 
@@ -137,4 +146,4 @@ def answer_of(result: StudyResult, by: str | None = None) -> Answer:
     """
     table = result.table
     by = checked_measure(table, by or (headlines(table) or HEADLINES)[0])
-    return Answer(result=result, by=by, influences=influences(table, input_names(table), by))
+    return Answer(result=result, by=by, influences=influences(drawn(result), input_names(table), by))

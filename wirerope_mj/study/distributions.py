@@ -24,6 +24,7 @@ class Normal:
         deviation: its standard deviation, > 0.
         relative: whether its values are factors on what the model says, and not values themselves.
         each: whether every mount or body that the name matches has a sample of its own; else they share one.
+        group: factor of Sobol's indices that it belongs to, together with all of the same group; None: one of its own.
         low, high: bounds of the values; None = unbounded.
     """
 
@@ -31,6 +32,7 @@ class Normal:
     deviation: float
     relative: bool
     each: bool
+    group: str | None
     low: float | None
     high: float | None
 
@@ -41,10 +43,12 @@ class Normal:
         *,
         relative: bool = False,
         each: bool = False,
+        group: str | None = None,
         low: float | None = None,
         high: float | None = None,
     ) -> None:
         _keep(self, mean=_finite("mean", mean), deviation=_finite("deviation", deviation), relative=relative, each=each)
+        _keep(self, group=_word("group", group))
         _keep(
             self, low=low if low is None else _finite("low", low), high=high if high is None else _finite("high", high)
         )
@@ -69,6 +73,7 @@ class Uniform:
         low, high: the bounds, low < high.
         relative: whether its values are factors on what the model says, and not values themselves.
         each: whether every mount or body that the name matches has a sample of its own; else they share one.
+        group: factor of Sobol's indices that it belongs to, together with all of the same group; None: one of its own.
         points: number of equally spaced values from `low` to `high` in a grid, at least 2; other samplings do not use it.
     """
 
@@ -76,12 +81,21 @@ class Uniform:
     high: float
     relative: bool
     each: bool
+    group: str | None
     points: int | None
 
     def __init__(
-        self, low: float, high: float, *, relative: bool = False, each: bool = False, points: int | None = None
+        self,
+        low: float,
+        high: float,
+        *,
+        relative: bool = False,
+        each: bool = False,
+        group: str | None = None,
+        points: int | None = None,
     ) -> None:
         _keep(self, low=_finite("low", low), high=_finite("high", high), relative=relative, each=each, points=points)
+        _keep(self, group=_word("group", group))
         _check_bounds(self.low, self.high)
         if points is not None and (isinstance(points, bool) or points != int(points) or points < 2):
             raise ValueError(f"`points` must be a whole number >= 2, got {points!r}.")
@@ -104,19 +118,21 @@ class Choice:
         choices: numbers, truth values or words, all of one kind.
         relative: whether they are factors on what the model says, and not values themselves.
         each: whether every mount or body that the name matches has a sample of its own; else they share one.
+        group: factor of Sobol's indices that it belongs to, together with all of the same group; None: one of its own.
     """
 
     choices: tuple[Any, ...]
     relative: bool
     each: bool
+    group: str | None
 
-    def __init__(self, *choices: Any, relative: bool = False, each: bool = False) -> None:
+    def __init__(self, *choices: Any, relative: bool = False, each: bool = False, group: str | None = None) -> None:
         if len(choices) == 1 and not isinstance(choices[0], str) and isinstance(choices[0], Sequence):
             choices = tuple(choices[0])
         if not choices:
             raise ValueError("`Choice` must have at least one value, got none.")
         plain = tuple(choice.item() if isinstance(choice, np.generic) else choice for choice in choices)
-        _keep(self, choices=plain, relative=relative, each=each)
+        _keep(self, choices=plain, relative=relative, each=each, group=_word("group", group))
         kinds = {_kind(choice) for choice in plain}
         if len(kinds) > 1 or kinds - {"number", "truth value", "word"}:
             raise ValueError(f"the values of a `Choice` must all be numbers, truth values or words, got {list(plain)}.")
@@ -138,10 +154,15 @@ class Specimens:
 
     Attributes:
         each: whether every mount has specimens of its own; else those that the name matches share one.
+        group: factor of Sobol's indices that it belongs to, together with all of the same group; None: one of its own.
     """
 
     each: bool = True
+    group: str | None = None
     relative: bool = False
+
+    def __post_init__(self) -> None:
+        _word("group", self.group)
 
 
 Distribution = Normal | Uniform | Choice | Specimens
@@ -169,6 +190,12 @@ def _finite(name: str, value: Any) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not math.isfinite(value):
         raise ValueError(f"`{name}` must be a finite number, got {value!r}.")
     return float(value)
+
+
+def _word(name: str, value: Any) -> str | None:
+    if value is not None and (not isinstance(value, str) or not value):
+        raise ValueError(f"`{name}` must be a word or None, got {value!r}.")
+    return value
 
 
 def _check_bounds(low: float, high: float) -> None:

@@ -11,7 +11,9 @@ import pyarrow as pa
 from scipy.stats import beta
 
 from wirerope_mj.study.compute import DONE
+from wirerope_mj.study.indices import SobolIndices, drawn, sobol_indices
 from wirerope_mj.study.result import StudyResult
+from wirerope_mj.study.sobol import SAMPLING
 from wirerope_mj.units import STANDARD_GRAVITY
 
 Array = npt.NDArray[np.float64]
@@ -20,6 +22,9 @@ HEADLINES = ("travel", "acceleration", "fragility")
 """Measures that are looked at first, in this order."""
 
 CONFIDENCE = 0.95
+
+SLIGHT = 0.01
+"""Total index below which a factor is only named."""
 
 _KEPT = ("variant", "status", "message")
 _ANGLES = ("motion/azimuth", "motion/elevation")
@@ -171,19 +176,47 @@ def percent(share: float) -> str:
 def sentences(result: StudyResult) -> list[str]:
     """Return what the study answers, a sentence for every measure with a limit."""
     table, found = result.table, []
+    independent = drawn(result)
     for name in headlines(table):
-        measure, values = measure_of(name), values_of(table, name)
+        measure = measure_of(name)
         if measure.limit is None:
             continue
-        beyond, top = chance(values, measure.limit), worst(table, name, 1)[0]
-        largest = f"the largest is {measure.factor * np.nanmax(values):.3g} % in variant {top}"
-        what = measure.words[0].upper() + measure.words[1:]
+        beyond, top = chance(values_of(independent, name), measure.limit), worst(table, name, 1)[0]
+        largest = f"the largest is {measure.factor * np.nanmax(values_of(table, name)):.3g} % in variant {top}"
         if not random_study(result):
-            found.append(f"{what}: beyond 100 % in {beyond.count} of {beyond.n} variants; {largest}.")
+            found.append(f"{_what(measure)}: beyond 100 % in {beyond.count} of {beyond.n} variants; {largest}.")
             continue
         bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
+        of = f"{beyond.n} {'' if independent is table else 'independent '}variants"
         share = percent(beyond.count / beyond.n)
-        found.append(f"{what}: beyond 100 % in {beyond.count} of {beyond.n} variants, {share} ({bounds}); {largest}.")
+        found.append(f"{_what(measure)}: beyond 100 % in {beyond.count} of {of}, {share} ({bounds}); {largest}.")
     if not found:
         found.append("Nothing is judged: the isolators state no rated travel and the model no limit.")
+    if result.study.sampling == SAMPLING:
+        every = (sobol_indices(result, name) for name in headlines(table))
+        found += [_of_indices(one) for one in every if one.factors]
     return found
+
+
+def _of_indices(found: SobolIndices) -> str:
+    """Return what the factors explain of a measure as a sentence."""
+    first, *others = found.factors
+    low, high = (100.0 * max(end, 0.0) for end in first.total_interval)
+    parts = [
+        f"{first.name} explains {_share(first.first)} of its variance alone, {_share(first.total)} with what it does together "
+        f"with others ({low:.0f} to {high:.0f} % at {percent(CONFIDENCE)} confidence)"
+    ]
+    parts += [f"{one.name} {_share(one.first)} and {_share(one.total)}" for one in others if one.total >= SLIGHT]
+    slight = [one.name for one in others if one.total < SLIGHT]
+    if slight:
+        parts.append(f"less than {percent(SLIGHT)}: {', '.join(slight)}")
+    dropped = f" {found.dropped} of {found.rows + found.dropped} base rows were dropped: variants of them failed."
+    return f"{_what(measure_of(found.measure))}: {'; '.join(parts)}.{dropped if found.dropped else ''}"
+
+
+def _share(index: float) -> str:
+    return f"{100.0 * max(index, 0.0):.0f} %"
+
+
+def _what(measure: Measure) -> str:
+    return measure.words[0].upper() + measure.words[1:]

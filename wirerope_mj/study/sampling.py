@@ -11,22 +11,24 @@ from scipy.special import ndtri
 from scipy.stats import qmc
 
 from wirerope_mj.isolator import Isolator
+from wirerope_mj.study import sobol
 from wirerope_mj.study.distributions import SMALLEST, Choice, Specimens, Uniform
 from wirerope_mj.study.quantities import Column, Quantity
 
 Array = npt.NDArray[np.float64]
 
-SAMPLINGS = ("sobol", "latin-hypercube", "random", "grid")
+SAMPLINGS = ("sobol", "latin-hypercube", "random", "grid", sobol.SAMPLING)
 
 
 def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: str, seed: int) -> pa.Table:
     """Return the table of inputs: `variant`, and one column for every sampled number.
 
-    The same arguments give the same table. With "sobol" and "random" the first variants of a larger study are those of a
-    smaller one.
+    The same arguments give the same table. With "sobol", "sobol-indices" and "random" the first variants of a larger study
+    are those of a smaller one.
 
     Raises:
-        ValueError: the number of variants is not positive, the sampling is unknown, or a grid has no listed values.
+        ValueError: the number of variants is not positive or does not suit the sampling, the sampling is unknown, or a grid has
+            no listed values.
     """
     if sampling not in SAMPLINGS:
         raise ValueError(f"`sampling` must be one of {', '.join(SAMPLINGS)}, got {sampling!r}.")
@@ -36,7 +38,10 @@ def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: st
     else:
         if isinstance(variants, bool) or not isinstance(variants, int | np.integer) or variants < 1:
             raise ValueError(f"`variants` must be a whole number >= 1, got {variants!r}.")
-        shares = _shares(sampling, int(variants), len(columns), seed)
+        if sampling == sobol.SAMPLING:
+            shares = sobol.shares(list(sobol.factors(quantities).values()), int(variants), seed)
+        else:
+            shares = _shares(sampling, int(variants), len(columns), seed)
         ends = np.cumsum([len(quantity.columns) for quantity in quantities])[:-1]
         blocks = zip(quantities, np.split(shares, ends, axis=1), strict=True)
         values = [column for quantity, own in blocks for column in _values(quantity, own)]
