@@ -10,7 +10,7 @@ from wirerope_mj.excitation.motion import BaseMotion
 from wirerope_mj.excitation.restore import motion_from_dict
 from wirerope_mj.runfolder.folder import FORMAT, SCENARIO
 from wirerope_mj.system import Changes, System, load_system
-from wirerope_mj.system.model_files import missing_isolators
+from wirerope_mj.system.model_files import missing_isolators, read_changes
 from wirerope_mj.system.varied import with_changes
 
 
@@ -63,17 +63,14 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
     return with_changes(system, _changes(folder, content["model"])), motion_from_dict(motion, folder=folder)
 
 
-def _changes(folder: Path, model: Mapping[str, Any]) -> list[Changes]:
+def _changes(folder: Path, model: Mapping[str, Any]) -> tuple[Changes, ...]:
     """Return what the variant that was simulated differs by from the model in the folder."""
     if "changes" not in model:
-        return []
+        return ()
     path = folder / model["changes"]
     if not path.resolve().is_relative_to(folder.resolve()):
         raise RecordError(f"{folder}: the changes {model['changes']!r} are not in the run's folder.")
-    try:
-        return [Changes.from_dict(one) for one in tomllib.loads(path.read_text(encoding="utf-8"))["changes"]]
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
-        raise RecordError(f"{path}: these are not the changes of a run ({type(error).__name__}: {error}).") from None
+    return read_changes(path)
 
 
 def _records(motion: Mapping[str, Any]) -> list[str]:

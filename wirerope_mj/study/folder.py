@@ -6,7 +6,6 @@ import shutil
 import tempfile
 import tomllib
 from collections.abc import Iterator
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,9 +16,11 @@ import tomli_w
 
 from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.copies import copy_records
-from wirerope_mj.study.compute import DONE
+from wirerope_mj.study.compute import DONE, Part
 from wirerope_mj.study.distributions import distribution_to_dict
-from wirerope_mj.system.model_files import write_model
+from wirerope_mj.study.responses import PEAKS, remove_half_written, write_response
+from wirerope_mj.study.versions import versions
+from wirerope_mj.system.model_files import model_table, write_model
 from wirerope_mj.whole import check_folder, folder_written_whole, written_whole
 
 if TYPE_CHECKING:
@@ -33,20 +34,21 @@ MARKS = (STUDY,)
 FORMAT = 1
 """Of these files."""
 
-_PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba")
-"""Packages on which the last bit of a number may depend."""
-
 _WORDS = ("id", "name", "question")
 """What may differ between two folders of the same study."""
+
+_DIED = ".died"
+"""Stands in the name of a part whose process died: its rows are in the table, and the chunk is computed again on resume."""
 
 ROW_GROUP = 64
 """Parts that are joined in one row group of the table: some 2000 variants, a few MB."""
 
 
-def prepare(study: "Study", folder: Path, *, resume: bool, force: bool) -> None:
+def prepare(study: "Study", folder: Path, *, keep: str, resume: bool, force: bool) -> None:
     """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with.
 
-    Without a single part that is done there is nothing to go on with, and nothing to lose.
+    Without a single part that is done there is nothing to go on with, and nothing to lose. A table with rows of chunks whose
+    process died is taken away again, but none of its parts.
 
     Raises:
         RecordError: something else stands there, or a study that is neither resumed nor replaced.
@@ -55,7 +57,10 @@ def prepare(study: "Study", folder: Path, *, resume: bool, force: bool) -> None:
     begun = there and bool(done(folder) or (folder / TABLE).is_file())
     if there and (resume or not (begun or force)):
         with tempfile.TemporaryDirectory() as place:
-            _check_same(folder, _write_inputs(study, Path(place)))
+            _check_same(folder, _write_inputs(study, Path(place), keep))
+        if _dead(folder) - done(folder):
+            for name in (SUMMARY, TABLE):
+                (folder / name).unlink(missing_ok=True)
         return
     if there and not force:
         raise RecordError(
@@ -64,7 +69,7 @@ def prepare(study: "Study", folder: Path, *, resume: bool, force: bool) -> None:
         )
     check_folder(folder, force=force, kind="study", marks=MARKS)
     with folder_written_whole(folder, force=force, kind="study", marks=MARKS) as beside:
-        (beside / STUDY).write_text(tomli_w.dumps(_write_inputs(study, beside)), encoding="utf-8")
+        (beside / STUDY).write_text(tomli_w.dumps(_write_inputs(study, beside, keep)), encoding="utf-8")
         (beside / PARTS).mkdir()
 
 
@@ -89,25 +94,38 @@ def read_inputs(folder: Path) -> dict[str, Any]:
 
 
 def done(folder: Path) -> set[int]:
-    """Return the numbers of the chunks whose parts stand in the folder."""
+    """Return the numbers of the chunks whose parts stand in the folder; those whose process died are not done."""
     return {int(path.stem) for path in (folder / PARTS).glob("*.parquet") if path.stem.isdigit()}
 
 
-def write_part(folder: Path, number: int, table: pa.Table) -> None:
-    """Write the rows of one chunk, whole or not at all."""
-    with written_whole(_part(folder, number)) as beside:
-        pq.write_table(table, beside)
+def _dead(folder: Path) -> set[int]:
+    """Return the numbers of the chunks whose process died."""
+    return {int(path.name.split(".")[0]) for path in (folder / PARTS).glob(f"*{_DIED}.parquet")}
+
+
+def write_part(folder: Path, part: Part) -> None:
+    """Write the part of one chunk, each file whole or not at all; what is done stands there when all of it does."""
+    for variant, content in part.responses.items():
+        write_response(folder, variant, content)
+    with written_whole(_part(folder, part.number, _DIED if part.died else "")) as beside:
+        pq.write_table(part.table, beside)
+    if not part.died:
+        _part(folder, part.number, _DIED).unlink(missing_ok=True)
 
 
 def parts(folder: Path, numbers: list[int]) -> Iterator[pa.Table]:
     """Yield the rows of some chunks, several together."""
     for first in range(0, len(numbers), ROW_GROUP):
-        tables = [pq.read_table(_part(folder, number)) for number in numbers[first : first + ROW_GROUP]]
+        paths = [(_part(folder, number), _part(folder, number, _DIED)) for number in numbers[first : first + ROW_GROUP]]
+        tables = [pq.read_table(path if path.is_file() else dead) for path, dead in paths]
         yield pa.concat_tables(tables).combine_chunks()
 
 
 def finish(study: "Study", folder: Path, chunks: int) -> None:
-    """Write the table and the summary from all parts if they are not there, and remove the parts."""
+    """Write the table and the summary from all parts if they are not there, and remove the parts.
+
+    They stay where a process died, so that the study can go on.
+    """
     if not (folder / TABLE).is_file():
         with written_whole(folder / TABLE) as beside:
             _write_table(beside, parts(folder, list(range(chunks))))
@@ -115,7 +133,9 @@ def finish(study: "Study", folder: Path, chunks: int) -> None:
         text = json.dumps(_summary(study, folder), indent=2, allow_nan=False) + "\n"
         with written_whole(folder / SUMMARY) as beside:
             beside.write_text(text, encoding="utf-8")
-    shutil.rmtree(folder / PARTS, ignore_errors=True)
+    if not _dead(folder):
+        shutil.rmtree(folder / PARTS, ignore_errors=True)
+    remove_half_written(folder)
     for left in folder.glob(".*.part.*"):  # of a process that was killed while it wrote
         left.unlink(missing_ok=True)
 
@@ -128,11 +148,11 @@ def _write_table(path: Path, tables: Iterator[pa.Table]) -> None:
             writer.write_table(table)
 
 
-def _part(folder: Path, number: int) -> Path:
-    return folder / PARTS / f"{number:06d}.parquet"
+def _part(folder: Path, number: int, ending: str = "") -> Path:
+    return folder / PARTS / f"{number:06d}{ending}.parquet"
 
 
-def _write_inputs(study: "Study", folder: Path) -> dict[str, Any]:
+def _write_inputs(study: "Study", folder: Path, keep: str) -> dict[str, Any]:
     """Write model and records into `folder` and return what `study.toml` says."""
     model = write_model(study.base, folder / "model")
     names = copy_records(study.motions, folder)
@@ -142,7 +162,7 @@ def _write_inputs(study: "Study", folder: Path) -> dict[str, Any]:
         "format": FORMAT,
         "name": study.name,
         "question": study.question.strip(),
-        "model": {"file": f"model/{model.name}"},
+        "model": model_table(study.base, model),
         "simulate": {
             "duration": work.duration,
             "timestep": work.timestep,
@@ -152,9 +172,11 @@ def _write_inputs(study: "Study", folder: Path) -> dict[str, Any]:
         "sampling": {"method": study.sampling, "variants": study.size, "seed": study.seed},
         "vary": [{"name": name, **distribution_to_dict(value)} for name, value in study.vary.items()],
         "motions": [motion.to_dict(files=names) for motion in study.motions],
-        "versions": {name: version(name) for name in _PACKAGES},
+        "versions": versions(),
         "files": {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
     }
+    if keep != PEAKS:
+        content["keep"] = keep
     return {"id": _identity(content), **content}
 
 
@@ -170,9 +192,29 @@ def _check_same(folder: Path, content: dict[str, Any]) -> None:
     if there["id"] == content["id"]:
         return
     old, new = _flat(there), _flat(content)
-    key = next((key for key in {**old, **new} if key not in _WORDS and old.get(key) != new.get(key)), "")
-    raise RecordError(
-        f"{folder}: this is the folder of another study ({key} is {old.get(key, 'absent')!r} there and "
+    other = [key for key in {**old, **new} if key not in _WORDS and old.get(key) != new.get(key)]
+    key = min(other, key=lambda name: (name == "keep", name.startswith("versions.")), default="")
+    raise RecordError(f"{folder}: {_difference(key, old, new)}")
+
+
+def _difference(key: str, old: dict[str, Any], new: dict[str, Any]) -> str:
+    """Return in words what tells a study that stands in a folder from the one that was to go on."""
+    if key == "keep":
+        kept = old.get(key, PEAKS)
+        return f"this study keeps {kept}; go on with it with --keep {kept} (`keep={kept!r}`), or choose another folder."
+    ways = "Nothing in it was touched. Choose another folder, or begin it anew with --force (`force=True`)."
+    if key == "versions.code":
+        return (
+            f"the code of wirerope-mj has changed since this study began, and one table would hold rows of both. {ways}"
+        )
+    if key.startswith("versions."):
+        name = key.removeprefix("versions.")
+        return (
+            f"this study began with {name} {old.get(key, 'absent')} and would go on with {new.get(key, 'absent')}: one table "
+            f"would hold rows of both. {ways}"
+        )
+    return (
+        f"this is the folder of another study ({key} is {old.get(key, 'absent')!r} there and "
         f"{new.get(key, 'absent')!r} here); nothing in it was touched. Choose another folder, or replace it with --force "
         "(`force=True`)."
     )

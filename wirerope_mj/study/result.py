@@ -10,9 +10,12 @@ import pyarrow.parquet as pq
 
 from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.restore import motion_from_dict
+from wirerope_mj.response import Response
 from wirerope_mj.study.compute import FAILED
 from wirerope_mj.study.distributions import distribution_from_dict
 from wirerope_mj.study.folder import TABLE, done, parts, read_inputs
+from wirerope_mj.study.responses import kept_response
+from wirerope_mj.system.model_files import read_changes
 
 if TYPE_CHECKING:
     from wirerope_mj.study.study import Study
@@ -65,6 +68,14 @@ class StudyResult:
         first = min(failed)
         return f"{self.variants} variants, {len(failed)} failed; variant {first}: {failed[first]}"
 
+    def response(self, variant: int) -> Response:
+        """Return the whole response of a variant: read if it was kept (`keep="responses"`), else simulated now.
+
+        Both are the same, bit for bit, where the study's versions are installed.
+        """
+        kept = kept_response(self.folder, variant)
+        return self.study.response(variant) if kept is None else kept
+
     @cached_property
     def study(self) -> "Study":
         """The study itself, made from the folder alone."""
@@ -74,6 +85,7 @@ class StudyResult:
         vary = {one["name"]: {key: value for key, value in one.items() if key != "name"} for one in content["vary"]}
         return Study(
             model=folder / content["model"]["file"],
+            changes=read_changes(folder / content["model"]["changes"]) if "changes" in content["model"] else (),
             motions=[motion_from_dict(motion, folder=folder) for motion in content["motions"]],
             vary={name: distribution_from_dict(value) for name, value in vary.items()},
             variants=content["sampling"]["variants"],

@@ -21,7 +21,8 @@ from wirerope_mj.study.run import run_study
 from wirerope_mj.study.sampling import inputs
 from wirerope_mj.study.step import common_step
 from wirerope_mj.study.variants import Maker, Row, Work
-from wirerope_mj.system import System, load_system
+from wirerope_mj.system import Changes, System, load_system
+from wirerope_mj.system.varied import with_changes
 
 STARTS = ("settled", "relaxed", "unloaded")
 
@@ -46,7 +47,7 @@ class Study:
         motion/record               place in `motions`
 
     Attributes:
-        base: the system as the model says it.
+        base: the system as the model and `changes` say it.
         motions: the base motions; one, or those among which "motion/record" chooses.
         quantities: what varies, resolved.
         size: number of variants.
@@ -69,6 +70,7 @@ class Study:
         sample_rate: float = 1000.0,
         initial: str = "settled",
         isolators: Mapping[str, Isolator] | None = None,
+        changes: Sequence[Changes] = (),
         name: str = "study",
         question: str = "",
         folder: Path | None = None,
@@ -83,13 +85,15 @@ class Study:
             vary: distributions by the names above.
             variants: how many; may be left out of a grid, whose values say it.
             sampling: "sobol", "latin-hypercube", "random", or "grid": all combinations of Choice(...) and of
-                Uniform(..., points=...).
+                Uniform(..., points=...), or "sobol-indices": what `sobol_indices` needs, n (factors + 2) variants with n a
+                power of two; a factor is one entry of `vary`, or several with the same `group`.
             seed: of the sampling.
             timestep: largest step [s] of all variants; None: chosen once, for the nominal system under the highest levels.
             accuracy: for which it is chosen, as `simulate` does.
             sample_rate: as `simulate` takes it [Hz].
             initial: "settled", "relaxed" or "unloaded".
             isolators: isolators in memory by the name that follows `isolator/` in the model.
+            changes: what the base system differs by from the model, as `changes` of what `wirerope_mj.varied` returns.
             name: what the study is called.
             question: what it asks.
             folder: where a relative model path starts; None for the current folder.
@@ -108,7 +112,8 @@ class Study:
         self.timestep, self.accuracy = None if timestep is None else float(timestep), accuracy
         self.sampling, self.seed = sampling, seed
         self.motions = _motions(motion, motions)
-        self.base = load_system(model_source(model, folder=folder, asker=f"study {name!r}"), isolators=isolators)
+        written = load_system(model_source(model, folder=folder, asker=f"study {name!r}"), isolators=isolators)
+        self.base = with_changes(written, changes)
         self.quantities = quantities(self.vary, self.base, self.motions)
         if len(self.motions) > 1 and not any(one.name == "motion/record" for one in self.quantities):
             raise ValueError('`motions` holds several base motions, and `vary` has no "motion/record" that chooses.')
@@ -150,6 +155,7 @@ class Study:
         self,
         folder: str | Path,
         *,
+        keep: str = "peaks",
         engine: str = "local",
         workers: int | None = None,
         address: str | None = None,
@@ -164,6 +170,8 @@ class Study:
 
         Args:
             folder: of the study; it must not exist, or be empty, or be this study with `resume`, or any study with `force`.
+            keep: "peaks": the table alone; "responses": the whole response of every variant, too, in `responses/`, which
+                `StudyResult.response` reads.
             engine: "local": processes of this machine; "dask": the workers of a cluster.
             workers: number of processes; None for one per processor, 1 for this process itself.
             address: of a Dask scheduler that exists; None for a cluster of this machine's own.
@@ -178,7 +186,7 @@ class Study:
             SimulationError: the cluster cannot be reached.
         """
         return run_study(
-            self, Path(folder), engine=engine, workers=workers, address=address, resume=resume, force=force,
+            self, Path(folder), keep=keep, engine=engine, workers=workers, address=address, resume=resume, force=force,
             progress=progress,
         )  # fmt: skip
 

@@ -2,15 +2,16 @@
 
 import re
 import shutil
+import tomllib
 from pathlib import Path, PurePosixPath
 from typing import Any
 from xml.etree import ElementTree
 
 import tomli_w
 
-from wirerope_mj.errors import ModelError
+from wirerope_mj.errors import ModelError, RecordError
 from wirerope_mj.isolator import Isolator
-from wirerope_mj.system import System
+from wirerope_mj.system import Changes, System
 
 CHANGES = "changes.toml"
 """What a variant differs by from the model beside it."""
@@ -49,6 +50,18 @@ def model_table(system: System, model: Path) -> dict[str, str]:
     """Return what a folder says of its model, which `write_model` wrote below it: the file, and that of a variant's changes."""
     place = model.parent.name
     return {"file": f"{place}/{model.name}"} | ({"changes": f"{place}/{CHANGES}"} if system.changes else {})
+
+
+def read_changes(path: Path) -> tuple[Changes, ...]:
+    """Return the changes that `write_model` wrote beside a model.
+
+    Raises:
+        RecordError: the file does not hold changes.
+    """
+    try:
+        return tuple(Changes.from_dict(one) for one in tomllib.loads(path.read_text(encoding="utf-8"))["changes"])
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError, ModelError) as error:
+        raise RecordError(f"{path}: these are not the changes of a system ({type(error).__name__}: {error}).") from None
 
 
 def missing_isolators(system: System, folder: Path) -> list[str]:
