@@ -81,7 +81,7 @@ def test_a_cluster_that_exists_gives_the_local_table_bit_for_bit(cluster, local,
 
 def test_a_worker_that_is_killed_loses_nothing(local, tmp_path):
     asked, found = study(), {}
-    for number, table in run_dask(asked.work, chunks(asked, range(12)), workers=1):
+    for part in run_dask(asked.work, chunks(asked, range(12)), workers=1):
         if not found:  # the one process that computes; its chunks are in flight
             computing = [
                 p for p in psutil.Process().children(recursive=True) if "multiprocessing.spawn" in " ".join(p.cmdline())
@@ -89,7 +89,7 @@ def test_a_worker_that_is_killed_loses_nothing(local, tmp_path):
             assert computing
             for process in computing:
                 os.kill(process.pid, signal.SIGKILL)
-        found[number] = table
+        found[part.number] = part.table
     assert sorted(found) == list(range(12))
     assert bits(pa.concat_tables(found[number] for number in range(12))) == bits(local)
 
@@ -112,8 +112,8 @@ def test_a_scheduler_that_goes_away_costs_only_what_was_in_flight(cluster):
     asked, found = study(), []
 
     def run():
-        for number, _ in run_dask(asked.work, chunks(asked, range(12)), workers=None, address=address):
-            found.append(number)
+        for part in run_dask(asked.work, chunks(asked, range(12)), workers=None, address=address):
+            found.append(part.number)
             scheduler.kill()
 
     with pytest.raises(wr.SimulationError, match="the scheduler of the cluster at .* has gone.*resume=True"):

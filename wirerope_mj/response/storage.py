@@ -137,10 +137,14 @@ def save_response(response: Response, folder: Path) -> None:
 def load_response(folder: str | Path) -> Response:
     """Return the response that was saved in `folder`; samples are read when they are asked for.
 
+    Args:
+        folder: where `response.parquet` stands; or such a file itself, whatever its name.
+
     Raises:
         RecordError: the folder holds no response, or the file is damaged.
     """
-    path = Path(folder) / FILE
+    path = Path(folder)
+    path = path if path.is_file() else path / FILE
     if not path.is_file():
         raise RecordError(f"{folder}: there is no {FILE} here; a run folder holds one.")
     try:

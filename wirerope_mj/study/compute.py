@@ -1,7 +1,7 @@
 """What every engine computes: the rows of some variants, from what all variants share and their own inputs."""
 
 from collections.abc import Callable, Generator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import pyarrow as pa
@@ -9,6 +9,7 @@ import pyarrow as pa
 from wirerope_mj.errors import WireRopeError
 from wirerope_mj.simulation import BatchFailure, BatchResult, simulate_batch
 from wirerope_mj.study.measures import NAN, measure_names, measures
+from wirerope_mj.study.responses import packed
 from wirerope_mj.study.sampling import arrow_type
 from wirerope_mj.study.variants import Maker, Work
 
@@ -23,17 +24,36 @@ class Chunk:
     Attributes:
         number: of the chunk, which names its part of the table.
         rows: "variant" and inputs of every variant.
+        responses: whether whole responses are kept of them.
     """
 
     number: int
     rows: Sequence[dict[str, Any]]
+    responses: bool = False
 
 
-Engine = Callable[..., Generator[tuple[int, pa.Table], None, None]]
-"""`engine(work, chunks, *, workers, address)` yields number and table of chunks, as they are ready, in any order.
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """What came of a chunk.
+
+    Attributes:
+        number: of the chunk.
+        table: its rows of the table.
+        responses: by variant the content of the file of its response, if it is kept; of those that failed there is none.
+        died: whether no process lived long enough to compute it: its rows say so, and it is computed again on resume.
+    """
+
+    number: int
+    table: pa.Table
+    responses: dict[int, bytes] = field(default_factory=dict)
+    died: bool = False
+
+
+Engine = Callable[..., Generator[Part, None, None]]
+"""`engine(work, chunks, *, workers, address)` yields the parts of chunks, as they are ready, in any order.
 
 `chunks` may be long and is read as workers become free. Of a chunk that cannot be computed it yields
-`failed(work, chunk, message)`.
+`died(work, chunk, message)`.
 """
 
 
@@ -44,21 +64,24 @@ def schema(work: Work) -> pa.Schema:
     return pa.schema([*fields, ("status", pa.string()), ("message", pa.string())])
 
 
-def compute(work: Work, chunk: Chunk) -> pa.Table:
-    """Return the rows of a chunk, the same in any process; variants that fail have rows, too."""
-    return _table(work, chunk, _outcomes(work, chunk.rows))
+def compute(work: Work, chunk: Chunk) -> Part:
+    """Return what comes of a chunk, the same in any process; variants that fail have rows, too."""
+    responses: dict[int, bytes] = {}
+    outcomes = _outcomes(work, chunk.rows, responses if chunk.responses else None)
+    return Part(number=chunk.number, table=_table(work, chunk, outcomes), responses=responses)
 
 
-def failed(work: Work, chunk: Chunk, message: str) -> pa.Table:
-    """Return the rows of a chunk that could not be computed at all."""
-    return _table(work, chunk, [message] * len(chunk.rows))
+def died(work: Work, chunk: Chunk, message: str) -> Part:
+    """Return what there is of a chunk whose process died each time."""
+    return Part(number=chunk.number, table=_table(work, chunk, [message] * len(chunk.rows)), died=True)
 
 
 Outcome = dict[str, float] | str
 """Measures of a variant, or why it failed."""
 
 
-def _outcomes(work: Work, rows: Sequence[dict[str, Any]]) -> list[Outcome]:
+def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, bytes] | None) -> list[Outcome]:
+    """Return measures or message of every row; `responses` takes the variants' responses unless it is None."""
     make = Maker(work.system, work.motions, work.columns)
     found: dict[int, Outcome] = {}
     systems, motions, places = [], [], []
@@ -75,13 +98,16 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]]) -> list[Outcome]:
         results = simulate_batch(
             systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
             sample_rate=work.sample_rate, corners=work.corners, threads=1,
+            responses=responses is not None,
         )  # fmt: skip
     except Exception as error:  # whatever one variant does must not cost the others their results
         if len(rows) > 1:
-            return [outcome for row in rows for outcome in _outcomes(work, [row])]
+            return [outcome for row in rows for outcome in _outcomes(work, [row], responses)]
         return [f"{type(error).__name__}: {error}"]
     for place, system, result in zip(places, systems, results, strict=True):
         found[place] = _outcome(system, result)
+        if responses is not None and isinstance(result, BatchResult) and result.response is not None:
+            responses[int(rows[place]["variant"])] = packed(result.response)
     return [found[place] for place in range(len(rows))]
 
 

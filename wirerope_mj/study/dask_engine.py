@@ -9,16 +9,14 @@ import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import pyarrow as pa
-
 from wirerope_mj.errors import SimulationError
-from wirerope_mj.study.compute import Chunk, compute, failed
+from wirerope_mj.study.compute import Chunk, Part, compute, died
 from wirerope_mj.study.local import processors
 from wirerope_mj.study.variants import Work
+from wirerope_mj.study.versions import versions
 
 if TYPE_CHECKING:
     from distributed import Client, Future
@@ -35,18 +33,18 @@ ATTEMPTS = 1
 STARTING = 60.0
 """How long workers of this machine may take to start, or to end without one another [s]: a busy machine imports slowly."""
 
-_DEATH = "the process that computed this chunk of variants died again and again; it may have run out of memory."
+_DEATH = (
+    "the process that computed this chunk of variants died again and again. It may have run out of memory: go on with "
+    "--resume (`resume=True`), which computes it again."
+)
 
 _SILENT: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
-
-_DECIDING = ("wirerope-mj", "mujoco", "numba", "numpy", "scipy")
-"""Packages whose versions decide the last bits of a row."""
 
 
 def run_dask(
     work: Work, chunks: Iterable[Chunk], *, workers: int | None, address: str | None = None
-) -> Generator[tuple[int, pa.Table], None, None]:
-    """Yield number and table of each chunk as they are ready, in any order.
+) -> Generator[Part, None, None]:
+    """Yield the part of each chunk as they are ready, in any order.
 
     A worker that dies loses nothing: the scheduler gives what it had to another. A chunk that ends the life of its workers
     also where it is alone becomes rows that failed. At most `AHEAD` chunks per thread of the workers are handed over at a time.
@@ -68,10 +66,10 @@ def run_dask(
     with _client(workers, address) as client, _gone(where):
         suspects: list[Chunk] = []
         here = _Cluster(client, work, where=where)
-        yield from here.tables(iter(chunks), suspects.append)
+        yield from here.parts(iter(chunks), suspects.append)
         # Dask counts a death against all that waited at the worker: only a chunk that is alone is its cause for certain.
         for chunk in suspects:
-            yield chunk.number, here.alone(chunk)
+            yield here.alone(chunk)
 
 
 @contextmanager
@@ -89,10 +87,10 @@ class _Cluster:
     """Computes chunks on the workers of a client."""
 
     def __init__(self, client: "Client", work: Work, *, where: str) -> None:
-        self._client, self._work, self._where, self._versions = client, work, where, _versions()
+        self._client, self._work, self._where, self._versions = client, work, where, versions()
 
-    def tables(self, chunks: Iterator[Chunk], suspect: Callable[[Chunk], None]) -> Iterator[tuple[int, pa.Table]]:
-        """Yield number and table of chunks as they are ready; those that were there when a worker died are suspect."""
+    def parts(self, chunks: Iterator[Chunk], suspect: Callable[[Chunk], None]) -> Iterator[Part]:
+        """Yield the parts of chunks as they are ready; those that were there when a worker died are suspect."""
         from distributed import as_completed
 
         shared, done = self._shared(), as_completed(loop=self._client.loop)
@@ -111,27 +109,27 @@ class _Cluster:
         while running:
             future = next(done)
             chunk = running.pop(future)
-            table = self._table(future)
-            if table is None:
+            part = self._part(future)
+            if part is None:
                 suspect(chunk)
             else:
-                yield chunk.number, table
+                yield part
             hand_over()
 
-    def alone(self, chunk: Chunk) -> pa.Table:
-        """Return the rows of a chunk while nothing else is computed; failed ones if its workers die again."""
-        table = self._table(self._submit(self._shared(), chunk))
-        return failed(self._work, chunk, _DEATH) if table is None else table
+    def alone(self, chunk: Chunk) -> Part:
+        """Return the part of a chunk while nothing else is computed; one that says so if its workers die again."""
+        part = self._part(self._submit(self._shared(), chunk))
+        return died(self._work, chunk, _DEATH) if part is None else part
 
     def _shared(self) -> "Future":
         """A task, not scattered data: what a dead worker alone held is then made again."""
         return self._client.submit(_handed_over, self._work, pure=False)
 
     def _submit(self, shared: "Future", chunk: Chunk) -> "Future":
-        return self._client.submit(_rows, shared, chunk, self._versions, pure=False)
+        return self._client.submit(_computed, shared, chunk, self._versions, pure=False)
 
-    def _table(self, future: "Future") -> pa.Table | None:
-        """Return the rows of a chunk; None if its worker died too often."""
+    def _part(self, future: "Future") -> Part | None:
+        """Return the part of a chunk; None if its worker died too often."""
         from distributed import KilledWorker
 
         try:
@@ -229,20 +227,10 @@ def _handed_over(work: Work) -> Work:
     return work
 
 
-def _rows(work: Work, chunk: Chunk, versions: dict[str, str]) -> pa.Table:
-    """Return the rows of a chunk, on a worker whose packages are those of who asks."""
-    here = _versions()
-    other = [f"{name} {here[name]} instead of {wanted}" for name, wanted in versions.items() if here[name] != wanted]
+def _computed(work: Work, chunk: Chunk, asked: dict[str, str]) -> Part:
+    """Return the part of a chunk, on a worker whose packages are those of who asks."""
+    here = versions()
+    other = [f"{name} {here[name]} instead of {wanted}" for name, wanted in asked.items() if here[name] != wanted]
     if other:
         raise SimulationError(f"a worker has {', '.join(other)}: its rows would not be comparable.")
     return compute(work, chunk)
-
-
-def _versions() -> dict[str, str]:
-    found = {}
-    for name in _DECIDING:
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:  # a checkout that is on the path, but not installed
-            found[name] = "of a checkout"
-    return found

@@ -11,10 +11,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import pyarrow as pa
-
 from wirerope_mj.errors import SimulationError
-from wirerope_mj.study.compute import Chunk, compute, failed
+from wirerope_mj.study.compute import Chunk, Part, compute, died
 from wirerope_mj.study.variants import Work
 
 TRIES = 2
@@ -27,8 +25,8 @@ class Died(Exception):
 
 def run_local(
     work: Work, chunks: Iterable[Chunk], *, workers: int | None = None, address: str | None = None
-) -> Generator[tuple[int, pa.Table], None, None]:
-    """Yield number and table of every chunk as they are ready.
+) -> Generator[Part, None, None]:
+    """Yield the part of every chunk as they are ready.
 
     Args:
         work: what all variants share.
@@ -39,7 +37,7 @@ def run_local(
     workers = processors() if workers is None else workers
     if workers == 1:
         for chunk in chunks:
-            yield chunk.number, compute(work, chunk)
+            yield compute(work, chunk)
         return
     yield from _Pool(work, chunks, workers).results()
 
@@ -57,10 +55,10 @@ class _Pool:
         self._pickled = pickle.dumps(work, protocol=pickle.HIGHEST_PROTOCOL)
         self._lock, self._stop = threading.Lock(), threading.Event()
         # A slow reader holds the workers up, so that memory does not grow.
-        self._done: queue.Queue[tuple[int, pa.Table] | BaseException | None] = queue.Queue(maxsize=2 * workers)
+        self._done: queue.Queue[Part | BaseException | None] = queue.Queue(maxsize=2 * workers)
         self._processes: list[_Process | None] = [None] * workers
 
-    def results(self) -> Generator[tuple[int, pa.Table], None, None]:
+    def results(self) -> Generator[Part, None, None]:
         threads = [threading.Thread(target=self._serve, args=(n,), daemon=True) for n in range(self._workers)]
         for thread in threads:
             thread.start()
@@ -95,9 +93,9 @@ class _Pool:
                     chunk = next(self._chunks, None)
                 if chunk is None:
                     break
-                table = self._table(number, chunk)
+                part = self._part(number, chunk)
                 if not self._stop.is_set():
-                    self._done.put((chunk.number, table))
+                    self._done.put(part)
             self._done.put(None)
         except BaseException as error:
             self._done.put(error)
@@ -106,7 +104,7 @@ class _Pool:
             if process is not None:
                 process.kill()
 
-    def _table(self, number: int, chunk: Chunk) -> pa.Table:
+    def _part(self, number: int, chunk: Chunk) -> Part:
         reason = ""
         for _ in range(TRIES):
             try:
@@ -116,11 +114,11 @@ class _Pool:
                 reason, self._processes[number] = str(death), None
                 if self._stop.is_set():
                     break
-        return failed(
+        return died(
             self._work,
             chunk,
-            f"the process that computed this chunk of variants {reason}, {TRIES} times in a row. "
-            "It may have run out of memory: use fewer `workers`, or simulate the variants of the chunk one by one.",
+            f"the process that computed this chunk of variants {reason}, {TRIES} times in a row. It may have run out of "
+            "memory: go on with --resume (`resume=True`), which computes it again, and with fewer --workers (`workers`).",
         )
 
 
@@ -146,8 +144,8 @@ class _Process:
                 "`workers` the study runs in this process."
             ) from None
 
-    def compute(self, chunk: Chunk) -> pa.Table:
-        """Return the table of a chunk; Died if the process is gone."""
+    def compute(self, chunk: Chunk) -> Part:
+        """Return the part of a chunk; Died if the process is gone."""
         return self._asked(pickle.dumps(chunk, protocol=pickle.HIGHEST_PROTOCOL))
 
     def _asked(self, question: bytes) -> Any:

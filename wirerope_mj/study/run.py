@@ -11,6 +11,7 @@ from wirerope_mj.simulation.progress import share_bar
 from wirerope_mj.study.compute import Chunk, Engine
 from wirerope_mj.study.folder import TABLE, done, finish, prepare, write_part
 from wirerope_mj.study.local import run_local
+from wirerope_mj.study.responses import PEAKS, RESPONSES, checked_keep, most_together
 from wirerope_mj.study.result import StudyResult, load_study
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ def run_study(
     study: "Study",
     folder: Path,
     *,
+    keep: str,
     engine: str,
     workers: int | None,
     address: str | None,
@@ -39,43 +41,41 @@ def run_study(
     """Compute what is missing of a study and return its result; the arguments are those of `Study.run`."""
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
         raise ValueError(f"`workers` must be a whole number >= 1, got {workers!r}.")
+    checked_keep(keep)
     run = _engine(engine)
     if engine == "local" and address is not None:
         raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")
     study.table()  # every variant is checked before anything is written
-    prepare(study, folder, resume=resume, force=force)
-    numbers = range(math.ceil(study.size / chunk_size(study.size)))
+    prepare(study, folder, keep=keep, resume=resume, force=force)
+    size = chunk_size(study, keep)
+    numbers = range(math.ceil(study.size / size))
     if not (folder / TABLE).is_file():
         missing = sorted(set(numbers) - done(folder))
-        already = study.size - _count(study, missing)
+        already = study.size - sum(min(size, study.size - number * size) for number in missing)
         with share_bar("study", "variants/s", enabled=progress) as update:
             began, ended = perf_counter(), 0
-            results = run(study.work, chunks(study, missing), workers=workers, address=address)
+            results = run(study.work, chunks(study, missing, keep), workers=workers, address=address)
             with closing(results):  # so that no process goes on if this one is interrupted
-                for number, table in results:
-                    write_part(folder, number, table)
-                    ended += table.num_rows
+                for part in results:
+                    write_part(folder, part)
+                    ended += part.table.num_rows
                     update((already + ended) / study.size, ended / (perf_counter() - began))
     finish(study, folder, len(numbers))
     return load_study(folder)
 
 
-def chunk_size(variants: int) -> int:
-    """Return how many variants a chunk has; it depends on nothing else, so that a study may go on with other workers."""
-    return min(CHUNK, math.ceil(variants / FEWEST_CHUNKS))
+def chunk_size(study: "Study", keep: str = PEAKS) -> int:
+    """Return how many variants a chunk has; the study alone says it, so that it may go on with other workers."""
+    size = min(CHUNK, math.ceil(study.size / FEWEST_CHUNKS))
+    return min(size, most_together(study.work)) if keep == RESPONSES else size
 
 
-def chunks(study: "Study", numbers: Sequence[int]) -> Iterator[Chunk]:
+def chunks(study: "Study", numbers: Sequence[int], keep: str = PEAKS) -> Iterator[Chunk]:
     """Yield the chunks of some numbers."""
-    size = chunk_size(study.size)
+    size = chunk_size(study, keep)
     for number in numbers:
-        yield Chunk(number=number, rows=study.table().slice(number * size, size).to_pylist())
-
-
-def _count(study: "Study", numbers: Sequence[int]) -> int:
-    """Return how many variants some chunks have."""
-    size = chunk_size(study.size)
-    return sum(min(size, study.size - number * size) for number in numbers)
+        rows = study.table().slice(number * size, size).to_pylist()
+        yield Chunk(number=number, rows=rows, responses=keep == RESPONSES)
 
 
 def _engine(name: str) -> Engine:

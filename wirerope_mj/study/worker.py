@@ -1,4 +1,4 @@
-"""A process that computes chunks: reads them from its standard input and writes their tables to its standard output.
+"""A process that computes chunks: reads them from its standard input and writes their parts to its standard output.
 
 It is started by `wirerope_mj.study.local` as a module of its own, so that it never runs the script that asked for the study:
 such a script needs no guard. It ends with its input, and so with the process that started it.
@@ -22,7 +22,7 @@ def main() -> None:
 
 
 def serve(questions: BinaryIO, answers: BinaryIO) -> None:
-    """Answer every chunk with its table; before them comes the work that all of them share."""
+    """Answer every chunk with its part; before them comes the work that all of them share."""
     try:
         work = pickle.load(questions)
         _answer(answers, "ready")

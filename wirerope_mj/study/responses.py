@@ -1,0 +1,66 @@
+"""Whole responses of variants, kept beside the table on request: one file each, as a run's."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from wirerope_mj.response import Response, load_response
+from wirerope_mj.response.storage import FILE
+from wirerope_mj.simulation.recorder import column_plan
+from wirerope_mj.study.variants import Work
+from wirerope_mj.whole import written_whole
+
+RESPONSES = "responses"
+"""Folder of the responses, in that of the study."""
+
+PEAKS = "peaks"
+KEPT = (PEAKS, RESPONSES)
+"""What may be kept of each variant: the measures of its peaks, or its whole response, too."""
+
+SHARE = 64 * 2**20
+"""Samples of a chunk that are kept in memory [bytes]: 32 variants of a floor on 24 mounts with 400 samples each. The response
+of one variant may be larger; it is then alone."""
+
+
+def checked_keep(keep: str) -> str:
+    """Return what is kept of each variant; ValueError if it is none of `KEPT`."""
+    if keep not in KEPT:
+        raise ValueError(f"`keep` must be one of {', '.join(KEPT)}, got {keep!r}.")
+    return keep
+
+
+def most_together(work: Work) -> int:
+    """Return how many variants of a study may have their samples in memory together."""
+    columns = len(column_plan(work.system).names)
+    samples = int(work.duration * work.sample_rate) + 1
+    return max(SHARE // (8 * columns * samples), 1)
+
+
+def packed(response: Response) -> bytes:
+    """Return a response as the content of its file, which is a fraction of the samples."""
+    with TemporaryDirectory() as folder:
+        response.save(folder)
+        return (Path(folder) / FILE).read_bytes()
+
+
+def write_response(folder: Path, variant: int, content: bytes) -> None:
+    """Write the response of a variant into the study's `folder`, whole or not at all."""
+    path = _file(folder, variant)
+    path.parent.mkdir(exist_ok=True)
+    with written_whole(path) as beside:
+        beside.write_bytes(content)
+
+
+def kept_response(folder: Path, variant: int) -> Response | None:
+    """Return the response of a variant as it was kept in the study's `folder`; None if it was not."""
+    path = _file(folder, variant)
+    return load_response(path) if path.is_file() else None
+
+
+def remove_half_written(folder: Path) -> None:
+    """Remove what a process left that was killed while it wrote a response."""
+    for left in (folder / RESPONSES).glob(".*.part.*"):
+        left.unlink(missing_ok=True)
+
+
+def _file(folder: Path, variant: int) -> Path:
+    return folder / RESPONSES / f"{variant:06d}.parquet"
