@@ -32,6 +32,7 @@ _ROOMS = {
     "travel": ("share of the rated travel", "%", 100.0, 1.0),
     "acceleration": ("largest acceleration", "g", 1.0 / STANDARD_GRAVITY, None),
     "fragility": ("share of the stated acceleration limit", "%", 100.0, 1.0),
+    "mounts": ("number of mounts that act", "-", 1.0, None),
     "deflection": ("largest deflection", "mm", 1e3, None),
     "displacement": ("largest displacement relative to the base", "mm", 1e3, None),
     "force": ("largest force", "kN", 1e-3, None),

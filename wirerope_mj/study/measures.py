@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from wirerope_mj.isolator.travel import RATINGS, travel_reached, travel_shares
 from wirerope_mj.response.peaks import Peak, Peaks
 from wirerope_mj.simulation.run import point_name
+from wirerope_mj.study.variants import acts
 from wirerope_mj.system import System
 
 NAN = math.nan
@@ -14,7 +15,7 @@ NAN = math.nan
 def measure_names(system: System) -> list[str]:
     """Return the names of all measures, the columns of the table between inputs and status."""
     bodies, points = payload_bodies(system), payload_points(system)
-    names = ["acceleration", "travel", "fragility"]
+    names = ["acceleration", "travel", "fragility", "mounts"]
     names += [f"acceleration/{name}" for name in (*bodies, *points)]
     names += [f"displacement/{name}" for name in points]
     for mount in system.mounts:
@@ -28,12 +29,14 @@ def measures(system: System, peaks: Peaks) -> dict[str, float]:
     acceleration: largest norm of any payload body [m/s^2]; acceleration/NAME: of one body or point. travel: largest share of
     a rated travel [-] of any mount; travel/MOUNT: of one; deflection/MOUNT/compression, tension, shear and roll [m], all
     positive; force/MOUNT: largest norm [N]. displacement/POINT: largest norm relative to the base [m]. fragility: largest
-    share [-] of an acceleration that the model states as a limit. NaN where nothing is rated or stated.
+    share [-] of an acceleration that the model states as a limit. mounts: number of mounts that are fitted and have not
+    failed. NaN where nothing is rated or stated.
     """
     bodies, points = payload_bodies(system), payload_points(system)
     at = {name: peaks.bodies[name].acceleration for name in bodies}
     at |= {name: peaks.points[name].acceleration for name in points}
     found = {"acceleration": _largest(at[name].value for name in bodies), "travel": NAN, "fragility": NAN}
+    found["mounts"] = float(sum(acts(mount.isolator) for mount in system.mounts.values()))
     found |= {f"acceleration/{name}": peak.value for name, peak in at.items()}
     found |= {f"displacement/{name}": peaks.points[name].relative_displacement.value for name in points}
     shares = []

@@ -1,7 +1,7 @@
 """What of a study's system and motion can vary: names such as "mount/m*/axial/alpha", resolved to columns of the table."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import Any
 
@@ -17,10 +17,10 @@ WORLD = ("x", "y", "z")
 MOTION = ("level", "azimuth", "elevation", "record")
 
 FORMS = (
-    "mount/NAME/AXIS/PARAMETER, mount/NAME/position/x, mount/NAME/failed, mount/NAME/spread, body/NAME/mass, "
-    "body/NAME/centre/x, motion/level, motion/azimuth, motion/elevation, motion/record"
+    "mount/NAME/AXIS/PARAMETER, mount/NAME/position/x, mount/NAME/fitted, mount/NAME/failed, mount/NAME/spread, "
+    "body/NAME/mass, body/NAME/centre/x, motion/level, motion/azimuth, motion/elevation, motion/record"
 )
-"""What a name may look like; NAME may hold * and ?."""
+"""What a name may look like; NAME may hold * and ?, and be several, as in m01,m04,-m13."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,8 +29,9 @@ class Column:
 
     Attributes:
         name: of the column.
-        kind: "law", "failed", "position", "mass", "centre", "level", "azimuth", "elevation" or "record".
+        kind: "law", "fitted", "failed", "position", "mass", "centre", "level", "azimuth", "elevation" or "record".
         targets: mounts or bodies.
+        mirrored: those of them that a shift moves the other way.
         key: axis and parameter of a law, or the world axis of a shift.
         relative: whether it is a factor on what the model says.
         type: of its values: "double", "int64", "bool" or "string".
@@ -39,6 +40,7 @@ class Column:
     name: str
     kind: str
     targets: tuple[str, ...] = ()
+    mirrored: tuple[str, ...] = ()
     key: tuple[str, ...] = ()
     relative: bool = False
     type: str = "double"
@@ -89,6 +91,8 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
         return _specimens(name, "/".join(parts[:-1]), distribution, system)
     if isinstance(distribution, Specimens):
         raise ValueError(f"`vary`: {name!r} cannot be Specimens; they are for mount/NAME/spread.")
+    if room == "mount" and len(parts) >= 2 and parts[-1] == "fitted":
+        return _fitted(name, "/".join(parts[:-1]), distribution, system)
     if room == "mount" and len(parts) >= 2 and parts[-1] == "failed":
         return _failed(name, "/".join(parts[:-1]), distribution, system)
     if room == "mount" and len(parts) >= 3 and parts[-2] in ("position", *AXES):
@@ -101,10 +105,10 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
 
 
 def _of_mounts(name: str, pattern: str, key: tuple[str, str], distribution: Distribution, system: System) -> Quantity:
-    mounts = _matching(name, pattern, list(system.mounts), "mount")
     if key[0] == "position":
         _check_shift(name, key[1], distribution)
-        return _split(name, pattern, mounts, distribution, kind="position", key=(key[1],))
+        return _shifted(name, pattern, list(system.mounts), "mount", distribution, kind="position", key=(key[1],))
+    mounts = _matching(name, pattern, list(system.mounts), "mount")
     for mount in mounts:
         value = _parameter(name, system.mounts[mount].isolator, mount, *key)
         if isinstance(value, tuple) and not distribution.relative:
@@ -127,6 +131,14 @@ def _parameter(name: str, isolator: Isolator, mount: str, axis: str, parameter: 
     if not isinstance(value, float | int | tuple):
         raise ModelError(f"`vary`: {name!r}: {parameter!r} of mount {mount!r} is not a number.")
     return value
+
+
+def _fitted(name: str, pattern: str, distribution: Distribution, system: System) -> Quantity:
+    mounts = _matching(name, pattern, list(system.mounts), "mount")
+    choices = distribution.choices if isinstance(distribution, Choice) else (None,)
+    if not all(isinstance(value, bool) for value in choices):
+        raise ValueError(f"`vary`: {name!r} must be a Choice of True and False, got {distribution!r}.")
+    return _split(name, pattern, mounts, distribution, kind="fitted", key=("fitted",), type="bool")
 
 
 def _failed(name: str, pattern: str, distribution: Distribution, system: System) -> Quantity:
@@ -159,8 +171,10 @@ def _of_bodies(name: str, parts: list[str], distribution: Distribution, system: 
         _check_shift(name, parts[-1], distribution)
     else:
         raise ModelError(f"`vary`: there is no quantity {name!r}. What can vary: {FORMS}.")
-    bodies = _matching(name, pattern, moving_bodies(system.model), "moving body with a mass")
-    return _split(name, pattern, bodies, distribution, kind=kind, key=key)
+    existing, word = moving_bodies(system.model), "moving body with a mass"
+    if kind == "centre":
+        return _shifted(name, pattern, existing, word, distribution, kind=kind, key=key)
+    return _split(name, pattern, _matching(name, pattern, existing, word), distribution, kind=kind, key=key)
 
 
 def _of_motion(name: str, kind: str, distribution: Distribution, motions: Sequence[BaseMotion]) -> Quantity:
@@ -208,10 +222,35 @@ def _specimens(name: str, pattern: str, distribution: Distribution, system: Syst
 
 
 def _matching(name: str, pattern: str, existing: Sequence[str], word: str) -> list[str]:
-    found = [one for one in existing if fnmatchcase(one, pattern)]
-    if not found:
-        raise ModelError(f"`vary`: {name!r}: there is no {word} {pattern!r}. There is: {', '.join(existing)}.")
-    return found
+    patterns = [pattern] if pattern in existing else pattern.split(",")
+    found: list[str] = []
+    for part in patterns:
+        matched = [one for one in existing if fnmatchcase(one, part)]
+        if not matched:
+            raise ModelError(f"`vary`: {name!r}: there is no {word} {part!r}. There is: {', '.join(existing)}.")
+        found += matched
+    return list(dict.fromkeys(found))
+
+
+def _shifted(
+    name: str, pattern: str, existing: Sequence[str], word: str, distribution: Distribution, *, kind: str,
+    key: tuple[str, ...],
+) -> Quantity:  # fmt: skip
+    """Return the quantity of a shift; what stands behind a minus moves the other way: "m01,m04,-m13,-m16"."""
+    parts = [pattern] if pattern in existing else pattern.split(",")
+    others = ",".join(part[1:] for part in parts if part.startswith("-"))
+    every = _matching(name, ",".join(part.removeprefix("-") for part in parts), existing, word)
+    mirrored = _matching(name, others, existing, word) if others else []
+    both = set(mirrored) & {
+        one for part in parts if not part.startswith("-") for one in _matching(name, part, existing, word)
+    }
+    if both:
+        raise ValueError(f"`vary`: {name!r}: {min(both)!r} cannot move both ways.")
+    quantity = _split(name, pattern, every, distribution, kind=kind, key=key)
+    columns = tuple(
+        replace(column, mirrored=tuple(one for one in column.targets if one in mirrored)) for column in quantity.columns
+    )
+    return replace(quantity, columns=columns)
 
 
 def _split(

@@ -33,12 +33,14 @@ BLOCK = 1024
 class Study:
     """Variants of one system under one base motion, or under several.
 
-    What varies is named as follows; NAME may hold * and ?, and then stands for all that match. Values of a relative
-    distribution are factors on what the model says.
+    What varies is named as follows; NAME may hold * and ?, and then stands for all that match, and several may be joined by
+    commas: "mount/m01,m05,-m04,-m08/position/x" moves the first two one way and the others, behind a minus, as far the other
+    way. Values of a relative distribution are factors on what the model says.
 
         mount/NAME/AXIS/PARAMETER   parameter of the law on axis roll, shear or axial
         mount/NAME/spread           the isolator's [spread], as `Specimens`
         mount/NAME/position/x       shift of the mount along a world axis [m]
+        mount/NAME/fitted           Choice of True and False: whether there is a mount at this place
         mount/NAME/failed           Choice of True and False, or of the name of the mount that has failed ("" = none)
         body/NAME/mass              mass [kg] with the moments of inertia, or a factor on both
         body/NAME/centre/x          shift of the centre of mass along a world axis [m]

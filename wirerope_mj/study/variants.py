@@ -9,13 +9,16 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.excitation import BaseMotion, Scaled, Turned
-from wirerope_mj.isolator import Isolator
+from wirerope_mj.isolator import Isolator, Limits
 from wirerope_mj.laws import BoucWenBaberNoori, KelvinVoigt, Law, Masing, Zener
 from wirerope_mj.study.quantities import WORLD, Column
 from wirerope_mj.system import Changes, System, varied
 
 FAINT = 1e-6
 """Stiffness [N/m], damping [N s/m] and slip force [N] of what has failed: it carries nothing, and keeps its states' places."""
+
+ABSENT = ("fitted",)
+"""Key of the columns that say whether a mount is there."""
 
 Row = Mapping[str, Any]
 
@@ -87,9 +90,9 @@ class Maker:
             elif column.kind in shifts:
                 for target in column.targets:
                     shift = shifts[column.kind].setdefault(target, [0.0, 0.0, 0.0])
-                    shift[WORLD.index(column.key[0])] = value
+                    shift[WORLD.index(column.key[0])] = -value if target in column.mirrored else value
             else:
-                acts = value if isinstance(value, bool) else True
+                acts = value != (column.kind == "fitted") if isinstance(value, bool) else True
                 targets = ([value] if value else []) if isinstance(value, str) else column.targets if acts else ()
                 for mount in targets:
                     edits.setdefault(mount, {})[column.key] = (column.relative, value)
@@ -124,7 +127,9 @@ def direction(azimuth: float, elevation: float) -> tuple[float, float, float]:
 
 
 def _edited(isolator: Isolator, edit: Mapping[tuple[str, ...], tuple[bool, Any]]) -> Isolator:
-    """Return an isolator with other parameters, by axis and name; the key () makes it fail."""
+    """Return an isolator with other parameters, by axis and name; the key () makes it fail, `ABSENT` takes it away."""
+    if ABSENT in edit:
+        return replace(_without_force(isolator), limits=Limits())  # nothing is there that could be judged
     if () in edit:
         return _without_force(isolator)
     laws: dict[str, dict[str, Any]] = {}
@@ -142,6 +147,11 @@ def _edited(isolator: Isolator, edit: Mapping[tuple[str, ...], tuple[bool, Any]]
         except ValueError as error:
             raise ValueError(f"[{axis}] {error}") from None
     return replace(isolator, **changed)  # type: ignore[arg-type]
+
+
+def acts(isolator: Isolator) -> bool:
+    """Return whether an isolator makes forces: it is there, and has not failed."""
+    return any(law is not None and law != _faint(law) for law in isolator.axes.values())
 
 
 def _without_force(isolator: Isolator) -> Isolator:
