@@ -1,9 +1,77 @@
-"""Files that are written whole or not at all, and places where none can be."""
+"""Files and folders that are written whole or not at all, and places where none can be."""
+
+import signal
+import subprocess
+import sys
 
 import pytest
 
 from wirerope_mj.errors import RecordError
-from wirerope_mj.whole import check_place, written_whole
+from wirerope_mj.whole import check_place, clear_beside, folder_written_whole, written_whole
+
+WRITER = """
+import os, pathlib, shutil, sys
+from wirerope_mj.whole import folder_written_whole
+
+folder, stage, rename = pathlib.Path(sys.argv[1]), sys.argv[2], os.rename
+
+def wait(*_):
+    print("here", flush=True)
+    sys.stdin.read()
+
+if stage == "between":  # the old folder has gone, and the new one is not there yet
+    os.rename = lambda a, b: rename(a, b) if a == folder else wait()
+if stage == "removing":
+    shutil.rmtree = wait
+with folder_written_whole(folder, force=True, kind="run", marks=("mark",)) as beside:
+    (beside / "mark").write_text("new")
+    if stage == "writing":
+        wait()
+"""
+
+
+def writer(folder, stage):
+    """Return a process that writes `folder` whole and waits at a stage of it."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", WRITER, folder, stage], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout.readline() == "here\n"
+    return process
+
+
+def end(process, number):
+    process.send_signal(number)
+    process.communicate(timeout=30.0)
+
+
+@pytest.mark.parametrize(("stage", "kept"), [("writing", "old"), ("between", "old"), ("removing", "new")])
+def test_what_a_killed_process_left_beside_a_folder_is_put_right(tmp_path, stage, kept):
+    folder = tmp_path / "run[1].a"  # letters that mean something in patterns
+    folder.mkdir()
+    (folder / "mark").write_text("old")
+    others = [tmp_path / ".run[1].part", tmp_path / ".run[1].a.notes.part", tmp_path / ".run1.a.abcdefgh.part"]
+    for other in others:
+        other.mkdir()
+    process = writer(folder, stage)
+    before = sorted(tmp_path.iterdir())
+    assert len(before) == 5
+    clear_beside(folder)
+    if stage != "removing":  # what a process that lives is writing is left to it
+        assert sorted(tmp_path.iterdir()) == before
+    end(process, signal.SIGKILL)
+    clear_beside(folder)
+    assert sorted(tmp_path.iterdir()) == sorted([folder, *others])
+    assert (folder / "mark").read_text() == kept
+
+
+def test_a_folder_that_was_never_finished_is_written_anew_after_a_kill(tmp_path):
+    folder = tmp_path / "run"
+    end(writer(folder, "writing"), signal.SIGKILL)
+    assert [path.name[:5] for path in tmp_path.iterdir()] == [".run."]
+    with folder_written_whole(folder, force=False, kind="run", marks=("mark",)) as beside:
+        (beside / "mark").write_text("new")
+    assert [path.name for path in tmp_path.iterdir()] == ["run"]
+    assert sorted(path.name for path in folder.iterdir()) == ["mark"]
 
 
 def test_what_fails_leaves_nothing(tmp_path):

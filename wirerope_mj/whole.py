@@ -1,11 +1,18 @@
 """Files and folders that are written whole or not at all."""
 
+import glob
 import os
+import re
 import shutil
 import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+
+try:
+    import fcntl
+except ImportError:  # Windows has no such locks: there what a killed process leaves must be removed by hand
+    fcntl = None  # type: ignore[assignment]
 
 from wirerope_mj.errors import RecordError
 
@@ -78,8 +85,9 @@ def check_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) 
 def folder_written_whole(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) -> Iterator[Path]:
     """Yield a new folder beside `folder` that becomes it when the block ends well, and is removed when it does not.
 
-    The arguments are those of `check_folder`.
+    What a process that was killed left of the same folder is removed, too. The arguments are those of `check_folder`.
     """
+    clear_beside(folder)
     check_folder(folder, force=force, kind=kind, marks=marks)
     folder = folder.resolve()
     missing = [parent for parent in folder.parents if not parent.exists()]
@@ -90,15 +98,57 @@ def folder_written_whole(folder: Path, *, force: bool, kind: str, marks: Sequenc
         raise RecordError(f"{folder}: cannot write here ({error.strerror}).") from None
     try:
         beside.chmod(0o755)  # mkdtemp makes folders that nobody else may read
-        yield beside
-        check_folder(folder, force=force, kind=kind, marks=marks)
-        _put(beside, folder)
+        with _locked(beside):
+            yield beside
+            check_folder(folder, force=force, kind=kind, marks=marks)
+            _put(beside, folder)
     except BaseException:
         shutil.rmtree(beside, ignore_errors=True)
         for parent in missing:
             if parent.is_dir() and not any(parent.iterdir()):
                 parent.rmdir()
         raise
+
+
+def clear_beside(folder: Path) -> None:
+    """Put right what processes left beside `folder` that were killed while they wrote it whole.
+
+    What was to be replaced comes back if nothing stands in its place yet, and is removed if it was replaced.
+    """
+    folder = folder.resolve()
+    ending = re.compile(rf"\.{re.escape(folder.name)}\.[a-z0-9_]{{8}}\.(part|old)")  # as mkdtemp names what is beside
+    left = [path for path in folder.parent.glob(f".{glob.escape(folder.name)}.*") if ending.fullmatch(path.name)]
+    for part in (path for path in left if path.suffix == ".part"):
+        with _locked(part) as dead:
+            if dead:
+                shutil.rmtree(part, ignore_errors=True)
+    for old in (path for path in left if path.suffix == ".old" and not path.with_suffix(".part").exists()):
+        if folder.exists():
+            shutil.rmtree(old, ignore_errors=True)
+        else:
+            os.rename(old, folder)
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[bool]:
+    """Lock a folder for the block, and say whether it could be: the lock of a process ends with it, however it ends."""
+    if fcntl is None:
+        yield False
+        return
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:
+        yield False
+        return
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        locked = True
+    except OSError:  # another has it, or the file system knows no locks
+        locked = False
+    try:
+        yield locked
+    finally:
+        os.close(handle)
 
 
 def _put(beside: Path, folder: Path) -> None:

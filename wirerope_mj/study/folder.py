@@ -21,7 +21,7 @@ from wirerope_mj.study.distributions import distribution_to_dict
 from wirerope_mj.study.responses import PEAKS, remove_half_written, write_response
 from wirerope_mj.study.versions import versions
 from wirerope_mj.system.model_files import model_table, write_model
-from wirerope_mj.whole import check_folder, folder_written_whole, written_whole
+from wirerope_mj.whole import check_folder, clear_beside, folder_written_whole, written_whole
 
 if TYPE_CHECKING:
     from wirerope_mj.study.study import Study
@@ -53,6 +53,7 @@ def prepare(study: "Study", folder: Path, *, keep: str, resume: bool, force: boo
     Raises:
         RecordError: something else stands there, or a study that is neither resumed nor replaced.
     """
+    clear_beside(folder)
     there = (folder / STUDY).is_file()
     begun = there and bool(done(folder) or (folder / TABLE).is_file())
     if there and (resume or not (begun or force)):
