@@ -14,8 +14,8 @@ from wirerope_mj.scenario import shipped_scenarios
 from wirerope_mj.study.study_file import StudyFile, load_study_file, shipped_studies
 
 OWN: dict[str, Any] = {
-    "engine": "local", "workers": None, "address": None, "resume": False, "out": None, "force": False, "by": None,
-    "open_worst": 0,
+    "engine": "local", "keep": "peaks", "workers": None, "address": None, "resume": False, "out": None, "force": False,
+    "by": None, "open_worst": 0,
 }  # fmt: skip
 """Options of the command itself and their defaults; a study's own must have other names."""
 
@@ -50,6 +50,7 @@ def _app_of(file: StudyFile) -> App:
     engine = "local: processes of this machine; dask: the workers of a cluster"
     how = [
         _option("engine", Literal["local", "dask"], engine),
+        _option("keep", Literal["peaks", "responses"], "of each variant: its peaks, or its whole response, too"),
         _option("workers", int | None, "processes; one per processor if it is not given"),
         _option("address", str | None, "of a Dask scheduler that exists, tcp://HOST:8786 for instance"),
         _option("resume", bool, "go on with the study that stands in --out", negative=()),
@@ -73,8 +74,8 @@ def _option(name: str, kind: Any, words: str, **more: Any) -> inspect.Parameter:
 
 
 def _run(
-    file: StudyFile, options: dict[str, Any], *, engine: str, workers: int | None, address: str | None, resume: bool,
-    out: Path | None, force: bool, by: str | None, open_worst: int,
+    file: StudyFile, options: dict[str, Any], *, engine: str, keep: str, workers: int | None, address: str | None,
+    resume: bool, out: Path | None, force: bool, by: str | None, open_worst: int,
 ) -> None:  # fmt: skip
     from wirerope_mj.cli.study_tables import print_study
     from wirerope_mj.runfolder.study import checked_count, write_study_pictures, write_worst
@@ -92,7 +93,7 @@ def _run(
     folder = out or Path("runs") / f"{file.name}-{datetime.now():%Y%m%d-%H%M%S}"
     try:
         result = study.run(
-            folder, engine=engine, workers=workers, address=address, resume=resume, force=force,
+            folder, engine=engine, keep=keep, workers=workers, address=address, resume=resume, force=force,
             progress=sys.stderr.isatty(),
         )  # fmt: skip
     except KeyboardInterrupt:
