@@ -19,9 +19,9 @@ LAYERS = (
     ("statics",),
     ("simulation", "response"),
     ("modes", "sweep", "periodic", "criteria", "verdicts"),
-    ("study", "frf", "selection"),
+    ("study", "frf", "selection", "scenario"),
     ("plots", "recording", "report"),
-    ("scenario", "runfolder"),
+    ("runfolder",),
     ("cli",),
 )
 LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}

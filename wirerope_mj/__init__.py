@@ -101,6 +101,7 @@ from wirerope_mj.study import Study as Study
 from wirerope_mj.study import StudyResult as StudyResult
 from wirerope_mj.study import Uniform as Uniform
 from wirerope_mj.study import load_study as load_study
+from wirerope_mj.study import study_of as study_of
 from wirerope_mj.sweep import FrequencySweep as FrequencySweep
 from wirerope_mj.sweep import frequency_sweep as frequency_sweep
 from wirerope_mj.sweep import stepped_sine as stepped_sine

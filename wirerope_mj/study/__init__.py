@@ -4,6 +4,7 @@ from wirerope_mj.study.distributions import Choice as Choice
 from wirerope_mj.study.distributions import Normal as Normal
 from wirerope_mj.study.distributions import Specimens as Specimens
 from wirerope_mj.study.distributions import Uniform as Uniform
+from wirerope_mj.study.from_scenario import study_of as study_of
 from wirerope_mj.study.indices import SobolIndex as SobolIndex
 from wirerope_mj.study.indices import SobolIndices as SobolIndices
 from wirerope_mj.study.indices import sobol_indices as sobol_indices

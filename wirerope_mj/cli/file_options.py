@@ -1,0 +1,45 @@
+"""Commands whose options are those of a Python file, and some of their own."""
+
+import inspect
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any, get_type_hints
+
+from cyclopts import App, Parameter
+
+
+def own_option(name: str, kind: Any, default: Any, words: str, **more: Any) -> inspect.Parameter:
+    """Return an option of the command itself: its name, type, default, and what --help says."""
+    annotation = Annotated[kind, Parameter(help=words, **more)]
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+
+
+def run_with_options(
+    title: str,
+    function: Callable[..., Any],
+    own: Sequence[inspect.Parameter],
+    action: Callable[[dict[str, Any], dict[str, Any]], None],
+    tokens: Sequence[str],
+) -> None:
+    """Read `tokens` as options of `function` and of the command, and act on them.
+
+    Args:
+        title: of the command, for --help.
+        function: of the file; its docstring says what its options are.
+        own: options of the command itself, of other names.
+        action: is given the values of the function's options and of the command's own.
+        tokens: behind the file's name on the command line.
+    """
+
+    def command(**options: Any) -> None:
+        values = {option.name: options.pop(option.name, option.default) for option in own}
+        action(options, values)
+
+    hints = get_type_hints(function)
+    declared = inspect.signature(function).parameters.values()
+    options = [option.replace(annotation=hints.get(option.name, type(option.default))) for option in declared]
+    command.__signature__ = inspect.Signature([*options, *own])  # type: ignore[attr-defined]
+    command.__annotations__ = {option.name: option.annotation for option in [*options, *own]}
+    command.__doc__ = function.__doc__
+    app = App(name=title, version_flags=[], suppress_keyboard_interrupt=False)
+    app.default(command)
+    app(list(tokens), exit_on_error=False, print_error=False, result_action="return_value")
