@@ -92,10 +92,10 @@ def study(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=Tru
 
 @app.command
 def show(folder: Path, *, web: Annotated[bool, Parameter(negative=())] = False) -> int:
-    """Open a run in the rerun viewer.
+    """Open a run, or the worst variants of a study, in the rerun viewer.
 
     Args:
-        folder: folder of a run, or a .rrd file.
+        folder: folder of a run, or of a study whose worst variants --open-worst wrote, or a .rrd file.
         web: show it in a browser of this machine instead of a window.
     """
     from wirerope_mj.recording import show as show_recording

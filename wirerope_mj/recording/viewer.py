@@ -11,6 +11,9 @@ from urllib.parse import quote
 from wirerope_mj.errors import RecordError, WireRopeError
 from wirerope_mj.recording.paths import FILE
 
+STUDY, WORST, OVERLAY = "study.toml", "worst", "worst.rrd"
+"""In the folder of a study: what it is known by, its worst variants, and their recording."""
+
 _LOCAL = "127.0.0.1"
 """The viewer listens on this machine only; its own default is every network."""
 
@@ -19,7 +22,7 @@ def show(path_or_folder: str | Path, *, web: bool = False) -> None:
     """Open a recording and return when the viewer is closed or interrupted.
 
     Args:
-        path_or_folder: a `.rrd` file, or the folder of a run.
+        path_or_folder: a `.rrd` file, or the folder of a run, or of a study whose worst variants were written.
         web: serve it to a browser of this machine, and print the address.
 
     Raises:
@@ -43,14 +46,33 @@ def show(path_or_folder: str | Path, *, web: bool = False) -> None:
 
 
 def find_recording(path_or_folder: str | Path) -> Path:
-    """Return the recording that a path names: itself, or the `run.rrd` in the folder."""
+    """Return the recording that a path names: itself, or that in the folder of a run or of a study."""
     given = Path(path_or_folder)
+    if (given / STUDY).is_file():
+        return _of_study(given)
     path = given / FILE if given.is_dir() else given
     if not path.is_file():
         raise RecordError(
             f"{path}: there is no such recording. A folder that `wirerope run` has written holds a {FILE}."
         )
     return path
+
+
+def _of_study(folder: Path) -> Path:
+    """Return the recording of a study's worst variants laid over each other, or that of the only one that was written."""
+    together = folder / WORST / OVERLAY
+    if together.is_file():
+        return together
+    single = sorted((folder / WORST).glob(f"*/{FILE}"))
+    if len(single) == 1:
+        return single[0]
+    if single:
+        several = ", ".join(str(path.parent) for path in single)
+        raise RecordError(f"{folder}: several variants of this study were written one by one; open one: {several}.")
+    raise RecordError(
+        f"{folder}: this is a study, and none of its variants was written as a run. Write the worst with the command that "
+        f"computed it and --resume --out {folder} --open-worst 3; only what is missing is computed."
+    )
 
 
 def has_display() -> bool:
