@@ -3,25 +3,24 @@
 import math
 import re
 
-from wirerope_mj.units import STANDARD_GRAVITY
+from wirerope_mj.units import shown_in
 
 ABSENT = "–"
 """What stands where there is no figure."""
 
-_SHOWN = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "m/s^2": ("g", 1.0 / STANDARD_GRAVITY), "": ("", 1.0)}
 _MINUS = "\N{MINUS SIGN}"
 
 
 def shown_unit(unit: str) -> str:
     """Return the unit in which values of an SI unit are shown."""
-    return _SHOWN.get(unit, (unit, 1.0))[0].replace("^2", "²")
+    return shown_in(unit)[0].replace("^2", "²")
 
 
 def shown(value: float | None, unit: str = "", *, digits: int = 3) -> str:
     """Return a value of an SI unit as a number in the unit that is shown; without one, or if it is not known, a dash."""
     if value is None or not math.isfinite(value):
         return ABSENT
-    return number(value * _SHOWN.get(unit, (unit, 1.0))[1], digits=digits)
+    return number(value * shown_in(unit)[1], digits=digits)
 
 
 def with_unit(value: float | None, unit: str, *, digits: int = 3) -> str:

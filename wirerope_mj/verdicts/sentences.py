@@ -12,7 +12,7 @@ from wirerope_mj.criteria import (
 from wirerope_mj.criteria.travel import COMBINED
 from wirerope_mj.isolator.travel import RATINGS
 from wirerope_mj.response import Response
-from wirerope_mj.units import STANDARD_GRAVITY
+from wirerope_mj.units import shown_in
 from wirerope_mj.verdicts.peaks import mount_peaks
 
 
@@ -40,7 +40,7 @@ def _payload_lines(response: Response) -> list[str]:
 
 
 def _words(row: Verdict) -> str:
-    factor, unit = (1.0 / STANDARD_GRAVITY, "g") if row.unit == "m/s^2" else (1e3, "mm")
+    unit, factor = shown_in(row.unit)
     reached = f"{factor * row.value:.3g} of {factor * (row.limit or 0.0):.3g} {unit}"
     return f"{row.criterion} of {row.subject}, {reached} ({100.0 * (row.share or 0.0):.0f} %)"
 
