@@ -101,6 +101,8 @@ from wirerope_mj.study import Study as Study
 from wirerope_mj.study import StudyResult as StudyResult
 from wirerope_mj.study import Uniform as Uniform
 from wirerope_mj.study import load_study as load_study
+from wirerope_mj.study import redrawn as redrawn
+from wirerope_mj.study import sobol_indices as sobol_indices
 from wirerope_mj.study import study_of as study_of
 from wirerope_mj.sweep import FrequencySweep as FrequencySweep
 from wirerope_mj.sweep import frequency_sweep as frequency_sweep

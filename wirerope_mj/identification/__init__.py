@@ -8,3 +8,4 @@ from wirerope_mj.identification.methods import MethodRow as MethodRow
 from wirerope_mj.identification.methods import compare_methods as compare_methods
 from wirerope_mj.identification.specimens import Specimens as Specimens
 from wirerope_mj.identification.specimens import identify_specimens as identify_specimens
+from wirerope_mj.identification.specimens import joint_spread as joint_spread

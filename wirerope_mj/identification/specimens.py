@@ -1,6 +1,6 @@
 """Nominally equal isolators: one law for all of them, and how its parameters scatter from one to the next."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -155,6 +155,24 @@ def identify_specimens(
             "`specimens` do not differ: all give the same law to the last figure. Is one given several times?"
         )
     return _scatter(nominal, each, elements)
+
+
+def joint_spread(axes: Mapping[str, Specimens]) -> Spread:
+    """Return the scatter of the same specimens tested along several axes, what they do together included.
+
+    Args:
+        axes: specimens by "roll", "shear" or "axial", in the same order on every axis.
+
+    Raises:
+        ValueError: there are no axes, or not the same number of specimens on each.
+    """
+    if len({len(found.each) for found in axes.values()}) != 1:
+        counts = ", ".join(f"{axis} {len(found.each)}" for axis, found in axes.items())
+        raise ValueError(f"`axes` must hold the same specimens on every axis, got {counts or 'none'}.")
+    names = [name for axis, found in axes.items() for name in found.spread(axis).parameters]
+    values = np.array([row.values for found in axes.values() for row in found.rows])
+    covariance = np.atleast_2d(np.cov(values))
+    return Spread(parameters=tuple(names), covariance=tuple(tuple(float(one) for one in row) for row in covariance))
 
 
 def _scatter(nominal: Identification, each: Sequence[Identification], elements: int) -> Specimens:

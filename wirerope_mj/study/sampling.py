@@ -79,7 +79,7 @@ def _values(quantity: Quantity, shares: Array) -> list[npt.NDArray[Any]]:
         return [distribution.values(shares[:, place]) for place in range(shares.shape[1])]
     found: list[npt.NDArray[Any]] = []
     for isolator in quantity.isolators:
-        mean, root = _joint(isolator)
+        mean, root = joint(isolator)
         own = ndtri(np.clip(shares[:, len(found) : len(found) + mean.size], SMALLEST, 1.0 - SMALLEST))
         # Sums in one order, so that a value has the same bits however many variants there are.
         values = mean + sum(own[:, [place]] * root[place] for place in range(mean.size))
@@ -87,7 +87,7 @@ def _values(quantity: Quantity, shares: Array) -> list[npt.NDArray[Any]]:
     return found
 
 
-def _joint(isolator: Isolator) -> tuple[Array, Array]:
+def joint(isolator: Isolator) -> tuple[Array, Array]:
     """Return the parameters of an isolator's spread, (n,), and the symmetric root of their covariance, (n, n)."""
     spread = isolator.spread
     assert spread is not None  # `quantities` has seen to it
