@@ -27,7 +27,7 @@ class Law(ABC):
     travel_rule: ClassVar[str] = "its force becomes infinite"
 
     def __post_init__(self) -> None:
-        for key, value in asdict(self).items():
+        for key, value in list(vars(self).items()):
             if isinstance(value, np.integer | np.floating):
                 object.__setattr__(self, key, value.item())
                 value = value.item()

@@ -14,12 +14,6 @@ SLOWEST_RATE = 1.0
 """Angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely."""
 
 
-def _as_modelled(system: System) -> mujoco.MjData:
-    data = mujoco.MjData(system.model)
-    mujoco.mj_fwdPosition(system.model, data)
-    return data
-
-
 def _mount_matrices(system: System, data: mujoco.MjData) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Return stiffness [N/m, ...] and damping of all mounts in MuJoCo's velocity coordinates, (n_v, n_v) each.
 
@@ -27,11 +21,10 @@ def _mount_matrices(system: System, data: mujoco.MjData) -> tuple[npt.NDArray[np
     """
     model, rows, stiffness, damping = system.model, [np.zeros((0, system.model.nv))], [], []
     payload, base, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv)), np.zeros((3, model.nv))
-    for mount in system.mounts.values():
-        site = model.site(mount.payload_site)
-        point = data.site_xpos[site.id]
-        mujoco.mj_jac(model, data, payload, unused, point, site.bodyid[0])
-        mujoco.mj_jac(model, data, base, unused, point, model.site(mount.base_site).bodyid[0])
+    for mount, (site, base_site) in zip(system.mounts.values(), system.assembly.tables.sites, strict=True):
+        point = data.site_xpos[site]
+        mujoco.mj_jac(model, data, payload, unused, point, model.site_bodyid[site])
+        mujoco.mj_jac(model, data, base, unused, point, model.site_bodyid[base_site])
         rows.append(mount.axes.T @ (payload - base))  # of the deflections, (3, n_v)
         for law in mount.isolator.axes.values():
             stiffness.append(law.initial_stiffness if law is not None else 0.0)
@@ -43,14 +36,19 @@ def _mount_matrices(system: System, data: mujoco.MjData) -> tuple[npt.NDArray[np
 
 def eigenvalues(system: System) -> npt.NDArray[np.complex128]:
     """Return the eigenvalues [1/s] of the linear system of unloaded mounts without the driven base, (2 n,)."""
-    model, data = system.model, _as_modelled(system)
+    model = system.model
     mass = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, mass)
-    free = np.setdiff1d(np.arange(model.nv), system.assembly.driven_dofs)
-    stiffness, damping = (matrix[np.ix_(free, free)] for matrix in _mount_matrices(system, data))
-    inverse = np.linalg.inv(mass[np.ix_(free, free)])
-    zero, one = np.zeros_like(inverse), np.eye(free.size)
-    return np.linalg.eigvals(np.block([[zero, one], [-inverse @ stiffness, -inverse @ damping]]))
+    with system.assembly.scratch.data(model) as data:
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fullM(model, data, mass)
+        matrices = _mount_matrices(system, data)
+    free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
+    stiffness, damping = (matrix[np.ix_(free, free)] for matrix in matrices)
+    inverse, n = np.linalg.inv(mass[np.ix_(free, free)]), free.size
+    rates = np.zeros((2 * n, 2 * n))  # of displacements and velocities
+    rates[:n, n:] = np.eye(n)
+    rates[n:, :n], rates[n:, n:] = -inverse @ stiffness, -inverse @ damping
+    return np.asarray(np.linalg.eigvals(rates), dtype=np.complex128)
 
 
 def stable_step(system: System) -> float:

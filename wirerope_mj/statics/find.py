@@ -23,5 +23,6 @@ def equilibrium(system: System, *, history: History = "virgin") -> Equilibrium:
         raise ValueError(f"`history` must be 'virgin' or 'relaxed', got {history!r}.")
     found = _known.setdefault(system, {})
     if history not in found:
-        found[history] = Loading(system, history).solve()
+        with system.assembly.scratch.data(system.model) as data:
+            found[history] = Loading(system, history, data).solve()
     return found[history]

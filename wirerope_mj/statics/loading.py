@@ -33,27 +33,28 @@ WITHOUT_SENSORS = 1
 class Loading:
     """A system on its way from weightlessness to its full weight."""
 
-    def __init__(self, system: System, history: History) -> None:
-        self.system, self.history, self.model = system, history, system.model.__copy__()
-        self.data = mujoco.MjData(self.model)
+    def __init__(self, system: System, history: History, data: mujoco.MjData) -> None:
+        """Prepare `system`, with data of its layout to compute with."""
+        self.system, self.history, self.model, self.data = system, history, system.model.__copy__(), data
         self.gravity = self.model.opt.gravity.copy()
-        self.free = np.setdiff1d(np.arange(self.model.nv), system.assembly.driven_dofs)
+        self.free = np.delete(np.arange(self.model.nv), system.assembly.driven_dofs)
         self.path = SlowPath(system) if history == "virgin" else None
-        self.roots = Roots(self._accelerations, self._moved, self.free.size)
 
     def solve(self) -> Equilibrium:
         """Return the equilibrium under the full weight."""
         scale = max(float(np.linalg.norm(self.gravity)), 1.0)  # without gravity rounding is still that of the forces
+        roots = Roots(self._accelerations, self._moved, self.free.size)
         with installed(self.model, self.data):
-            qpos, load, step = self.model.qpos0.copy(), 0.0, 1.0 / LOAD_STEPS
+            # Without gravity all steps are one.
+            qpos, load, step = self.model.qpos0.copy(), 0.0, 1.0 / LOAD_STEPS if self.gravity.any() else 1.0
             residual = 0.0
             while load < 1.0:
                 trial_load = min(load + step, 1.0)
                 self.model.opt.gravity[:] = trial_load * self.gravity
-                trial, residual = self.roots.find(qpos, TOLERANCE * scale)
+                trial, residual = roots.find(qpos, TOLERANCE * scale)
                 if residual > ACCEPTED * scale:
                     step /= 2.0
-                    self.roots.forget()
+                    roots.forget()
                     if step < SMALLEST_LOAD_STEP:
                         self._accelerations(qpos)  # back to the last load that was carried
                         raise ConvergenceError(self._diagnosis(trial_load, residual))

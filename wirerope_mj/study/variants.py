@@ -12,7 +12,8 @@ from wirerope_mj.excitation import BaseMotion, Scaled, Turned
 from wirerope_mj.isolator import Isolator, Limits
 from wirerope_mj.laws import BoucWenBaberNoori, KelvinVoigt, Law, Masing, Zener
 from wirerope_mj.study.quantities import WORLD, Column
-from wirerope_mj.system import Changes, System, varied
+from wirerope_mj.system import Changes, System
+from wirerope_mj.system.varied import changed
 
 FAINT = 1e-6
 """Stiffness [N/m], damping [N s/m] and slip force [N] of what has failed: it carries nothing, and keeps its states' places."""
@@ -64,7 +65,7 @@ class Maker:
         key = tuple(row[column.name] for column in self._of_system)
         if key not in self._made:
             changes = self.changes(row)
-            self._made[key] = varied(self._system, **vars(changes)) if any(vars(changes).values()) else self._system
+            self._made[key] = changed(self._system, changes) if any(vars(changes).values()) else self._system
         return self._made[key]
 
     def motion(self, row: Row) -> BaseMotion:

@@ -1,6 +1,6 @@
 """From MJCF and isolators to the compiled model: driven base, state actuator, sensors, and the tables of the callback."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import ModelError
 from wirerope_mj.system.declared import DeclaredMount
+from wirerope_mj.system.scratch import Scratch
 from wirerope_mj.system.tables import DRIVE_ARMATURE, Subjects, Tables, make_tables
 
 SOLVER_TOLERANCE = 1e-15
@@ -27,6 +28,7 @@ class Assembly:
         userdata: first entry of the system's userdata.
         activation: first internal state in act.
         sensor: first of the system's sensor values.
+        scratch: data to compute with, shared by all variants of a system.
     """
 
     model: mujoco.MjModel
@@ -35,6 +37,7 @@ class Assembly:
     userdata: int
     activation: int
     sensor: int
+    scratch: Scratch = field(default_factory=Scratch, repr=False, compare=False)
 
     @property
     def driven_dofs(self) -> list[int]:
@@ -59,7 +62,7 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
         points=tuple(site for site in range(plain.nsite) if POINT in plain.site(site).name),
     )
     # Whatever is added stands after what the model has, so that all addresses are known before it is compiled.
-    tables = make_tables(plain, declared, subjects, sensor=int(plain.nsensordata))
+    tables = make_tables(plain, mujoco.MjData(plain), declared, subjects, sensor=int(plain.nsensordata))
     userdata = int(plain.nuserdata)
     _set_options(spec)
     spec.nuserdata = userdata + tables.user.size

@@ -1,6 +1,7 @@
 """The tables that the callback reads: mounts, axes, drive, bodies, points, the tree, and what the peak tracker follows."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 
 import mujoco
 import numpy as np
@@ -8,6 +9,7 @@ import numpy.typing as npt
 
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import ModelError
+from wirerope_mj.isolator import Isolator
 from wirerope_mj.laws.kernels import MASING
 from wirerope_mj.system.declared import DeclaredMount
 
@@ -49,15 +51,38 @@ class Tables:
     base_channels: tuple[int, ...]
     states: dict[str, tuple[slice, slice, slice]]
 
+    @property
+    def sites(self) -> npt.NDArray[np.int64]:
+        """Ids of the payload's and the base's site of every mount, (n_mounts, 2)."""
+        first, last = int(self.layout[at.MOUNTS]), int(self.layout[at.AXES])
+        return self.layout[first:last].reshape(-1, at.MOUNT_COLUMNS)[:, :2].astype(np.int64)
 
-def make_tables(model: mujoco.MjModel, declared: list[DeclaredMount], on: Subjects, sensor: int) -> Tables:
-    """Return the tables of a model; `sensor` is the address of the system's first sensor value."""
-    axes, parameters, states = _axis_rows(declared)
-    couplings = _couplings(declared, parameters)
+
+def make_tables(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    declared: list[DeclaredMount],
+    on: Subjects,
+    *,
+    sensor: int,
+    drive: Array | None = None,
+) -> Tables:
+    """Return the tables of a model.
+
+    Args:
+        model: the model.
+        data: its data, in which the modelled geometry is computed.
+        declared: mounts.
+        on: what takes part.
+        sensor: address of the system's first sensor value.
+        drive: map from base acceleration to slide accelerations where it is known, (n_driven, 3).
+    """
+    isolators = {mount.name: mount.isolator for mount in declared}
+    axes, parameters, states = _axis_rows(isolators)
+    couplings = _couplings(isolators.values(), parameters)
     n_states = int(sum(row[3] for row in axes))
-    data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    drive = _drive_rows(model, data, on.driven)
+    drive = _drive_rows(model, data, on.driven) if drive is None else drive
     channels = _channels(on, states)
     parts = [
         [[*_mount_row(model, mount, on), coupling] for mount, coupling in zip(declared, couplings, strict=True)],
@@ -78,7 +103,7 @@ def make_tables(model: mujoco.MjModel, declared: list[DeclaredMount], on: Subjec
     header[: len(counts)] = counts
     header[at.MOUNTS : at.CHANNELS + 1] = starts[:-1]
     header[at.SENSOR] = sensor
-    header[at.N_SLIPPING] = sum(row[0] == MASING for row in axes)
+    header[at.N_SLIPPING] = _slipping(axes)
     return Tables(
         layout=np.concatenate([header, *flat]),
         parameters=np.concatenate([*parameters, []]),
@@ -88,6 +113,22 @@ def make_tables(model: mujoco.MjModel, declared: list[DeclaredMount], on: Subjec
         base_channels=_base_channels(model, on),
         states=states,
     )
+
+
+def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
+    """Return tables with other laws, of all mounts in their order, with as many states; all else stays as it is."""
+    axes, parameters, states = _axis_rows(isolators)
+    couplings = _couplings(isolators.values(), parameters)
+    layout = tables.layout.copy()
+    mounts, first = int(layout[at.MOUNTS]), int(layout[at.AXES])
+    layout[mounts:first].reshape(-1, at.MOUNT_COLUMNS)[:, -1] = couplings
+    layout[first : first + at.AXIS_COLUMNS * len(axes)] = np.ravel(axes)
+    layout[at.N_SLIPPING] = _slipping(axes)
+    return replace(tables, layout=layout, parameters=np.concatenate([*parameters, []]), states=states)
+
+
+def _slipping(axes: list[list[int]]) -> int:
+    return sum(row[0] == MASING for row in axes)
 
 
 def _mount_row(model: mujoco.MjModel, mount: DeclaredMount, on: Subjects) -> list[float]:
@@ -100,16 +141,16 @@ def _mount_row(model: mujoco.MjModel, mount: DeclaredMount, on: Subjects) -> lis
 
 
 def _axis_rows(
-    declared: list[DeclaredMount],
+    isolators: Mapping[str, Isolator],
 ) -> tuple[list[list[int]], list[Array], dict[str, tuple[slice, slice, slice]]]:
     """Return the axes table, the laws' parameters in its order, and every mount's states."""
     rows: list[list[int]] = []
     parameters: list[Array] = []
     states: dict[str, tuple[slice, slice, slice]] = {}
     n_states = n_parameters = 0
-    for mount in declared:
+    for mount, isolator in isolators.items():
         slices = []
-        for law in mount.isolator.axes.values():
+        for law in isolator.axes.values():
             size = law.n_states if law is not None else 0
             slices.append(slice(n_states, n_states + size))
             rows.append([law.kernel if law is not None else -1, n_parameters, n_states, size])
@@ -117,15 +158,15 @@ def _axis_rows(
                 parameters.append(law.kernel_parameters())
                 n_parameters += parameters[-1].size
             n_states += size
-        states[mount.name] = (slices[0], slices[1], slices[2])
+        states[mount] = (slices[0], slices[1], slices[2])
     return rows, parameters, states
 
 
-def _couplings(declared: list[DeclaredMount], parameters: list[Array]) -> list[int]:
+def _couplings(isolators: Iterable[Isolator], parameters: list[Array]) -> list[int]:
     """Append the parameters of couplings to those of the laws and return where each mount's begin, -1 without one."""
     places = []
-    for mount in declared:
-        coupled = mount.isolator.coupled
+    for isolator in isolators:
+        coupled = isolator.coupled
         places.append(-1 if coupled is None else sum(part.size for part in parameters))
         if coupled is not None:
             parameters.append(coupled.rate_parameters())

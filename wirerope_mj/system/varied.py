@@ -13,7 +13,7 @@ from wirerope_mj.isolator import Isolator
 from wirerope_mj.system.changes import Changes
 from wirerope_mj.system.declared import DeclaredMount
 from wirerope_mj.system.system import Mount, System, load_system
-from wirerope_mj.system.tables import Tables, make_tables
+from wirerope_mj.system.tables import Tables, make_tables, with_laws
 
 Array = npt.NDArray[np.float64]
 Shift = Sequence[float] | Array
@@ -51,20 +51,28 @@ def varied(
     changes = Changes(
         isolators=isolators or {}, masses=masses or {}, centres=centres or {}, positions=positions or {}  # type: ignore[arg-type]
     )  # fmt: skip
+    return changed(system, changes)
+
+
+def changed(system: System, changes: Changes) -> System:
+    """Return the variant of `system` that changes make, as `varied` does."""
     _check_mounts(system, changes)
     model = system.model.__copy__()
-    mounts = {name: replace(m, isolator=changes.isolators.get(name, m.isolator)) for name, m in system.mounts.items()}
+    isolators = {name: changes.isolators.get(name, mount.isolator) for name, mount in system.mounts.items()}
+    positions = {name: mount.position for name, mount in system.mounts.items()}
     if changes.masses or changes.centres or changes.positions:
-        data = mujoco.MjData(model)
-        mujoco.mj_kinematics(model, data)
-        _change_bodies(model, data, changes)
-        _move_sites(model, data, system, changes)
-        mujoco.mj_setConst(model, data)
-        mujoco.mj_resetData(model, data)
-        mujoco.mj_kinematics(model, data)
-        mounts = {name: replace(m, position=data.site(m.base_site).xpos.copy()) for name, m in mounts.items()}
-    tables = _write_tables(model, system, mounts)
-    mounts = {name: replace(mount, states=tables.states[name]) for name, mount in mounts.items()}
+        with system.assembly.scratch.data(model) as data:
+            _change_geometry(model, data, system, changes)
+            mujoco.mj_resetData(model, data)
+            tables = _moved_tables(model, data, system, isolators)
+            positions = {name: data.site(mount.base_site).xpos.copy() for name, mount in system.mounts.items()}
+    else:
+        tables = with_laws(system.assembly.tables, isolators)
+    _write_tables(model, system, isolators, tables)
+    mounts = {
+        name: replace(mount, isolator=isolators[name], position=positions[name], states=tables.states[name])
+        for name, mount in system.mounts.items()
+    }
     return replace(
         system,
         model=model,
@@ -77,7 +85,7 @@ def varied(
 def with_changes(system: System, changes: Sequence[Changes]) -> System:
     """Return the variant of `system` that changes make, one after the other."""
     for one in changes:
-        system = varied(system, **vars(one))
+        system = changed(system, one)
     return system
 
 
@@ -111,6 +119,13 @@ def _written(mount: Mount) -> str:
         "A variant has the layout of its model: load the model with such an isolator from the start, "
         f"load_system(..., isolators={{{mount.isolator_name!r}: ...}}), and vary that."
     )
+
+
+def _change_geometry(model: mujoco.MjModel, data: mujoco.MjData, system: System, changes: Changes) -> None:
+    mujoco.mj_kinematics(model, data)
+    _change_bodies(model, data, changes)
+    _move_sites(model, data, system, changes)
+    mujoco.mj_setConst(model, data)
 
 
 def _change_bodies(model: mujoco.MjModel, data: mujoco.MjData, changes: Changes) -> None:
@@ -168,35 +183,42 @@ def _in_body(data: mujoco.MjData, body: int, shift: tuple[float, float, float]) 
     return np.asarray(np.array(shift) @ data.xmat[body].reshape(3, 3), dtype=np.float64)
 
 
-def _write_tables(model: mujoco.MjModel, system: System, mounts: Mapping[str, Mount]) -> Tables:
-    """Return the tables of the changed model, written to where those of the original one stand in it."""
+def _moved_tables(
+    model: mujoco.MjModel, data: mujoco.MjData, system: System, isolators: Mapping[str, Isolator]
+) -> Tables:
+    """Return the tables of a model whose bodies and sites have changed, and its geometry in `data`."""
     declared = [
         DeclaredMount(
             name=name,
             payload_site=model.site(mount.payload_site).id,
             base_site=model.site(mount.base_site).id,
             isolator_name=mount.isolator_name,
-            isolator=mount.isolator,
+            isolator=isolators[name],
         )
-        for name, mount in mounts.items()
+        for name, mount in system.mounts.items()
     ]
-    tables = make_tables(model, declared, system.assembly.subjects, system.assembly.sensor)
+    old = system.assembly
+    return make_tables(model, data, declared, old.subjects, sensor=old.sensor, drive=old.tables.drive)
+
+
+def _write_tables(model: mujoco.MjModel, system: System, isolators: Mapping[str, Isolator], tables: Tables) -> None:
+    """Write tables to where those of the original model stand in its copy."""
     room = model.numeric(at.PARAMETERS).data
     if tables.parameters.size > room.size:
-        raise ModelError(_no_room(system, mounts, tables.parameters.size, room.size))
+        raise ModelError(_no_room(system, isolators, tables.parameters.size, room.size))
     model.numeric(at.LAYOUT).data[:] = tables.layout
     room[:] = 0.0
     room[: tables.parameters.size] = tables.parameters
-    return tables
 
 
-def _no_room(system: System, mounts: Mapping[str, Mount], wanted: int, room: int) -> str:
-    def size(mount: Mount) -> int:
-        return sum(law.kernel_parameters().size for law in mount.isolator.axes.values() if law is not None)
+def _no_room(system: System, isolators: Mapping[str, Isolator], wanted: int, room: int) -> str:
+    def size(isolator: Isolator) -> int:
+        return sum(law.kernel_parameters().size for law in isolator.axes.values() if law is not None)
 
-    new = max(mounts.values(), key=lambda mount: size(mount) - size(system.mounts[mount.name]))
-    old = system.mounts[new.name]
+    old = max(system.mounts.values(), key=lambda mount: size(isolators[mount.name]) - size(mount.isolator))
+    new = isolators[old.name]
     return (
-        f"mount {new.name!r}: the laws of isolator {new.isolator.name!r} have {size(new)} parameters, those of "
-        f"{old.isolator.name!r} {size(old)}; all mounts would need {wanted}, and the model has room for {room}. {_written(new)}"
+        f"mount {old.name!r}: the laws of isolator {new.name!r} have {size(new)} parameters, those of "
+        f"{old.isolator.name!r} {size(old.isolator)}; all mounts would need {wanted}, and the model has room for {room}. "
+        f"{_written(old)}"
     )
