@@ -107,7 +107,7 @@ def test_a_wrong_measure_is_said_before_anything_is_simulated(done, tmp_path, ca
     ("arguments", "message"),
     [
         (["nosuch"], "there is no study 'nosuch'.*floor_tolerances"),
-        (["floating_floor_shock"], "is a scenario, one run: wirerope run floating_floor_shock"),
+        (["floating_floor_shock"], "nothing varies yet. In floating_floor_shock can vary:"),
         (["--out", "x"], "the study comes first"),
         (["floor_levels", "--resume"], "say which one with --out"),
         (["floor_levels", "--open-worst", "99"], "from 0 to 6, got 99"),

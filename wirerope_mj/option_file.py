@@ -1,5 +1,6 @@
 """Python files with one function whose keyword arguments are the options of a command."""
 
+import ast
 import inspect
 import traceback
 from collections.abc import Callable
@@ -8,6 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import ModelError, WireRopeError
+
+
+def defines(path: Path, name: str) -> bool:
+    """Return whether a Python file defines the function `name`; it is read, not executed."""
+    try:
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+    except (SyntaxError, ValueError, OSError):
+        return False  # whoever executes it says what is wrong
+    return any(isinstance(node, ast.FunctionDef) and node.name == name for node in tree.body)
 
 
 def load_function(path: Path, name: str) -> Callable[..., Any]:

@@ -14,9 +14,6 @@ from wirerope_mj.whole import written_whole
 MOST = 6
 """Variants in one comparison: more cannot be told apart."""
 
-WORST = "worst"
-"""Folder of the worst variants, in that of the study."""
-
 
 def checked_count(count: int) -> int:
     """Return the number of worst variants that are written; ValueError if there cannot be so many."""
@@ -49,6 +46,7 @@ def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
         count: how many.
     """
     from wirerope_mj.recording import record_overlay
+    from wirerope_mj.recording.viewer import OVERLAY, WORST
 
     folders = {}
     for number in worst(result.table, by, checked_count(count)):
@@ -57,12 +55,13 @@ def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
         folders[f"variant {number}"] = folder
     if not folders:
         raise RecordError(f"{result.folder}: no variant has a value of {by!r}.")
+    together = result.folder / WORST / OVERLAY
     if len(folders) < 2:
+        together.unlink(missing_ok=True)  # of others that were written before
         return list(folders.values())
     responses = {name: load_response(folder) for name, folder in folders.items()}
     inputs = {name: _inputs(result, int(name.split()[1])) for name in folders}
-    recording = record_overlay(responses, result.folder / WORST / "worst.rrd", inputs=inputs)
-    return [recording, *folders.values()]
+    return [record_overlay(responses, together, inputs=inputs), *folders.values()]
 
 
 def _inputs(result: StudyResult, number: int) -> dict[str, str]:
@@ -75,16 +74,20 @@ def _inputs(result: StudyResult, number: int) -> dict[str, str]:
 
 
 def _scenario(result: StudyResult, number: int) -> Scenario:
-    """Return the scenario of one variant, from the study's folder."""
+    """Return the scenario of one variant, from the study's folder; its options are the variant's inputs."""
     study, work = result.study, result.study.work
     simulate = {
         "duration": work.duration, "timestep": work.timestep, "sample_rate": work.sample_rate, "initial": work.initial,
     }  # fmt: skip
+    if len(study.motions) > 1:  # steps of all variants end at the corners of all motions
+        simulate["corners"] = work.corners.tolist()
+    row = study.row(number)
     return Scenario(
-        question=f"{study.question}\n\nVariant {number} of the study {study.name}.",
+        question=f"{study.question}\n\nThis is variant {number} of the {study.size} of the study {study.name}.",
         model=result.folder / result.inputs["model"]["file"],
         motion=study.motion(number),
         simulate=simulate,
         name=f"{study.name}-{number:06d}",
+        options={name: row[name] for name in input_names(result.table)},
         changes=study.system(number).changes,
     )

@@ -32,7 +32,7 @@ SAMPLE_RATE = 1000.0
 """What `simulate` takes where the scenario says nothing [Hz]."""
 
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk")
-_ARGUMENTS = ("duration", "initial", "timestep", "accuracy", "sample_rate", "callback")
+_ARGUMENTS = ("duration", "initial", "timestep", "accuracy", "sample_rate", "corners", "callback")
 
 
 def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False, progress: bool = False) -> Response:
@@ -109,6 +109,8 @@ def _scenario_text(
     }
     if not math.isnan(numerics.accuracy):
         resolved["accuracy"] = numerics.accuracy
+    if "corners" in arguments:
+        resolved["corners"] = [float(corner) for corner in arguments["corners"]]
     content = {
         "format": FORMAT,
         "name": scenario.name,

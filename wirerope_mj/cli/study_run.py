@@ -1,0 +1,79 @@
+"""What `wirerope study` does once the study is known: computes it, writes what stands beside its table, and prints it."""
+
+import sys
+from collections.abc import Callable, Sequence
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.cli.study_tables import print_study
+from wirerope_mj.cli.tables import console
+from wirerope_mj.study.answer import answer_of
+from wirerope_mj.study.folder import STUDY
+from wirerope_mj.study.measures import measure_names
+from wirerope_mj.study.result import StudyResult
+from wirerope_mj.study.study import Study
+
+
+def compute_and_print(
+    make: Callable[[], Study], name: str, *, resume: bool, out: Path | None, by: str | None, open_worst: int, **how: Any
+) -> None:
+    """Compute a study and print what it answers.
+
+    Args:
+        make: returns the study.
+        name: names its folder, unless `out` does.
+        resume: whether the study in `out` goes on.
+        out: its folder.
+        by: measure by which variants are worst.
+        open_worst: how many of them become runs and are opened.
+        how: other arguments of `Study.run`.
+    """
+    from wirerope_mj.runfolder.study import checked_count, write_study_pictures, write_worst
+
+    if resume and out is None:
+        raise ValueError("--resume goes on with the study in a folder; say which one with --out FOLDER.")
+    checked_count(open_worst)
+    study = make()
+    names = measure_names(study.base)
+    if by is not None and by not in names:
+        raise ValueError(f"`--by`: there is no measure {by!r}; there are {', '.join(names[:8])}, ...")
+    folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
+    result = _computed(study, folder, resume=resume, **how)
+    answer = answer_of(result, by)
+    write_study_pictures(answer)
+    worst = write_worst(result, answer.by, open_worst) if open_worst else []
+    print_study(answer, sorted(path.name for path in folder.iterdir() if path.is_file()))
+    _open(worst)
+
+
+def _computed(study: Study, folder: Path, **how: Any) -> StudyResult:
+    """Return the result of a study of which at least one variant could be simulated."""
+    try:
+        result = study.run(folder, progress=sys.stderr.isatty(), **how)
+    except KeyboardInterrupt:
+        if (folder / STUDY).is_file():
+            print(
+                f"wirerope: what is done is kept; go on with the same options and --resume --out {folder}",
+                file=sys.stderr,
+            )
+        raise
+    if len(result.failed) == result.table.num_rows:
+        number, message = next(iter(result.failed.items()))
+        raise ValueError(f"every variant failed; variant {number}: {message} The table is in {folder}.")
+    return result
+
+
+def _open(paths: Sequence[Path]) -> None:
+    """Say how the worst variants are shown, and show the first where somebody can see it."""
+    from wirerope_mj.recording.viewer import has_display, show
+
+    for path in paths:
+        word = "opens the worst variants over each other" if path.suffix else "opens the view of a variant"
+        console().print(f"  [bold]wirerope show {path}[/] {word}", soft_wrap=True)
+    if not paths:
+        return
+    if has_display() and sys.stdout.isatty():
+        show(paths[0])
+    elif not has_display():
+        console().print("  there is no screen here: --web behind it shows them in a browser", soft_wrap=True)
