@@ -33,6 +33,7 @@ OWNERS = {
     "jinja2": {"report"},
     "weasyprint": {"report"},
     "pyuff": {"excitation"},
+    "pymoo": {"study"},
 }
 
 

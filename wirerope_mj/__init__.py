@@ -96,6 +96,8 @@ from wirerope_mj.statics import equilibrium as equilibrium
 from wirerope_mj.statics import static_table as static_table
 from wirerope_mj.study import Choice as Choice
 from wirerope_mj.study import Normal as Normal
+from wirerope_mj.study import Search as Search
+from wirerope_mj.study import SearchResult as SearchResult
 from wirerope_mj.study import Specimens as Specimens
 from wirerope_mj.study import Study as Study
 from wirerope_mj.study import StudyResult as StudyResult

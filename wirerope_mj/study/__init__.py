@@ -10,5 +10,7 @@ from wirerope_mj.study.indices import SobolIndices as SobolIndices
 from wirerope_mj.study.indices import sobol_indices as sobol_indices
 from wirerope_mj.study.result import StudyResult as StudyResult
 from wirerope_mj.study.result import load_study as load_study
+from wirerope_mj.study.search import Search as Search
+from wirerope_mj.study.search_result import SearchResult as SearchResult
 from wirerope_mj.study.specimens import redrawn as redrawn
 from wirerope_mj.study.study import Study as Study

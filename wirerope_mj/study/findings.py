@@ -26,7 +26,7 @@ CONFIDENCE = 0.95
 SLIGHT = 0.01
 """Total index below which a factor is only named."""
 
-_KEPT = ("variant", "status", "message")
+_KEPT = ("variant", "status", "message", "generation")
 _ANGLES = ("motion/azimuth", "motion/elevation")
 _ROOMS = {
     "travel": ("share of the rated travel", "%", 100.0, 1.0),

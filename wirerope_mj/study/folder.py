@@ -44,11 +44,13 @@ ROW_GROUP = 64
 """Parts that are joined in one row group of the table: some 2000 variants, a few MB."""
 
 
-def prepare(study: "Study", folder: Path, *, keep: str, resume: bool, force: bool) -> None:
+def prepare(
+    study: "Study", folder: Path, *, keep: str, resume: bool, force: bool, search: dict[str, Any] | None = None
+) -> None:
     """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with.
 
     Without a single part that is done there is nothing to go on with, and nothing to lose. A table with rows of chunks whose
-    process died is taken away again, but none of its parts.
+    process died is taken away again, but none of its parts. `search` is what a search adds to `study.toml`.
 
     Raises:
         RecordError: something else stands there, or a study that is neither resumed nor replaced.
@@ -58,7 +60,7 @@ def prepare(study: "Study", folder: Path, *, keep: str, resume: bool, force: boo
     begun = there and bool(done(folder) or (folder / TABLE).is_file())
     if there and (resume or not (begun or force)):
         with tempfile.TemporaryDirectory() as place:
-            _check_same(folder, _write_inputs(study, Path(place), keep))
+            _check_same(folder, _write_inputs(study, Path(place), keep, search))
         if _dead(folder) - done(folder):
             for name in (SUMMARY, TABLE):
                 (folder / name).unlink(missing_ok=True)
@@ -70,7 +72,7 @@ def prepare(study: "Study", folder: Path, *, keep: str, resume: bool, force: boo
         )
     check_folder(folder, force=force, kind="study", marks=MARKS)
     with folder_written_whole(folder, force=force, kind="study", marks=MARKS) as beside:
-        (beside / STUDY).write_text(tomli_w.dumps(_write_inputs(study, beside, keep)), encoding="utf-8")
+        (beside / STUDY).write_text(tomli_w.dumps(_write_inputs(study, beside, keep, search)), encoding="utf-8")
         (beside / PARTS).mkdir()
 
 
@@ -108,16 +110,19 @@ def write_part(folder: Path, part: Part) -> None:
     """Write the part of one chunk, each file whole or not at all; what is done stands there when all of it does."""
     for variant, content in part.responses.items():
         write_response(folder, variant, content)
-    with written_whole(_part(folder, part.number, _DIED if part.died else "")) as beside:
+    with written_whole(part_path(folder, part.number, _DIED if part.died else "")) as beside:
         pq.write_table(part.table, beside)
     if not part.died:
-        _part(folder, part.number, _DIED).unlink(missing_ok=True)
+        part_path(folder, part.number, _DIED).unlink(missing_ok=True)
 
 
 def parts(folder: Path, numbers: list[int]) -> Iterator[pa.Table]:
     """Yield the rows of some chunks, several together."""
     for first in range(0, len(numbers), ROW_GROUP):
-        paths = [(_part(folder, number), _part(folder, number, _DIED)) for number in numbers[first : first + ROW_GROUP]]
+        paths = [
+            (part_path(folder, number), part_path(folder, number, _DIED))
+            for number in numbers[first : first + ROW_GROUP]
+        ]
         tables = [pq.read_table(path if path.is_file() else dead) for path, dead in paths]
         yield pa.concat_tables(tables).combine_chunks()
 
@@ -149,11 +154,12 @@ def _write_table(path: Path, tables: Iterator[pa.Table]) -> None:
             writer.write_table(table)
 
 
-def _part(folder: Path, number: int, ending: str = "") -> Path:
+def part_path(folder: Path, number: int, ending: str = "") -> Path:
+    """Return where the part of a chunk stands."""
     return folder / PARTS / f"{number:06d}{ending}.parquet"
 
 
-def _write_inputs(study: "Study", folder: Path, keep: str) -> dict[str, Any]:
+def _write_inputs(study: "Study", folder: Path, keep: str, search: dict[str, Any] | None) -> dict[str, Any]:
     """Write model and records into `folder` and return what `study.toml` says."""
     model = write_model(study.base, folder / "model")
     names = copy_records(study.motions, folder)
@@ -178,6 +184,8 @@ def _write_inputs(study: "Study", folder: Path, keep: str) -> dict[str, Any]:
     }
     if keep != PEAKS:
         content["keep"] = keep
+    if search is not None:
+        content["search"] = search
     return {"id": _identity(content), **content}
 
 

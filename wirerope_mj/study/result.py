@@ -105,9 +105,12 @@ def load_study(folder: str | Path) -> StudyResult:
     """
     folder = Path(folder)
     content = read_inputs(folder)
+    complete = (folder / TABLE).is_file()
+    if "search" in content:
+        from wirerope_mj.study.search_result import SearchResult  # which is a result, too
+
+        designs = pq.read_metadata(folder / TABLE).num_rows if complete else 0
+        return SearchResult(folder=folder, inputs=content, variants=designs, complete=complete)
     return StudyResult(
-        folder=folder,
-        inputs=content,
-        variants=int(content["sampling"]["variants"]),
-        complete=(folder / TABLE).is_file(),
-    )
+        folder=folder, inputs=content, variants=int(content["sampling"]["variants"]), complete=complete
+    )  # fmt: skip

@@ -39,12 +39,8 @@ def run_study(
     progress: bool,
 ) -> StudyResult:
     """Compute what is missing of a study and return its result; the arguments are those of `Study.run`."""
-    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
-        raise ValueError(f"`workers` must be a whole number >= 1, got {workers!r}.")
+    run = checked_engine(engine, workers=workers, address=address)
     checked_keep(keep)
-    run = _engine(engine)
-    if engine == "local" and address is not None:
-        raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")
     study.table()  # every variant is checked before anything is written
     prepare(study, folder, keep=keep, resume=resume, force=force)
     size = chunk_size(study, keep)
@@ -78,8 +74,13 @@ def chunks(study: "Study", numbers: Sequence[int], keep: str = PEAKS) -> Iterato
         yield Chunk(number=number, rows=rows, responses=keep == RESPONSES)
 
 
-def _engine(name: str) -> Engine:
+def checked_engine(name: str, *, workers: int | None, address: str | None) -> Engine:
+    """Return the engine of a name; ValueError if there is none, or the other arguments do not suit it."""
+    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
+        raise ValueError(f"`workers` must be a whole number >= 1, got {workers!r}.")
     if name == "local":
+        if address is not None:
+            raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")
         return run_local
     if name == "dask":
         from wirerope_mj.study.dask_engine import run_dask  # an extra that is not always installed

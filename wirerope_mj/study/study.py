@@ -1,6 +1,7 @@
 """A study: a system and a base motion, what varies of them, and how it is sampled."""
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from functools import cached_property
 from pathlib import Path
 
@@ -25,6 +26,9 @@ from wirerope_mj.system import Changes, System, load_system
 from wirerope_mj.system.varied import with_changes
 
 STARTS = ("settled", "relaxed", "unloaded")
+
+GIVEN = "given"
+"""What `sampling` says where the variants were not sampled, but given."""
 
 BLOCK = 1024
 """Variants that are checked before what was made of them is forgotten."""
@@ -152,6 +156,15 @@ class Study:
             self.system(variant), self.motion(variant), duration=work.duration, timestep=work.timestep,
             initial=work.initial, sample_rate=work.sample_rate, corners=work.corners,
         )  # fmt: skip
+
+    def of(self, rows: pa.Table) -> "Study":
+        """Return this study with other variants: `rows` has the columns of its table. Its step stays."""
+        work = self.work
+        other = copy(self)
+        vars(other).pop("_checked", None)
+        other._inputs, other.size, other.sampling = rows.select(self._inputs.column_names), rows.num_rows, GIVEN
+        vars(other)["work"] = work
+        return other
 
     def run(
         self,

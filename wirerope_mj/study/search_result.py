@@ -1,0 +1,94 @@
+"""What a search has found: the table of all its designs, and the front of those that nothing beats."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pyarrow as pa
+
+from wirerope_mj.response.scene import Scene
+from wirerope_mj.simulation.scene import scene_of
+from wirerope_mj.study.findings import measure_of
+from wirerope_mj.study.front import Mask, feasible, front, nearest
+from wirerope_mj.study.result import StudyResult
+
+if TYPE_CHECKING:
+    from wirerope_mj.study.study import Study
+
+GENERATION = "generation"
+"""Column of the table: in which generation a design was first made."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchResult(StudyResult):
+    """The result of a search: that of a study whose variants are all designs, in the order in which they were made.
+
+    The table has one more column, `generation`, from 0.
+    """
+
+    @property
+    def minimise(self) -> tuple[str, ...]:
+        """The measures that were to be small."""
+        return tuple(self.inputs["search"]["minimise"])
+
+    @property
+    def limits(self) -> dict[str, float]:
+        """Largest value of measures, SI."""
+        return {one["measure"]: one["largest"] for one in self.inputs["search"]["limits"]}
+
+    @property
+    def start(self) -> int:
+        """Number of the designs that were given: variants 0, 1, ..."""
+        return len(self.inputs["search"]["start"])
+
+    @cached_property
+    def study(self) -> "Study":
+        """The study whose variants are the designs, made from the folder alone."""
+        return super().study.of(self.table)
+
+    @cached_property
+    def feasible(self) -> Mask:
+        """Which designs were simulated and keep the limits, (n,)."""
+        return feasible(self.table, self.minimise, self.limits)
+
+    @cached_property
+    def front(self) -> pa.Table:
+        """The rows of the designs that no other one within the limits beats, by the first of what was minimised."""
+        rows = front(self.table, self.minimise, self.limits)
+        return self.table.take(pa.array(rows, type=pa.int64()))
+
+    @cached_property
+    def message(self) -> str:
+        """One sentence on how it went."""
+        if not self.complete:
+            return f"{self.folder}: not complete; go on with it with --resume (`resume=True`)."
+        table = self.table
+        generations = int(np.asarray(table[GENERATION]).max()) + 1
+        found = f"{self.variants} designs in {generations} generations, {len(self.failed)} failed, "
+        if self.feasible.any():
+            return f"{found}{self.feasible.sum()} within the limits, {self.front.num_rows} of them on the front."
+        return f"{found}none within the limits. {self._nearest()}"
+
+    def scene(self, variant: int) -> Scene:
+        """Return the modelled geometry of a design, to be drawn."""
+        return scene_of(self.study.system(variant))
+
+    def _nearest(self) -> str:
+        """Return in words which design is nearest to the limits."""
+        found = nearest(self.table, self.minimise, self.limits)
+        if found is None:
+            first = min(self.failed, default=None)
+            why = (
+                "nothing is rated or stated by which the designs would be judged"
+                if first is None
+                else self.failed[first]
+            )
+            return f"None has values of all that is minimised or limited: {why.rstrip('.')}."
+        row, name, over = found
+        measure, value = measure_of(name), self.table[name][row].as_py()
+        number = self.table["variant"][row].as_py()
+        return (
+            f"The nearest is design {number}: {measure.words} is {measure.factor * value:.4g} {measure.unit}, "
+            f"{100.0 * over:.2g} % above its limit of {measure.factor * self.limits[name]:.4g} {measure.unit}."
+        )
