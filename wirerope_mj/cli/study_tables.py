@@ -10,7 +10,8 @@ from rich.table import Table
 
 from wirerope_mj.cli.tables import console
 from wirerope_mj.study.answer import QUANTILES, Answer
-from wirerope_mj.study.findings import input_label, measure_of, percent, sentences
+from wirerope_mj.study.findings import CONFIDENCE, input_label, measure_of, percent, sentences
+from wirerope_mj.study.indices import SobolIndices
 
 _WORST = 8  # variants in the table of the worst
 _INPUTS = 4  # columns of inputs beside a variant
@@ -27,9 +28,9 @@ def print_study(answer: Answer, files: Sequence[str]) -> None:
         out.print(f"  {escape(line)}", soft_wrap=True)
     out.print()
     out.print(_measures(answer))
-    if answer.influences:
+    for listing in [*map(_indices, answer.indices)] or [_influences(answer)] * bool(answer.influences):
         out.print()
-        out.print(_influences(answer))
+        out.print(listing)
     out.print()
     out.print(_worst(answer))
     failed = result.failed
@@ -52,6 +53,18 @@ def _measures(answer: Answer) -> Table:
             share = f" ({percent(one.beyond.count / one.beyond.n)})" if answer.drawn else ""
             limit = [_number(one.limit), f"{one.beyond.count} of {one.beyond.n}{share}"]
         listing.add_row(escape(one.measure.label), *map(_number, figures), str(one.variant), *limit)
+    return listing
+
+
+def _indices(found: SobolIndices) -> Table:
+    what = f"What explains the variance of: {measure_of(found.measure).words}"
+    title = f"{what}; Sobol's indices with {percent(CONFIDENCE)} intervals"
+    listing = _empty(title, ("factor", "alone", "", "with others", ""))
+    for one in found.factors:
+        cells = []
+        for index, (low, high) in ((one.first, one.first_interval), (one.total, one.total_interval)):
+            cells += [f"{100.0 * index:.1f} %", f"{100.0 * low:.0f} to {100.0 * high:.0f} %"]
+        listing.add_row(escape(one.name), *cells)
     return listing
 
 

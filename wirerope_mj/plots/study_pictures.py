@@ -16,9 +16,12 @@ from wirerope_mj.plots.study import (
     scatter_figure,
     sensitivity_figure,
 )
+from wirerope_mj.plots.study_indices import indices_figure
 from wirerope_mj.study.findings import headlines, input_names, measure_of, random_study
+from wirerope_mj.study.indices import drawn, sobol_indices
 from wirerope_mj.study.result import StudyResult
 from wirerope_mj.study.sensitivity import Influence
+from wirerope_mj.study.sobol import SAMPLING
 
 _MOST_CHOICES = 60  # bars in one picture
 
@@ -40,7 +43,7 @@ def study_pictures(result: StudyResult, by: str, found: Sequence[Influence]) -> 
         by: the measure that is looked at most.
         found: what its inputs do to this measure.
     """
-    table = result.table
+    table = drawn(result)
     inputs = [name for name in input_names(table) if len(set(table[name].to_pylist())) > 1]
     names = list(dict.fromkeys([by, *headlines(table)]))[:2]
     words = measure_of(by).words
@@ -57,8 +60,10 @@ def study_pictures(result: StudyResult, by: str, found: Sequence[Influence]) -> 
             "A percentile is named if at least five variants lie beyond it."
         )
         pictures.insert(0, StudyPicture(name="distribution", figure=distribution_figure(table, names), caption=caption))
-    if found and len(inputs) > 1 and "directions" not in {picture.name for picture in pictures}:
-        pictures += _of_influences(table, by, found)
+    if result.study.sampling == SAMPLING:
+        pictures += [*_of_indices(result, names), *_scatter(table, by, found)]
+    elif found and len(inputs) > 1 and "directions" not in {picture.name for picture in pictures}:
+        pictures += [_sensitivity(by, found), *_scatter(table, by, found)]
     return pictures
 
 
@@ -73,20 +78,32 @@ def _of_one_input(table: pa.Table, name: str, names: Sequence[str]) -> list[Stud
     return [StudyPicture(name="curve", figure=curve_figure(table, name, names), caption=caption)]
 
 
-def _of_influences(table: pa.Table, by: str, found: Sequence[Influence]) -> list[StudyPicture]:
-    words = measure_of(by).words
+def _of_indices(result: StudyResult, names: Sequence[str]) -> list[StudyPicture]:
+    found = [one for name in names if (one := sobol_indices(result, name)).factors]
+    if not found:
+        return []
     caption = (
-        f"What each input alone explains of the variance of: {words}. Blue: it rises with the input; orange: it falls; grey: "
-        "the input has no order; pale: may be chance."
+        "What each factor explains of the variance alone, and with what it does together with others: Sobol's first-order "
+        "and total indices, with intervals of 95 % confidence."
     )
-    pictures = [StudyPicture(name="sensitivity", figure=sensitivity_figure(found, by), caption=caption)]
+    return [StudyPicture(name="indices", figure=indices_figure(found), caption=caption)]
+
+
+def _sensitivity(by: str, found: Sequence[Influence]) -> StudyPicture:
+    caption = (
+        f"What each input alone explains of the variance of: {measure_of(by).words}. Blue: it rises with the input; orange: "
+        "it falls; grey: the input has no order; pale: may be chance."
+    )
+    return StudyPicture(name="sensitivity", figure=sensitivity_figure(found, by), caption=caption)
+
+
+def _scatter(table: pa.Table, by: str, found: Sequence[Influence]) -> list[StudyPicture]:
     numbers = [one.name for one in found if _is_number(table, one.name)][:MOST_SCATTERS]
-    if numbers:
-        caption = (
-            f"{_capital(words)} of every variant over the strongest inputs; the line is the mean; dashed: the limit."
-        )
-        pictures.append(StudyPicture(name="scatter", figure=scatter_figure(table, numbers, by), caption=caption))
-    return pictures
+    if not numbers:
+        return []
+    words = measure_of(by).words
+    caption = f"{_capital(words)} of every variant over the strongest inputs; the line is the mean; dashed: the limit."
+    return [StudyPicture(name="scatter", figure=scatter_figure(table, numbers, by), caption=caption)]
 
 
 def _is_number(table: pa.Table, name: str) -> bool:

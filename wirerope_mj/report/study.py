@@ -15,7 +15,7 @@ from wirerope_mj.study.result import StudyResult
 _WORST, _INPUTS, _INFLUENCES, _FAILED = 10, 5, 15, 20  # rows and columns that are read
 _METHODS = {
     "sobol": "scrambled Sobol sequence", "latin-hypercube": "Latin hypercube", "random": "random draws",
-    "grid": "all combinations of the values",
+    "grid": "all combinations of the values", "sobol-indices": "Saltelli's matrices of a scrambled Sobol sequence",
 }  # fmt: skip
 
 
@@ -39,7 +39,7 @@ def study_content(answer: Answer) -> ReportContent:
         sections=(
             Section(title="What varied", blocks=(_varied(content["vary"]),)),
             Section(title="What came out", blocks=(_measures(answer), *_pictures(answer))),
-            Section(title="Inputs that matter", blocks=_influences(answer)),
+            Section(title="Inputs that matter", blocks=_indices(answer) or _influences(answer)),
             Section(title="Worst variants", blocks=(_worst(answer),)),
             Section(title="Numerics and versions", blocks=(_numerics(result),)),
         ),
@@ -69,11 +69,15 @@ def _failed(result: StudyResult) -> tuple[Block, ...]:
 
 
 def _varied(vary: Sequence[Mapping[str, Any]]) -> Table:
-    rows = tuple((one["name"], _words(one), "each its own" if one.get("each") else "one for all") for one in vary)
+    rows = tuple((_named(one), _words(one), "each its own" if one.get("each") else "one for all") for one in vary)
     return Table(
         caption="Quantities and their distributions", head=("quantity", "values", "of what the name matches"), align="ltl",
         rows=rows, note="SI units and degrees; factors multiply what the model says.",
     )  # fmt: skip
+
+
+def _named(one: Mapping[str, Any]) -> str:
+    return f"{one['name']} ({one['group']})" if one.get("group") else one["name"]
 
 
 def _words(one: Mapping[str, Any]) -> str:
@@ -115,6 +119,30 @@ def _pictures(answer: Answer) -> list[Block]:
         Picture(image=image_of(picture.figure), caption=picture.caption, alt=picture.caption)
         for picture in study_pictures(answer.result, answer.by, answer.influences)
     ]
+
+
+def _indices(answer: Answer) -> tuple[Block, ...]:
+    tables = []
+    for found in answer.indices:
+        rows = []
+        for one in found.factors:
+            cells = []
+            for index, (low, high) in ((one.first, one.first_interval), (one.total, one.total_interval)):
+                cells += [f"{fixed(100.0 * index, 1)} %", f"{fixed(100.0 * low, 0)} to {fixed(100.0 * high, 0)} %"]
+            rows.append((one.name, *cells))
+        dropped = f"; {found.dropped} more were dropped, because variants of them failed" if found.dropped else ""
+        tables.append(
+            Table(
+                caption=f"What explains the variance of: {measure_of(found.measure).words}",
+                head=("factor", "alone", "interval", "with others", "interval"),
+                align="lrrrr",
+                rows=tuple(rows),
+                note="Sobol's first-order and total indices with bounds of 95 % confidence (bootstrap) from "
+                f"{several(found.rows, 'base row')}{dropped}. A factor may be several quantities of one group. "
+                "Below 0 an index is chance.",
+            )  # fmt: skip
+        )
+    return tuple(tables)
 
 
 def _influences(answer: Answer) -> tuple[Block, ...]:

@@ -14,6 +14,7 @@ from wirerope_mj.study.compute import DONE
 from wirerope_mj.study.indices import SobolIndices, drawn, sobol_indices
 from wirerope_mj.study.result import StudyResult
 from wirerope_mj.study.sobol import SAMPLING
+from wirerope_mj.study.specimens import specimen_sentences
 from wirerope_mj.units import STANDARD_GRAVITY
 
 Array = npt.NDArray[np.float64]
@@ -193,6 +194,7 @@ def sentences(result: StudyResult) -> list[str]:
         found.append(f"{_what(measure)}: beyond 100 % in {beyond.count} of {of}, {share} ({bounds}); {largest}.")
     if not found:
         found.append("Nothing is judged: the isolators state no rated travel and the model no limit.")
+    found += specimen_sentences(result.study.quantities)
     if result.study.sampling == SAMPLING:
         every = (sobol_indices(result, name) for name in headlines(table))
         found += [_of_indices(one) for one in every if one.factors]

@@ -1,6 +1,7 @@
 """How uncertain the scatter of a few specimens is: what as many others of the same make might have shown."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,8 @@ import numpy.typing as npt
 from scipy.stats import chi2
 
 from wirerope_mj.isolator import Isolator, Spread
+from wirerope_mj.study.distributions import Specimens
+from wirerope_mj.study.quantities import Quantity
 from wirerope_mj.study.sampling import joint
 
 Array = npt.NDArray[np.float64]
@@ -42,6 +45,29 @@ def deviation_bounds(specimens: int, *, confidence: float = 0.95) -> tuple[float
     tail = (1.0 - confidence) / 2.0
     low, high = chi2.ppf([tail, 1.0 - tail], specimens - 1)
     return math.sqrt((specimens - 1) / high), math.sqrt((specimens - 1) / low)
+
+
+def specimen_sentences(quantities: Sequence[Quantity]) -> list[str]:
+    """Return for every isolator whose specimens vary how well their scatter is known at all."""
+    isolators = {
+        one.name: one
+        for quantity in quantities
+        if isinstance(quantity.distribution, Specimens)
+        for one in quantity.isolators
+    }
+    return [text for one in isolators.values() if one.spread is not None and (text := _sentence(one.name, one.spread))]
+
+
+def _sentence(name: str, spread: Spread) -> str:
+    specimens = known_specimens(spread)
+    if specimens is None or specimens < 2:
+        return ""
+    low, high = deviation_bounds(specimens)
+    return (
+        f"Specimens of {name}: {len(spread.parameters)} parameters scatter along {specimens - 1} directions, so they come from "
+        f"{specimens} specimens: the true standard deviations are {low:.2g} to {high:.2g} times those (95 % confidence), and "
+        "percentiles are no better known; `redrawn` shows what as many others might have given."
+    )
 
 
 def redrawn(isolator: Isolator, *, seed: int, specimens: int | None = None) -> Isolator:
