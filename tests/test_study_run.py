@@ -19,7 +19,7 @@ from wirerope_mj.resources import models_folder
 from wirerope_mj.response.peaks import MountPeaks, Peak, Peaks
 from wirerope_mj.study import folder as study_folder
 from wirerope_mj.study import local
-from wirerope_mj.study.compute import compute
+from wirerope_mj.study.compute import compute, died
 from wirerope_mj.study.measures import measures
 from wirerope_mj.study.run import chunk_size, chunks
 
@@ -30,6 +30,9 @@ VARY = {
     "body/block/mass": wr.Uniform(0.9, 1.1, relative=True),
     "motion/level": wr.Uniform(0.5, 1.5),
 }
+
+FILES = ["model", "study.toml", "summary.json", "variants.parquet"]
+"""In the folder of a study that is complete."""
 
 
 def table_study(**others):
@@ -166,7 +169,7 @@ def test_a_study_killed_at_random_ten_times_ends_with_the_same_table(alone, tmp_
     assert 0 < len(parts) < 14 or (folder / "variants.parquet").exists()
     result = table_study().run(folder, workers=1, resume=True)
     assert rows(result.table) == rows(alone.table)
-    assert sorted(path.name for path in folder.iterdir()) == ["model", "study.toml", "summary.json", "variants.parquet"]
+    assert sorted(path.name for path in folder.iterdir()) == FILES
 
 
 def test_an_interrupted_study_keeps_its_parts_and_goes_on_with_the_missing_ones(alone, tmp_path, monkeypatch):
@@ -258,6 +261,53 @@ def test_a_chunk_whose_worker_dies_is_tried_once_more_and_then_fails(alone, tmp_
     assert "died (signal 9), 2 times in a row" in result.failed[9]
     expected = [row for number, row in enumerate(rows(alone.table)) if number not in (9, 10, 11)]
     assert [row for row in rows(result.table) if row["status"] == "'done'"] == expected
+    # computed again on resume, and nothing else is
+    computed = []
+    monkeypatch.setattr(local, "compute", lambda work, chunk: computed.append(chunk.number) or compute(work, chunk))
+    again = table_study().run(tmp_path / "study", workers=1, resume=True)
+    assert computed == [3]
+    assert again.failed == {}
+    assert (again.folder / "variants.parquet").read_bytes() == (alone.folder / "variants.parquet").read_bytes()
+    assert (again.folder / "summary.json").read_bytes() == (alone.folder / "summary.json").read_bytes()
+    assert sorted(path.name for path in again.folder.iterdir()) == FILES
+
+
+@pytest.mark.parametrize("last", ["taken away", "computed", "joined"])
+def test_a_study_killed_while_it_computes_again_what_had_died_loses_nothing(alone, tmp_path, monkeypatch, last):
+    folder = tmp_path / "study"
+
+    def dead(work, chunk):
+        return died(work, chunk, "died") if chunk.number in (3, 5) else compute(work, chunk)
+
+    def killed(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(local, "compute", dead)
+    assert len(table_study().run(folder, workers=1).failed) == 6
+    assert len(table_study().run(folder, workers=1, resume=True).failed) == 6  # and again
+    with monkeypatch.context() as patch:
+        patch.setattr(local, "compute", compute)
+        if last == "taken away":
+            patch.setattr(local, "compute", killed)
+        if last == "computed":
+            patch.setattr("wirerope_mj.study.run.finish", killed)
+        if last == "joined":
+            patch.setattr(study_folder, "_summary", killed)
+        with pytest.raises(KeyboardInterrupt):
+            table_study().run(folder, workers=1, resume=True)
+    monkeypatch.setattr(local, "compute", compute)
+    result = table_study().run(folder, workers=1, resume=True)
+    assert result.failed == {}
+    assert (folder / "variants.parquet").read_bytes() == (alone.folder / "variants.parquet").read_bytes()
+    assert sorted(path.name for path in folder.iterdir()) == FILES
+
+
+def test_variants_that_failed_by_physics_are_not_computed_again(tmp_path, monkeypatch):
+    asked = {"vary": {**VARY, "mount/m1/failed": wr.Choice(False, True)}, "variants": 4}
+    first = table_study(**asked).run(tmp_path / "study", workers=1)
+    assert first.failed
+    monkeypatch.setattr(local, "compute", None)  # nobody asks for it
+    assert table_study(**asked).run(tmp_path / "study", workers=1, resume=True).failed == first.failed
 
 
 def test_workers_that_cannot_start_end_the_study_with_one_message(tmp_path, monkeypatch):
