@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from wirerope_mj.laws import kernels
 from wirerope_mj.laws.hysteresis import Hysteresis
-from wirerope_mj.laws.law import require_not_negative
+from wirerope_mj.laws.law import anywhere, require_not_negative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,11 +51,11 @@ class BoucWenBaberNoori(Hysteresis):
         require_not_negative(
             self, "k", "delta_alpha", "delta_nu", "delta_eta", "zeta", "q", "p", "psi", "delta_psi", "lam"
         )
-        if self.beta + self.gamma <= 0.0:
+        if anywhere(self.beta + self.gamma <= 0.0):
             raise ValueError(f"`beta` + `gamma` must be > 0, got {self.beta + self.gamma}: z would have no bound.")
-        if self.zeta >= 1.0:
+        if anywhere(self.zeta >= 1.0):
             raise ValueError(f"`zeta` must be < 1, got {self.zeta}: at 1 the pinched branch has no stiffness left.")
-        if self.zeta > 0.0 and (self.psi == 0.0 or self.lam + self.p == 0.0):
+        if anywhere((self.zeta > 0.0) & ((self.psi == 0.0) | (self.lam + self.p == 0.0))):
             raise ValueError(
                 "`psi` and one of `lam` and `p` must be > 0 if `zeta` is: the pinching would have no width."
             )

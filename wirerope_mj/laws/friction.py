@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from wirerope_mj.laws import kernels
 from wirerope_mj.laws.hysteresis import Normalised
-from wirerope_mj.laws.law import Law, require_not_negative, require_positive
+from wirerope_mj.laws.law import Law, anywhere, require_not_negative, require_positive
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -110,7 +110,7 @@ class Masing(Law):
             )
         for key in ("stiffness", "slip_force"):
             for value in getattr(self, key):
-                if value <= 0.0:
+                if anywhere(value <= 0.0):
                     raise ValueError(f"every entry of `{key}` must be > 0, got {value}.")
 
     def kernel_parameters(self) -> npt.NDArray[np.float64]:

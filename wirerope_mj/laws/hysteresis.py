@@ -6,7 +6,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from wirerope_mj.laws.law import Law
+from wirerope_mj.laws.law import Law, anywhere
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,7 +80,7 @@ class Hysteresis(Law):
 
     def _validate(self) -> None:
         for name in ("alpha", "beta", "n"):
-            if getattr(self, name) <= 0.0:
+            if anywhere(getattr(self, name) <= 0.0):
                 raise ValueError(f"`{name}` must be > 0, got {getattr(self, name)}: the law would not be passive.")
 
     @property
@@ -109,7 +109,7 @@ class Hysteresis(Law):
 
         x* = (1/alpha) (alpha / |beta + gamma|)^(1/n) (pi/n) / sin(pi/n), the integral of dz / (alpha + |beta + gamma| z^n).
         """
-        if self._total >= 0.0 or self.n <= 1.0:
+        if not anywhere((self._total < 0.0) & (self.n > 1.0)):
             return math.inf
         share = math.pi / self.n
         return (self.alpha / -self._total) ** (1.0 / self.n) / self.alpha * share / math.sin(share)

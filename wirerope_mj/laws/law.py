@@ -2,7 +2,8 @@
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
 from typing import Any, ClassVar
 
 import numpy as np
@@ -80,6 +81,27 @@ class Law(ABC):
     def n_states(self) -> int:
         """Number of internal states."""
         return len(self.state_names)
+
+    def surely_holds(self, columns: Mapping[str, Any]) -> bool:
+        """Return whether the law is surely valid, and at any deflection, with each entry of columns of its parameters.
+
+        False says nothing: each entry has to be tried. The law's own rules are asked, with columns in place of numbers; what
+        they cannot say of many numbers at once NumPy refuses to take for true or false.
+
+        Args:
+            columns: by parameter; arrays (n,), or a tuple of them for a parameter that is several numbers.
+        """
+        for column in columns.values():
+            if not all(np.isfinite(one).all() for one in (column if isinstance(column, tuple) else (column,))):
+                return False
+        many = object.__new__(type(self))
+        for field in fields(self):
+            object.__setattr__(many, field.name, columns.get(field.name, getattr(self, field.name)))
+        try:
+            many._validate()
+            return many.finite_travel == math.inf
+        except (TypeError, ValueError):
+            return False
 
     def to_dict(self) -> dict[str, Any]:
         """Return the law as it stands in an isolator file."""
@@ -179,15 +201,20 @@ def _rates(
     return rates
 
 
+def anywhere(condition: bool | npt.NDArray[np.bool_]) -> bool:
+    """Return whether a condition on parameters is met, at any entry if they are columns."""
+    return condition if isinstance(condition, bool) else bool(np.any(condition))
+
+
 def require_not_negative(law: Law, *names: str) -> None:
     """Raise ValueError unless the named parameters of `law` are >= 0."""
     for name in names:
-        if getattr(law, name) < 0.0:
+        if anywhere(getattr(law, name) < 0.0):
             raise ValueError(f"`{name}` must be >= 0, got {getattr(law, name)}.")
 
 
 def require_positive(law: Law, *names: str) -> None:
     """Raise ValueError unless the named parameters of `law` are > 0."""
     for name in names:
-        if getattr(law, name) <= 0.0:
+        if anywhere(getattr(law, name) <= 0.0):
             raise ValueError(f"`{name}` must be > 0, got {getattr(law, name)}.")

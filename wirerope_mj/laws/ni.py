@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from wirerope_mj.laws import kernels
 from wirerope_mj.laws.hysteresis import Hysteresis
+from wirerope_mj.laws.law import anywhere
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +62,7 @@ class AsymmetricBoucWen(SymmetricBoucWen):
 
     def _validate(self) -> None:
         super()._validate()
-        if self.b <= 0.0:
+        if anywhere(self.b <= 0.0):
             raise ValueError(f"`b` must be > 0, got {self.b}: F2 = b^(c x) is a stiffness factor.")
 
     def kernel_parameters(self) -> npt.NDArray[np.float64]:

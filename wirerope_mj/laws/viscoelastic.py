@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.laws import kernels
-from wirerope_mj.laws.law import Law, require_not_negative, require_positive
+from wirerope_mj.laws.law import Law, anywhere, require_not_negative, require_positive
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +23,7 @@ class KelvinVoigt(Law):
 
     def _validate(self) -> None:
         require_not_negative(self, "k", "c")
-        if self.k == 0.0 and self.c == 0.0:
+        if anywhere((self.k == 0.0) & (self.c == 0.0)):
             raise ValueError("`k` and `c` must not both be 0: leave the axis out of the isolator instead.")
 
     def kernel_parameters(self) -> npt.NDArray[np.float64]:

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import pyarrow as pa
 
-from wirerope_mj.errors import ModelError, WireRopeError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.resources import model_source
 from wirerope_mj.response import Response
 from wirerope_mj.simulation import simulate
 from wirerope_mj.simulation.grid import joined
-from wirerope_mj.simulation.simulate import check_arguments, check_direction
+from wirerope_mj.simulation.simulate import check_arguments
+from wirerope_mj.study.check import check_variants
 from wirerope_mj.study.distributions import Distribution
 from wirerope_mj.study.quantities import Column, quantities
 from wirerope_mj.study.result import StudyResult
@@ -29,9 +29,6 @@ STARTS = ("settled", "relaxed", "unloaded")
 
 GIVEN = "given"
 """What `sampling` says where the variants were not sampled, but given."""
-
-BLOCK = 1024
-"""Variants that are checked before what was made of them is forgotten."""
 
 
 class Study:
@@ -90,9 +87,10 @@ class Study:
             duration: simulated time [s].
             vary: distributions by the names above.
             variants: how many; may be left out of a grid, whose values say it.
-            sampling: "sobol", "latin-hypercube", "random", or "grid": all combinations of Choice(...) and of
-                Uniform(..., points=...), or "sobol-indices": what `sobol_indices` needs, n (factors + 2) variants with n a
-                power of two; a factor is one entry of `vary`, or several with the same `group`.
+            sampling: "sobol", "latin-hypercube", "random"; or "grid": all combinations of Choice(...) and of
+                Uniform(..., points=...); or "list": the first values of all of them, then the second, and so on; or
+                "sobol-indices": what `sobol_indices` needs, n (factors + 2) variants with n a power of two; a factor is one
+                entry of `vary`, or several with the same `group`.
             seed: of the sampling.
             timestep: largest step [s] of all variants; None: chosen once, for the nominal system under the highest levels.
             accuracy: for which it is chosen, as `simulate` does.
@@ -225,21 +223,7 @@ class Study:
 
     @cached_property
     def _checked(self) -> pa.Table:
-        maker = Maker(self.base, self.motions, self._columns)
-        checked: set[int] = set()
-        for first in range(0, self.size, BLOCK):
-            for row in self._inputs.slice(first, BLOCK).to_pylist():
-                try:
-                    maker.changes(row)
-                    motion = maker.motion(row)
-                    if id(motion) not in checked:
-                        check_direction(self.base, motion)
-                        checked.add(id(motion))
-                except (ValueError, WireRopeError) as error:
-                    raise ModelError(f"variant {row['variant']} of study {self.name!r} cannot be: {error}") from None
-            maker.forget()
-            checked.clear()
-        maker.system(self.row(0))  # what one variant's layout has no room for, none's has
+        check_variants(self.name, self.base, self.motions, self._columns, self._inputs)
         return self._inputs
 
 

@@ -130,9 +130,9 @@ def direction(azimuth: float, elevation: float) -> tuple[float, float, float]:
 def _edited(isolator: Isolator, edit: Mapping[tuple[str, ...], tuple[bool, Any]]) -> Isolator:
     """Return an isolator with other parameters, by axis and name; the key () makes it fail, `ABSENT` takes it away."""
     if ABSENT in edit:
-        return replace(_without_force(isolator), limits=Limits())  # nothing is there that could be judged
+        return replace(without_force(isolator), limits=Limits())  # nothing is there that could be judged
     if () in edit:
-        return _without_force(isolator)
+        return without_force(isolator)
     laws: dict[str, dict[str, Any]] = {}
     for (axis, name), (relative, value) in edit.items():
         nominal = getattr(isolator.axes[axis], name)
@@ -155,7 +155,7 @@ def acts(isolator: Isolator) -> bool:
     return any(law is not None and law != _faint(law) for law in isolator.axes.values())
 
 
-def _without_force(isolator: Isolator) -> Isolator:
+def without_force(isolator: Isolator) -> Isolator:
     """Return the isolator after its failure: laws with as many states and hardly any force."""
     laws = {axis: _faint(law) for axis, law in isolator.axes.items() if law is not None}
     return replace(isolator, coupling=None, **laws)  # type: ignore[arg-type]
@@ -167,6 +167,7 @@ def _faint(law: Law) -> Law:
         return replace(law, stiffness=faint, slip_force=faint, k=0.0)
     if isinstance(law, BoucWenBaberNoori):
         return replace(law, alpha=FAINT, k=0.0)
-    if law.n_states == 1:
-        return Zener(k0=0.0, k1=FAINT, c=FAINT)
-    return KelvinVoigt(k=0.0, c=FAINT)
+    return _FAINT_WITH_STATE if law.n_states == 1 else _FAINT_WITHOUT_STATE
+
+
+_FAINT_WITH_STATE, _FAINT_WITHOUT_STATE = Zener(k0=0.0, k1=FAINT, c=FAINT), KelvinVoigt(k=0.0, c=FAINT)

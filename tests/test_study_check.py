@@ -1,0 +1,129 @@
+"""Columns of inputs are checked at once: never less strictly than one by one, and with the same words."""
+
+import dataclasses
+import math
+import re
+
+import numpy as np
+import pytest
+from laws_for_tests import PARAMETERS, example
+from test_study import PULSE, table_study
+
+import wirerope_mj as wr
+from wirerope_mj.laws import LAWS
+from wirerope_mj.study import check
+
+ONE_BY_ONE = {"vaiana-rosati"}
+"""Laws whose rules are about curves, not parameters."""
+
+FACTORS = (-1.0, 0.0, 0.4, 0.97, 1.03, 2.5)
+
+
+def holds(law, **values):
+    """Return whether a law with these values can be made and holds at any deflection."""
+    try:
+        return dataclasses.replace(law, **values).finite_travel == math.inf
+    except ValueError:
+        return False
+
+
+def scaled(nominal, factor):
+    return tuple(factor * one for one in nominal) if isinstance(nominal, tuple | list) else factor * nominal
+
+
+def parameters(name):
+    return [key for key, value in vars(example(name)).items() if isinstance(value, float | tuple | list)]
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_columns_hold_only_if_every_entry_does(name):
+    law = dataclasses.replace(
+        example(name), **{k: tuple(v) for k, v in PARAMETERS[name].items() if isinstance(v, list)}
+    )
+    keys = parameters(name)
+    pairs = [(key,) for key in keys] + [(one, other) for one in keys for other in keys if one < other]
+    agreed = 0
+    for pair in pairs:
+        for factors in [(1.0, 1.0, factor) for factor in FACTORS] + [(1.0, 0.97, 1.03)]:
+            column = np.array(factors)
+            sure = law.surely_holds({key: scaled(getattr(law, key), column) for key in pair})
+            if sure or name not in ONE_BY_ONE:
+                each = all(holds(law, **{k: scaled(getattr(law, k), factor) for k in pair}) for factor in factors)
+                assert each or not sure, (pair, factors)
+                agreed += sure == each
+    # What cannot be said of columns is asked one by one; of nearly all laws that is never needed.
+    assert name in ONE_BY_ONE or agreed == len(pairs) * (len(FACTORS) + 1)
+
+
+def test_columns_that_are_not_finite_do_not_hold():
+    law = example("bouc-wen")
+    assert law.surely_holds({"alpha": np.array([1e5, 2e5])})
+    for wrong in (math.nan, math.inf):
+        assert not law.surely_holds({"alpha": np.array([1e5, wrong])})
+
+
+def pinched_study(**others):
+    """Vary the two parameters of a law that are only right or wrong together: beta + gamma must be > 0."""
+    law = example("bouc-wen-baber-noori", beta=100.0, gamma=-50.0)
+    vary = {f"mount/m1/axial/{key}": wr.Normal(1.0, 0.25, relative=True, low=0.2) for key in ("beta", "gamma")}
+    isolator = wr.Isolator(name="pinched", roll=law, shear=law, axial=law)
+    return table_study(vary, isolators={"wr12_400": isolator}, sampling="random", **others)
+
+
+def refused(study):
+    with pytest.raises(wr.ModelError) as caught:
+        study.table()
+    return str(caught.value)
+
+
+def test_a_rule_about_two_parameters_is_kept_and_names_the_first_variant(monkeypatch):
+    study = pinched_study(variants=4000)
+    beta, gamma = (np.asarray(study._inputs[f"mount/m1/axial/{key}"]) for key in ("beta", "gamma"))
+    total = 100.0 * beta - 50.0 * gamma
+    first = int(np.argmax(total <= 0.0))
+    assert first > 0
+    monkeypatch.setattr(check, "BLOCK", max(first // 2, 1))  # so that blocks before it pass
+    message = refused(study)
+    assert re.match(
+        rf"variant {first} of study 'study' cannot be: mount 'm1': \[axial\] `beta` \+ `gamma` must be > 0, got -",
+        message,
+    )
+    monkeypatch.setattr(check, "_systems_can_be", lambda *_: False)
+    assert refused(pinched_study(variants=4000)) == message
+
+
+@pytest.mark.parametrize(
+    ("vary", "message"),
+    [
+        (
+            {"body/block/mass": wr.Choice(1.0, 0.0, relative=True)},
+            r"variant 1 .*`masses\['block'\]` must be a factor > 0",
+        ),
+        ({"motion/level": wr.Choice(1.0, 2.0, 0.0)}, "variant 2 .*`factor` must not be zero"),
+    ],
+)
+def test_masses_and_levels_are_checked_at_once_and_refused_one_by_one(vary, message):
+    study = table_study(vary, sampling="grid", variants=None, motion=dataclasses.replace(PULSE, direction="x"))
+    assert re.match(message, refused(study))
+
+
+def test_only_what_columns_cannot_say_is_asked_one_by_one(monkeypatch):
+    asked = []
+    changes = check.Maker.changes
+    monkeypatch.setattr(check.Maker, "changes", lambda self, row: (asked.append(row), changes(self, row))[1])
+    vary = {
+        "mount/m1/axial/alpha": wr.Normal(1.0, 0.1, relative=True, low=0.5),
+        "mount/m1/failed": wr.Choice(True, False),
+        "motion/level": wr.Uniform(0.5, 1.5),
+    }
+    assert table_study(vary, variants=64).table().num_rows == 64
+    assert len(asked) == 1  # one system is made, to see that there is room for it
+    law = example("bouc-wen")
+    coupled = wr.Isolator(name="plane", roll=law, shear=law, axial=law, coupling="biaxial")
+    shared = {"isolators": {"wr12_400": coupled}, "variants": 16}
+    asked.clear()
+    table_study({"mount/*/axial/alpha": wr.Normal(1.0, 0.1, relative=True, low=0.5)}, **shared).table()
+    assert len(asked) == 1
+    asked.clear()
+    with pytest.raises(wr.ModelError, match="variant 0 .*same sigma"):
+        table_study({"mount/m1/roll/beta": wr.Normal(1.0, 0.1, relative=True, low=0.5)}, **shared).table()

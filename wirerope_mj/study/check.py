@@ -1,0 +1,109 @@
+"""Whether every variant of a study can be: asked of whole columns of inputs, and one by one where these cannot say."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+
+from wirerope_mj.errors import ModelError, WireRopeError
+from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.isolator import Isolator
+from wirerope_mj.simulation.simulate import check_direction
+from wirerope_mj.study.quantities import Column
+from wirerope_mj.study.variants import Maker, Row, without_force
+from wirerope_mj.system import System
+
+BLOCK = 1024
+"""Variants that are checked at once, and, one by one, before what was made of them is forgotten."""
+
+Values = Mapping[str, npt.NDArray[Any]]
+"""Inputs of a block of variants by column."""
+
+Check = Callable[[Row], object]
+"""Raises an error if one variant cannot be."""
+
+
+def check_variants(
+    name: str, system: System, motions: Sequence[BaseMotion], columns: Sequence[Column], inputs: pa.Table
+) -> None:
+    """Raise ModelError for the first variant of the study `name` that cannot be; says why."""
+    maker = Maker(system, motions, columns)
+
+    def check_motion(row: Row) -> None:
+        check_direction(system, maker.motion(row))
+
+    for first in range(0, inputs.num_rows, BLOCK):
+        block = inputs.slice(first, BLOCK)
+        values = {column.name: block[column.name].to_numpy() for column in columns}
+        checks: list[Check] = [] if _systems_can_be(system, columns, values) else [maker.changes]
+        checks += [] if _motions_can_be(system, columns, values, block, check_motion) else [check_motion]
+        for row in block.to_pylist() if checks else []:
+            try:
+                for check in checks:
+                    check(row)
+            except (ValueError, WireRopeError) as error:
+                raise ModelError(f"variant {row['variant']} of study {name!r} cannot be: {error}") from None
+        maker.forget()
+    maker.system(inputs.slice(0, 1).to_pylist()[0])  # what one variant's layout has no room for, none's has
+
+
+def _systems_can_be(system: System, columns: Sequence[Column], values: Values) -> bool:
+    """Return whether all systems surely can be; False says nothing."""
+    laws: dict[tuple[str, str], dict[str, Any]] = {}  # columns of parameters by mount and axis
+    for column in columns:
+        if column.kind in ("mass", "centre", "position"):
+            if not np.isfinite(values[column.name]).all() or (
+                column.kind == "mass" and values[column.name].min() <= 0.0
+            ):
+                return False
+        elif column.kind in ("failed", "fitted"):
+            if not all(_can_fail(system.mounts[mount].isolator) for mount in column.targets):
+                return False
+        elif column.kind == "law":
+            axis, key = column.key
+            for mount in column.targets:
+                nominal = getattr(system.mounts[mount].isolator.axes[axis], key)
+                laws.setdefault((mount, axis), {})[key] = _edited(nominal, values[column.name], column.relative)
+    return all(_law_holds(system, mount, axis, parameters) for (mount, axis), parameters in laws.items())
+
+
+def _can_fail(isolator: Isolator) -> bool:
+    try:
+        without_force(isolator)
+    except ValueError:
+        return False
+    return True
+
+
+def _edited(nominal: Any, column: npt.NDArray[Any], relative: bool) -> Any:
+    if not relative:
+        return column
+    return tuple(column * one for one in nominal) if isinstance(nominal, tuple) else column * nominal
+
+
+def _law_holds(system: System, mount: str, axis: str, parameters: Mapping[str, Any]) -> bool:
+    isolator = system.mounts[mount].isolator
+    law = isolator.axes[axis]
+    coupled = isolator.coupling is not None and axis != "axial"  # roll and shear must then suit each other, too
+    return law is not None and not coupled and law.surely_holds(parameters)
+
+
+def _motions_can_be(system: System, columns: Sequence[Column], values: Values, block: pa.Table, check: Check) -> bool:
+    """Return whether all base motions surely can be, one of each record among them checked; False says nothing."""
+    varied = {column.kind: values[column.name] for column in columns if not column.targets}
+    if (
+        not all(np.isfinite(column).all() for column in varied.values())
+        or (varied.get("level", np.ones(1)) == 0.0).any()
+    ):
+        return False
+    if {"azimuth", "elevation"} & set(varied) and len(system.assembly.tables.drive) < 3:
+        return False  # the base cannot go everywhere
+    _, places = np.unique(varied.get("record", np.zeros(1)), return_index=True)
+    try:
+        for place in places.tolist():
+            check(block.slice(place, 1).to_pylist()[0])
+    except (ValueError, WireRopeError):
+        return False
+    return True
