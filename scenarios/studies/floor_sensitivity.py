@@ -51,5 +51,5 @@ def study(
         variants=7 * rows,
         sampling="sobol-indices",
         seed=seed,
-        accuracy=1e-2,  # far below the scatter; floors that strike a stop keep it at any step that is worth its time
+        timestep=5e-4,  # see floor_tolerances
     )
