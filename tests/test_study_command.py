@@ -12,6 +12,9 @@ from wirerope_mj.runfolder.study import write_worst
 from wirerope_mj.runfolder.study_report import write_study_report
 from wirerope_mj.study.findings import row_of, worst
 from wirerope_mj.study.study_file import load_study_file, shipped_studies
+from wirerope_mj.study.variants import direction
+
+ANGLES = ("motion/azimuth", "motion/elevation")
 
 
 @pytest.fixture(scope="module")
@@ -141,8 +144,13 @@ def test_every_shipped_study_is_short_asks_first_and_can_be_made(name):
 
 def test_directions_cover_the_sphere_and_failures_every_wire_rope_mount():
     table = load_study_file("floor_directions").make(step_deg=30.0).table()
-    assert table.num_rows == 13 * 7
-    assert min(table["motion/elevation"].to_pylist()) == -90.0
+    assert table.num_rows == 12 * 5 + 2  # each pole once, and no seam
+    vectors = {
+        tuple(np.round(direction(a, e), 9)) for a, e in zip(*(table[k].to_pylist() for k in ANGLES), strict=True)
+    }
+    assert len(vectors) == 62
+    for axis in np.vstack([np.eye(3), -np.eye(3)]):
+        assert tuple(axis) in vectors
     failed = load_study_file("floor_failed_mount").make().table()
     assert len(set(failed["mount/*/failed"].to_pylist())) == 21  # 16 upright, 4 horizontal, and none
 

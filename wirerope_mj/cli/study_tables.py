@@ -45,21 +45,20 @@ def print_study(answer: Answer, files: Sequence[str]) -> None:
 def _measures(answer: Answer) -> Table:
     title = "Measures and their percentiles, as far as five variants lie beyond them" if answer.drawn else "Measures"
     shown = [f"{100.0 * q:.0f} %" for q in QUANTILES] if answer.drawn else ["smallest", "median"]
-    listing = _empty(title, ("measure", *shown, "largest", "variant", "limit", "beyond it"))
+    listing = empty(title, ("measure", *shown, "largest", "variant", "limit", "beyond it"))
     for one in answer.figures:
         figures = [*(one.quantiles if answer.drawn else (one.smallest, one.median)), one.largest]
         limit = ["", ""]
         if one.beyond is not None and one.limit is not None:
-            share = f" ({percent(one.beyond.count / one.beyond.n)})" if answer.drawn else ""
-            limit = [_number(one.limit), f"{one.beyond.count} of {one.beyond.n}{share}"]
-        listing.add_row(escape(one.measure.label), *map(_number, figures), str(one.variant), *limit)
+            limit = [shown_number(one.limit), one.beyond_words]
+        listing.add_row(escape(one.measure.label), *map(shown_number, figures), str(one.variant), *limit)
     return listing
 
 
 def _indices(found: SobolIndices) -> Table:
     what = f"What explains the variance of: {measure_of(found.measure).words}"
     title = f"{what}; Sobol's indices with {percent(CONFIDENCE)} intervals"
-    listing = _empty(title, ("factor", "alone", "", "with others", ""))
+    listing = empty(title, ("factor", "alone", "", "with others", ""))
     for one in found.factors:
         cells = []
         for index, (low, high) in ((one.first, one.first_interval), (one.total, one.total_interval)):
@@ -70,7 +69,7 @@ def _indices(found: SobolIndices) -> Table:
 
 def _influences(answer: Answer) -> Table:
     title = f"What the inputs explain alone of the variance of: {measure_of(answer.by).words}"
-    listing = _empty(title, ("input", "share", "rank correlation", ""))
+    listing = empty(title, ("input", "share", "rank correlation", ""))
     for one in answer.influences[:_INFLUENCES]:
         rank = "" if math.isnan(one.rank) else f"{one.rank:+.2f}"
         certain = "" if one.certain else "[dim]may be chance[/]"
@@ -81,14 +80,14 @@ def _influences(answer: Answer) -> Table:
 def _worst(answer: Answer) -> Table:
     heads = [f"{measure.name} [{measure.unit}]" for measure in answer.measures]
     heads += map(input_label, answer.inputs(_INPUTS))
-    listing = _empty(f"Worst variants by {answer.by}", ("variant", *map(_two_lines, heads)))
+    listing = empty(f"Worst variants by {answer.by}", ("variant", *map(_two_lines, heads)))
     for one in answer.worst(_WORST, inputs=_INPUTS):
-        listing.add_row(str(one.variant), *map(_number, one.values), *(escape(_input(value)) for value in one.inputs))
+        listing.add_row(str(one.variant), *map(shown_number, one.values), *(escape(_input(value)) for value in one.inputs))
     return listing
 
 
 def _input(value: Any) -> str:
-    return _number(value) if isinstance(value, float) else str(value) or "none"
+    return shown_number(value) if isinstance(value, float) else str(value) or "none"
 
 
 def _two_lines(name: str) -> str:
@@ -101,11 +100,13 @@ def _two_lines(name: str) -> str:
     return f"{first}\n{'/'.join(parts[half:]).replace('/[', ' [')}"
 
 
-def _number(value: float) -> str:
+def shown_number(value: float) -> str:
+    """Return a number as a cell; a dash where there is none."""
     return f"{value:.4g}" if math.isfinite(value) else "-"
 
 
-def _empty(title: str, head: Sequence[str]) -> Table:
+def empty(title: str, head: Sequence[str]) -> Table:
+    """Return a table with headings alone."""
     table = Table(box=box.SIMPLE_HEAD, title=escape(title), title_style="bold", title_justify="left", show_edge=False)
     for place, name in enumerate(head):
         table.add_column(escape(name), justify="right" if place else "left", no_wrap=True)

@@ -140,48 +140,6 @@ def choices_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
     return figure
 
 
-def directions_figure(table: pa.Table, azimuth: str, elevation: str, measure: str) -> Figure:
-    """Return a measure over the directions of the motion as a map, with the largest and the limit marked."""
-    a, e = (np.asarray(table[name], dtype=np.float64) for name in (azimuth, elevation))
-    shown = measure_of(measure)
-    values = shown.factor * values_of(table, measure)
-    along, up = np.unique(a), np.unique(e)
-    with report_style():
-        figure = Figure(figsize=(WIDTH, 3.6), layout="constrained")
-        panel = figure.subplots()
-        if along.size * up.size == values.size and min(along.size, up.size) > 1:
-            grid = np.full((up.size, along.size), np.nan)
-            grid[np.searchsorted(up, e), np.searchsorted(along, a)] = values
-            drawn: Any = panel.pcolormesh(along, up, grid, cmap="viridis", shading="nearest", rasterized=True)
-            _contours(panel, along, up, grid, shown)
-        else:
-            drawn = panel.scatter(a, e, c=values, cmap="viridis", s=14)
-        figure.colorbar(drawn, ax=panel, label=_wrapped(shown), pad=0.01)
-        if np.isfinite(values).any():
-            top = int(np.nanargmax(values))
-            panel.plot(a[top], e[top], "o", ms=9, mfc="none", mec="white", mew=2.4)
-            panel.plot(a[top], e[top], "o", ms=9, mfc="none", mec=RATED, mew=1.4)
-            panel.set_title(
-                f"largest: {values[top]:.3g} {shown.unit} at azimuth {a[top]:.4g}°, elevation {e[top]:.4g}°", loc="left"
-            )
-        panel.set_xlabel("azimuth [°], 0 = along x, 90 = along y")
-        panel.set_ylabel("elevation [°], 90 = up")
-        for axis in (panel.xaxis, panel.yaxis):
-            axis.set_major_locator(MaxNLocator(9, steps=[1, 1.5, 3, 4.5, 9, 10]))
-    return figure
-
-
-def _contours(panel: Any, along: Array, up: Array, grid: Array, shown: Measure) -> None:
-    """Draw where the limit is met."""
-    if shown.limit is None:
-        return
-    limit = shown.factor * shown.limit
-    known = finite(grid.ravel())
-    if known.size == grid.size and known.min() < limit < known.max():
-        lines = panel.contour(along, up, grid, levels=[limit], colors=[RATED], linewidths=1.4)
-        panel.clabel(lines, fmt=f"{limit:g} {shown.unit}".replace("%", "%%"), fontsize=7)
-
-
 def _distribution(panel: Any, shown: Measure, values: Array) -> None:
     known = shown.factor * np.sort(finite(values))
     shares = 100.0 * np.arange(1, known.size + 1) / known.size

@@ -7,16 +7,17 @@ import numpy as np
 import pyarrow as pa
 from matplotlib.figure import Figure
 
+from wirerope_mj.plots.directions import directions_figure
 from wirerope_mj.plots.study import (
     MOST_SCATTERS,
     choices_figure,
     curve_figure,
-    directions_figure,
     distribution_figure,
     scatter_figure,
     sensitivity_figure,
 )
 from wirerope_mj.plots.study_indices import indices_figure
+from wirerope_mj.study.directions import AZIMUTH, ELEVATION
 from wirerope_mj.study.findings import headlines, input_names, measure_of, random_study
 from wirerope_mj.study.indices import drawn, sobol_indices
 from wirerope_mj.study.result import StudyResult
@@ -48,9 +49,12 @@ def study_pictures(result: StudyResult, by: str, found: Sequence[Influence]) -> 
     names = list(dict.fromkeys([by, *headlines(table)]))[:2]
     words = measure_of(by).words
     pictures = []
-    if {"motion/azimuth", "motion/elevation"} == set(inputs):
-        figure = directions_figure(table, "motion/azimuth", "motion/elevation", by)
-        caption = f"{_capital(words)} over the direction of the shock; the ring is the largest, the line the limit."
+    if {AZIMUTH, ELEVATION} == set(inputs):
+        figure = directions_figure(table, by)
+        caption = (
+            f"{_capital(words)} over the direction in which the base is driven first; equal areas are equal parts of all "
+            "directions; the ring is the largest, the line the limit."
+        )
         pictures.append(StudyPicture(name="directions", figure=figure, caption=caption))
     elif len(inputs) == 1:
         pictures += _of_one_input(table, inputs[0], names)

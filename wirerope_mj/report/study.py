@@ -15,7 +15,8 @@ from wirerope_mj.study.result import StudyResult
 _WORST, _INPUTS, _INFLUENCES, _FAILED = 10, 5, 15, 20  # rows and columns that are read
 _METHODS = {
     "sobol": "scrambled Sobol sequence", "latin-hypercube": "Latin hypercube", "random": "random draws",
-    "grid": "all combinations of the values", "sobol-indices": "Saltelli's matrices of a scrambled Sobol sequence",
+    "grid": "all combinations of the values", "list": "the values as they are listed",
+    "sobol-indices": "Saltelli's matrices of a scrambled Sobol sequence",
 }  # fmt: skip
 
 
@@ -35,31 +36,32 @@ def study_content(answer: Answer) -> ReportContent:
         ),
         question=question or ("The study asks no question.",),
         verdict=_verdict(answer),
-        answer=(Listing(items=tuple(sentences(result))), *_failed(result)),
+        answer=(Listing(items=tuple(sentences(result))), *failed_blocks(result)),
         sections=(
-            Section(title="What varied", blocks=(_varied(content["vary"]),)),
+            Section(title="What varied", blocks=(varied_table(content["vary"]),)),
             Section(title="What came out", blocks=(_measures(answer), *_pictures(answer))),
             Section(title="Inputs that matter", blocks=_indices(answer) or _influences(answer)),
             Section(title="Worst variants", blocks=(_worst(answer),)),
-            Section(title="Numerics and versions", blocks=(_numerics(result),)),
+            Section(title="Numerics and versions", blocks=(numerics_table(result),)),
         ),
     )
 
 
 def _verdict(answer: Answer) -> Mark:
-    judged = [figures.beyond for figures in answer.figures if figures.beyond is not None]
+    judged = [(figures.beyond, figures.share) for figures in answer.figures if figures.beyond is not None]
     if not judged:
         return Mark(text="Not judged: no limit is stated", tone="unjudged")
-    most = max(judged, key=lambda one: one.count)
+    most, share = max(judged, key=lambda one: one[0].count)
     if most.count:
-        share = f" ({percent(most.count / most.n)})" if answer.drawn else ""
-        return Mark(text=f"A limit is exceeded in {most.count} of {most.n} variants{share}", tone="exceeded")
+        of = "" if share is None else f" ({percent(share)}{'' if answer.drawn else ' of all directions'})"
+        return Mark(text=f"A limit is exceeded in {most.count} of {most.n} variants{of}", tone="exceeded")
     n_failed = len(answer.result.failed)
     failed = f"; {several(n_failed, 'variant')} failed" if n_failed else ""
     return Mark(text=f"Within the limits in all {most.n} variants{failed}", tone="unjudged" if failed else "within")
 
 
-def _failed(result: StudyResult) -> tuple[Block, ...]:
+def failed_blocks(result: StudyResult) -> tuple[Block, ...]:
+    """Return which variants failed, and why; nothing if none did."""
     failed = result.failed
     if not failed:
         return ()
@@ -68,7 +70,8 @@ def _failed(result: StudyResult) -> tuple[Block, ...]:
     return (Paragraph(text=words), Listing(items=tuple(lines)))
 
 
-def _varied(vary: Sequence[Mapping[str, Any]]) -> Table:
+def varied_table(vary: Sequence[Mapping[str, Any]]) -> Table:
+    """Return the quantities and their distributions, as `study.toml` says them."""
     rows = tuple((_named(one), _words(one), "each its own" if one.get("each") else "one for all") for one in vary)
     return Table(
         caption="Quantities and their distributions", head=("quantity", "values", "of what the name matches"), align="ltl",
@@ -103,7 +106,7 @@ def _measures(answer: Answer) -> Table:
             cells += [ABSENT, ABSENT]
         else:
             tone = "exceeded" if one.beyond.count else "within"
-            cells += [number(one.limit), Mark(text=f"{one.beyond.count} of {one.beyond.n}", tone=tone)]
+            cells += [number(one.limit), Mark(text=one.beyond_words, tone=tone)]
         rows.append(tuple(cells))
     shares = [f"{100.0 * q:.0f} %" for q in QUANTILES] if answer.drawn else []
     head = ("measure", *shares, "largest", "in variant", "limit", "beyond it")
@@ -181,7 +184,8 @@ def _input(value: Any) -> str:
     return number(value, digits=4) if isinstance(value, float) else str(value) or "none"
 
 
-def _numerics(result: StudyResult) -> Table:
+def numerics_table(result: StudyResult) -> Table:
+    """Return how a study was computed, and with which versions."""
     content = result.inputs
     simulate, sampling = content["simulate"], content["sampling"]
     rows = [

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.study.directions import share_of_directions
 from wirerope_mj.study.findings import (
     HEADLINES,
     Chance,
@@ -15,6 +16,7 @@ from wirerope_mj.study.findings import (
     headlines,
     input_names,
     measure_of,
+    percent,
     quantiles,
     random_study,
     row_of,
@@ -40,6 +42,7 @@ class Figures:
         variant: number of the one with the largest value.
         limit: that it must not exceed; None if there is none.
         beyond: how often it does; None without a limit.
+        share: that this is of all variants if they were drawn, or of all directions if these vary; None if it is of nothing.
     """
 
     measure: Measure
@@ -50,6 +53,15 @@ class Figures:
     variant: int
     limit: float | None
     beyond: Chance | None
+    share: float | None
+
+    @property
+    def beyond_words(self) -> str:
+        """How often the limit is exceeded: "88 of 325 (34 %)"; "" without a limit."""
+        if self.beyond is None:
+            return ""
+        share = "" if self.share is None else f" ({percent(self.share)})"
+        return f"{self.beyond.count} of {self.beyond.n}{share}"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,6 +134,12 @@ class Answer:
     def _figures(self, measure: Measure) -> Figures:
         table, limit = self.result.table, measure.limit
         values, independent = values_of(table, measure.name), values_of(drawn(self.result), measure.name)
+        beyond = None if limit is None else chance(independent, limit)
+        share = None
+        if beyond is not None and limit is not None and self.drawn:
+            share = beyond.count / beyond.n
+        elif limit is not None:
+            share = share_of_directions(table, input_names(table), values, limit)
         return Figures(
             measure=measure,
             quantiles=tuple(measure.factor * value for value in quantiles(independent, QUANTILES)),
@@ -130,7 +148,8 @@ class Answer:
             largest=measure.factor * float(np.nanmax(values)),
             variant=worst(table, measure.name, 1)[0],
             limit=None if limit is None else measure.factor * limit,
-            beyond=None if limit is None else chance(independent, limit),
+            beyond=beyond,
+            share=share,
         )
 
 

@@ -11,8 +11,10 @@ import pyarrow as pa
 from scipy.stats import beta
 
 from wirerope_mj.study.compute import DONE
+from wirerope_mj.study.directions import AZIMUTH, ELEVATION, share_of_directions
 from wirerope_mj.study.indices import SobolIndices, drawn, sobol_indices
 from wirerope_mj.study.result import StudyResult
+from wirerope_mj.study.sampling import LISTED
 from wirerope_mj.study.sobol import SAMPLING
 from wirerope_mj.study.specimens import specimen_sentences
 from wirerope_mj.units import STANDARD_GRAVITY
@@ -28,7 +30,7 @@ SLIGHT = 0.01
 """Total index below which a factor is only named."""
 
 _KEPT = ("variant", "status", "message", "generation")
-_ANGLES = ("motion/azimuth", "motion/elevation")
+_ANGLES = (AZIMUTH, ELEVATION)
 _ROOMS = {
     "travel": ("share of the rated travel", "%", 100.0, 1.0),
     "acceleration": ("largest acceleration", "g", 1.0 / STANDARD_GRAVITY, None),
@@ -164,7 +166,7 @@ def row_of(table: pa.Table, number: int) -> dict[str, Any]:
 
 def random_study(result: StudyResult) -> bool:
     """Return whether the variants were drawn, so that shares of them are probabilities."""
-    return result.study.sampling != "grid"
+    return result.study.sampling not in LISTED
 
 
 def percent(share: float) -> str:
@@ -186,7 +188,9 @@ def sentences(result: StudyResult) -> list[str]:
         beyond, top = chance(values_of(independent, name), measure.limit), worst(table, name, 1)[0]
         largest = f"the largest is {measure.factor * np.nanmax(values_of(table, name)):.3g} % in variant {top}"
         if not random_study(result):
-            found.append(f"{_what(measure)}: beyond 100 % in {beyond.count} of {beyond.n} variants; {largest}.")
+            part = share_of_directions(table, input_names(table), values_of(table, name), measure.limit)
+            where = "" if part is None else f", {percent(part)} of all directions"
+            found.append(f"{_what(measure)}: beyond 100 % in {beyond.count} of {beyond.n} variants{where}; {largest}.")
             continue
         bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
         of = f"{beyond.n} {'' if independent is table else 'independent '}variants"

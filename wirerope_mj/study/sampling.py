@@ -17,7 +17,10 @@ from wirerope_mj.study.quantities import Column, Quantity
 
 Array = npt.NDArray[np.float64]
 
-SAMPLINGS = ("sobol", "latin-hypercube", "random", "grid", sobol.SAMPLING)
+LISTED = ("grid", "list")
+"""Samplings of values that are listed, and not drawn."""
+
+SAMPLINGS = ("sobol", "latin-hypercube", "random", *LISTED, sobol.SAMPLING)
 
 
 def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: str, seed: int) -> pa.Table:
@@ -33,8 +36,8 @@ def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: st
     if sampling not in SAMPLINGS:
         raise ValueError(f"`sampling` must be one of {', '.join(SAMPLINGS)}, got {sampling!r}.")
     columns = [column for quantity in quantities for column in quantity.columns]
-    if sampling == "grid":
-        values: Sequence[Any] = _grid(quantities, variants)
+    if sampling in LISTED:
+        values: Sequence[Any] = _listed(quantities, variants, sampling)
     else:
         if isinstance(variants, bool) or not isinstance(variants, int | np.integer) or variants < 1:
             raise ValueError(f"`variants` must be a whole number >= 1, got {variants!r}.")
@@ -103,19 +106,24 @@ def joint(isolator: Isolator) -> tuple[Array, Array]:
     return mean, root * sizes
 
 
-def _grid(quantities: Sequence[Quantity], variants: int | None) -> list[list[Any]]:
-    """Return the columns of all combinations; the last one varies fastest."""
+def _listed(quantities: Sequence[Quantity], variants: int | None, sampling: str) -> list[list[Any]]:
+    """Return the columns of a list, or of a grid: all combinations; the last one varies fastest."""
     lists: list[list[Any]] = []
     for quantity in quantities:
         distribution = quantity.distribution
         values = distribution.listed if isinstance(distribution, Choice | Uniform) else []
         if not values:
             raise ValueError(
-                f"`vary`: {quantity.name!r} has no values for a grid; give a Choice(...), or a Uniform(..., points=...)."
+                f"`vary`: {quantity.name!r} has no values for a {sampling}; give a Choice(...), or a Uniform(..., points=...)."
             )
         lists += [values] * len(quantity.columns)
-    size = math.prod(len(values) for values in lists)
+    sizes = [len(values) for values in lists]
+    if sampling == "list" and len(set(sizes)) > 1:
+        raise ValueError(f"the quantities of a list must all have as many values, got {', '.join(map(str, sizes))}.")
+    size = sizes[0] if sampling == "list" else math.prod(sizes)
     if variants is not None and variants != size:
-        raise ValueError(f"`variants` must be left out of a grid, or be its size {size}, got {variants}.")
-    places = np.unravel_index(np.arange(size), [len(values) for values in lists])
+        raise ValueError(f"`variants` must be left out of a {sampling}, or be its size {size}, got {variants}.")
+    if sampling == "list":
+        return lists
+    places = np.unravel_index(np.arange(size), sizes)
     return [[values[place] for place in where] for values, where in zip(lists, places, strict=True)]
