@@ -28,6 +28,9 @@ Array = npt.NDArray[np.float64]
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 
+_AWAY = {0.5: 0.0, 0.9: -5.0, 0.95: 1.0, 0.99: 7.0}
+"""How far above its point a percentile's name stands [pt], so that those of the last ten per cent do not overlap."""
+
 MOST_BARS = 12
 """Inputs in one picture: those below explain next to nothing."""
 
@@ -71,7 +74,7 @@ def sensitivity_figure(found: Sequence[Influence], measure: str) -> Figure:
         panel.xaxis.set_major_locator(MaxNLocator(6))
         panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 100.0])
         panel.set_xlim(0.0, max(1.5 * max(100.0 * one.share for one in shown), 5.0))
-        panel.set_xlabel(f"share of the variance that the input explains alone [%]: {measure_of(measure).words}")
+        panel.set_xlabel(f"share of the variance that the input explains alone [%]:\n{words_of(measure_of(measure))}")
         _calm(panel, axis="x")
     return figure
 
@@ -88,7 +91,7 @@ def scatter_figure(table: pa.Table, names: Sequence[str], measure: str) -> Figur
                 x,
                 y,
                 ".",
-                ms=max(2.5, 7.0 - math.log2(x.size) / 2.0),
+                ms=max(3.0, 8.0 - math.log2(x.size) / 2.0),
                 color=COLOURS[0],
                 alpha=0.5,
                 mec="none",
@@ -151,8 +154,8 @@ def _distribution(panel: Any, shown: Measure, values: Array) -> None:
             x = shown.factor * value
             panel.plot(x, 100.0 * q, "o", ms=3.5, color=COLOURS[0])
             panel.annotate(
-                f"{100.0 * q:.0f} %: {x:.3g}", (x, 100.0 * q), xytext=(-5, 1), textcoords="offset points", ha="right",
-                va="bottom", fontsize=7,
+                f"{100.0 * q:.0f} %: {x:.3g}", (x, 100.0 * q), xytext=(-6, _AWAY[q]), textcoords="offset points",
+                ha="right", va="center", fontsize=7, bbox={"fc": "white", "ec": "none", "alpha": 0.8, "pad": 0.6},
             )  # fmt: skip
     _limit(panel.axvline, shown)
     if shown.limit is not None:
@@ -161,7 +164,7 @@ def _distribution(panel: Any, shown: Measure, values: Array) -> None:
         text = f"beyond the limit: {beyond.count} of {beyond.n} variants\n{bounds}"
         panel.set_title(text, loc="left", color=RATED if beyond.count else "0.2", fontweight="normal")
     panel.set_xlabel(_wrapped(shown))
-    panel.set_ylim(0.0, 104.0)
+    panel.set_ylim(0.0, 108.0)  # and room above for the last of them
     left, right = panel.get_xlim()
     panel.set_xlim(left - 0.22 * (right - left), right)  # room for the percentiles' names
     _calm(panel)
@@ -196,7 +199,12 @@ def _name(name: str) -> str:
 
 
 def _wrapped(shown: Measure) -> str:
-    return f"{short(shown.words) if '/' in shown.name else shown.words} [{shown.unit}]"
+    return f"{words_of(shown)} [{shown.unit}]"
+
+
+def words_of(shown: Measure) -> str:
+    """Return a measure's words, of which body or mount on a line of its own."""
+    return ",\n".join(short(part) for part in shown.words.split(", ", 1)) if "/" in shown.name else shown.words
 
 
 def _calm(panel: Any, *, axis: str = "both") -> None:

@@ -7,7 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from wirerope_mj.plots.report_image import BASE, COLOURS, WIDTH, report_style, short
+from wirerope_mj.plots.report_image import BASE, COLOURS, WIDTH, report_style
+from wirerope_mj.plots.study import words_of
 from wirerope_mj.study.findings import measure_of
 from wirerope_mj.study.indices import SobolIndices
 
@@ -53,7 +54,7 @@ def _bars(panel: Any, found: SobolIndices, order: Sequence[str]) -> None:
     panel.axvline(0.0, color="0.6", lw=0.8)
     panel.set_xlim(right=max(panel.get_xlim()[1], 10.0))
     panel.xaxis.set_major_locator(MaxNLocator(5))
-    panel.set_xlabel(f"share of the variance [%]:\n{short(measure_of(found.measure).words)}")
+    panel.set_xlabel(f"share of the variance [%]:\n{words_of(measure_of(found.measure))}")
     panel.grid(color="0.92", axis="x")
     panel.set_axisbelow(True)
     panel.spines[["top", "right"]].set_visible(False)
