@@ -26,7 +26,8 @@ from wirerope_mj.cli.identify_report import (
 from wirerope_mj.cli.tables import console
 from wirerope_mj.errors import ModelError
 from wirerope_mj.identification.fitted import FittedLoop, fitted_loops
-from wirerope_mj.identification.identify import Constraint, Identification, family_of, identify
+from wirerope_mj.identification.identify import Constraint, family_of, identify
+from wirerope_mj.identification.result import Identification
 from wirerope_mj.isolator import Isolator, Provenance, read_law
 from wirerope_mj.laws import LAWS, AsymmetricBoucWen, Law, Masing
 from wirerope_mj.runfolder.folder import check_target, written_whole

@@ -10,8 +10,8 @@ from wirerope_mj.bench.clipping import is_level
 from wirerope_mj.bench.recorded import RecordedLoop
 from wirerope_mj.cli.identify_report import millimetres
 from wirerope_mj.errors import RecordError
-from wirerope_mj.identification.identify import Identification
 from wirerope_mj.identification.measured import prepare
+from wirerope_mj.identification.result import Identification
 from wirerope_mj.laws import Loop
 
 Tests = Mapping[Path, Sequence[Loop]]

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from wirerope_mj.identification.fitted import FittedLoop, neighbours_correlation
-from wirerope_mj.identification.identify import Identification
+from wirerope_mj.identification.result import Identification
 
 PICTURES = {
     "loops.png": "Measured loops and those of the law",

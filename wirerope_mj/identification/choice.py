@@ -9,8 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.identification.arguments import require_kind, require_loops
-from wirerope_mj.identification.identify import Identification, identify
+from wirerope_mj.identification.identify import identify
 from wirerope_mj.identification.measured import MeasuredLoop, prepare
+from wirerope_mj.identification.result import Identification
 from wirerope_mj.laws import AsymmetricBoucWen, BoucWen, EnhancedDryFriction, Law, Loop, Masing, SymmetricBoucWen
 
 Array = npt.NDArray[np.float64]

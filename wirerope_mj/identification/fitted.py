@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.identification.identify import Identification
 from wirerope_mj.identification.measured import MeasuredLoop
+from wirerope_mj.identification.result import Identification
 from wirerope_mj.laws import Law
 
 Array = npt.NDArray[np.float64]

@@ -1,22 +1,22 @@
 """Cyclic tests -> a law, with what the data could and could not fix."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.identification.arguments import require_finite, require_kind, require_loops, require_options
-from wirerope_mj.identification.certainty import Certainty, Parameter, certainty_of
+from wirerope_mj.identification.certainty import certainty_of
 from wirerope_mj.identification.coordinates import FAMILIES, Coordinate, Family, masing_family
 from wirerope_mj.identification.measured import MeasuredLoop, prepare, scales_of
 from wirerope_mj.identification.profiles import Survey, survey
-from wirerope_mj.identification.residuals import THIN, Data, Residual, joined, loop_residual, rms
+from wirerope_mj.identification.residuals import Data, Residual, joined, loop_residual, rms
+from wirerope_mj.identification.result import Identification as Identification
 from wirerope_mj.identification.search import Found, Search
 from wirerope_mj.identification.stages import Method, Stage, run_stages
 from wirerope_mj.identification.start import grid_starts
+from wirerope_mj.identification.sufficient import require_amplitudes, require_dissipation, require_movement
 from wirerope_mj.laws import AsymmetricBoucWen, Law, Loop, Masing
 
 Constraint = Literal["beta>gamma", "beta=gamma", "beta<gamma"]
@@ -29,59 +29,6 @@ DEEPER = 2
 
 SAME = 0.01
 """Variances within which the ends of two searches are one: a tenth of a standard error. The earlier one counts."""
-
-FIGURES = 3
-"""Figures that one loop fixes well: its secant stiffness, its area, and how its branches bend."""
-
-DEAD = 1e-9
-"""Change of the residual, for a change of 100 % of a parameter, that is rounding."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Identification:
-    """A law found from cyclic tests.
-
-    Attributes:
-        law: the law.
-        parameters: what was searched for, by name, in normalised form: value, unit, standard error, whether at a bound.
-        residual: root mean square of force minus measured force, each loop's over its half force range [-].
-        residuals: the same for each loop, smallest amplitude first, (n_loops,).
-        converged: whether the search ended by itself.
-        message: how it ended.
-        open_combinations: what the data leave open, in words; empty if they fix everything.
-        certainty: covariance, correlation and singular values.
-        stages: what every stage of the winning start did.
-        evaluations: how often the residual was computed in all.
-        started: "given" or "grid": which start won.
-        loops: what was fitted, smallest first.
-    """
-
-    law: Law
-    parameters: dict[str, Parameter]
-    residual: float
-    residuals: npt.NDArray[np.float64]
-    converged: bool
-    message: str
-    open_combinations: tuple[str, ...]
-    certainty: Certainty
-    stages: tuple[Stage, ...]
-    evaluations: int
-    started: str
-    loops: tuple[MeasuredLoop, ...]
-
-    def __str__(self) -> str:
-        """The law, how well it fits, its parameters with units and errors, and what is open."""
-        lines = [
-            repr(self.law),
-            f"error {100.0 * self.residual:.3g} % of half the force range over {len(self.loops)} loops; "
-            f"{'converged' if self.converged else 'NOT CONVERGED'}, {self.message}",
-            f"{'parameter':12s}{'value':>14s}{'standard error':>16s}  unit",
-        ]
-        for p in self.parameters.values():
-            error = "given" if p.fixed else f"{p.standard_error:.2g}"
-            note = "  at its bound" if p.at_bound else ""
-            lines.append(f"{p.name:12s}{p.value:14.6g}{error:>16s}  {p.unit}{note}")
-        return "\n".join([*lines, *(f"open: {words}" for words in self.open_combinations)])
 
 
 def identify(
@@ -136,20 +83,16 @@ def identify(
         extra_residuals=extra_residuals,
     )  # fmt: skip
     measured = prepare(loops, weights=weights)
-    _require_dissipation(measured)
+    require_dissipation(measured)
     search = _search(measured, law, dict(fixed or {}), constraint, elements, start)
-    _require_amplitudes(measured, search, data)
+    require_amplitudes(measured, search, data)
     full = joined(loop_residual(measured, data), extra_residuals)
     ends: list[_End] = []
-    candidates = [("given", search.family.read(start))] if start is not None else []
-    if grid:
-        places = grid_starts(search.family, search.coordinates, measured, search.fixed, count=STARTS)
-        candidates += [("grid", values) for values in places]
     failures: list[str] = []
-    for origin, values in candidates:
+    for origin, values in _candidates(search, measured, start, grid):
         try:
             require_finite(extra_residuals, search.law(search.numbers(values)))
-            _require_movement(search, full, values)
+            require_movement(search, full, values)
         except ValueError as failure:
             failures.append(str(failure))
             continue
@@ -218,51 +161,23 @@ def _search(
     return Search(family=family, coordinates=coordinates, fixed=fixed)
 
 
+def _candidates(
+    search: Search, loops: list[MeasuredLoop], start: Law | None, grid: bool
+) -> list[tuple[str, dict[str, float]]]:
+    """Return where searches begin, the values of the coordinates, and whether they were given or come from the grid."""
+    found = [("given", search.family.read(start))] if start is not None else []
+    if grid:
+        places = grid_starts(search.family, search.coordinates, loops, search.fixed, count=STARTS)
+        found += [("grid", values) for values in places]
+    return found
+
+
 def _constrained(sigma: Coordinate, constraint: Constraint) -> Coordinate:
     """Return the coordinate sigma = beta / (beta + gamma) within the thesis' constraint."""
     low, high = {"beta>gamma": (0.5, sigma.upper), "beta<gamma": (sigma.lower, 0.5)}.get(
         constraint, (sigma.lower, sigma.upper)
     )
     return Coordinate(name=sigma.name, unit=sigma.unit, lower=low, upper=high)
-
-
-def _require_amplitudes(loops: Sequence[MeasuredLoop], search: Search, data: Data) -> None:
-    """Raise ValueError if there are too few different amplitudes for the free parameters."""
-    amplitudes = {round(loop.amplitude / loops[-1].amplitude, 2) for loop in loops}
-    needed = math.ceil(len(search.free) / FIGURES)
-    if data == "loops" and len(amplitudes) < needed:
-        raise ValueError(
-            f"{len(search.free)} parameters are free ({', '.join(c.name for c in search.free)}), and a loop fixes about "
-            f"{FIGURES}: {needed} different amplitudes are needed, {len(amplitudes)} given. Test more amplitudes, fix "
-            "parameters, or take a law with fewer."
-        )
-
-
-def _require_dissipation(loops: Sequence[MeasuredLoop]) -> None:
-    """Raise ValueError if a loop is run through the wrong way round; one as thin as its noise is an elastic one."""
-    for loop in loops:
-        area, rectangle = loop.area(loop.force), float(np.ptp(loop.deflection) * np.ptp(loop.force))
-        if area < -THIN * rectangle:
-            raise ValueError(
-                f"the loop of +-{1e3 * loop.amplitude:.4g} mm encloses {area:.4g} J: it would give energy. Force and "
-                "deflection must have the same sign in tension, and samples must be in the order of time."
-            )
-
-
-def _require_movement(search: Search, residual: Residual, values: Mapping[str, float]) -> None:
-    """Raise ValueError if a free parameter does not move the residual at the start."""
-    numbers = search.numbers(values)
-    before = residual(search.law(numbers))
-    _, high = search.bounds
-    for place, c in enumerate(search.free):
-        moved = numbers.copy()
-        moved[place] += 0.01 if numbers[place] + 0.01 < high[place] else -0.01
-        change = np.abs(residual(search.law(moved)) - before).max(initial=0.0) / 0.01
-        if not change > DEAD:
-            raise ValueError(
-                f"`{c.name}` does not move the residual at the start ({c.name} = {c.value(numbers[place]):.6g} {c.unit}): no "
-                "search can find it. Fix it, begin elsewhere, or test larger amplitudes."
-            )
 
 
 def _result(

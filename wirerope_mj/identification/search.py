@@ -101,64 +101,80 @@ class _Settled(Exception):
     """The search is where it was ten steps ago, as far as the noise can tell."""
 
 
+class _Walk:
+    """The residual and its Jacobian along a search: counts evaluations, and ends a search that creeps.
+
+    Attributes:
+        evaluations: of the residual so far.
+        passed: where the search was at each step.
+        freedom: samples left over for the noise.
+    """
+
+    def __init__(self, search: Search, residual: Residual, begin: Array) -> None:
+        self._search, self._residual = search, residual
+        self._size = residual(search.law(begin)).size
+        self.evaluations = 0
+        self.passed: list[Found] = []
+        self.freedom = max(self._size - begin.size, 1)
+        self._latest = (begin, self._value(begin))
+
+    def residual(self, numbers: Array) -> Array:
+        """Return the residual and remember it for the Jacobian at the same place."""
+        self._latest = (numbers.copy(), self._value(numbers))
+        return self._latest[1]
+
+    def jacobian(self, numbers: Array) -> Array:
+        """Return the Jacobian by differences; raises _Settled where ten steps have changed nothing that counts."""
+        before = self._latest[1] if np.array_equal(self._latest[0], numbers) else self._value(numbers)
+        # SciPy's own step is relative to the number: for one near zero it is so small that the differences are rounding.
+        high, columns = self._search.bounds[1], []
+        for place, number in enumerate(numbers):
+            moved = numbers.copy()
+            moved[place] += STEP if number + STEP <= high[place] else -STEP
+            columns.append((self._value(moved) - before) / (moved[place] - number))
+        matrix = np.stack(columns, axis=1)
+        self._pass(numbers, before, matrix)
+        return matrix
+
+    def _value(self, numbers: Array) -> Array:
+        self.evaluations += 1
+        try:
+            value = self._residual(self._search.law(numbers))
+        except (ValueError, OverflowError):
+            return np.full(self._size, REFUSED)
+        return np.where(np.isfinite(value), value, REFUSED)
+
+    def _pass(self, numbers: Array, residual: Array, jacobian: Array) -> None:
+        """Note a step; raise _Settled if it and the ones before it lead nowhere."""
+        self.passed.append(
+            Found(
+                numbers=numbers.copy(), residual=residual, jacobian=jacobian, iterations=len(self.passed) + 1,
+                evaluations=self.evaluations, converged=True, message=CREPT,
+            )
+        )  # fmt: skip
+        cost = self.passed[-1].cost
+        earlier = self.passed[-1 - STEPS_RUNNING].cost if len(self.passed) > STEPS_RUNNING else np.inf
+        if earlier - cost < SETTLED / self.freedom * cost:
+            raise _Settled
+
+
 def run_search(search: Search, residual: Residual, start: Mapping[str, float], *, most: int = EVALUATIONS) -> Found:
     """Return where a trust-region Levenberg-Marquardt search with bounds ends (SciPy's `least_squares`, "trf").
 
     What counts as an end is measured by the noise, the variance of a residual as it is left: a relative change of the cost
     would ask for more where there are many samples, and never end in a valley that the data leave open.
     """
-    made = 0
     begin = search.numbers(start)
-    size = residual(search.law(begin)).size
-
-    def function(numbers: Array) -> Array:
-        nonlocal made
-        made += 1
-        try:
-            value = residual(search.law(numbers))
-        except (ValueError, OverflowError):
-            return np.full(size, REFUSED)
-        return np.where(np.isfinite(value), value, REFUSED)
-
-    _, high = search.bounds
-    freedom = max(size - begin.size, 1)
-    passed: list[Found] = []
-    latest: tuple[Array, Array] = (begin, function(begin))
-
-    def remembered(numbers: Array) -> Array:
-        nonlocal latest
-        latest = (numbers.copy(), function(numbers))
-        return latest[1]
-
-    def jacobian(numbers: Array) -> Array:
-        # SciPy's own step is relative to the number: for one near zero it is so small that the differences are rounding.
-        before = latest[1] if np.array_equal(latest[0], numbers) else function(numbers)
-        columns = []
-        for place, number in enumerate(numbers):
-            moved = numbers.copy()
-            moved[place] += STEP if number + STEP <= high[place] else -STEP
-            columns.append((function(moved) - before) / (moved[place] - number))
-        matrix = np.stack(columns, axis=1)
-        passed.append(
-            Found(
-                numbers=numbers.copy(), residual=before, jacobian=matrix, iterations=len(passed) + 1, evaluations=made,
-                converged=True, message=CREPT,
-            )
-        )  # fmt: skip
-        earlier = passed[-1 - STEPS_RUNNING].cost if len(passed) > STEPS_RUNNING else np.inf
-        if earlier - passed[-1].cost < SETTLED / freedom * passed[-1].cost:
-            raise _Settled
-        return matrix
-
+    walk = _Walk(search, residual, begin)
     try:
         found = least_squares(
-            remembered, begin, jac=jacobian, bounds=search.bounds, x_scale="jac", max_nfev=most,
-            ftol=SHARE / freedom, xtol=TOLERANCE, gtol=TOLERANCE,
+            walk.residual, begin, jac=walk.jacobian, bounds=search.bounds, x_scale="jac", max_nfev=most,
+            ftol=SHARE / walk.freedom, xtol=TOLERANCE, gtol=TOLERANCE,
         )  # fmt: skip
     except _Settled:
-        return passed[-1]
+        return walk.passed[-1]
     words = {0: f"it still moved after {most} evaluations", 2: CALM, 4: CALM}.get(found.status, str(found.message))
     return Found(
         numbers=found.x, residual=found.fun, jacobian=found.jac, iterations=found.njev,
-        evaluations=made, converged=found.status > 0, message=words,
+        evaluations=walk.evaluations, converged=found.status > 0, message=words,
     )  # fmt: skip
