@@ -62,7 +62,7 @@ def _indices(found: SobolIndices) -> Table:
     for one in found.factors:
         cells = []
         for index, (low, high) in ((one.first, one.first_interval), (one.total, one.total_interval)):
-            cells += [f"{100.0 * index:.1f} %", f"{100.0 * low:.0f} to {100.0 * high:.0f} %"]
+            cells += [f"{100.0 * index:.1f} %", f"{round(100.0 * low)} to {round(100.0 * high)} %"]
         listing.add_row(escape(one.name), *cells)
     return listing
 
