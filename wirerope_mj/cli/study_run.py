@@ -6,19 +6,29 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from wirerope_mj.cli.search_tables import print_search
 from wirerope_mj.cli.study_tables import print_study
 from wirerope_mj.cli.tables import console
 from wirerope_mj.study.answer import answer_of
 from wirerope_mj.study.folder import STUDY
 from wirerope_mj.study.measures import measure_names
 from wirerope_mj.study.result import StudyResult
+from wirerope_mj.study.search import Search
+from wirerope_mj.study.search_result import SearchResult
 from wirerope_mj.study.study import Study
 
 
 def compute_and_print(
-    make: Callable[[], Study], name: str, *, resume: bool, out: Path | None, by: str | None, open_worst: int, **how: Any
+    make: Callable[[], Study | Search],
+    name: str,
+    *,
+    resume: bool,
+    out: Path | None,
+    by: str | None,
+    open_worst: int,
+    **how: Any,
 ) -> None:
-    """Compute a study and print what it answers.
+    """Compute a study or a search and print what it answers.
 
     Args:
         make: returns the study.
@@ -29,7 +39,7 @@ def compute_and_print(
         open_worst: how many of them become runs and are opened.
         how: other arguments of `Study.run`.
     """
-    from wirerope_mj.runfolder.study import checked_count, write_study_pictures, write_worst
+    from wirerope_mj.runfolder.study import checked_count, write_search_pictures, write_study_pictures, write_worst
 
     if resume and out is None:
         raise ValueError("--resume goes on with the study in a folder; say which one with --out FOLDER.")
@@ -40,6 +50,12 @@ def compute_and_print(
         raise ValueError(f"`--by`: there is no measure {by!r}; there are {', '.join(names[:8])}, ...")
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     result = _computed(study, folder, resume=resume, **how)
+    if isinstance(result, SearchResult):
+        write_search_pictures(result)
+        opened = write_worst(result, by or result.minimise[0], open_worst) if open_worst else []
+        print_search(result, sorted(path.name for path in folder.iterdir() if path.is_file()))
+        _open(opened)
+        return
     answer = answer_of(result, by)
     write_study_pictures(answer)
     worst = write_worst(result, answer.by, open_worst) if open_worst else []
@@ -47,7 +63,7 @@ def compute_and_print(
     _open(worst)
 
 
-def _computed(study: Study, folder: Path, **how: Any) -> StudyResult:
+def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
     """Return the result of a study of which at least one variant could be simulated."""
     try:
         result = study.run(folder, progress=sys.stderr.isatty(), **how)

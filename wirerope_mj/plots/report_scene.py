@@ -1,6 +1,6 @@
 """The modelled geometry as a drawing: seen from above and from the side, with the mounts."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -58,6 +58,29 @@ def scene_figure(scene: Scene) -> Figure:
         if handles:
             figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False)
     return figure
+
+
+def draw_plan(panel: Any, scene: Scene, *, absent: Collection[str] = ()) -> None:
+    """Draw a scene from above into a panel, its mounts as marks without names; of those that are absent the empty place.
+
+    Args:
+        panel: where it is drawn.
+        scene: what is drawn.
+        absent: names of mounts that are not there.
+    """
+    shapes, places, everything = _drawn(scene)
+    view = _views(np.ptp(everything, axis=0))[0]
+    _draw_shapes(panel, view, shapes)
+    devices = list(dict.fromkeys(mount.isolator for mount in scene.mounts))
+    for number, device in enumerate(devices):
+        there = [mount.name for mount in scene.mounts if mount.isolator == device and mount.name not in absent]
+        at = np.array([places[name] for name in there]).reshape(-1, 3)
+        style = {"marker": _MARKERS[number % len(_MARKERS)], "color": COLOURS[number % len(COLOURS)], "mec": "white"}
+        panel.plot(at[:, view.right], at[:, view.up], ls="none", ms=5, mew=0.5, label=short(device), **style)
+    empty = np.array([places[mount.name] for mount in scene.mounts if mount.name in absent]).reshape(-1, 3)
+    if len(empty):
+        panel.plot(empty[:, view.right], empty[:, view.up], "x", color="0.35", ms=4, mew=0.8, label="no mount")
+    _frame(panel, view, everything)
 
 
 def crowded_label(scene: Scene) -> tuple[str, int] | None:

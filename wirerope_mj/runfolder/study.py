@@ -1,6 +1,8 @@
 """What stands beside a study's table: its pictures, and its worst variants as runs."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from wirerope_mj.errors import RecordError
 from wirerope_mj.response import load_response
@@ -9,7 +11,11 @@ from wirerope_mj.scenario import Scenario
 from wirerope_mj.study.answer import Answer
 from wirerope_mj.study.findings import input_names, worst
 from wirerope_mj.study.result import StudyResult
+from wirerope_mj.study.search_result import SearchResult
 from wirerope_mj.whole import written_whole
+
+if TYPE_CHECKING:
+    from wirerope_mj.plots.study_pictures import StudyPicture
 
 MOST = 6
 """Variants in one comparison: more cannot be told apart."""
@@ -26,16 +32,29 @@ def write_study_pictures(answer: Answer) -> list[Path]:
     """Write the pictures of a study into its folder and return them."""
     from wirerope_mj.plots.study_pictures import study_pictures  # late: matplotlib takes a while
 
+    return _write(answer.result.folder, study_pictures(answer.result, answer.by, answer.influences))
+
+
+def write_search_pictures(result: SearchResult) -> list[Path]:
+    """Write the pictures of a search into its folder and return them."""
+    from wirerope_mj.plots.search import search_pictures  # late, too
+
+    return _write(result.folder, search_pictures(result))
+
+
+def _write(folder: Path, pictures: "Sequence[StudyPicture]") -> list[Path]:
     paths = []
-    for picture in study_pictures(answer.result, answer.by, answer.influences):
-        paths.append(answer.result.folder / f"{picture.name}.png")
+    for picture in pictures:
+        paths.append(folder / f"{picture.name}.png")
         with written_whole(paths[-1]) as beside:
             picture.figure.savefig(beside, format="png", dpi=150)
     return paths
 
 
 def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
-    """Write the worst variants as runs, each replacing one that is there, and return what can be opened.
+    """Write the worst variants, or the best designs of a search, as runs, and return what can be opened.
+
+    A run replaces one that is there. Of a search they are its front's: the knee, the ends, those between.
 
     Each run is that of the variant alone, with its changes beside the model as written. Two or more are laid over each other in
     one recording, too, which is returned first.
@@ -49,7 +68,9 @@ def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
     from wirerope_mj.recording.viewer import OVERLAY, WORST
 
     folders = {}
-    for number in worst(result.table, by, checked_count(count)):
+    checked_count(count)
+    best = result.chosen[:count] if isinstance(result, SearchResult) else []
+    for number in best or worst(result.table, by, count):
         folder = result.folder / WORST / f"variant-{number:06d}"
         run_scenario(_scenario(result, number), folder, force=True)
         folders[f"variant {number}"] = folder
@@ -83,7 +104,7 @@ def _scenario(result: StudyResult, number: int) -> Scenario:
         simulate["corners"] = work.corners.tolist()
     row = study.row(number)
     return Scenario(
-        question=f"{study.question}\n\nThis is variant {number} of the {study.size} of the study {study.name}.",
+        question=f"{study.question}\n\nThis is variant {number} of the study {study.name}, which has {study.size}.",
         model=result.folder / result.inputs["model"]["file"],
         motion=study.motion(number),
         simulate=simulate,

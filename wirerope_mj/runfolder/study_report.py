@@ -4,10 +4,12 @@ from pathlib import Path
 
 from wirerope_mj.errors import RecordError
 from wirerope_mj.report.page import report_html
+from wirerope_mj.report.search import search_content
 from wirerope_mj.report.study import study_content
 from wirerope_mj.runfolder.page import page_files, write_page
 from wirerope_mj.study.answer import answer_of
 from wirerope_mj.study.result import load_study
+from wirerope_mj.study.search_result import SearchResult
 
 
 def write_study_report(
@@ -37,5 +39,6 @@ def write_study_report(
     result = load_study(folder)
     if not result.complete:
         raise RecordError(result.message)
-    write_page(report_html(study_content(answer_of(result, by))), files)
+    content = search_content(result) if isinstance(result, SearchResult) else study_content(answer_of(result, by))
+    write_page(report_html(content), files)
     return files

@@ -103,6 +103,7 @@ class Search:
         self,
         folder: str | Path,
         *,
+        keep: str = "peaks",
         engine: str = "local",
         workers: int | None = None,
         address: str | None = None,
@@ -122,7 +123,7 @@ class Search:
             SimulationError: the cluster cannot be reached.
         """
         return run_search(
-            self, Path(folder), engine=engine, workers=workers, address=address, resume=resume, force=force,
+            self, Path(folder), keep=keep, engine=engine, workers=workers, address=address, resume=resume, force=force,
             progress=progress,
         )  # fmt: skip
 

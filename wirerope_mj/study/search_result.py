@@ -12,6 +12,7 @@ from wirerope_mj.simulation.scene import scene_of
 from wirerope_mj.study.findings import measure_of
 from wirerope_mj.study.front import Mask, feasible, front, nearest
 from wirerope_mj.study.result import StudyResult
+from wirerope_mj.study.variants import acts
 
 if TYPE_CHECKING:
     from wirerope_mj.study.study import Study
@@ -73,6 +74,41 @@ class SearchResult(StudyResult):
     def scene(self, variant: int) -> Scene:
         """Return the modelled geometry of a design, to be drawn."""
         return scene_of(self.study.system(variant))
+
+    def absent(self, variant: int) -> list[str]:
+        """Return the mounts that a design has not: those that are not fitted."""
+        mounts = self.study.system(variant).mounts
+        return [name for name, mount in mounts.items() if not acts(mount.isolator)]
+
+    @cached_property
+    def knee(self) -> int | None:
+        """Number of the front's design that is farthest from the line between its ends, each measure in shares of its range.
+
+        Beyond it, either way, little is gained for much. None where fewer than two measures are minimised or three designs
+        are on the front.
+        """
+        if len(self.minimise) != 2 or self.front.num_rows < 3:
+            return None
+        x, y = (np.asarray(self.front[name]) for name in self.minimise)
+        distance = (x - x[0]) / np.ptp(x) + (y - y[-1]) / np.ptp(y)  # the ends have 1
+        return int(self.front["variant"][int(np.argmin(distance))].as_py())
+
+    @cached_property
+    def chosen(self) -> list[int]:
+        """Numbers of the front's designs in the order in which they are worth a look: its knee, its ends, those between."""
+        front = [int(number) for number in self.front["variant"].to_pylist()]
+        spread = [front[round(share * (len(front) - 1))] for share in (0.0, 1.0, 0.5, 0.25, 0.75)] if front else []
+        return list(dict.fromkeys([*([] if self.knee is None else [self.knee]), *spread, *front]))
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """The measures that are told of a design: what was minimised, what is limited, and the number of mounts."""
+        return tuple(dict.fromkeys([*self.minimise, *self.limits, "mounts"]))
+
+    def word(self, variant: int) -> str:
+        """Return what a design is besides one of the table: "given", "knee" or nothing."""
+        words = ["given"] * (variant < self.start) + ["knee"] * (variant == self.knee)
+        return ", ".join(words)
 
     def _nearest(self) -> str:
         """Return in words which design is nearest to the limits."""

@@ -16,7 +16,7 @@ from wirerope_mj.study.compute import Chunk, Engine
 from wirerope_mj.study.evolution import Design, Evolution, check_installed
 from wirerope_mj.study.folder import TABLE, finish, part_path, prepare, write_part
 from wirerope_mj.study.front import Array, aims, excesses
-from wirerope_mj.study.responses import PEAKS
+from wirerope_mj.study.responses import RESPONSES, checked_keep
 from wirerope_mj.study.result import load_study
 from wirerope_mj.study.run import checked_engine, chunk_size
 from wirerope_mj.study.search_result import GENERATION, SearchResult
@@ -29,6 +29,7 @@ def run_search(
     search: "Search",
     folder: Path,
     *,
+    keep: str,
     engine: str,
     workers: int | None,
     address: str | None,
@@ -38,11 +39,12 @@ def run_search(
 ) -> SearchResult:
     """Evolve what is missing of a search and return its result; the arguments are those of `Search.run`."""
     run = checked_engine(engine, workers=workers, address=address)
+    checked_keep(keep)
     added = {"optimiser": check_installed(), **search.to_dict()}
-    prepare(search.study, folder, keep=PEAKS, resume=resume, force=force, search=added)
+    prepare(search.study, folder, keep=keep, resume=resume, force=force, search=added)
     if not (folder / TABLE).is_file():
         with share_bar("search", "designs/s", enabled=progress) as update:
-            here = _Run(search, folder, run, {"workers": workers, "address": address}, update)
+            here = _Run(search, folder, keep, run, {"workers": workers, "address": address}, update)
             here.evolve()
         finish(search.study, folder, here.parts)
     else:
@@ -59,8 +61,11 @@ class _Run:
         parts: number of the parts of the table so far; their numbers follow each other through the generations.
     """
 
-    def __init__(self, search: "Search", folder: Path, engine: Engine, where: dict[str, Any], update: Update) -> None:
-        self._search, self._folder, self._engine, self._where, self._update = search, folder, engine, where, update
+    def __init__(
+        self, search: "Search", folder: Path, keep: str, engine: Engine, where: dict[str, Any], update: Update
+    ) -> None:
+        self._search, self._folder, self._keep = search, folder, keep
+        self._engine, self._where, self._update = engine, where, update
         self._known: dict[tuple[Any, ...], tuple[Array, Array]] = {}
         self._began, self._computed = perf_counter(), 0
         self.parts = 0
@@ -94,10 +99,14 @@ class _Run:
 
     def _tables(self, designs: Sequence[Design], generation: int) -> list[pa.Table]:
         """Return the rows of new designs: of the parts that are done already, and of those that are computed now."""
-        rows, size = self._search.rows(designs, len(self._known)), chunk_size(self._search.study)
+        rows, size = self._search.rows(designs, len(self._known)), chunk_size(self._search.study, self._keep)
         pieces = {self.parts + n: rows.slice(first, size) for n, first in enumerate(range(0, len(designs), size))}
         found = {number: table for number, piece in pieces.items() if (table := self._done(number, piece)) is not None}
-        missing = [Chunk(number=one, rows=piece.to_pylist()) for one, piece in pieces.items() if one not in found]
+        missing = [
+            Chunk(number=one, rows=piece.to_pylist(), responses=self._keep == RESPONSES)
+            for one, piece in pieces.items()
+            if one not in found
+        ]
         if missing:
             results = self._engine(self._search.study.work, missing, **self._where)
             with closing(results):  # so that no process goes on if this one is interrupted

@@ -8,23 +8,24 @@ from typing import Any
 from wirerope_mj.errors import ModelError
 from wirerope_mj.option_file import all_options, guarded, load_function, question_of
 from wirerope_mj.resources import scenarios_folder
+from wirerope_mj.study.search import Search
 from wirerope_mj.study.study import Study
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudyFile:
-    """A file with one function `study(*, ...) -> Study`, whose keyword arguments are the options."""
+    """A file with one function `study(*, ...) -> Study`, or `-> Search`, whose keyword arguments are the options."""
 
     name: str
     path: Path
-    function: Callable[..., Study]
+    function: Callable[..., Study | Search]
 
     @property
     def question(self) -> str:
         """First line of the file's docstring."""
         return question_of(self.function)
 
-    def make(self, **options: Any) -> Study:
+    def make(self, **options: Any) -> Study | Search:
         """Return the study of some options; the others have their defaults.
 
         Raises:
@@ -32,8 +33,10 @@ class StudyFile:
         """
         values = all_options(self.path, self.function, options)
         made = guarded(self.path, lambda: self.function(**values))
-        if not isinstance(made, Study):
-            raise ModelError(f"{self.path}: `study` must return a wirerope_mj.Study, got {made!r}.")
+        if not isinstance(made, Study | Search):
+            raise ModelError(
+                f"{self.path}: `study` must return a wirerope_mj.Study or a wirerope_mj.Search, got {made!r}."
+            )
         made.name = self.name if made.name == "study" else made.name
         made.question = made.question or (self.function.__doc__ or "").split("\nArgs:")[0].strip()
         return made

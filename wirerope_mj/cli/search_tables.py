@@ -1,0 +1,40 @@
+"""What a search prints: how it went, and the designs of its front."""
+
+from collections.abc import Sequence
+
+from rich.markup import escape
+
+from wirerope_mj.cli.study_tables import empty, shown_number
+from wirerope_mj.cli.tables import console
+from wirerope_mj.study.findings import measure_of
+from wirerope_mj.study.search_result import GENERATION, SearchResult
+
+_ROWS = 24
+_FAILED = 3  # messages of failed designs
+
+
+def print_search(result: SearchResult, files: Sequence[str]) -> None:
+    """Print what a search found, and the files that it wrote."""
+    out = console()
+    out.print(f"\n[bold]{escape(result.study.name)}[/]  {escape(result.message)}")
+    if result.front.num_rows:
+        out.print()
+        out.print(_front(result))
+    for number, message in list(result.failed.items())[:_FAILED]:
+        out.print(f"  design {number} failed: {escape(message)}", style="red")
+    if len(result.failed) > _FAILED:
+        out.print(f"  and {len(result.failed) - _FAILED} more failed: see the column `message`", style="red")
+    out.print(f"\n  written to {result.folder}/", soft_wrap=True)
+    out.print(f"  {', '.join(files)}", soft_wrap=True)
+
+
+def _front(result: SearchResult) -> object:
+    measures = [measure_of(name) for name in result.shown]
+    title = "The front: designs within the limits that no other one beats"
+    heads = [measure.name + (f" [{measure.unit}]" if measure.unit != "-" else "") for measure in measures]
+    listing = empty(title, ("design", *heads, "generation", ""))
+    rows = result.table.slice(0, result.start).to_pylist() + result.front.to_pylist()
+    for row in list({row["variant"]: row for row in rows}.values())[:_ROWS]:
+        values = [shown_number(measure.factor * row[measure.name]) for measure in measures]
+        listing.add_row(str(row["variant"]), *values, str(row[GENERATION]), result.word(row["variant"]))
+    return listing
