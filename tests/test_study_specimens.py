@@ -13,7 +13,7 @@ from wirerope_mj.resources import catalogue_folder
 from wirerope_mj.study.specimens import deviation_bounds, known_specimens, rank, specimen_sentences
 from wirerope_mj.study.study_file import load_study_file
 
-TWINS = catalogue_folder() / "twins" / "enidine_wr16_400.toml"
+TWINS = catalogue_folder() / "twins" / "five_twins_wr16_400.toml"
 BUILD = Path(__file__).parents[1] / "docs" / "specimens" / "build.py"
 
 

@@ -26,7 +26,7 @@ SHARED = {"axial": ("n", "sigma", "k2", "k3"), "shear": ("n", "sigma", "k2"), "r
 
 def main() -> None:
     """Write the isolator's file beside the catalogue and print what was found."""
-    path = catalogue_folder() / "twins" / f"{ORIGIN}.toml"
+    path = catalogue_folder() / "twins" / "five_twins_wr16_400.toml"
     isolator, found = identified()
     isolator.save(path)
     for axis, specimens in found.items():

@@ -34,7 +34,7 @@ def study(
         redraw: 0 for the isolator as it is; 1, 2, ... for what as many other specimens might have given, each time others.
         seed: of the sampling.
     """
-    mount = wr.load_isolator(isolator or catalogue_folder() / "twins" / "enidine_wr16_400.toml")
+    mount = wr.load_isolator(isolator or catalogue_folder() / "twins" / "five_twins_wr16_400.toml")
     if redraw:
         mount = wr.redrawn(mount, seed=redraw)
     peak = level_g * wr.STANDARD_GRAVITY
