@@ -42,10 +42,11 @@ def base_rows(variants: int, n_factors: int) -> int:
     power = max(int(np.floor(np.log2(max(rows, 1.0)))), FEWEST.bit_length() - 1)
     if rows == 2**power:
         return 2**power
-    near = [2**power * of_row, 2 ** (power + 1) * of_row] if rows > FEWEST else [FEWEST * of_row]
+    near = [2**power, 2 ** (power + 1)] if rows > FEWEST else [FEWEST]
     raise ValueError(
         f"`variants` must be {of_row} times a power of two for the indices of {n_factors} factors, at least "
-        f"{FEWEST * of_row}, such as {' or '.join(map(str, near))}; got {variants}."
+        f"{FEWEST * of_row}, such as {' or '.join(str(of_row * one) for one in near)} ({' or '.join(map(str, near))} rows); "
+        f"got {variants}."
     )
 
 
