@@ -77,6 +77,10 @@ def study(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=Tru
 
     STUDY is the path of a study file or the name of one that ships with the package; `wirerope study --list` shows those,
     and `wirerope study STUDY --help` the options of one. A study that was interrupted goes on with --resume --out FOLDER.
+
+    wirerope study SCENARIO --vary "NAME = DISTRIBUTION" [--vary ...] [--variants N] [--sampling S] [OPTIONS]
+
+    A scenario that `wirerope run` takes becomes a study by what varies of it; without --vary, all that can vary is listed.
     """
     if not tokens or tokens[0] in ("--help", "-h"):
         app.help_print(["study"])

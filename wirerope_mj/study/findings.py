@@ -13,6 +13,7 @@ from scipy.stats import beta
 from wirerope_mj.study.compute import DONE
 from wirerope_mj.study.directions import AZIMUTH, ELEVATION, share_of_directions
 from wirerope_mj.study.indices import SobolIndices, drawn, sobol_indices
+from wirerope_mj.study.places import beyond_words, inputs_words
 from wirerope_mj.study.result import StudyResult
 from wirerope_mj.study.sampling import LISTED
 from wirerope_mj.study.sobol import SAMPLING
@@ -188,8 +189,11 @@ def sentences(result: StudyResult) -> list[str]:
         beyond, top = chance(values_of(independent, name), measure.limit), worst(table, name, 1)[0]
         largest = f"the largest is {measure.factor * np.nanmax(values_of(table, name)):.3g} % in variant {top}"
         if not random_study(result):
-            part = share_of_directions(table, input_names(table), values_of(table, name), measure.limit)
-            where = "" if part is None else f", {percent(part)} of all directions"
+            inputs, values = input_names(table), values_of(table, name)
+            part = share_of_directions(table, inputs, values, measure.limit)
+            where = beyond_words(table, inputs, values, measure.limit)
+            where += "" if part is None else f", {percent(part)} of all directions"
+            largest += inputs_words(row_of(table, top), inputs)
             found.append(f"{_what(measure)}: beyond 100 % in {beyond.count} of {beyond.n} variants{where}; {largest}.")
             continue
         bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
