@@ -2,6 +2,7 @@
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -10,11 +11,13 @@ import pyarrow as pa
 import pytest
 
 import wirerope_mj as wr
+from wirerope_mj.study import run
 from wirerope_mj.study.run import chunks
 
 pytest.importorskip("distributed")
 import psutil  # noqa: E402  distributed brings it
 
+from wirerope_mj.study import dask_engine  # noqa: E402
 from wirerope_mj.study.dask_engine import check_answers, run_dask  # noqa: E402
 
 pytestmark = pytest.mark.filterwarnings(  # of Dask's own sockets, when its processes are killed
@@ -60,7 +63,7 @@ def cluster():
     worker = subprocess.Popen(
         [*dask, "worker", address, "--nworkers", "1", "--nthreads", "2", "--no-dashboard"], **quiet
     )
-    yield address, scheduler
+    yield address, scheduler, worker
     for process in (worker, scheduler):
         process.terminate()
         process.wait(timeout=60.0)
@@ -72,26 +75,76 @@ def local(tmp_path_factory):
 
 
 def test_a_cluster_that_exists_gives_the_local_table_bit_for_bit(cluster, local, tmp_path):
-    table = study().run(tmp_path / "study", engine="dask", address=cluster[0]).table
+    result = study().run(tmp_path / "study", keep="responses", engine="dask", address=cluster[0])
+    table = result.table
     assert table.schema.equals(local.schema)
     assert bits(table) == bits(local)
     assert local.num_rows == 24
     assert set(local["status"].to_pylist()) == {"done"}
+    # the responses travelled with the rows
+    assert len(list((tmp_path / "study" / "responses").iterdir())) == 24
+    kept, again = result.response(17), study().response(17)
+    assert kept.path is not None
+    names = again.samples.names
+    assert kept.samples.columns(0, len(names)).tobytes() == again.samples.columns(0, len(names)).tobytes()
 
 
-def test_a_worker_that_is_killed_loses_nothing(local, tmp_path):
+def test_workers_of_other_versions_end_the_study_with_one_message(cluster, tmp_path, monkeypatch):
+    here = dask_engine.versions()
+    for name, word in (("mujoco", "mujoco 4.*instead of 99.0"), ("code", f"code {here['code']} instead of 99.0")):
+        monkeypatch.setattr(dask_engine, "versions", lambda name=name: {**here, name: "99.0"})
+        with pytest.raises(wr.SimulationError, match=f"a worker has {word}, .*every worker needs the versions of"):
+            study().run(tmp_path / name, engine="dask", address=cluster[0])
+        assert not (tmp_path / name / "variants.parquet").exists()
+        assert not list((tmp_path / name / "parts").iterdir())
+
+
+def test_a_worker_that_is_killed_loses_nothing(cluster, local):
+    address, _, worker = cluster
     asked, found = study(), {}
-    for part in run_dask(asked.work, chunks(asked, range(12)), workers=1):
+    for part in run_dask(asked.work, chunks(asked, range(12)), workers=None, address=address):
         if not found:  # the one process that computes; its chunks are in flight
-            computing = [
-                p for p in psutil.Process().children(recursive=True) if "multiprocessing.spawn" in " ".join(p.cmdline())
+            (computing,) = [
+                process
+                for process in psutil.Process(worker.pid).children(recursive=True)
+                if "multiprocessing.spawn" in " ".join(process.cmdline())
             ]
-            assert computing
-            for process in computing:
-                os.kill(process.pid, signal.SIGKILL)
+            os.kill(computing.pid, signal.SIGKILL)
         found[part.number] = part.table
     assert sorted(found) == list(range(12))
     assert bits(pa.concat_tables(found[number] for number in range(12))) == bits(local)
+
+
+def test_a_chunk_that_kills_its_workers_is_tried_alone_at_the_end_and_fails_alone(local, tmp_path, monkeypatch):
+    tried = tmp_path / "tried"
+
+    def deadly(work, chunk, versions, log=str(tried)):  # by value: workers know nothing of this file
+        import os
+        import signal
+
+        from wirerope_mj.study.compute import compute
+
+        with open(log, "a") as file:
+            file.write(f"{chunk.number}\n")
+        if chunk.number == 3:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return compute(work, chunk)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(dask_engine, "_computed", deadly)
+        patch.setattr(dask_engine, "ATTEMPTS", 0)  # each death costs the start of a process
+        result = study().run(tmp_path / "study", engine="dask", workers=1)
+    order = [int(line) for line in tried.read_text().split()]
+    assert order.count(3) == 2
+    assert set(order) == set(range(12))
+    last = order.index(3, order.index(3) + 1)
+    assert set(order[last + 1 :]) <= {4}  # of the suspects, only what had waited there may follow
+    assert sorted(result.failed) == [6, 7]
+    assert "died again and again" in result.failed[6]
+    done = [number for number in range(24) if number not in (6, 7)]
+    assert bits(result.table.take(done)) == bits(local.take(done))
+    again = study().run(tmp_path / "study", workers=1, resume=True)  # another engine, on which it lives
+    assert bits(again.table) == bits(local)
 
 
 def test_what_is_no_scheduler_is_said_within_seconds():
@@ -107,15 +160,46 @@ def test_workers_of_a_cluster_that_exists_are_not_this_studys_to_count(tmp_path)
         study().run(tmp_path / "study", engine="dask", workers=2, address="tcp://127.0.0.1:9")
 
 
-def test_a_scheduler_that_goes_away_costs_only_what_was_in_flight(cluster):
-    address, scheduler = cluster
-    asked, found = study(), []
+def test_a_cluster_that_cannot_be_reached_loses_nothing_of_what_is_done(local, tmp_path, monkeypatch):
+    folder, began = tmp_path / "study", time.monotonic()
+    with socket.create_server(("127.0.0.1", 0)) as silent:  # takes the call, and never answers
+        address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
+        with pytest.raises(wr.SimulationError, match=f"no Dask scheduler answers at '{address}'"):
+            study().run(folder, engine="dask", address=address)
+        assert dask_engine.PATIENCE <= time.monotonic() - began < 4 * dask_engine.PATIENCE  # a busy machine
+    stop_after_first_part(monkeypatch, KeyboardInterrupt)
+    with pytest.raises(KeyboardInterrupt):
+        study().run(folder, workers=1)
+    monkeypatch.undo()
+    parts = {path.name: path.read_bytes() for path in (folder / "parts").iterdir()}
+    assert list(parts) == ["000000.parquet"]
+    with pytest.raises(wr.SimulationError, match="no Dask scheduler answers at"):
+        study().run(folder, engine="dask", address="tcp://127.0.0.1:9", resume=True)
+    assert {path.name: path.read_bytes() for path in (folder / "parts").iterdir()} == parts
+    assert bits(study().run(folder, workers=1, resume=True).table) == bits(local)
 
-    def run():
-        for part in run_dask(asked.work, chunks(asked, range(12)), workers=None, address=address):
-            found.append(part.number)
-            scheduler.kill()
 
-    with pytest.raises(wr.SimulationError, match="the scheduler of the cluster at .* has gone.*resume=True"):
-        run()
-    assert len(found) >= 1
+def stop_after_first_part(monkeypatch, what):
+    """Raise or call something when a study has written a part."""
+    ordinary = run.write_part
+
+    def write(folder, part):
+        ordinary(folder, part)
+        if isinstance(what, type):
+            raise what
+        what()
+
+    monkeypatch.setattr(run, "write_part", write)
+
+
+def test_a_scheduler_that_goes_away_costs_only_what_was_in_flight(cluster, local, tmp_path, monkeypatch):
+    address, scheduler, _ = cluster
+    folder = tmp_path / "study"
+    stop_after_first_part(monkeypatch, scheduler.kill)
+    with pytest.raises(wr.SimulationError, match="the scheduler of the cluster at .* has gone.*--resume"):
+        study().run(folder, engine="dask", address=address)
+    monkeypatch.undo()
+    parts = list((folder / "parts").iterdir())
+    assert 1 <= len(parts) < 12
+    assert not (folder / "variants.parquet").exists()
+    assert bits(study().run(folder, workers=1, resume=True).table) == bits(local)

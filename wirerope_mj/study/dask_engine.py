@@ -79,7 +79,7 @@ def _gone(where: str) -> Iterator[None]:
         yield
     except (CancelledError, OSError) as error:
         raise SimulationError(
-            f"the scheduler of {where} has gone; what is done is kept: go on with `resume=True`."
+            f"the scheduler of {where} has gone; what is done is kept: go on with it with --resume (`resume=True`)."
         ) from error
 
 
@@ -232,5 +232,8 @@ def _computed(work: Work, chunk: Chunk, asked: dict[str, str]) -> Part:
     here = versions()
     other = [f"{name} {here[name]} instead of {wanted}" for name, wanted in asked.items() if here[name] != wanted]
     if other:
-        raise SimulationError(f"a worker has {', '.join(other)}: its rows would not be comparable.")
+        raise SimulationError(
+            f"a worker has {', '.join(other)}, so that its rows would not be comparable: every worker needs the versions of "
+            "the process that asks, and the same code of wirerope-mj. What is done is kept."
+        )
     return compute(work, chunk)
