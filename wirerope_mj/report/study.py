@@ -131,7 +131,7 @@ def _indices(answer: Answer) -> tuple[Block, ...]:
         for one in found.factors:
             cells = []
             for index, (low, high) in ((one.first, one.first_interval), (one.total, one.total_interval)):
-                cells += [f"{fixed(100.0 * index, 1)} %", f"{round(100.0 * low)} to {round(100.0 * high)} %"]
+                cells += [f"{fixed(100.0 * index, 1)} %", f"{fixed(100.0 * low, 1)} to {fixed(100.0 * high, 1)} %"]
             rows.append((one.name, *cells))
         dropped = f"; {found.dropped} more were dropped, because variants of them failed" if found.dropped else ""
         tables.append(
