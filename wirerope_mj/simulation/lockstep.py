@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -63,8 +64,8 @@ class Lockstep:
         self._qpos, self._qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
         self._user = self._batch.bind("userdata")[:, assembly.userdata : assembly.userdata + assembly.tables.user.size]
         self._user[:, at.OBSERVING], self._user[:, at.HISTORY], self._user[:, at.EVENT] = 1.0, 0.0, at.SMOOTH
-        self._dofs = np.array(assembly.driven_dofs, dtype=int)
-        self._places = self._model.jnt_qposadr[list(assembly.subjects.driven)]
+        self._dofs = _side_by_side(np.array(assembly.driven_dofs, dtype=int))
+        self._places = _side_by_side(self._model.jnt_qposadr[list(assembly.subjects.driven)])
         self._origin = np.array([system.model.qpos0[self._places] for system in systems])
         self._finals, self._checked = np.empty_like(self._batch.state), self._batch.state.copy()
         self._sink: Sink | None = None
@@ -108,6 +109,7 @@ class Lockstep:
         n_pieces = len(ends) - 1
         # (n_motions, ...), pieces first where only one of them is needed at a time
         events = np.array([own.event[first : first + n_pieces] for own in grids]).T
+        jumps = (events == at.JUMP).any(axis=1)
         places = np.array([own.places for own in stages]).transpose(1, 0, 2)
         rates = np.array([own.rates for own in stages]).transpose(1, 0, 2)
         accelerations = np.array([own.accelerations.ravel() for own in stages])
@@ -117,7 +119,8 @@ class Lockstep:
                 return
             start, stop = float(block.start[first + piece]), float(block.stop[first + piece])
             steps = int(block.steps[first + piece])
-            self._jump(events[piece], start)
+            if jumps[piece]:
+                self._jump(events[piece], start)
             self._place_base(places[piece], rates[piece])
             self._user[:, at.EVENT] = events[piece][self._which]
             self._set_table(
@@ -206,6 +209,12 @@ class Lockstep:
         self._set_table(np.array([acceleration_before(motion, stop) for motion in self._distinct]), stop, 0.0)
         self._call(partial(self._batch.forward, self.live))
         self._drop_failed()
+
+
+def _side_by_side(places: npt.NDArray[Any]) -> npt.NDArray[Any] | slice:
+    """Return places as a slice if they follow each other, for NumPy writes there three times as fast."""
+    first, n = int(places[0]) if places.size else 0, places.size
+    return slice(first, first + n) if np.array_equal(places, np.arange(first, first + n)) else places
 
 
 def _corners_of(motion: BaseMotion) -> tuple[object, ...]:

@@ -35,8 +35,10 @@ class Loading:
 
     def __init__(self, system: System, history: History, data: mujoco.MjData) -> None:
         """Prepare `system`, with data of its layout to compute with."""
-        self.system, self.history, self.model, self.data = system, history, system.model.__copy__(), data
-        self.gravity = self.model.opt.gravity.copy()
+        self.system, self.history, self.data = system, history, data
+        self.gravity = system.model.opt.gravity.copy()
+        # Its gravity grows, and other threads may step the system meanwhile; without gravity nothing of it changes.
+        self.model = system.model.__copy__() if self.gravity.any() else system.model
         self.free = np.delete(np.arange(self.model.nv), system.assembly.driven_dofs)
         self.path = SlowPath(system) if history == "virgin" else None
 

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Iterable
 
+import numpy as np
+
 from wirerope_mj.isolator.travel import RATINGS, travel_reached, travel_shares
 from wirerope_mj.response.peaks import Peak, Peaks
 from wirerope_mj.simulation.run import point_name
@@ -40,11 +42,13 @@ def measures(system: System, peaks: Peaks) -> dict[str, float]:
     found |= {f"acceleration/{name}": peak.value for name, peak in at.items()}
     found |= {f"displacement/{name}": peaks.points[name].relative_displacement.value for name in points}
     shares = []
-    for name, mount in system.mounts.items():
-        deflection = peaks.mounts[name].deflection
-        reached = travel_reached(deflection.minimum, deflection.maximum)
+    deflections = [peaks.mounts[name].deflection for name in system.mounts]
+    lowest, highest = (np.array([getattr(d, end) for d in deflections]) for end in ("minimum", "maximum"))
+    every = {rating: values.tolist() for rating, values in travel_reached(lowest, highest).items()}
+    for place, (name, mount) in enumerate(system.mounts.items()):
+        reached = {rating: values[place] for rating, values in every.items()}
         shares.append(_largest(travel_shares(reached, mount.isolator.limits.travel.stated).values()))
-        found |= {f"deflection/{name}/{rating}": float(value) for rating, value in reached.items()}
+        found |= {f"deflection/{name}/{rating}": value for rating, value in reached.items()}
         found |= {f"travel/{name}": shares[-1], f"force/{name}": peaks.mounts[name].force.value}
     found["travel"] = _largest(share for share in shares if not math.isnan(share))
     found["fragility"] = _fragility(system, at)
