@@ -228,6 +228,7 @@ GOOD = ["good.csv", "--law", "bouc-wen", "--out", "a.toml"]
         (["good.csv", "--law", "bouc", "--out", "a.toml"], "`--law`: there is no law 'bouc'; the laws are"),
         (["good.csv", "--law", "zener", "--out", "a.toml"], "must be one that cyclic tests can fix .*got 'zener'"),
         (["good.csv", "--law", "masing", "--elements", "0", "--out", "a.toml"], "`elements` must be a whole number >= 1"),
+        (["good.csv", "--law", "masing", "--elements", "4.5", "--out", "a.toml"], "--elements: must be a whole number"),
         ([*GOOD, "--elements", "3"], "`--elements` counts the Jenkin elements of a masing law; bouc-wen has none"),
         (["good.csv", "--law", "bouc-wen", "--out", "a.csv"], "must end with .toml, got 'a.csv'"),
         (["good.csv", "--law", "bouc-wen", "--out", "no/a.toml"], "`--out`: there is no folder"),

@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+from wirerope_mj.cli.whole_numbers import Whole
+
 
 def identify_records(
     *files: Path,
@@ -15,7 +17,7 @@ def identify_records(
     name: str | None = None,
     constraint: Literal["beta>gamma", "beta=gamma", "beta<gamma"] | None = None,
     fix: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
-    elements: int | None = None,
+    elements: Whole | None = None,
     start: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
     accept_unconverged: Annotated[bool, Parameter(negative=())] = False,

@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+from wirerope_mj.cli.whole_numbers import Whole
+
 
 def loops(
     source: str,
@@ -15,7 +17,7 @@ def loops(
     operating_point_mm: float = 0.0,
     axis: Literal["roll", "shear", "axial"] | None = None,
     frequency: float = 1.0,
-    cycles: int | None = None,
+    cycles: Whole | None = None,
     out: Path | None = None,
     csv: Path | None = None,
 ) -> int:

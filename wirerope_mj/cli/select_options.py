@@ -1,27 +1,13 @@
 """The options of `wirerope select`."""
 
 import math
-from collections.abc import Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from cyclopts import Parameter, Token
+from cyclopts import Parameter
+
+from wirerope_mj.cli.whole_numbers import Whole, WholeNumbers
 
 Mode = Literal["compression", "45", "shear", "roll"]
-
-
-def whole_numbers(hint: Any, tokens: Sequence[Token]) -> int | list[int]:
-    """Return the whole number or numbers of an option; 4.5 is refused, not cut to 4."""
-    found = []
-    for token in tokens:
-        try:
-            found.append(int(token.value))
-        except ValueError:
-            name = "" if hint is int else f"`{token.keyword}` "  # the parser names options of one value itself
-            raise ValueError(f"{name}must be a whole number, got {token.value}.") from None
-    return found[0] if hint is int else found
-
-
-Whole = Annotated[int, Parameter(converter=whole_numbers)]
 
 
 def select(
@@ -39,7 +25,7 @@ def select(
     isolation_ratio: float = 3.0,
     loading: Mode = "compression",
     direction: Mode | None = None,
-    loops: Annotated[list[int] | None, Parameter(consume_multiple=True, negative=(), converter=whole_numbers)] = None,
+    loops: WholeNumbers | None = None,
     all: Annotated[bool, Parameter(negative=())] = False,  # noqa: A002  # the option's name
     simulate: Annotated[bool, Parameter(negative=())] = False,
     best: Whole = 5,
