@@ -102,6 +102,18 @@ def test_a_trapezoid_that_was_not_measured_is_doubted_too(doubts):
     assert "stand at exactly 100 m/s^2" in words
 
 
+@pytest.mark.parametrize("rest", [0.0, G])
+@pytest.mark.parametrize("low", [0.0, -60.0])
+def test_a_rectangle_is_not_taken_for_a_saturated_sensor(doubts, rest, low):
+    """It jumps by its full height from one sample to the next, to rest or to a rectangle on the other side."""
+    values = np.full(TIME.size, rest)
+    values[1000:1040] += 100.0
+    values[1040:1100] += low
+    assert not [words for words in doubts(values) if "saturated" in words]
+    values[999] = values[1040] = rest + 50.0  # flanks, and it may have been measured
+    assert len([words for words in doubts(values) if "saturated" in words]) == 1
+
+
 @pytest.mark.parametrize(
     ("rest", "header", "message"),
     [

@@ -26,6 +26,10 @@ of its peak in two of a hundred samples."""
 _TOP, _FALL, _STEPS = 3, 0.02, 20.0
 """A flat top has three equal samples or more; one top's length beside it a smooth one fell by nine steps."""
 
+_JUMP = 0.99
+"""Share of a flat top's height by which a rectangle jumps from one sample to the next on both of its sides; the flanks of what
+a sensor measured take more than a sample."""
+
 _NEAR = 0.03
 """Share by which a resting value may miss what gravity would be in another unit: tilt and calibration are less."""
 
@@ -205,7 +209,7 @@ def _clipped(axis: str, a: Array, low: float, high: float) -> Iterator[str]:
         if abs(extreme - middle) < 0.1 * (high - low):
             continue  # a record that never leaves its rest on this side
         first, length = _longest(a == extreme)
-        if length < _TOP or length > a.size // 2:
+        if length < _TOP or length > a.size // 2 or _is_rectangle(a, first, length, middle):
             continue
         beside = [place for place in (first - length, first + 2 * length - 1) if 0 <= place < a.size]
         fall = min((abs(float(a[place]) - extreme) for place in beside), default=0.0)
@@ -214,6 +218,14 @@ def _clipped(axis: str, a: Array, low: float, high: float) -> Iterator[str]:
                 f"along {axis} {length} samples in a row stand at exactly {extreme:.5g} m/s^2 with steep flanks beside: the "
                 "sensor or its amplifier may have been saturated, and the true peak be higher."
             )
+
+
+def _is_rectangle(a: Array, first: int, length: int, rest: float) -> bool:
+    """Returns whether a flat top is reached and left in one sample each: it was written so, not measured."""
+    if first == 0 or first + length == a.size:
+        return False
+    jumps = (abs(float(a[place]) - float(a[first])) for place in (first - 1, first + length))
+    return min(jumps) >= _JUMP * abs(float(a[first]) - rest)
 
 
 def _longest(inside: NDArray[np.bool_]) -> tuple[int, int]:
