@@ -166,6 +166,7 @@ def test_a_cluster_that_cannot_be_reached_loses_nothing_of_what_is_done(local, t
         address = f"tcp://127.0.0.1:{silent.getsockname()[1]}"
         with pytest.raises(wr.SimulationError, match=f"no Dask scheduler answers at '{address}'"):
             study().run(folder, engine="dask", address=address)
+        assert not folder.exists()
         assert dask_engine.PATIENCE <= time.monotonic() - began < 4 * dask_engine.PATIENCE  # a busy machine
     stop_after_first_part(monkeypatch, KeyboardInterrupt)
     with pytest.raises(KeyboardInterrupt):

@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -60,8 +61,7 @@ def run_dask(
         SimulationError: no scheduler answers at `address`, it goes away, or its workers have other versions of the packages
             that compute.
     """
-    if address is not None and workers is not None:
-        raise ValueError("`workers` belongs to a cluster of this machine's own; one at `address` has its own workers.")
+    check_cluster(workers, address)
     where = "this machine's own cluster" if address is None else f"the cluster at {address}"
     with _client(workers, address) as client, _gone(where):
         suspects: list[Chunk] = []
@@ -70,6 +70,16 @@ def run_dask(
         # Dask counts a death against all that waited at the worker: only a chunk that is alone is its cause for certain.
         for chunk in suspects:
             yield here.alone(chunk)
+
+
+def check_cluster(workers: int | None, address: str | None) -> None:
+    """Raise ValueError or SimulationError unless chunks can be computed: Dask is there, and so is the scheduler."""
+    if find_spec("distributed") is None:
+        raise ValueError("engine 'dask' needs Dask: pip install 'wirerope-mj[dask]'.")
+    if address is not None and workers is not None:
+        raise ValueError("`workers` belongs to a cluster of this machine's own; one at `address` has its own workers.")
+    if address is not None:
+        check_answers(address)
 
 
 @contextmanager
@@ -146,11 +156,9 @@ class _Cluster:
 @contextmanager
 def _client(workers: int | None, address: str | None) -> Iterator["Client"]:
     """Lend a client of the cluster at `address`, or of one that lives as long as the block."""
-    try:
-        import dask.config
-        from distributed import Client, LocalCluster
-    except ImportError as error:
-        raise ValueError("engine 'dask' needs Dask: pip install 'wirerope-mj[dask]'.") from error
+    import dask.config
+    from distributed import Client, LocalCluster
+
     with ExitStack() as open_things:
         if address is None:
             open_things.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": ATTEMPTS}))
@@ -158,7 +166,6 @@ def _client(workers: int | None, address: str | None) -> Iterator["Client"]:
             place: str = open_things.enter_context(scheduler).scheduler_address
             processes = open_things.enter_context(_workers(place, processors() if workers is None else workers))
         else:
-            check_answers(address)
             place, processes = address, None
         client = open_things.enter_context(Client(place, timeout=PATIENCE, set_as_default=False))
         if processes is not None:

@@ -75,7 +75,12 @@ def chunks(study: "Study", numbers: Sequence[int], keep: str = PEAKS) -> Iterato
 
 
 def checked_engine(name: str, *, workers: int | None, address: str | None) -> Engine:
-    """Return the engine of a name; ValueError if there is none, or the other arguments do not suit it."""
+    """Return the engine of a name.
+
+    Raises:
+        ValueError: there is none, or the other arguments do not suit it.
+        SimulationError: its cluster does not answer.
+    """
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
         raise ValueError(f"`workers` must be a whole number >= 1, got {workers!r}.")
     if name == "local":
@@ -83,7 +88,8 @@ def checked_engine(name: str, *, workers: int | None, address: str | None) -> En
             raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")
         return run_local
     if name == "dask":
-        from wirerope_mj.study.dask_engine import run_dask  # an extra that is not always installed
+        from wirerope_mj.study.dask_engine import check_cluster, run_dask  # an extra that is not always installed
 
+        check_cluster(workers, address)  # before anything is checked or written
         return run_dask
     raise ValueError(f"`engine` must be one of {', '.join(ENGINES)}, got {name!r}.")
