@@ -3,14 +3,12 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from wirerope_mj.excitation import Sine
-from wirerope_mj.excitation.checks import Direction, at_least_one, checked_direction, positive
-from wirerope_mj.periodic.branch import Branch, Parameter
-from wirerope_mj.periodic.observe import observed_bodies
+from wirerope_mj.excitation.checks import at_least_one
+from wirerope_mj.periodic.branch import Branch
+from wirerope_mj.periodic.question import checked_question
 from wirerope_mj.periodic.search import Search
-from wirerope_mj.periodic.walk import Question, Walk
+from wirerope_mj.periodic.walk import Walk
 from wirerope_mj.simulation.progress import share_bar
-from wirerope_mj.simulation.simulate import check_direction
 from wirerope_mj.state import State
 from wirerope_mj.statics import History
 from wirerope_mj.system import System
@@ -74,7 +72,7 @@ def follow_branch(
         SimulationError: the motion at the start leaves a mount's rated travel or the validity of its law.
         RecordError: `out` holds the branch of another system or another question.
     """
-    question = _question(
+    question = checked_question(
         system, acceleration=acceleration, frequency=frequency, direction=direction, payload=payload,
         response_direction=response_direction, periods=at_least_one("periods", periods), history=history,
         most_points=at_least_one("most_points", most_points), start=start, stop=stop, largest_step=largest_step,
@@ -89,61 +87,3 @@ def follow_branch(
         share_bar("following", "Hz" if frequency is None else "m/s^2", enabled=progress) as update,
     ):
         return Walk(search, question, None if out is None else Path(out)).go(guess, update)
-
-
-def _question(
-    system: System,
-    *,
-    acceleration: float | None,
-    frequency: float | None,
-    direction: str | Sequence[float],
-    payload: str,
-    response_direction: str | Sequence[float] | None,
-    periods: int,
-    most_points: int,
-    history: History,
-    smoothing: float | None,
-    **numbers: float,
-) -> Question:
-    if (acceleration is None) == (frequency is None):
-        raise ValueError(
-            "give either `acceleration` (to follow the frequency) or `frequency` (to follow the acceleration)."
-        )
-    values = {name: positive(name, value) for name, value in numbers.items()}
-    if values["start"] == values["stop"]:
-        raise ValueError(
-            f"`stop` must differ from `start`, got {values['start']!r} for both; use periodic_orbit instead."
-        )
-    if not values["smallest_step"] < values["largest_step"] < 1.0:
-        raise ValueError(
-            f"`smallest_step` must be below `largest_step`, and that below 1, got {values['smallest_step']!r} and "
-            f"{values['largest_step']!r}."
-        )
-    known = observed_bodies(system)
-    if payload not in known:
-        raise ValueError(f"`payload` must be one of {', '.join(known)}; got {payload!r}.")
-    moved = checked_direction(direction)
-    parameter: Parameter = "frequency" if frequency is None else "acceleration"
-    other = (
-        positive("acceleration", acceleration) if acceleration is not None else positive("frequency", frequency or 0.0)
-    )
-    check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=moved))
-    return Question(
-        parameter=parameter,
-        other=other,
-        direction=moved,
-        payload=payload,
-        response_direction=moved if response_direction is None else _response_direction(response_direction),
-        periods=periods,
-        history=history,
-        most_points=most_points,
-        smoothing=None if smoothing is None else positive("smoothing", smoothing),
-        **values,
-    )
-
-
-def _response_direction(direction: str | Sequence[float]) -> Direction:
-    try:
-        return checked_direction(direction)
-    except ValueError as error:
-        raise ValueError(str(error).replace("`direction`", "`response_direction`")) from None

@@ -3,24 +3,24 @@
 import math
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.excitation.checks import Direction, direction_text
-from wirerope_mj.periodic.branch import Bifurcation, Branch, Parameter
+from wirerope_mj.excitation.checks import direction_text
+from wirerope_mj.periodic.branch import Bifurcation, Branch
 from wirerope_mj.periodic.continuation import Continuation, Point
 from wirerope_mj.periodic.events import locate, turns, unstable
 from wirerope_mj.periodic.observe import travel_exceeded
+from wirerope_mj.periodic.question import Question
 from wirerope_mj.periodic.rows import Row, row_of
 from wirerope_mj.periodic.search import ITERATIONS, Search
 from wirerope_mj.periodic.shooting import close, shot
 from wirerope_mj.periodic.storage import fingerprint, load_rows, save_rows
 from wirerope_mj.state import State
-from wirerope_mj.statics import History
 
 Array = npt.NDArray[np.float64]
 
@@ -44,36 +44,6 @@ STILL = 1e-12
 
 SAVE_EVERY = 2.0
 """Seconds between two looks at the disk: what a killed process loses."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Question:
-    """What is followed, from where to where, and what is read off it; all arguments checked."""
-
-    parameter: Parameter
-    start: float
-    stop: float
-    other: float
-    direction: Direction
-    payload: str
-    response_direction: Direction
-    periods: int
-    history: History
-    accuracy: float
-    smoothing: float | None
-    tolerance: float
-    largest_step: float
-    smallest_step: float
-    most_points: int
-
-    @property
-    def sign(self) -> float:
-        """1 for a rising parameter, -1 for a falling one."""
-        return 1.0 if self.stop > self.start else -1.0
-
-    def share(self, value: float) -> float:
-        """Return the share of the way to the end, between 0 and 1."""
-        return float(np.clip(np.log(value / self.start) / np.log(self.stop / self.start), 0.0, 1.0))
 
 
 class Walk:
