@@ -3,6 +3,7 @@
 import sys
 from collections.abc import Callable, Sequence
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,7 @@ def compute_and_print(
         open_worst: how many of them become runs and are opened.
         how: other arguments of `Study.run`.
     """
-    from wirerope_mj.runfolder.study import checked_count, write_search_pictures, write_study_pictures, write_worst
+    from wirerope_mj.runfolder.study import checked_count
 
     if resume and out is None:
         raise ValueError("--resume goes on with the study in a folder; say which one with --out FOLDER.")
@@ -49,18 +50,7 @@ def compute_and_print(
     if by is not None and by not in names:
         raise ValueError(f"`--by`: there is no measure {by!r}; there are {', '.join(names[:8])}, ...")
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
-    result = _computed(study, folder, resume=resume, **how)
-    if isinstance(result, SearchResult):
-        write_search_pictures(result)
-        opened = write_worst(result, by or result.minimise[0], open_worst) if open_worst else []
-        print_search(result, sorted(path.name for path in folder.iterdir() if path.is_file()))
-        _open(opened)
-        return
-    answer = answer_of(result, by)
-    write_study_pictures(answer)
-    worst = write_worst(result, answer.by, open_worst) if open_worst else []
-    print_study(answer, sorted(path.name for path in folder.iterdir() if path.is_file()))
-    _open(worst)
+    _print(_computed(study, folder, resume=resume, **how), by, open_worst)
 
 
 def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
@@ -78,6 +68,23 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
         number, message = next(iter(result.failed.items()))
         raise ValueError(f"every variant failed; variant {number}: {message} The table is in {folder}.")
     return result
+
+
+def _print(result: StudyResult, by: str | None, open_worst: int) -> None:
+    """Write the pictures and the worst variants of a study or a search, print what it answers, and open them."""
+    from wirerope_mj.runfolder.study import write_search_pictures, write_study_pictures, write_worst
+
+    show: Callable[[Sequence[str]], None]
+    if isinstance(result, SearchResult):
+        write_search_pictures(result)
+        by, show = by or result.minimise[0], partial(print_search, result)
+    else:
+        answer = answer_of(result, by)
+        write_study_pictures(answer)
+        by, show = answer.by, partial(print_study, answer)
+    worst = write_worst(result, by, open_worst) if open_worst else []
+    show(sorted(path.name for path in result.folder.iterdir() if path.is_file()))
+    _open(worst)
 
 
 def _open(paths: Sequence[Path]) -> None:

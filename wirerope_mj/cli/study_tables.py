@@ -7,6 +7,7 @@ from typing import Any
 from rich import box
 from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from wirerope_mj.cli.tables import console
 from wirerope_mj.study.answer import QUANTILES, Answer
@@ -62,7 +63,7 @@ def _indices(found: SobolIndices) -> Table:
     for one in found.factors:
         cells = []
         for index, (low, high) in ((one.first, one.first_interval), (one.total, one.total_interval)):
-            cells += [f"{100.0 * index:.1f} %", f"{round(100.0 * low)} to {round(100.0 * high)} %"]
+            cells += [f"{100.0 * index:z.1f} %", f"{100.0 * low:z.1f} to {100.0 * high:z.1f} %"]
         listing.add_row(escape(one.name), *cells)
     return listing
 
@@ -82,7 +83,9 @@ def _worst(answer: Answer) -> Table:
     heads += map(input_label, answer.inputs(_INPUTS))
     listing = empty(f"Worst variants by {answer.by}", ("variant", *map(_two_lines, heads)))
     for one in answer.worst(_WORST, inputs=_INPUTS):
-        listing.add_row(str(one.variant), *map(shown_number, one.values), *(escape(_input(value)) for value in one.inputs))
+        listing.add_row(
+            str(one.variant), *map(shown_number, one.values), *(escape(_input(value)) for value in one.inputs)
+        )
     return listing
 
 
@@ -107,7 +110,8 @@ def shown_number(value: float) -> str:
 
 def empty(title: str, head: Sequence[str]) -> Table:
     """Return a table with headings alone."""
-    table = Table(box=box.SIMPLE_HEAD, title=escape(title), title_style="bold", title_justify="left", show_edge=False)
+    whole = Text(title, style="bold", no_wrap=True, overflow="ignore")  # may be wider than its table
+    table = Table(box=box.SIMPLE_HEAD, title=whole, title_justify="left", title_style="none", show_edge=False)
     for place, name in enumerate(head):
         table.add_column(escape(name), justify="right" if place else "left", no_wrap=True)
     return table
