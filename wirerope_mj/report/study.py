@@ -13,6 +13,7 @@ from wirerope_mj.study.findings import input_label, measure_of, percent, sentenc
 from wirerope_mj.study.result import StudyResult
 
 _WORST, _INPUTS, _INFLUENCES, _FAILED = 10, 5, 15, 20  # rows and columns that are read
+_CHOICES = 8  # numbers of a choice that are told one by one
 _METHODS = {
     "sobol": "scrambled Sobol sequence", "latin-hypercube": "Latin hypercube", "random": "random draws",
     "grid": "all combinations of the values", "list": "the values as they are listed",
@@ -92,8 +93,16 @@ def _words(one: Mapping[str, Any]) -> str:
         points = f", {one['points']} values" if "points" in one else ""
         return f"{of}uniform, from {one['low']:g} to {one['high']:g}{points}"
     if one["kind"] == "Choice":
-        return f"{of}one of {', '.join(str(value) or 'none' for value in one['choices'])}"
+        return f"{of}{_choices(one['choices'])}"
     return "scatter of the specimens that the isolator was identified from"
+
+
+def _choices(values: Sequence[Any]) -> str:
+    """Return the values of a choice; of many numbers how many, and from where to where."""
+    distinct = list(dict.fromkeys(values))
+    if len(distinct) <= _CHOICES or not all(isinstance(value, int | float) for value in distinct):
+        return f"one of {', '.join(_input(value) for value in distinct)}"
+    return f"one of {len(distinct)} values from {_input(min(distinct))} to {_input(max(distinct))}"
 
 
 def _measures(answer: Answer) -> Table:

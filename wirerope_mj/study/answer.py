@@ -165,4 +165,6 @@ def answer_of(result: StudyResult, by: str | None = None) -> Answer:
     """
     table = result.table
     by = checked_measure(table, by or (headlines(table) or HEADLINES)[0])
-    return Answer(result=result, by=by, influences=influences(drawn(result), input_names(table), by))
+    # Listed inputs go hand in hand: what one of them explains alone means nothing.
+    found = () if result.study.sampling == "list" else influences(drawn(result), input_names(table), by)
+    return Answer(result=result, by=by, influences=found)
