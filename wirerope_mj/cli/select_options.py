@@ -1,6 +1,7 @@
 """The options of `wirerope select`."""
 
 import math
+from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
@@ -57,22 +58,15 @@ def select(
     from wirerope_mj.cli.select import g_units, parse_shock, select_command
     from wirerope_mj.selection import select_isolators
 
-    if mounts < 1:
-        raise ValueError(f"`--mounts` must be a whole number >= 1, got {mounts}.")
-    for option, value in (
-        ("mass", mass), ("velocity", velocity), ("drop", drop), ("travel", travel), ("fragility", fragility),
-        ("disturbance-rpm", disturbance_rpm), ("disturbance-hz", disturbance_hz), ("isolation-ratio", isolation_ratio),
-    ):  # fmt: skip
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"`--{option}` must be a finite number > 0, got {value:g}.")
-    if disturbance_rpm is not None and disturbance_hz is not None:
-        raise ValueError("give the disturbance as `--disturbance-rpm` or as `--disturbance-hz`, not both.")
+    _require(
+        {
+            "mass": mass, "velocity": velocity, "drop": drop, "travel": travel, "fragility": fragility,
+            "disturbance-rpm": disturbance_rpm, "disturbance-hz": disturbance_hz, "isolation-ratio": isolation_ratio,
+        },
+        mounts=mounts, shocks=sum(given is not None for given in (shock, velocity, drop)), best=best,
+    )  # fmt: skip
     if disturbance_rpm is not None:
         disturbance_hz = disturbance_rpm / 60.0
-    if sum(given is not None for given in (shock, velocity, drop)) != 1:
-        raise ValueError('give one shock: `--shock "15 g 11 ms half-sine"`, `--velocity` [m/s] or `--drop` [m].')
-    if best < 1:
-        raise ValueError(f"`--best` must be >= 1, got {best}.")
     selection = select_isolators(
         mass=mass, mounts=mounts, pulse=None if shock is None else parse_shock(shock), velocity=velocity, drop=drop,
         rebound=rebound, travel=None if travel is None else 1e-3 * travel,
@@ -80,3 +74,18 @@ def select(
         direction=direction, isolation_ratio=isolation_ratio, loops=loops or (),
     )  # fmt: skip
     return select_command(selection, rejected=all, best=best if simulate else 0)
+
+
+def _require(positive: Mapping[str, float | None], *, mounts: int, shocks: int, best: int) -> None:
+    """Raise ValueError unless the options are in range and go together."""
+    if mounts < 1:
+        raise ValueError(f"`--mounts` must be a whole number >= 1, got {mounts}.")
+    for option, value in positive.items():
+        if value is not None and not (math.isfinite(value) and value > 0.0):
+            raise ValueError(f"`--{option}` must be a finite number > 0, got {value:g}.")
+    if positive["disturbance-rpm"] is not None and positive["disturbance-hz"] is not None:
+        raise ValueError("give the disturbance as `--disturbance-rpm` or as `--disturbance-hz`, not both.")
+    if shocks != 1:
+        raise ValueError('give one shock: `--shock "15 g 11 ms half-sine"`, `--velocity` [m/s] or `--drop` [m].')
+    if best < 1:
+        raise ValueError(f"`--best` must be >= 1, got {best}.")

@@ -23,7 +23,7 @@ from wirerope_mj.sweep.arguments import (
 from wirerope_mj.sweep.collector import Collector
 from wirerope_mj.sweep.cycles import at_start
 from wirerope_mj.sweep.envelope import FrequencySweep
-from wirerope_mj.sweep.settling import settle
+from wirerope_mj.sweep.settling import Steady, settle
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
@@ -104,16 +104,13 @@ def stepped_sine(
         Collector(system, direction=base, out=out) as collector,
         share_bar("stepping", "Hz", enabled=progress) as update,
     ):
-        step, unsettled = chosen_step(system, pilot, start, duration=PILOT, timestep=timestep, accuracy=accuracy), []
+        step = chosen_step(system, pilot, start, duration=PILOT, timestep=timestep, accuracy=accuracy)
         state = start = at_start(system, sines[0], start)
+        unsettled: list[str] = []
         for number, sine in enumerate(sines):
             at = settle(system, sine, state, timestep=step.timestep, settled=tolerance, largest_cycles=most)
             state = at.state
-            collector.count(at.steps, at.largest_step)
-            collector.add(
-                np.array([sine.frequency]), at.lowest[np.newaxis], at.highest[np.newaxis], cycles=at.cycles,
-                remaining=at.remaining, settled=at.settled,
-            )  # fmt: skip
+            _keep(collector, sine.frequency, at)
             if not at.settled:
                 unsettled.append(f"{sine.frequency:.5g} Hz ({at.remaining:.2g})")
             update((number + 1) / len(sines), sine.frequency)
@@ -138,6 +135,15 @@ def _pilot(sines: list[Sine], quantity: str, level: float, direction: Direction)
         return sines[0]
     rate = 60.0 / PILOT * float(np.log2(high / low))
     return Sweep(start=low, stop=high, rate=rate, direction=direction, **{quantity: level})
+
+
+def _keep(collector: Collector, frequency: float, at: Steady) -> None:
+    """Take a frequency into the table."""
+    collector.count(at.steps, at.largest_step)
+    collector.add(
+        np.array([frequency]), at.lowest[np.newaxis], at.highest[np.newaxis], cycles=at.cycles, remaining=at.remaining,
+        settled=at.settled,
+    )  # fmt: skip
 
 
 def _words(unsettled: list[str], most: int, tolerance: float) -> tuple[str, ...]:
