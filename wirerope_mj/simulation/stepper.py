@@ -1,6 +1,7 @@
 """A system on its way through a time grid: what is prepared for every piece, and what MuJoCo's warnings mean."""
 
 import copy
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -32,8 +33,9 @@ class Stepper:
         assembly = system.assembly
         self.user = self.data.userdata[assembly.userdata : assembly.userdata + assembly.tables.user.size]
         self.user[at.OBSERVING], self.user[at.HISTORY], self.user[at.EVENT] = 1.0, 0.0, at.SMOOTH
-        self._dofs = assembly.driven_dofs
-        self._places = self.model.jnt_qposadr[list(assembly.subjects.driven)]
+        self._dofs = side_by_side(np.array(assembly.driven_dofs, dtype=int))
+        self._places = side_by_side(self.model.jnt_qposadr[list(assembly.subjects.driven)])
+        self._origin = self.model.qpos0[self._places].copy()
         self._since_check: list[Piece] = []
         self._checked = _integration_state(self.model, self.data)
 
@@ -75,12 +77,12 @@ class Stepper:
         return final
 
     def _place_base(self, places: Array, rates: Array) -> None:
-        self.data.qpos[self._places] = self.model.qpos0[self._places] + places
+        self.data.qpos[self._places] = self._origin + places
         self.data.qvel[self._dofs] = rates
 
     def check(self) -> None:
         """Raise SimulationError if one of MuJoCo's warning counters rose since the last check."""
-        if not any(warning.number for warning in self.data.warning):
+        if not self.data.warning.number.any():
             self._since_check.clear()
             self._checked = _integration_state(self.model, self.data)
             return
@@ -156,6 +158,12 @@ def leave_behind(system: System, model: mujoco.MjModel, data: mujoco.MjData, jum
     mujoco.mj_fullM(model, data, mass)
     impulse = mass[riding][:, driven] @ (system.assembly.tables.drive @ jump)
     data.qvel[riding] -= np.linalg.solve(mass[np.ix_(riding, riding)], impulse)
+
+
+def side_by_side(places: npt.NDArray[Any]) -> npt.NDArray[Any] | slice:
+    """Return places as a slice if they follow each other, for NumPy writes there three times as fast."""
+    first, n = int(places[0]) if places.size else 0, places.size
+    return slice(first, first + n) if np.array_equal(places, np.arange(first, first + n)) else places
 
 
 def _riding_dofs(model: mujoco.MjModel, driven: list[int]) -> npt.NDArray[np.int64]:
