@@ -54,6 +54,25 @@ def sdof(law, *, mass=3.5, gravity=0.0):
     return wr.load_system(sdof_text(mass=mass, gravity=gravity), isolators=isolators)
 
 
+def rack_on_floor_text(*, gravity):
+    """Return a chain of vertical slides: a rack of 3 kg on mount "m2" on a floor of 8 kg on mount "m1" on a driven deck.
+
+    Their isolators are "rack" and "floor".
+    """
+
+    def stage(name, below, z, mass, site):
+        inner = f'<site name="{site}" pos="0 0 .1"/>' if site else ""
+        return (
+            f'<body name="{name}" pos="0 0 {z}"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="{mass}"/>'
+            f'<site name="{below}" pos="0 0 -.1"/>{inner}</body>'
+        )
+
+    world = deck({"b": 'pos="0 0 .2"'}, slides="z")
+    world += stage("floor", "pf", 0.3, 8, "bf") + stage("rack", "pr", 0.5, 3, "")
+    base = '<tuple name="base"><element objtype="body" objname="deck"/></tuple>'
+    return mjcf(world, [("m1", "pf", "b", "floor"), ("m2", "pr", "bf", "rack")], gravity=gravity, custom=base)
+
+
 def hysteresis(*, alpha, z_max, n=1.2, share=0.7):
     """Return alpha, beta, gamma, n of a Bouc-Wen law with a given bound z_max [N]; `share` of it is beta's."""
     total = alpha / z_max**n

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from house import deck, hysteresis, mjcf, sdof, sdof_text
+from house import deck, hysteresis, mjcf, rack_on_floor_text, sdof, sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.cli.app import main
@@ -253,20 +253,9 @@ def test_a_place_that_cannot_be_written_is_said_before_anything_is_printed(capsy
 
 
 def test_a_mount_between_two_payloads_carries_the_upper_one():
-    def stage(name, below, z, mass, site):
-        inner = f'<site name="{site}" pos="0 0 .1"/>' if site else ""
-        return (
-            f'<body name="{name}" pos="0 0 {z}"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="{mass}"/>'
-            f'<site name="{below}" pos="0 0 -.1"/>{inner}</body>'
-        )
-
-    world = (
-        deck({"b": 'pos="0 0 .2"'}, slides="z") + stage("floor", "pf", 0.3, 8, "bf") + stage("rack", "pr", 0.5, 3, "")
-    )
-    text = mjcf(world, [("m1", "pf", "b", "a"), ("m2", "pr", "bf", "a")], gravity=G)
-    text = text.replace("</custom>", '<tuple name="base"><element objtype="body" objname="deck"/></tuple></custom>')
     law = wr.KelvinVoigt(k=2e4, c=0.0)
-    sag = static_table(wr.load_system(text, isolators={"a": wr.Isolator(name="a", axial=law)})).virgin
+    isolators = {name: wr.Isolator(name=name, axial=law) for name in ("floor", "rack")}
+    sag = static_table(wr.load_system(rack_on_floor_text(gravity=G), isolators=isolators)).virgin
     assert sag.mounts["m2"].carries == pytest.approx(3.0 * G, rel=1e-9)
     assert sag.mounts["m1"].carries == pytest.approx(11.0 * G, rel=1e-9)
     assert sag.on_mounts == pytest.approx(sag.weight, rel=1e-9)
