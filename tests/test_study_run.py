@@ -1,48 +1,26 @@
 """A study that runs: the same table whatever computes it and however often it is stopped."""
 
 import os
-import random
 import shutil
 import signal
 import subprocess
 import sys
 import time
 import tomllib
-import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
+from table_study import PULSE, VARY, G, rows, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.resources import models_folder
 from wirerope_mj.response.peaks import MountPeaks, Peak, Peaks
 from wirerope_mj.study import folder as study_folder
 from wirerope_mj.study import local
-from wirerope_mj.study.compute import compute, died
+from wirerope_mj.study.compute import compute
 from wirerope_mj.study.measures import measures
 from wirerope_mj.study.run import chunk_size, chunks
-
-G = wr.STANDARD_GRAVITY
-PULSE = wr.HalfSine(peak=10.0 * G, duration=0.011, direction="z", start=0.01)
-VARY = {
-    "mount/m1/axial/alpha": wr.Normal(1.0, 0.1, relative=True),
-    "body/block/mass": wr.Uniform(0.9, 1.1, relative=True),
-    "motion/level": wr.Uniform(0.5, 1.5),
-}
-
-FILES = ["model", "study.toml", "summary.json", "variants.parquet"]
-"""In the folder of a study that is complete."""
-
-
-def table_study(**others):
-    given = {"model": "shock_table.xml", "vary": VARY, "variants": 40, "duration": 0.05, "timestep": 1e-3}
-    return wr.Study(**{**given, "motion": PULSE, **others})
-
-
-def rows(table):
-    """The rows with every bit of their numbers; NaN is equal to NaN."""
-    return [{key: repr(value) for key, value in row.items()} for row in table.to_pylist()]
 
 
 def peak_of(**extremes):
@@ -147,31 +125,6 @@ def test_a_study_is_made_again_from_its_folder_alone(alone, tmp_path):
     assert again.inputs["id"] == alone.inputs["id"]
 
 
-def test_a_study_killed_at_random_ten_times_ends_with_the_same_table(alone, tmp_path):
-    folder, chance, parts = tmp_path / "killed", random.Random(7), []
-    for _ in range(10):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", DeprecationWarning)  # threads of libraries do not matter to this child
-            child = os.fork()
-        if child == 0:
-            try:
-                table_study().run(folder, workers=1, resume=True)
-            finally:
-                os._exit(0)
-        # until a few more parts are done, and then a moment more: anywhere in a chunk or in the writing of one
-        wanted, give_up = len(parts) + chance.randint(0, 2), time.monotonic() + 20.0
-        while time.monotonic() < give_up and len(list(folder.glob("parts/0*.parquet"))) < wanted:
-            time.sleep(0.002)
-        time.sleep(chance.uniform(0.0, 0.05))
-        os.kill(child, signal.SIGKILL)
-        os.waitpid(child, 0)
-        parts = list(folder.glob("parts/0*.parquet"))
-    assert 0 < len(parts) < 14 or (folder / "variants.parquet").exists()
-    result = table_study().run(folder, workers=1, resume=True)
-    assert rows(result.table) == rows(alone.table)
-    assert sorted(path.name for path in folder.iterdir()) == FILES
-
-
 def test_an_interrupted_study_keeps_its_parts_and_goes_on_with_the_missing_ones(alone, tmp_path, monkeypatch):
     computed = []
 
@@ -194,7 +147,7 @@ def test_an_interrupted_study_keeps_its_parts_and_goes_on_with_the_missing_ones(
     assert rows(result.table) == rows(alone.table)
 
 
-def test_a_study_that_is_there_is_neither_overwritten_nor_mistaken_for_another(alone, tmp_path):
+def test_a_study_that_is_there_is_neither_overwritten_nor_mistaken_for_another(alone, tmp_path, monkeypatch):
     folder = tmp_path / "study"
     shutil.copytree(alone.folder, folder)
     with pytest.raises(wr.RecordError, match="there is a study already. Go on with it with --resume"):
@@ -205,6 +158,15 @@ def test_a_study_that_is_there_is_neither_overwritten_nor_mistaken_for_another(a
         table_study(seed=2).run(folder, resume=True)
     with pytest.raises(wr.RecordError, match="folder of another study .*simulate.duration is 0.05 there and 0.06 here"):
         table_study(duration=0.06).run(folder, resume=True)
+    here = study_folder.versions()
+    for name, message in (
+        ("code", "the code of wirerope-mj has changed since this study began, and one table would hold rows of both"),
+        ("mujoco", f"this study began with mujoco {here['mujoco']} and would go on with 99.0: one table"),
+    ):
+        with monkeypatch.context() as patch:
+            patch.setattr(study_folder, "versions", lambda name=name: {**here, name: "99.0"})
+            with pytest.raises(wr.RecordError, match=f"{message}.* Nothing in it was touched.*--force"):
+                table_study().run(folder, resume=True)
     asked = table_study(question="Which mount?", name="tolerances")
     assert asked.run(folder, resume=True).message == alone.message  # nothing is missing
     assert rows(table_study(seed=2).run(folder, force=True, workers=1).table) != rows(alone.table)
@@ -239,75 +201,6 @@ def test_variants_that_fail_say_why_and_do_not_stop_the_rest(tmp_path):
     assert all("no equilibrium was found" in message for message in result.failed.values())
     assert (np.isnan(np.asarray(result.table["acceleration"])) == gone).all()
     assert f"12 variants, {gone.sum()} failed; variant {np.argmax(gone)}: no equilibrium" in result.message
-
-
-@pytest.mark.parametrize("deaths", [1, 2])
-def test_a_chunk_whose_worker_dies_is_tried_once_more_and_then_fails(alone, tmp_path, monkeypatch, deaths):
-    lives, ordinary = [], local._Process.compute
-
-    def deadly(process, chunk):
-        if chunk.number == 3 and len(lives) < deaths:  # in the middle of its life: it has said that it is ready
-            lives.append(process)
-            process.end()
-        return ordinary(process, chunk)
-
-    monkeypatch.setattr(local._Process, "compute", deadly)
-    result = table_study().run(tmp_path / "study", workers=2)
-    assert len(lives) == deaths
-    if deaths == 1:
-        assert rows(result.table) == rows(alone.table)
-        return
-    assert sorted(result.failed) == [9, 10, 11]
-    assert "died (signal 9), 2 times in a row" in result.failed[9]
-    expected = [row for number, row in enumerate(rows(alone.table)) if number not in (9, 10, 11)]
-    assert [row for row in rows(result.table) if row["status"] == "'done'"] == expected
-    # computed again on resume, and nothing else is
-    computed = []
-    monkeypatch.setattr(local, "compute", lambda work, chunk: computed.append(chunk.number) or compute(work, chunk))
-    again = table_study().run(tmp_path / "study", workers=1, resume=True)
-    assert computed == [3]
-    assert again.failed == {}
-    assert (again.folder / "variants.parquet").read_bytes() == (alone.folder / "variants.parquet").read_bytes()
-    assert (again.folder / "summary.json").read_bytes() == (alone.folder / "summary.json").read_bytes()
-    assert sorted(path.name for path in again.folder.iterdir()) == FILES
-
-
-@pytest.mark.parametrize("last", ["taken away", "computed", "joined"])
-def test_a_study_killed_while_it_computes_again_what_had_died_loses_nothing(alone, tmp_path, monkeypatch, last):
-    folder = tmp_path / "study"
-
-    def dead(work, chunk):
-        return died(work, chunk, "died") if chunk.number in (3, 5) else compute(work, chunk)
-
-    def killed(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(local, "compute", dead)
-    assert len(table_study().run(folder, workers=1).failed) == 6
-    assert len(table_study().run(folder, workers=1, resume=True).failed) == 6  # and again
-    with monkeypatch.context() as patch:
-        patch.setattr(local, "compute", compute)
-        if last == "taken away":
-            patch.setattr(local, "compute", killed)
-        if last == "computed":
-            patch.setattr("wirerope_mj.study.run.finish", killed)
-        if last == "joined":
-            patch.setattr(study_folder, "_summary", killed)
-        with pytest.raises(KeyboardInterrupt):
-            table_study().run(folder, workers=1, resume=True)
-    monkeypatch.setattr(local, "compute", compute)
-    result = table_study().run(folder, workers=1, resume=True)
-    assert result.failed == {}
-    assert (folder / "variants.parquet").read_bytes() == (alone.folder / "variants.parquet").read_bytes()
-    assert sorted(path.name for path in folder.iterdir()) == FILES
-
-
-def test_variants_that_failed_by_physics_are_not_computed_again(tmp_path, monkeypatch):
-    asked = {"vary": {**VARY, "mount/m1/failed": wr.Choice(False, True)}, "variants": 4}
-    first = table_study(**asked).run(tmp_path / "study", workers=1)
-    assert first.failed
-    monkeypatch.setattr(local, "compute", None)  # nobody asks for it
-    assert table_study(**asked).run(tmp_path / "study", workers=1, resume=True).failed == first.failed
 
 
 def test_workers_that_cannot_start_end_the_study_with_one_message(tmp_path, monkeypatch):

@@ -1,0 +1,196 @@
+"""Studies that are killed: at random, at any operation on their files, and worker by worker."""
+
+import functools
+import itertools
+import os
+import random
+import shutil
+import signal
+import sys
+import time
+import warnings
+
+import pytest
+from table_study import FILES, VARY, rows, table_study
+
+import wirerope_mj as wr
+from wirerope_mj.study import folder as study_folder
+from wirerope_mj.study import local
+from wirerope_mj.study.compute import compute, died
+from wirerope_mj.study.run import chunks
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """A study left alone, in this process."""
+    return table_study().run(tmp_path_factory.mktemp("study") / "alone", workers=1)
+
+
+def forked(work):
+    """Run something in a process of its own and return its number."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # threads of libraries do not matter to this child
+        child = os.fork()
+    if child == 0:
+        try:
+            work()
+        finally:
+            os._exit(0)
+    return child
+
+
+def test_a_study_killed_at_random_ten_times_ends_with_the_same_table(alone, tmp_path):
+    folder, chance, parts, delays = tmp_path / "killed", random.SystemRandom(), [], []
+    for _ in range(10):
+        child = forked(lambda: table_study().run(folder, workers=1, resume=True))
+        # until a few more parts are done, and then a moment more: anywhere in a chunk or in the writing of one
+        wanted, give_up = len(parts) + chance.randint(0, 2), time.monotonic() + 20.0
+        while time.monotonic() < give_up and len(list(folder.glob("parts/0*.parquet"))) < wanted:
+            time.sleep(0.002)
+        delays.append(chance.uniform(0.0, 0.05))
+        time.sleep(delays[-1])
+        os.kill(child, signal.SIGKILL)
+        os.waitpid(child, 0)
+        parts = list(folder.glob("parts/0*.parquet"))
+    assert 0 < len(parts) < 14 or (folder / "variants.parquet").exists(), delays
+    table_study().run(folder, workers=1, resume=True)
+    assert_same_files(folder, alone.folder)
+
+
+def assert_same_files(folder, expected):
+    """Two studies hold the same bytes, and nothing of what was killed is left in the folder or beside it."""
+    assert sorted(path.name for path in folder.iterdir()) == FILES
+    assert [path.name for path in folder.parent.iterdir() if path.name.startswith(".")] == []
+    for name in ("variants.parquet", "summary.json", "study.toml"):
+        assert (folder / name).read_bytes() == (expected / name).read_bytes()
+
+
+OPERATIONS = {f"os.{name}" for name in ("rename", "remove", "rmdir", "mkdir", "chmod")} | {
+    "shutil.rmtree", "tempfile.mkstemp", "tempfile.mkdtemp",
+}  # fmt: skip
+"""What Python reports before it changes a folder."""
+
+
+def killed_before(operation, work):
+    """Run something in a process that is killed just before its operation of that number; say whether it was."""
+    count = itertools.count(1)
+
+    def watched():
+        sys.addaudithook(
+            lambda event, _: (
+                os.kill(os.getpid(), signal.SIGKILL) if event in OPERATIONS and next(count) == operation else None
+            )
+        )
+        work()
+
+    return os.WIFSIGNALED(os.waitpid(forked(watched), 0)[1])
+
+
+def test_a_study_killed_at_any_operation_of_its_beginning_starts_as_if_nothing_had_been(alone, tmp_path):
+    study = table_study()
+    assert study.table().num_rows == 40  # checked once for all
+    for operation in itertools.count(1):
+        folder = tmp_path / str(operation) / "study"
+        folder.parent.mkdir()
+        start = functools.partial(study_folder.prepare, study, folder, keep="peaks", resume=True, force=False)
+        killed = killed_before(operation, start)
+        assert folder.exists() <= (folder / "study.toml").exists()
+        start()
+        assert sorted(path.name for path in folder.iterdir()) == ["model", "parts", "study.toml"]
+        assert [path.name for path in folder.parent.iterdir()] == ["study"]
+        assert (folder / "study.toml").read_bytes() == (alone.folder / "study.toml").read_bytes()
+        if not killed:
+            break
+    assert operation > 5  # the folder beside, its mode, model, parts, and the renaming at least
+
+
+def test_a_study_killed_at_any_operation_of_its_writing_ends_with_the_same_bytes(alone, tmp_path, monkeypatch):
+    study, before = table_study(), tmp_path / "before"
+    study_folder.prepare(study, before, keep="peaks", resume=False, force=False)
+    *most, rest = (compute(study.work, chunk) for chunk in chunks(study, range(14)))
+    for part in most:
+        study_folder.write_part(before, part)
+    for operation in itertools.count(1):
+        folder = tmp_path / str(operation) / "study"
+        shutil.copytree(before, folder)
+
+        def end(folder=folder):
+            study_folder.write_part(folder, rest)
+            study_folder.finish(study, folder, 14)
+
+        killed = killed_before(operation, end)
+        monkeypatch.setattr(local, "compute", lambda work, chunk: rest)  # the only one that may be missing
+        study.run(folder, workers=1, resume=True)
+        assert_same_files(folder, alone.folder)
+        if not killed:
+            break
+    assert operation > 20  # three files of three operations each, and fourteen parts that are removed
+
+
+@pytest.mark.parametrize("deaths", [1, 2])
+def test_a_chunk_whose_worker_dies_is_tried_once_more_and_then_fails(alone, tmp_path, monkeypatch, deaths):
+    lives, ordinary = [], local._Process.compute
+
+    def deadly(process, chunk):
+        if chunk.number == 3 and len(lives) < deaths:  # in the middle of its life: it has said that it is ready
+            lives.append(process)
+            process.end()
+        return ordinary(process, chunk)
+
+    monkeypatch.setattr(local._Process, "compute", deadly)
+    result = table_study().run(tmp_path / "study", workers=2)
+    assert len(lives) == deaths
+    if deaths == 1:
+        assert rows(result.table) == rows(alone.table)
+        return
+    assert sorted(result.failed) == [9, 10, 11]
+    assert "died (signal 9), 2 times in a row" in result.failed[9]
+    expected = [row for number, row in enumerate(rows(alone.table)) if number not in (9, 10, 11)]
+    assert [row for row in rows(result.table) if row["status"] == "'done'"] == expected
+    # computed again on resume, and nothing else is
+    computed = []
+    monkeypatch.setattr(local, "compute", lambda work, chunk: computed.append(chunk.number) or compute(work, chunk))
+    again = table_study().run(tmp_path / "study", workers=1, resume=True)
+    assert computed == [3]
+    assert again.failed == {}
+    assert (again.folder / "variants.parquet").read_bytes() == (alone.folder / "variants.parquet").read_bytes()
+    assert (again.folder / "summary.json").read_bytes() == (alone.folder / "summary.json").read_bytes()
+    assert sorted(path.name for path in again.folder.iterdir()) == FILES
+
+
+@pytest.mark.parametrize("last", ["taken away", "computed", "joined"])
+def test_a_study_killed_while_it_computes_again_what_had_died_loses_nothing(alone, tmp_path, monkeypatch, last):
+    folder = tmp_path / "study"
+
+    def dead(work, chunk):
+        return died(work, chunk, "died") if chunk.number in (3, 5) else compute(work, chunk)
+
+    def killed(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(local, "compute", dead)
+    assert len(table_study().run(folder, workers=1).failed) == 6
+    assert len(table_study().run(folder, workers=1, resume=True).failed) == 6  # and again
+    with monkeypatch.context() as patch:
+        patch.setattr(local, "compute", compute)
+        if last == "taken away":
+            patch.setattr(local, "compute", killed)
+        if last == "computed":
+            patch.setattr("wirerope_mj.study.run.finish", killed)
+        if last == "joined":
+            patch.setattr(study_folder, "_summary", killed)
+        with pytest.raises(KeyboardInterrupt):
+            table_study().run(folder, workers=1, resume=True)
+    monkeypatch.setattr(local, "compute", compute)
+    result = table_study().run(folder, workers=1, resume=True)
+    assert result.failed == {}
+    assert (folder / "variants.parquet").read_bytes() == (alone.folder / "variants.parquet").read_bytes()
+    assert sorted(path.name for path in folder.iterdir()) == FILES
+
+
+def test_variants_that_failed_by_physics_are_not_computed_again(tmp_path, monkeypatch):
+    asked = {"vary": {**VARY, "mount/m1/failed": wr.Choice(False, True)}, "variants": 4}
+    first = table_study(**asked).run(tmp_path / "study", workers=1)
+    assert first.failed
+    monkeypatch.setattr(local, "compute", None)  # nobody asks for it
+    assert table_study(**asked).run(tmp_path / "study", workers=1, resume=True).failed == first.failed
