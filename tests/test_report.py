@@ -1,29 +1,25 @@
+"""What a report says of a run: the question, the verdicts, statics and modes, the motion, peaks and pictures."""
+
 import json
 import math
-import shutil
-import sys
 import warnings
 from dataclasses import replace
 from html.parser import HTMLParser
-from pathlib import Path
 
 import numpy as np
 import pytest
 from house import sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.cli import main
-from wirerope_mj.criteria import EXCEEDED, NOT_JUDGED, WITHIN, Verdict, judge
-from wirerope_mj.errors import ConvergenceError, RecordError, RecordWarning, WireRopeError
+from wirerope_mj.criteria import EXCEEDED, NOT_JUDGED, WITHIN, judge
+from wirerope_mj.errors import RecordWarning
 from wirerope_mj.limits import PayloadLimit
 from wirerope_mj.plots.report_response import accelerations_figure
 from wirerope_mj.plots.report_scene import crowded_label
 from wirerope_mj.report import Absent, judged, report_content, report_html, worst_names
-from wirerope_mj.report import pdf as pdf_module
-from wirerope_mj.report.content import Mark, Paragraph, Picture, ReportContent, Section, Table
-from wirerope_mj.report.display import fixed, listed, number, shown, shown_unit, title_of
+from wirerope_mj.report.content import Picture, Table
+from wirerope_mj.report.display import fixed
 from wirerope_mj.report.model import model_section
-from wirerope_mj.runfolder import page as page_module
 from wirerope_mj.runfolder import report as report_module
 from wirerope_mj.runfolder.report import write_report
 from wirerope_mj.runfolder.run_spectra import run_spectra
@@ -487,188 +483,3 @@ def test_pictures_show_samples_column_by_column(finished, monkeypatch):
     response_section(run)
     mounts_section(run)
     assert set(widths) == {1}
-
-
-@pytest.fixture
-def quick(monkeypatch):
-    """Pages without pictures, where only files and messages are looked at."""
-    monkeypatch.setattr(report_module, "report_page", lambda *_: "<!DOCTYPE html><title>quick</title><p>page</p>")
-
-
-def verdict(**changes):
-    return Verdict(
-        **{"criterion": "travel in roll", "subject": "m1", "value": 0.02, "limit": 0.04, "unit": "m"} | changes
-    )
-
-
-def test_the_answer_names_the_smallest_margins_and_the_exceeded():
-    rows = [
-        verdict(),
-        verdict(subject="m2", value=0.05),
-        verdict(criterion="acceleration", limit=None, note="nobody knows"),
-    ]
-    paragraph = next(block for block in judged.answer(rows) if isinstance(block, Paragraph))
-    assert paragraph.text.startswith("Exceeded: travel in roll of m2, 50.0 mm of 40.0 mm (margin −20 %).")
-    assert (
-        "Elsewhere the smallest margins are: travel in roll of m1, 20.0 mm of 40.0 mm (margin 100 %)." in paragraph.text
-    )
-    assert judged.unjudged(rows) == ("acceleration of m1: nobody knows.",)
-    assert judged.headline(rows) == Mark(text="Exceeded: 1 of 2 limits; 1 figure is not judged.", tone="exceeded")
-
-
-def test_the_worst_of_what_is_not_judged_is_the_largest():
-    rows = [
-        verdict(limit=None),
-        verdict(subject="m2", value=0.05, limit=None),
-        verdict(subject="m3", value=math.nan, limit=None),
-        verdict(criterion="acceleration", subject="floor", value=1.0, limit=2.0),
-        verdict(criterion="acceleration", subject="rack", value=5.0, limit=None),
-    ]
-    told = {row[0]: row[2] for row in judged.worst_table(rows).rows}
-    assert told == {"travel in roll": "m2", "acceleration": "floor"}  # what is judged comes before what is not
-
-
-@pytest.mark.parametrize("value", [0.0, math.nan])
-def test_a_sum_of_shares_of_which_none_is_rated_is_no_figure(value):
-    row = verdict(criterion="travel combined", unit="", value=value, limit=None, time=0.0, note="no travel is rated")
-    (told,) = judged.full_table([row]).rows
-    assert (told[3], told[7]) == ("–", "–")
-    assert judged.worst_table([row]).rows[0][3] == "–"
-    bound = replace(row, value=0.3, time=0.012)  # of those axes that are rated
-    assert judged.full_table([bound]).rows[0][3:8:4] == ("0.300", "0.0120")
-
-
-def test_nothing_judged_is_never_passed():
-    rows = [verdict(limit=None), verdict(value=math.nan)]
-    assert judged.headline(rows).tone == "unjudged"
-    assert "within" not in str(judged.answer(rows)).lower().replace("'within'", "")
-    assert judged.headline([verdict()]) == Mark(text="Within its limit.", tone="within")
-
-
-def test_figures_are_shown_in_the_units_of_the_trade():
-    assert (shown(0.0432, "m"), shown(2869.0, "N"), shown(98.0665, "m/s^2")) == ("43.2", "2.87", "10.0")
-    assert (shown_unit("m/s^2"), shown_unit("N"), shown_unit("m/s")) == ("g", "kN", "m/s")
-    assert (number(-0.001234), number(123456.0), number(0.0), number(math.nan)) == ("−0.00123", "123456", "0", "–")
-    assert fixed(-0.001, 2) == "0.00"
-    assert title_of("shock-box-clean_3ax") == "Shock box clean 3ax"
-    assert title_of("wr16-400 of 2026-11-21") == "Wr16-400 of 2026-11-21"
-    assert listed(list("abcdefgh")) == "a, b, c, d, e and 3 more"
-
-
-def test_a_table_has_a_cell_for_every_heading():
-    with pytest.raises(ValueError, match="`rows` must have 2 cells each"):
-        Table(caption="", head=("a", "b"), align="lr", rows=(("1",),))
-    with pytest.raises(ValueError, match="`align` must be 2 letters"):
-        Table(caption="", head=("a", "b"), align="l", rows=())
-
-
-def test_the_command_writes_page_and_says_where(table, tmp_path, capsys, quick):
-    out = tmp_path / "hand over" / "Deck 3.html"
-    assert main(["report", str(table), "--out", str(out)]) == 2
-    assert "there is no folder" in capsys.readouterr().err
-    out.parent.mkdir()
-    assert main(["report", str(table), "--out", str(out)]) == 0
-    assert f"written: {out}" in capsys.readouterr().out
-    assert [path.name for path in out.parent.iterdir()] == [out.name]
-
-
-def test_the_folders_own_report_is_made_anew(table):
-    before = (table / "report.html").read_bytes()
-    assert write_report(table) == [table / "report.html"]
-    assert (table / "report.html").read_bytes() == before
-
-
-def test_a_file_that_is_there_is_replaced_only_with_force(table, tmp_path, capsys, quick):
-    out = tmp_path / "mine.html"
-    out.write_text("years of work", encoding="utf-8")
-    assert main(["report", str(table), "--out", str(out)]) == 2
-    assert "this exists already. Replace it with --force" in capsys.readouterr().err
-    assert out.read_text(encoding="utf-8") == "years of work"
-    assert main(["report", str(table), "--out", str(out), "--force"]) == 0
-    assert "<!DOCTYPE html>" in out.read_text(encoding="utf-8")
-
-
-def test_bad_input_is_one_message(table, tmp_path, capsys):
-    damaged = Path(shutil.copytree(table, tmp_path / "damaged"))
-    (damaged / "response.parquet").unlink()
-    bare = tmp_path / "bare"
-    bare.mkdir()
-    curve = tmp_path / "curve"
-    curve.mkdir()
-    for name in ("settings.toml", "frequency_response.json"):
-        (curve / name).write_text("", encoding="utf-8")
-    for arguments, words in (
-        ([str(tmp_path / "nothing")], "there is no such folder"),
-        ([str(bare)], "this is not a run; there is no scenario.toml here"),
-        ([str(damaged)], "there is no response.parquet here"),
-        ([str(curve)], "this is a frequency response"),
-        ([str(table), "--out", str(tmp_path / "report.pdf")], "`out` must end with .html"),
-    ):
-        assert main(["report", *arguments]) == 2
-        error = capsys.readouterr().err
-        assert words in error
-        assert error.startswith("wirerope: ")
-        assert "Traceback" not in error
-    assert not [path for path in bare.iterdir()]
-
-
-def test_a_failure_leaves_no_half_written_pdf(table, tmp_path, monkeypatch, quick):
-    def fail(page, path):
-        path.write_bytes(b"%PDF-1.7 half")
-        raise ConvergenceError("no page.")
-
-    monkeypatch.setattr(page_module, "check_pdf", lambda: None)
-    monkeypatch.setattr(page_module, "write_pdf", fail)
-    with pytest.raises(ConvergenceError):
-        write_report(table, out=tmp_path / "page.html", pdf=True)
-    (tmp_path / "page.html").unlink()  # whole, and written before
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_without_weasyprint_the_message_says_what_to_install(table, tmp_path, monkeypatch):
-    for module in ("weasyprint", "weasyprint.urls"):
-        monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(WireRopeError, match=r"pip install 'wirerope-mj\[pdf\]'"):
-        write_report(table, out=tmp_path / "page.html", pdf=True)
-    assert list(tmp_path.iterdir()) == []
-
-
-def needs_pdf():
-    try:
-        pdf_module.check_pdf()
-    except WireRopeError as error:
-        pytest.skip(f"PDF files cannot be made here: {error}")
-
-
-def test_the_pdf_stands_beside_the_page(table, tmp_path, quick):
-    needs_pdf()
-    files = write_report(table, out=tmp_path / "page.html", pdf=True)
-    assert [path.name for path in files] == ["page.html", "page.pdf"]
-    assert files[1].read_bytes().startswith(b"%PDF-")
-    with pytest.raises(RecordError, match="page.html: this exists already"):
-        write_report(table, out=tmp_path / "page.html", pdf=True)
-
-
-def test_long_tables_repeat_their_heading_on_every_page():
-    needs_pdf()
-    import weasyprint
-
-    rows = tuple((f"m{place}", f"{place}") for place in range(200))
-    long = Table(caption="Mounts", head=("mount", "headed"), align="lr", rows=rows)
-    content = ReportContent(
-        title="Long", facts=(), question=("?",), verdict=Mark(text="", tone=""), answer=(),
-        sections=(Section(title="Table", blocks=(long,)),),
-    )  # fmt: skip
-    document = weasyprint.HTML(string=report_html(content)).render()
-    pages = ["".join(words(page._page_box)) for page in document.pages]
-    assert len(pages) > 2
-    assert all("headed" in page for page in pages)
-    assert all(f"page {number} of {len(pages)}" in page for number, page in enumerate(pages, start=1))
-
-
-def words(box):
-    """Return the texts of a box and of all that are in it."""
-    if hasattr(box, "text"):
-        yield box.text
-    for child in getattr(box, "children", ()):
-        yield from words(child)

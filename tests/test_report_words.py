@@ -1,0 +1,78 @@
+"""How a report words verdicts and figures."""
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from wirerope_mj.criteria import Verdict
+from wirerope_mj.report import judged
+from wirerope_mj.report.content import Mark, Paragraph, Table
+from wirerope_mj.report.display import fixed, listed, number, shown, shown_unit, title_of
+
+
+def verdict(**changes):
+    return Verdict(
+        **{"criterion": "travel in roll", "subject": "m1", "value": 0.02, "limit": 0.04, "unit": "m"} | changes
+    )
+
+
+def test_the_answer_names_the_smallest_margins_and_the_exceeded():
+    rows = [
+        verdict(),
+        verdict(subject="m2", value=0.05),
+        verdict(criterion="acceleration", limit=None, note="nobody knows"),
+    ]
+    paragraph = next(block for block in judged.answer(rows) if isinstance(block, Paragraph))
+    assert paragraph.text.startswith("Exceeded: travel in roll of m2, 50.0 mm of 40.0 mm (margin −20 %).")
+    assert (
+        "Elsewhere the smallest margins are: travel in roll of m1, 20.0 mm of 40.0 mm (margin 100 %)." in paragraph.text
+    )
+    assert judged.unjudged(rows) == ("acceleration of m1: nobody knows.",)
+    assert judged.headline(rows) == Mark(text="Exceeded: 1 of 2 limits; 1 figure is not judged.", tone="exceeded")
+
+
+def test_the_worst_of_what_is_not_judged_is_the_largest():
+    rows = [
+        verdict(limit=None),
+        verdict(subject="m2", value=0.05, limit=None),
+        verdict(subject="m3", value=math.nan, limit=None),
+        verdict(criterion="acceleration", subject="floor", value=1.0, limit=2.0),
+        verdict(criterion="acceleration", subject="rack", value=5.0, limit=None),
+    ]
+    told = {row[0]: row[2] for row in judged.worst_table(rows).rows}
+    assert told == {"travel in roll": "m2", "acceleration": "floor"}  # what is judged comes before what is not
+
+
+@pytest.mark.parametrize("value", [0.0, math.nan])
+def test_a_sum_of_shares_of_which_none_is_rated_is_no_figure(value):
+    row = verdict(criterion="travel combined", unit="", value=value, limit=None, time=0.0, note="no travel is rated")
+    (told,) = judged.full_table([row]).rows
+    assert (told[3], told[7]) == ("–", "–")
+    assert judged.worst_table([row]).rows[0][3] == "–"
+    bound = replace(row, value=0.3, time=0.012)  # of those axes that are rated
+    assert judged.full_table([bound]).rows[0][3:8:4] == ("0.300", "0.0120")
+
+
+def test_nothing_judged_is_never_passed():
+    rows = [verdict(limit=None), verdict(value=math.nan)]
+    assert judged.headline(rows).tone == "unjudged"
+    assert "within" not in str(judged.answer(rows)).lower().replace("'within'", "")
+    assert judged.headline([verdict()]) == Mark(text="Within its limit.", tone="within")
+
+
+def test_figures_are_shown_in_the_units_of_the_trade():
+    assert (shown(0.0432, "m"), shown(2869.0, "N"), shown(98.0665, "m/s^2")) == ("43.2", "2.87", "10.0")
+    assert (shown_unit("m/s^2"), shown_unit("N"), shown_unit("m/s")) == ("g", "kN", "m/s")
+    assert (number(-0.001234), number(123456.0), number(0.0), number(math.nan)) == ("−0.00123", "123456", "0", "–")
+    assert fixed(-0.001, 2) == "0.00"
+    assert title_of("shock-box-clean_3ax") == "Shock box clean 3ax"
+    assert title_of("wr16-400 of 2026-11-21") == "Wr16-400 of 2026-11-21"
+    assert listed(list("abcdefgh")) == "a, b, c, d, e and 3 more"
+
+
+def test_a_table_has_a_cell_for_every_heading():
+    with pytest.raises(ValueError, match="`rows` must have 2 cells each"):
+        Table(caption="", head=("a", "b"), align="lr", rows=(("1",),))
+    with pytest.raises(ValueError, match="`align` must be 2 letters"):
+        Table(caption="", head=("a", "b"), align="l", rows=())
