@@ -15,7 +15,7 @@ def study(
     generations: int = 25,
     horizontal: bool = True,
     duration: float = 0.4,
-    timestep: float = 2.5e-4,
+    timestep: float = 5e-4,
     seed: int = 1,
 ) -> wr.Search:
     """Return the search for places of mounts.

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.study.distributions import Choice, Uniform
+from wirerope_mj.study import distributions
 
 Array = npt.NDArray[np.float64]
 Design = dict[str, Any]
@@ -35,7 +35,13 @@ class Evolution:
     """
 
     def __init__(
-        self, variables: Mapping[str, Uniform | Choice], first: Sequence[Design], *, aims: int, limits: int, seed: int
+        self,
+        variables: Mapping[str, distributions.Uniform | distributions.Choice],
+        first: Sequence[Design],
+        *,
+        aims: int,
+        limits: int,
+        seed: int,
     ) -> None:
         """Begin with the designs of the first generation.
 
@@ -51,9 +57,15 @@ class Evolution:
         from pymoo.core.population import Population
         from pymoo.core.problem import Problem
         from pymoo.core.termination import NoTermination
+        from pymoo.core.variable import Binary, Choice, Real
+        from pymoo.operators.mutation.bitflip import BFM
+        from pymoo.operators.mutation.pm import PM
+        from pymoo.operators.mutation.rm import ChoiceRandomMutation
         from pymoo.operators.selection.tournament import TournamentSelection
 
         other = MixedVariableDuplicateElimination()
+        often = {"prob_var": 1.0 / len(variables)}  # one variable of a child on average, whatever kinds there are
+        mutation = {Binary: BFM(**often), Real: PM(**often), Choice: ChoiceRandomMutation(**often)}
         # One constraint more: that the design could be simulated at all.
         self._problem = Problem(
             vars={name: _variable(one) for name, one in variables.items()}, n_obj=aims, n_ieq_constr=limits + 1
@@ -62,7 +74,9 @@ class Evolution:
             pop_size=len(first),
             sampling=Population.new(X=np.array([dict(design) for design in first], dtype=object)),
             mating=MixedVariableMating(
-                selection=TournamentSelection(func_comp=binary_tournament), eliminate_duplicates=other
+                selection=TournamentSelection(func_comp=binary_tournament),
+                mutation=mutation,
+                eliminate_duplicates=other,
             ),
             eliminate_duplicates=other,
         )
@@ -92,10 +106,10 @@ class Evolution:
         self._algorithm.tell(infills=self._asked)
 
 
-def _variable(distribution: Uniform | Choice) -> Any:
+def _variable(distribution: distributions.Uniform | distributions.Choice) -> Any:
     from pymoo.core import variable
 
-    if isinstance(distribution, Uniform):
+    if isinstance(distribution, distributions.Uniform):
         return variable.Real(bounds=(distribution.low, distribution.high))
     if set(distribution.choices) == {False, True} and isinstance(distribution.choices[0], bool):
         return variable.Binary()

@@ -127,6 +127,15 @@ class Search:
             progress=progress,
         )  # fmt: skip
 
+    @property
+    def size(self) -> int:
+        """Number of designs in the first generation, and at most in each later one."""
+        return len(self.first)
+
+    def table(self) -> pa.Table:
+        """Return the designs of the first generation: `variant` and one column for every number that is chosen."""
+        return self.rows(self.first, 0)
+
     def rows(self, designs: Sequence[Design], first: int) -> pa.Table:
         """Return designs as rows of a study's inputs, numbered from `first`."""
         columns = {

@@ -1,7 +1,8 @@
 """The run of a search: the optimiser is asked for designs, engines compute those that are new, and it is told."""
 
-from collections.abc import Sequence
-from contextlib import closing
+import queue
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
@@ -12,10 +13,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wirerope_mj.simulation.progress import Update, share_bar
-from wirerope_mj.study.compute import Chunk, Engine
+from wirerope_mj.study.compute import Chunk, Engine, Part
 from wirerope_mj.study.evolution import Design, Evolution, check_installed
 from wirerope_mj.study.folder import TABLE, finish, part_path, prepare, write_part
 from wirerope_mj.study.front import Array, aims, excesses
+from wirerope_mj.study.local import run_local
 from wirerope_mj.study.responses import RESPONSES, checked_keep
 from wirerope_mj.study.result import load_study
 from wirerope_mj.study.run import checked_engine, chunk_size
@@ -45,7 +47,8 @@ def run_search(
     if not (folder / TABLE).is_file():
         with share_bar("search", "designs/s", enabled=progress) as update:
             here = _Run(search, folder, keep, run, {"workers": workers, "address": address}, update)
-            here.evolve()
+            with closing(here):  # so that no process goes on if this one is interrupted
+                here.evolve()
         finish(search.study, folder, here.parts)
     else:
         finish(search.study, folder, 0)
@@ -67,6 +70,8 @@ class _Run:
         self._search, self._folder, self._keep = search, folder, keep
         self._engine, self._where, self._update = engine, where, update
         self._known: dict[tuple[Any, ...], tuple[Array, Array]] = {}
+        self._chunks: queue.SimpleQueue[Chunk | None] = queue.SimpleQueue()
+        self._results: Generator[Part, None, None] | None = None
         self._began, self._computed = perf_counter(), 0
         self.parts = 0
 
@@ -107,18 +112,35 @@ class _Run:
             for one, piece in pieces.items()
             if one not in found
         ]
-        if missing:
-            results = self._engine(self._search.study.work, missing, **self._where)
-            with closing(results):  # so that no process goes on if this one is interrupted
-                for part in results:
-                    numbers = pa.array([generation] * part.table.num_rows, type=pa.int64())
-                    table = part.table.append_column(GENERATION, numbers)
-                    write_part(self._folder, replace(part, table=table))
-                    found[part.number] = table
-                    self._computed += table.num_rows
-                    self._tell(generation + len(found) / len(pieces))
+        for part in self._computed_by_engine(missing):
+            numbers = pa.array([generation] * part.table.num_rows, type=pa.int64())
+            table = part.table.append_column(GENERATION, numbers)
+            write_part(self._folder, replace(part, table=table))
+            found[part.number] = table
+            self._computed += table.num_rows
+            self._tell(generation + len(found) / len(pieces))
         self.parts += len(pieces)
         return [found[number] for number in sorted(pieces)]
+
+    def _computed_by_engine(self, missing: Sequence[Chunk]) -> Iterator[Part]:
+        """Yield the parts of some chunks; processes of this machine wait for the chunks of later generations."""
+        work = self._search.study.work
+        if self._engine is not run_local:
+            with closing(self._engine(work, missing, **self._where)) if missing else nullcontext(()) as results:
+                yield from results
+            return
+        for chunk in missing:
+            self._chunks.put(chunk)
+        if self._results is None:
+            self._results = run_local(work, iter(self._chunks.get, None), **self._where)
+        for _ in missing:
+            yield next(self._results)
+
+    def close(self) -> None:
+        """End the processes of this machine."""
+        if self._results is not None:
+            self._chunks.put(None)  # a thread that waits for a chunk sees that there are no more
+            self._results.close()
 
     def _done(self, number: int, rows: pa.Table) -> pa.Table | None:
         """Return a part that is done, if its designs are these: those after a process's death may be others."""

@@ -156,7 +156,7 @@ class Study:
         )  # fmt: skip
 
     def of(self, rows: pa.Table) -> "Study":
-        """Return this study with other variants: `rows` has the columns of its table. Its step stays."""
+        """Return this study with other variants, to be looked at: `rows` has the columns of its table. Its step stays."""
         work = self.work
         other = copy(self)
         vars(other).pop("_checked", None)
