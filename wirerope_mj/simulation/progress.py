@@ -7,6 +7,9 @@ from wirerope_mj.simulation.grid import TimeGrid
 
 Update = Callable[[float, float], None]
 
+PERIOD = 600.0
+"""Time over which the speed is averaged [s]: a chunk of a study may take minutes."""
+
 
 @contextmanager
 def share_bar(word: str, unit: str, *, enabled: bool) -> Iterator[Update]:
@@ -35,7 +38,7 @@ def share_bar(word: str, unit: str, *, enabled: bool) -> Iterator[Update]:
         TimeRemainingColumn(),
         TextColumn("left"),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+    with Progress(*columns, console=Console(stderr=True), transient=True, speed_estimate_period=PERIOD) as progress:
         task = progress.add_task("", total=1.0, now=0.0)
         yield lambda share, value: progress.update(task, completed=share, now=value)
 
