@@ -179,9 +179,7 @@ def mounts(variants: int, rounds: int) -> None:
                 compute(study.work, part)
             spent[n].append(1e3 * (time.process_time() - began) / (count * CHUNK))
     cost = {n: float(np.median(values[1:])) for n, values in spent.items()}
-    print(
-        f"{count * CHUNK} variants in {count} chunks, medians of {rounds} interleaved rounds\nmounts  processor time [ms] per variant"
-    )
+    print(f"{count} chunks of {CHUNK} variants, medians of {rounds} rounds\nmounts  processor time [ms] per variant")
     for n, value in cost.items():
         print(f"{n:6d} {value:8.2f}")
     slope, constant = np.polyfit(list(cost), list(cost.values()), 1)
