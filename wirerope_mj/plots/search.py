@@ -19,7 +19,7 @@ Array = npt.NDArray[np.float64]
 _SHOWN = 4  # designs from above
 _NAMED = 12  # designs of the front with a label
 _AROUND = 0.35  # of the extent of the front with the given designs: what is drawn around it
-_RIGHT = 0.7  # of the picture's width: beyond it labels stand to the left
+_LEFT = 0.15  # of the picture's width: nearer to its edge labels have no room on the left
 _APART = 0.04  # of the picture's height: labels that are nearer would cover each other
 
 
@@ -127,10 +127,11 @@ def _labels(panel: Any, result: SearchResult, front: npt.NDArray[np.int64], x: A
             return
         heights.append(place[1])
         word = f"{mounts[variant]:.0f} mounts" + (f", design {variant}" if variant in first else "")
-        right = place[0] < _RIGHT
+        # Below and to the left of a front there is nothing; beyond the given design there is room on the right.
+        left = place[0] > _LEFT and variant >= result.start
         panel.annotate(
-            word, (x[variant], y[variant]), xytext=(8 if right else -8, 2), textcoords="offset points", fontsize=7,
-            ha="left" if right else "right", path_effects=halo, annotation_clip=True,
+            word, (x[variant], y[variant]), xytext=(-7, -7) if left else (8, 2), textcoords="offset points", fontsize=7,
+            ha="right" if left else "left", path_effects=halo, annotation_clip=True,
         )  # fmt: skip
 
 

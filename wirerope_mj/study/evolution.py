@@ -64,8 +64,10 @@ class Evolution:
         from pymoo.operators.selection.tournament import TournamentSelection
 
         other = MixedVariableDuplicateElimination()
-        often = {"prob_var": 1.0 / len(variables)}  # one variable of a child on average, whatever kinds there are
-        mutation = {Binary: BFM(**often), Real: PM(**often), Choice: ChoiceRandomMutation(**often)}
+        kinds = [type(_variable(one)) for one in variables.values()]
+        # One variable of each kind in a child on average: pymoo's own rule, which it breaks for choices alone.
+        often = {"prob_var": min(0.5, 1.0 / max(kinds.count(Choice), 1))}
+        mutation = {Binary: BFM(), Real: PM(), Choice: ChoiceRandomMutation(**often)}
         # One constraint more: that the design could be simulated at all.
         self._problem = Problem(
             vars={name: _variable(one) for name, one in variables.items()}, n_obj=aims, n_ieq_constr=limits + 1

@@ -1,0 +1,77 @@
+"""`wirerope study` of a search: the front is printed and drawn, its designs become runs, and a page says it all."""
+
+import pytest
+from small_search import SEARCH_FILE, beam_search
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.plots.search import front_figure, search_pictures
+from wirerope_mj.runfolder.study_report import write_study_report
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """Return the folder that the command has written."""
+    place = tmp_path_factory.mktemp("searches")
+    (place / "places.py").write_text(SEARCH_FILE, encoding="utf-8")
+    command = ["study", str(place / "places.py"), "--workers", "1", "--open-worst", "2", "--out", str(place / "out")]
+    assert main(command) == 0
+    return place / "out"
+
+
+def test_a_search_becomes_one_folder_with_table_pictures_and_runs_of_its_best(done):
+    files = {path.name for path in done.iterdir() if path.is_file()}
+    assert files >= {"variants.parquet", "study.toml", "summary.json", "front.png", "placements.png"}
+    result = wr.load_study(done)
+    runs = {path.name for path in (done / "worst").iterdir() if path.is_dir()}
+    assert runs == {f"variant-{number:06d}" for number in result.chosen[:2]}
+    run = wr.load_response(done / "worst" / f"variant-{result.knee:06d}")
+    row = result.table.slice(result.knee, 1).to_pylist()[0]
+    # The run takes the study's steps, as its message says: the same bits.
+    assert run.peaks.bodies["beam"].acceleration.value == row["acceleration"]
+
+
+def test_resuming_prints_the_front_again(done, capsys):
+    file = done.parent / "places.py"
+    assert main(["study", str(file), "--resume", "--out", str(done)]) == 0
+    out = capsys.readouterr().out
+    result = wr.load_study(done)
+    assert result.message in " ".join(out.split())
+    assert "knee" in out
+    assert "given" in out
+    for row in result.front.to_pylist():
+        assert f"{100.0 * row['travel']:.4g}" in out
+
+
+def test_a_search_without_a_design_within_its_limits_says_which_is_nearest(done, capsys):
+    command = ["study", str(done.parent / "places.py"), "--travel", "0.001", "--workers", "1", "--generations", "1"]
+    assert main([*command, "--out", str(done.parent / "none")]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "none within the limits. The nearest is design" in out
+    assert "above its limit of 100 %" in out
+    assert not (done.parent / "none" / "placements.png").exists()
+
+
+def test_the_report_holds_front_and_designs(done):
+    page = write_study_report(done)[0].read_text(encoding="utf-8")
+    result = wr.load_study(done)
+    assert "The front: designs within the limits that no other one beats" in page
+    assert "places without a mount" in page
+    assert result.inputs["search"]["optimiser"] in page
+    assert page.count("data:image/") >= 2
+
+
+def test_axes_and_labels_say_what_they_are(done):
+    result = wr.load_study(done)
+    panel = front_figure(result).axes[0]
+    assert panel.get_xlabel() == "share of the rated travel [%]"
+    assert panel.get_ylabel() == "largest acceleration [g]"
+    assert any(f"design {result.knee}" in text.get_text() for text in panel.texts)
+    assert [picture.name for picture in search_pictures(result)] == ["front", "placements"]
+
+
+def test_a_search_for_one_measure_is_drawn_design_by_design(tmp_path):
+    result = beam_search(minimise="acceleration", generations=2).run(tmp_path / "out", workers=1)
+    assert result.front.num_rows == 1
+    assert result.knee is None
+    assert front_figure(result).axes[0].get_xlabel() == "design"
