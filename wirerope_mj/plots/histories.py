@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from wirerope_mj.isolator import AXES
 from wirerope_mj.isolator.travel import SIDES
 from wirerope_mj.response import Response
 from wirerope_mj.units import STANDARD_GRAVITY
-from wirerope_mj.verdicts import AXES, MountPeak, body_peaks, mount_peaks
+from wirerope_mj.verdicts import MountPeak, body_peaks, mount_peaks
 
 _MOST = 3  # lines of bodies or mounts in one panel: more cannot be told apart
 _LONG = 10_000  # samples from which loops are drawn around the largest deflection only

@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from wirerope_mj.frf.samples import along_resonance, busiest_loops
+from wirerope_mj.isolator import AXES
 from wirerope_mj.periodic import Branch, PeriodicOrbit
-from wirerope_mj.verdicts import AXES
 
 _MOST = 4  # panels: from the lowest level to the highest
 _WEAK = 1000.0  # [N], below which forces are read in N

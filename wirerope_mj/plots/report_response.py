@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.figure import Figure
 
+from wirerope_mj.isolator import AXES
 from wirerope_mj.isolator.travel import SIDES
 from wirerope_mj.plots.report_image import (
     BASE,
@@ -25,7 +26,6 @@ from wirerope_mj.plots.report_image import (
 from wirerope_mj.response import Response
 from wirerope_mj.response.columns import column_of
 from wirerope_mj.units import STANDARD_GRAVITY
-from wirerope_mj.verdicts import AXES
 
 MOST = 3
 """Lines of bodies or mounts in one panel: more cannot be told apart."""

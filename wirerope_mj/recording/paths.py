@@ -5,6 +5,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.isolator import AXES as AXES
+
 Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
@@ -12,10 +14,7 @@ APPLICATION = "wirerope_mj"
 TIMELINE = "sim_time"
 FILE = "run.rrd"
 
-AXES = ("roll", "shear", "axial")
-"""Mount axes in the order of every (n_t, 3) array of a mount."""
-
-AXIAL = 2
+AXIAL = AXES.index("axial")
 
 
 def entity(*parts: str) -> str:

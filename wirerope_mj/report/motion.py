@@ -6,6 +6,7 @@ import numpy as np
 
 from wirerope_mj.criteria.steady import steady_stretch
 from wirerope_mj.excitation import Sweep
+from wirerope_mj.isolator import AXES
 from wirerope_mj.plots.report_image import image_of
 from wirerope_mj.plots.report_motion import base_acceleration, motion_figure, moving_axes
 from wirerope_mj.plots.report_response import (
@@ -22,7 +23,7 @@ from wirerope_mj.report.content import Block, Paragraph, Picture, Section, Table
 from wirerope_mj.report.display import ABSENT, fixed, listed, several, shown
 from wirerope_mj.report.record import record_blocks
 from wirerope_mj.report.run import BASE, Absent, FinishedRun, worst_names
-from wirerope_mj.verdicts import AXES, MountPeak, body_peaks, mount_peaks
+from wirerope_mj.verdicts import MountPeak, body_peaks, mount_peaks
 
 _COASTING = 1e-3  # [m/s] at the end, from which the base is said to coast
 _STILL = 1e-6  # [m/s^2]: an rms that is rounding

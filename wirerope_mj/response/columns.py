@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.isolator import AXES
 from wirerope_mj.response.response import BaseResponse, BodyResponse, MountResponse, PointResponse, Response, Samples
 
 Array = npt.NDArray[np.float64]
 _XYZ = ("x", "y", "z")
-_MOUNT_AXES = ("roll", "shear", "axial")
 _KINEMATICS = (
     ("position", _XYZ),
     ("orientation", ("w", "x", "y", "z")),
@@ -44,7 +44,7 @@ class ColumnPlan:
         for room, members, parts in (("bodies", self.bodies, _KINEMATICS), ("points", self.points, _POINT)):
             names += [f"{room}/{m}/{part}/{c}" for m in members for part, cs in parts for c in cs]
         for mount, states in self.mounts:
-            names += [f"mounts/{mount}/{part}/{c}" for part in ("deflection", "force") for c in _MOUNT_AXES]
+            names += [f"mounts/{mount}/{part}/{c}" for part in ("deflection", "force") for c in AXES]
             names += [f"mounts/{mount}/state/{state}" for state in states]
         return names
 
@@ -68,7 +68,7 @@ class ColumnPlan:
             points[name] = PointResponse(samples, column)
             column += sum(len(cs) for _, cs in _POINT)
         for name, states in self.mounts:
-            z = [[i for i, s in enumerate(states) if s.startswith(f"{axis}.z")] for axis in _MOUNT_AXES]
+            z = [[i for i, s in enumerate(states) if s.startswith(f"{axis}.z")] for axis in AXES]
             mounts[name] = MountResponse(samples, column, z, states)
             column += 6 + len(states)
         return base, bodies, points, mounts

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.errors import RecordError
+from wirerope_mj.isolator import AXES as MOUNT_AXES
 from wirerope_mj.response.storage import SampleWriter
 from wirerope_mj.state import State
 from wirerope_mj.sweep.envelope import AXES, Envelope, FrequencySweep, MountEnvelope
@@ -21,7 +22,6 @@ FILE, SUMMARY = "frequency_sweep.parquet", "frequency_sweep.json"
 FORMAT = 1
 _KEY = b"wirerope_mj"
 _FIRST = ("frequency", "base_amplitude", "cycles", "remaining", "settled")
-_MOUNT_AXES = ("roll", "shear", "axial")
 
 STREAM_ROWS = 4096
 """Rows that are kept before a block is written to disk."""
@@ -30,7 +30,7 @@ STREAM_ROWS = 4096
 def column_names(bodies: Sequence[str], mounts: Sequence[str]) -> list[str]:
     """Return the names of the table's columns."""
     names = [*_FIRST, *(f"bodies/{body}/acceleration/{c}" for body in bodies for c in AXES)]
-    return names + [f"mounts/{m}/{part}/{c}" for m in mounts for part in ("lowest", "highest") for c in _MOUNT_AXES]
+    return names + [f"mounts/{m}/{part}/{c}" for m in mounts for part in ("lowest", "highest") for c in MOUNT_AXES]
 
 
 class Table:

@@ -6,8 +6,6 @@ from wirerope_mj.isolator.travel import RATINGS, travel_reached, travel_shares
 from wirerope_mj.response import Response
 from wirerope_mj.units import STANDARD_GRAVITY
 
-AXES = ("roll", "shear", "axial")
-
 
 @dataclass(frozen=True, kw_only=True)
 class BodyPeak:

@@ -3,8 +3,9 @@
 from typing import Any
 
 from wirerope_mj.criteria import judge
+from wirerope_mj.isolator import AXES
 from wirerope_mj.response import Response
-from wirerope_mj.verdicts.peaks import AXES, body_peaks, mount_peaks
+from wirerope_mj.verdicts.peaks import body_peaks, mount_peaks
 from wirerope_mj.verdicts.sentences import verdict_lines
 
 
