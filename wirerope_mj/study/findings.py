@@ -18,7 +18,7 @@ from wirerope_mj.study.result import StudyResult
 from wirerope_mj.study.sampling import LISTED
 from wirerope_mj.study.sobol import SAMPLING
 from wirerope_mj.study.specimens import specimen_sentences
-from wirerope_mj.units import STANDARD_GRAVITY
+from wirerope_mj.units import shown_in
 
 Array = npt.NDArray[np.float64]
 
@@ -34,12 +34,12 @@ _KEPT = ("variant", "status", "message", "generation")
 _ANGLES = (AZIMUTH, ELEVATION)
 _ROOMS = {
     "travel": ("share of the rated travel", "%", 100.0, 1.0),
-    "acceleration": ("largest acceleration", "g", 1.0 / STANDARD_GRAVITY, None),
+    "acceleration": ("largest acceleration", *shown_in("m/s^2"), None),
     "fragility": ("share of the stated acceleration limit", "%", 100.0, 1.0),
     "mounts": ("number of mounts that act", "-", 1.0, None),
-    "deflection": ("largest deflection", "mm", 1e3, None),
-    "displacement": ("largest displacement relative to the base", "mm", 1e3, None),
-    "force": ("largest force", "kN", 1e-3, None),
+    "deflection": ("largest deflection", *shown_in("m"), None),
+    "displacement": ("largest displacement relative to the base", *shown_in("m"), None),
+    "force": ("largest force", *shown_in("N"), None),
 }
 
 
