@@ -48,8 +48,7 @@ def run_study(
     if not (folder / TABLE).is_file():
         missing = sorted(set(numbers) - done(folder))
         already = study.size - sum(min(size, study.size - number * size) for number in missing)
-        with share_bar("study", "variants/s", enabled=progress) as update:
-            update(already / study.size, 0.0)  # one that goes on begins where it stands
+        with share_bar("study", "variants/s", enabled=progress, begun=already / study.size) as update:
             began, ended = perf_counter(), 0
             results = run(study.work, chunks(study, missing, keep), workers=workers, address=address)
             with closing(results):  # so that no process goes on if this one is interrupted
