@@ -161,7 +161,7 @@ def test_a_file_without_a_study_and_one_that_returns_something_else_are_refused(
     with pytest.raises(ModelError, match="no function `study` here"):
         load_study_file(path)
     path.write_text("def study(*, a=1):\n    return a\n", encoding="utf-8")
-    with pytest.raises(ModelError, match="must return a wirerope_mj.Study, got 1"):
+    with pytest.raises(ModelError, match="must return a wirerope_mj.Study or a wirerope_mj.Search, got 1"):
         load_study_file(path).make()
 
 
