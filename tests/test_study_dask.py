@@ -160,6 +160,16 @@ def test_workers_of_a_cluster_that_exists_are_not_this_studys_to_count(tmp_path)
         study().run(tmp_path / "study", engine="dask", workers=2, address="tcp://127.0.0.1:9")
 
 
+def test_a_cluster_without_workers_is_waited_for_and_that_is_said(monkeypatch):
+    class Idle:
+        def nthreads(self):
+            return {}
+
+    monkeypatch.setattr(dask_engine, "PATIENCE", 0.1)
+    with pytest.warns(wr.ClusterWarning, match="cluster at tcp://here:1 has no workers yet; the study waits for them"):
+        dask_engine._warn_if_idle(Idle(), "tcp://here:1")
+
+
 def test_a_cluster_that_cannot_be_reached_loses_nothing_of_what_is_done(local, tmp_path, monkeypatch):
     folder, began = tmp_path / "study", time.monotonic()
     with socket.create_server(("127.0.0.1", 0)) as silent:  # takes the call, and never answers

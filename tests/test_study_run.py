@@ -158,17 +158,21 @@ def test_a_study_that_is_there_is_neither_overwritten_nor_mistaken_for_another(a
         table_study(seed=2).run(folder, resume=True)
     with pytest.raises(wr.RecordError, match="folder of another study .*simulate.duration is 0.05 there and 0.06 here"):
         table_study(duration=0.06).run(folder, resume=True)
+    asked = table_study(question="Which mount?", name="tolerances")
+    assert asked.run(folder, resume=True).message == alone.message  # nothing is missing
     here = study_folder.versions()
+    complete = (folder / study_folder.TABLE).read_bytes()
     for name, message in (
         ("code", "the code of wirerope-mj has changed since this study began, and one table would hold rows of both"),
         ("mujoco", f"this study began with mujoco {here['mujoco']} and would go on with 99.0: one table"),
     ):
         with monkeypatch.context() as patch:
             patch.setattr(study_folder, "versions", lambda name=name: {**here, name: "99.0"})
+            assert table_study().run(folder, resume=True).message == alone.message  # of one table, nothing is mixed
+            (folder / study_folder.TABLE).unlink()
             with pytest.raises(wr.RecordError, match=f"{message}.* Nothing in it was touched.*--force"):
                 table_study().run(folder, resume=True)
-    asked = table_study(question="Which mount?", name="tolerances")
-    assert asked.run(folder, resume=True).message == alone.message  # nothing is missing
+            (folder / study_folder.TABLE).write_bytes(complete)
     assert rows(table_study(seed=2).run(folder, force=True, workers=1).table) != rows(alone.table)
 
 

@@ -17,6 +17,10 @@ class RecordWarning(UserWarning):
     """A measured record can be used, but something about it is suspicious or had to be changed."""
 
 
+class ClusterWarning(UserWarning):
+    """A study waits for a cluster."""
+
+
 class SimulationError(WireRopeError):
     """A simulation cannot start, or ended before its time."""
 

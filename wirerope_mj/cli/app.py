@@ -27,7 +27,7 @@ from wirerope_mj.cli.shock import shock
 from wirerope_mj.cli.statics import statics
 from wirerope_mj.cli.study import list_studies, study_command
 from wirerope_mj.cli.study_report import study_report
-from wirerope_mj.errors import RecordWarning, WireRopeError
+from wirerope_mj.errors import ClusterWarning, RecordWarning, WireRopeError
 
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
 """Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers."""
@@ -180,13 +180,15 @@ def fit(datasheet: Path, out: Path) -> int:
 
 @contextmanager
 def _warnings_said() -> Iterator[None]:
-    """Print what a record makes doubtful as one line each on standard error, without file and line of the code."""
+    """Print what a record makes doubtful, or keeps a study waiting, as one line each on standard error, without code."""
+    ours = (RecordWarning, ClusterWarning)
     with warnings.catch_warnings():
-        warnings.simplefilter("always", RecordWarning)
+        for kind in ours:
+            warnings.simplefilter("always", kind)
         others = warnings.showwarning
 
         def say(message: Warning | str, category: type[Warning], *where: Any) -> None:
-            if issubclass(category, RecordWarning):
+            if issubclass(category, ours):
                 print(f"wirerope: warning: {message}", file=sys.stderr)
             else:
                 others(message, category, *where)

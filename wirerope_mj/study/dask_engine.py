@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
@@ -13,7 +14,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wirerope_mj.errors import SimulationError
+from wirerope_mj.errors import ClusterWarning, SimulationError
 from wirerope_mj.study.compute import Chunk, Part, compute, died
 from wirerope_mj.study.local import processors
 from wirerope_mj.study.variants import Work
@@ -64,6 +65,8 @@ def run_dask(
     check_cluster(workers, address)
     where = "this machine's own cluster" if address is None else f"the cluster at {address}"
     with _client(workers, address) as client, _gone(where):
+        if address is not None:
+            _warn_if_idle(client, address)
         suspects: list[Chunk] = []
         here = _Cluster(client, work, where=where)
         yield from here.parts(iter(chunks), suspects.append)
@@ -203,6 +206,16 @@ def _wait(client: "Client", processes: "subprocess.Popen[bytes]") -> None:
     while not client.nthreads():
         if processes.poll() is not None or time.monotonic() - began > STARTING:
             raise SimulationError("Dask's workers do not start on this machine; use engine 'local'.")
+        time.sleep(0.05)
+
+
+def _warn_if_idle(client: "Client", address: str) -> None:
+    """Warn if a cluster that exists has no worker: those of a batch system may come much later."""
+    began = time.monotonic()
+    while not client.nthreads():
+        if time.monotonic() - began > PATIENCE:
+            warnings.warn(f"the cluster at {address} has no workers yet; the study waits for them.", ClusterWarning, 2)
+            return
         time.sleep(0.05)
 
 
