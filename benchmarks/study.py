@@ -26,13 +26,13 @@ from floor import ISOLATOR, floor_mjcf
 from rounds import interleaved
 
 import wirerope_mj as wr
-from wirerope_mj.study.compute import compute
+from wirerope_mj.study.engines.compute import compute
+from wirerope_mj.study.engines.local import run_local
 from wirerope_mj.study.folder import prepare, write_part
-from wirerope_mj.study.local import run_local
+from wirerope_mj.study.inputs.variants import Maker
 from wirerope_mj.study.measures import measures
 from wirerope_mj.study.responses import PEAKS
 from wirerope_mj.study.run import CHUNK, chunk_size, chunks
-from wirerope_mj.study.variants import Maker
 
 DURATION, TIMESTEP = 0.5, 1e-3
 PROCESSORS = 2

@@ -13,10 +13,10 @@ from small_search import PLACES, beam_search, beam_study, beam_text
 
 import wirerope_mj as wr
 from wirerope_mj.errors import ModelError, RecordError
-from wirerope_mj.study import search_run
-from wirerope_mj.study.compute import Chunk, compute
-from wirerope_mj.study.evolution import Evolution
-from wirerope_mj.study.front import excesses, feasible, front, nearest
+from wirerope_mj.study.engines.compute import Chunk, compute
+from wirerope_mj.study.search import run as search_run
+from wirerope_mj.study.search.evolution import Evolution
+from wirerope_mj.study.search.front import excesses, feasible, front, nearest
 
 FITTED = [f"mount/{name}/fitted" for name in PLACES]
 
@@ -135,7 +135,7 @@ def test_a_search_that_was_killed_ends_with_the_same_bytes(found, tmp_path):
     code = (
         "import os, signal, sys\n"
         "from small_search import beam_search\n"
-        "from wirerope_mj.study import search_run\n"
+        "from wirerope_mj.study.search import run as search_run\n"
         "write, count = search_run.write_part, [0]\n"
         "def deadly(folder, part):\n"
         "    write(folder, part)\n"

@@ -11,7 +11,7 @@ from test_study import PULSE, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.laws import LAWS
-from wirerope_mj.study import check
+from wirerope_mj.study.inputs import check
 
 ONE_BY_ONE = {"vaiana-rosati"}
 """Laws whose rules are about curves, not parameters."""

@@ -10,9 +10,9 @@ from wirerope_mj.cli import main
 from wirerope_mj.errors import ModelError, RecordError
 from wirerope_mj.runfolder.study import write_worst
 from wirerope_mj.runfolder.study_report import write_study_report
-from wirerope_mj.study.findings import row_of, worst
+from wirerope_mj.study.answers.findings import row_of, worst
+from wirerope_mj.study.inputs.variants import direction
 from wirerope_mj.study.study_file import load_study_file, shipped_studies
-from wirerope_mj.study.variants import direction
 
 ANGLES = ("motion/azimuth", "motion/elevation")
 

@@ -3,7 +3,7 @@ import pyarrow as pa
 import pytest
 
 from wirerope_mj.plots.directions import directions_figure
-from wirerope_mj.study.directions import AZIMUTH, ELEVATION, share_of_directions, sphere_areas
+from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION, share_of_directions, sphere_areas
 
 
 def grid(step, *, repeats):

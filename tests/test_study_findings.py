@@ -5,8 +5,8 @@ import pyarrow as pa
 import pytest
 from scipy.stats import qmc
 
-from wirerope_mj.study.findings import chance, checked_measure, measure_of, percent, quantiles, worst
-from wirerope_mj.study.sensitivity import influences
+from wirerope_mj.study.answers.findings import chance, checked_measure, measure_of, percent, quantiles, worst
+from wirerope_mj.study.answers.sensitivity import influences
 
 
 def table_of(inputs, values, *, status=None):

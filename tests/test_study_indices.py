@@ -13,9 +13,9 @@ from scipy.special import ndtri
 import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.plots.study_indices import indices_figure
-from wirerope_mj.study import sobol
-from wirerope_mj.study.findings import chance, sentences, values_of
-from wirerope_mj.study.indices import RESAMPLES, drawn, indices_of
+from wirerope_mj.study.answers.findings import chance, sentences, values_of
+from wirerope_mj.study.answers.indices import RESAMPLES, drawn, indices_of
+from wirerope_mj.study.inputs import sobol
 
 SINGLE = [[0], [1], [2]]
 

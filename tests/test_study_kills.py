@@ -15,8 +15,8 @@ from table_study import FILES, VARY, rows, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.study import folder as study_folder
-from wirerope_mj.study import local
-from wirerope_mj.study.compute import compute, died
+from wirerope_mj.study.engines import local
+from wirerope_mj.study.engines.compute import compute, died
 from wirerope_mj.study.run import chunks
 
 

@@ -11,9 +11,9 @@ from wirerope_mj.cli import main, study_run
 from wirerope_mj.recording import viewer
 from wirerope_mj.runfolder.study import write_worst
 from wirerope_mj.scenario import load_scenario
-from wirerope_mj.study.findings import row_of
+from wirerope_mj.study.answers.findings import row_of
 from wirerope_mj.study.from_scenario import what_can_vary
-from wirerope_mj.study.vary_text import read_vary
+from wirerope_mj.study.inputs.vary_text import read_vary
 
 SCENARIO_FILE = textwrap.dedent('''
     """Does a mass on one mount stand a half-sine?"""

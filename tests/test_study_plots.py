@@ -7,7 +7,7 @@ import pytest
 from wirerope_mj.plots.directions import directions_figure
 from wirerope_mj.plots.study import choices_figure, distribution_figure, sensitivity_figure
 from wirerope_mj.plots.study_pictures import study_pictures
-from wirerope_mj.study.sensitivity import Influence, influences
+from wirerope_mj.study.answers.sensitivity import Influence, influences
 
 
 def table_of(inputs, travel):

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.study import local, responses
-from wirerope_mj.study.compute import compute
+from wirerope_mj.study import responses
+from wirerope_mj.study.engines import local
+from wirerope_mj.study.engines.compute import compute
 from wirerope_mj.study.run import chunk_size, chunks
 
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.0103)  # no sample at its corners

@@ -17,8 +17,8 @@ import wirerope_mj as wr
 from wirerope_mj.resources import models_folder
 from wirerope_mj.response.peaks import MountPeaks, Peak, Peaks
 from wirerope_mj.study import folder as study_folder
-from wirerope_mj.study import local
-from wirerope_mj.study.compute import compute
+from wirerope_mj.study.engines import local
+from wirerope_mj.study.engines.compute import compute
 from wirerope_mj.study.measures import measures
 from wirerope_mj.study.run import chunk_size, chunks
 

@@ -10,7 +10,7 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.identification import joint_spread
 from wirerope_mj.resources import catalogue_folder
-from wirerope_mj.study.specimens import deviation_bounds, known_specimens, rank, specimen_sentences
+from wirerope_mj.study.inputs.specimens import deviation_bounds, known_specimens, rank, specimen_sentences
 from wirerope_mj.study.study_file import load_study_file
 
 TWINS = catalogue_folder() / "twins" / "five_twins_wr16_400.toml"

@@ -6,8 +6,8 @@ from rich.markup import escape
 
 from wirerope_mj.cli.study_tables import empty, shown_number
 from wirerope_mj.cli.tables import console
-from wirerope_mj.study.findings import measure_of
-from wirerope_mj.study.search_result import GENERATION, SearchResult
+from wirerope_mj.study.answers.findings import measure_of
+from wirerope_mj.study.search.result import GENERATION, SearchResult
 
 _ROWS = 24
 _FAILED = 3  # messages of failed designs

@@ -11,10 +11,10 @@ from wirerope_mj.cli.tables import console, print_questions
 from wirerope_mj.option_file import defines
 from wirerope_mj.scenario import ScenarioFile, load_scenario, shipped_scenarios
 from wirerope_mj.study.from_scenario import VARIANTS, study_of, what_can_vary
-from wirerope_mj.study.sampling import SAMPLINGS
+from wirerope_mj.study.inputs.sampling import SAMPLINGS
+from wirerope_mj.study.inputs.vary_text import EXAMPLE, read_vary
 from wirerope_mj.study.study import Study
 from wirerope_mj.study.study_file import StudyFile, load_study_file, shipped_studies
-from wirerope_mj.study.vary_text import EXAMPLE, read_vary
 
 _RUN = (
     own_option(

@@ -10,12 +10,12 @@ from typing import Any
 from wirerope_mj.cli.search_tables import print_search
 from wirerope_mj.cli.study_tables import print_study
 from wirerope_mj.cli.tables import console
-from wirerope_mj.study.answer import answer_of
+from wirerope_mj.study.answers.answer import answer_of
 from wirerope_mj.study.folder import STUDY
 from wirerope_mj.study.measures import measure_names
 from wirerope_mj.study.result import StudyResult
-from wirerope_mj.study.search import Search
-from wirerope_mj.study.search_result import SearchResult
+from wirerope_mj.study.search.result import SearchResult
+from wirerope_mj.study.search.search import Search
 from wirerope_mj.study.study import Study
 
 

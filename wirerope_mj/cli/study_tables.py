@@ -10,9 +10,9 @@ from rich.table import Table
 from rich.text import Text
 
 from wirerope_mj.cli.tables import console
-from wirerope_mj.study.answer import QUANTILES, Answer
-from wirerope_mj.study.findings import CONFIDENCE, input_label, measure_of, percent, sentences
-from wirerope_mj.study.indices import SobolIndices
+from wirerope_mj.study.answers.answer import QUANTILES, Answer
+from wirerope_mj.study.answers.findings import CONFIDENCE, input_label, measure_of, percent, sentences
+from wirerope_mj.study.answers.indices import SobolIndices
 
 _WORST = 8  # variants in the table of the worst
 _INPUTS = 4  # columns of inputs beside a variant

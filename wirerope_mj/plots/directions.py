@@ -9,8 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
 from wirerope_mj.plots.report_image import RATED, WIDTH, report_style, short
-from wirerope_mj.study.directions import AZIMUTH, ELEVATION
-from wirerope_mj.study.findings import Measure, measure_of, values_of
+from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION
+from wirerope_mj.study.answers.findings import Measure, measure_of, values_of
 
 Array = npt.NDArray[np.float64]
 

@@ -11,8 +11,8 @@ from matplotlib.patheffects import withStroke
 from wirerope_mj.plots.report_image import COLOURS, RATED, WIDTH, report_style
 from wirerope_mj.plots.report_scene import draw_plan
 from wirerope_mj.plots.study_pictures import StudyPicture
-from wirerope_mj.study.findings import Measure, measure_of, row_of, values_of
-from wirerope_mj.study.search_result import SearchResult
+from wirerope_mj.study.answers.findings import Measure, measure_of, row_of, values_of
+from wirerope_mj.study.search.result import SearchResult
 
 Array = npt.NDArray[np.float64]
 

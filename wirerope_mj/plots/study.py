@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from wirerope_mj.plots.report_image import BASE, COLOURS, RATED, WIDTH, report_style, short
-from wirerope_mj.study.findings import (
+from wirerope_mj.study.answers.findings import (
     CONFIDENCE,
     Measure,
     chance,
@@ -22,7 +22,7 @@ from wirerope_mj.study.findings import (
     quantiles,
     values_of,
 )
-from wirerope_mj.study.sensitivity import Influence
+from wirerope_mj.study.answers.sensitivity import Influence
 
 Array = npt.NDArray[np.float64]
 

@@ -9,8 +9,8 @@ from matplotlib.ticker import MaxNLocator
 
 from wirerope_mj.plots.report_image import BASE, COLOURS, WIDTH, report_style
 from wirerope_mj.plots.study import words_of
-from wirerope_mj.study.findings import measure_of
-from wirerope_mj.study.indices import SobolIndices
+from wirerope_mj.study.answers.findings import measure_of
+from wirerope_mj.study.answers.indices import SobolIndices
 
 MOST_FACTORS = 12
 """Factors in one picture, the strongest by total index."""

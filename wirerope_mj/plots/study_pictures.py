@@ -17,12 +17,12 @@ from wirerope_mj.plots.study import (
     sensitivity_figure,
 )
 from wirerope_mj.plots.study_indices import indices_figure
-from wirerope_mj.study.directions import AZIMUTH, ELEVATION
-from wirerope_mj.study.findings import headlines, input_names, measure_of, random_study
-from wirerope_mj.study.indices import drawn, sobol_indices
+from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION
+from wirerope_mj.study.answers.findings import headlines, input_names, measure_of, random_study
+from wirerope_mj.study.answers.indices import drawn, sobol_indices
+from wirerope_mj.study.answers.sensitivity import Influence
+from wirerope_mj.study.inputs.sobol import SAMPLING
 from wirerope_mj.study.result import StudyResult
-from wirerope_mj.study.sensitivity import Influence
-from wirerope_mj.study.sobol import SAMPLING
 
 _MOST_CHOICES = 60  # bars in one picture
 

@@ -5,8 +5,8 @@ from wirerope_mj.plots.search import search_pictures
 from wirerope_mj.report.content import Listing, Mark, Paragraph, Picture, ReportContent, Section, Table
 from wirerope_mj.report.display import number, several
 from wirerope_mj.report.study import failed_blocks, numerics_table, varied_table
-from wirerope_mj.study.findings import input_names, measure_of
-from wirerope_mj.study.search_result import GENERATION, SearchResult
+from wirerope_mj.study.answers.findings import input_names, measure_of
+from wirerope_mj.study.search.result import GENERATION, SearchResult
 
 _ROWS = 40
 _EMPTY = 12  # names of empty places that are listed

@@ -8,8 +8,8 @@ from wirerope_mj.plots.report_image import image_of
 from wirerope_mj.plots.study_pictures import study_pictures
 from wirerope_mj.report.content import Block, Cell, Listing, Mark, Paragraph, Picture, ReportContent, Section, Table
 from wirerope_mj.report.display import ABSENT, fixed, number, several
-from wirerope_mj.study.answer import QUANTILES, Answer
-from wirerope_mj.study.findings import input_label, measure_of, percent, sentences
+from wirerope_mj.study.answers.answer import QUANTILES, Answer
+from wirerope_mj.study.answers.findings import input_label, measure_of, percent, sentences
 from wirerope_mj.study.result import StudyResult
 
 _WORST, _INPUTS, _INFLUENCES, _FAILED = 10, 5, 15, 20  # rows and columns that are read

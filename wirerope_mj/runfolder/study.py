@@ -8,10 +8,10 @@ from wirerope_mj.errors import RecordError
 from wirerope_mj.response import load_response
 from wirerope_mj.runfolder.write import run_scenario
 from wirerope_mj.scenario import Scenario
-from wirerope_mj.study.answer import Answer
-from wirerope_mj.study.findings import input_names, worst
+from wirerope_mj.study.answers.answer import Answer
+from wirerope_mj.study.answers.findings import input_names, worst
 from wirerope_mj.study.result import StudyResult
-from wirerope_mj.study.search_result import SearchResult
+from wirerope_mj.study.search.result import SearchResult
 from wirerope_mj.whole import written_whole
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from wirerope_mj.report.page import report_html
 from wirerope_mj.report.search import search_content
 from wirerope_mj.report.study import study_content
 from wirerope_mj.runfolder.page import page_files, write_page
-from wirerope_mj.study.answer import answer_of
+from wirerope_mj.study.answers.answer import answer_of
 from wirerope_mj.study.result import load_study
-from wirerope_mj.study.search_result import SearchResult
+from wirerope_mj.study.search.result import SearchResult
 
 
 def write_study_report(

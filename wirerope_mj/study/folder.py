@@ -16,8 +16,8 @@ import tomli_w
 
 from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.copies import copy_records
-from wirerope_mj.study.compute import DONE, Part
-from wirerope_mj.study.distributions import distribution_to_dict
+from wirerope_mj.study.engines.compute import DONE, Part
+from wirerope_mj.study.inputs.distributions import distribution_to_dict
 from wirerope_mj.study.responses import PEAKS, remove_half_written, write_response
 from wirerope_mj.study.versions import versions
 from wirerope_mj.system.model_files import model_table, write_model

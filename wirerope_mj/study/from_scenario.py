@@ -6,10 +6,10 @@ from typing import Any
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.scenario import Scenario, load_scenario
-from wirerope_mj.study.distributions import Distribution
-from wirerope_mj.study.possible import possible_lines
+from wirerope_mj.study.inputs.distributions import Distribution
+from wirerope_mj.study.inputs.possible import possible_lines
+from wirerope_mj.study.inputs.vary_text import EXAMPLE, signatures
 from wirerope_mj.study.study import Study
-from wirerope_mj.study.vary_text import EXAMPLE, signatures
 from wirerope_mj.system import load_system
 from wirerope_mj.system.varied import with_changes
 

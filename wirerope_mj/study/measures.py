@@ -8,7 +8,7 @@ import numpy as np
 from wirerope_mj.isolator.travel import RATINGS, travel_reached, travel_shares
 from wirerope_mj.response.peaks import Peak, Peaks
 from wirerope_mj.simulation.run import point_name
-from wirerope_mj.study.variants import acts
+from wirerope_mj.study.inputs.variants import acts
 from wirerope_mj.system import System
 
 NAN = math.nan

@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.response.storage import FILE
 from wirerope_mj.simulation.recorder import column_plan
-from wirerope_mj.study.variants import Work
+from wirerope_mj.study.inputs.variants import Work
 from wirerope_mj.whole import written_whole
 
 RESPONSES = "responses"

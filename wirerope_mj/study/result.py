@@ -11,9 +11,9 @@ import pyarrow.parquet as pq
 from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.restore import motion_from_dict
 from wirerope_mj.response import Response
-from wirerope_mj.study.compute import FAILED
-from wirerope_mj.study.distributions import distribution_from_dict
+from wirerope_mj.study.engines.compute import FAILED
 from wirerope_mj.study.folder import TABLE, done, parts, read_inputs
+from wirerope_mj.study.inputs.distributions import distribution_from_dict
 from wirerope_mj.study.responses import kept_response
 from wirerope_mj.system.model_files import read_changes
 
@@ -107,7 +107,7 @@ def load_study(folder: str | Path) -> StudyResult:
     content = read_inputs(folder)
     complete = (folder / TABLE).is_file()
     if "search" in content:
-        from wirerope_mj.study.search_result import SearchResult  # which is a result, too
+        from wirerope_mj.study.search.result import SearchResult  # which is a result, too
 
         designs = pq.read_metadata(folder / TABLE).num_rows if complete else 0
         return SearchResult(folder=folder, inputs=content, variants=designs, complete=complete)

@@ -8,9 +8,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from wirerope_mj.simulation.progress import share_bar
-from wirerope_mj.study.compute import Chunk, Engine
+from wirerope_mj.study.engines.compute import Chunk, Engine
+from wirerope_mj.study.engines.local import run_local
 from wirerope_mj.study.folder import TABLE, done, finish, prepare, write_part
-from wirerope_mj.study.local import run_local
 from wirerope_mj.study.responses import PEAKS, RESPONSES, checked_keep, most_together
 from wirerope_mj.study.result import StudyResult, load_study
 
@@ -88,7 +88,10 @@ def checked_engine(name: str, *, workers: int | None, address: str | None) -> En
             raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")
         return run_local
     if name == "dask":
-        from wirerope_mj.study.dask_engine import check_cluster, run_dask  # an extra that is not always installed
+        from wirerope_mj.study.engines.dask_engine import (  # an extra that is not always installed
+            check_cluster,
+            run_dask,
+        )
 
         check_cluster(workers, address)  # before anything is checked or written
         return run_dask

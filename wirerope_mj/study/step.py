@@ -9,8 +9,8 @@ import pyarrow as pa
 
 from wirerope_mj.simulation.initial import initial_state
 from wirerope_mj.simulation.timestep import choose_timestep
-from wirerope_mj.study.quantities import Column
-from wirerope_mj.study.variants import Maker
+from wirerope_mj.study.inputs.quantities import Column
+from wirerope_mj.study.inputs.variants import Maker
 from wirerope_mj.system import System
 
 

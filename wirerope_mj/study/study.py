@@ -14,14 +14,14 @@ from wirerope_mj.response import Response
 from wirerope_mj.simulation import simulate
 from wirerope_mj.simulation.grid import joined
 from wirerope_mj.simulation.simulate import check_arguments
-from wirerope_mj.study.check import check_variants
-from wirerope_mj.study.distributions import Distribution
-from wirerope_mj.study.quantities import Column, quantities
+from wirerope_mj.study.inputs.check import check_variants
+from wirerope_mj.study.inputs.distributions import Distribution
+from wirerope_mj.study.inputs.quantities import Column, quantities
+from wirerope_mj.study.inputs.sampling import inputs
+from wirerope_mj.study.inputs.variants import Maker, Row, Work
 from wirerope_mj.study.result import StudyResult
 from wirerope_mj.study.run import run_study
-from wirerope_mj.study.sampling import inputs
 from wirerope_mj.study.step import common_step
-from wirerope_mj.study.variants import Maker, Row, Work
 from wirerope_mj.system import Changes, System, load_system
 from wirerope_mj.system.varied import with_changes
 

@@ -8,7 +8,7 @@ from typing import Any
 from wirerope_mj.errors import ModelError
 from wirerope_mj.option_file import all_options, guarded, load_function, question_of
 from wirerope_mj.resources import scenarios_folder
-from wirerope_mj.study.search import Search
+from wirerope_mj.study.search.search import Search
 from wirerope_mj.study.study import Study
 
 

@@ -9,9 +9,9 @@ import numpy.typing as npt
 from scipy.stats import chi2
 
 from wirerope_mj.isolator import Isolator, Spread
-from wirerope_mj.study.distributions import Specimens
-from wirerope_mj.study.quantities import Quantity
-from wirerope_mj.study.sampling import joint
+from wirerope_mj.study.inputs.distributions import Specimens
+from wirerope_mj.study.inputs.quantities import Quantity
+from wirerope_mj.study.inputs.sampling import joint
 
 Array = npt.NDArray[np.float64]
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import pyarrow as pa
 
-from wirerope_mj.study.distributions import Choice, Uniform
-from wirerope_mj.study.evolution import Design
+from wirerope_mj.study.inputs.distributions import Choice, Uniform
+from wirerope_mj.study.inputs.sampling import arrow_type
 from wirerope_mj.study.measures import measure_names
-from wirerope_mj.study.sampling import arrow_type
-from wirerope_mj.study.search_result import SearchResult
-from wirerope_mj.study.search_run import run_search
+from wirerope_mj.study.search.evolution import Design
+from wirerope_mj.study.search.result import SearchResult
+from wirerope_mj.study.search.run import run_search
 from wirerope_mj.study.study import Study
 from wirerope_mj.system import System
 

@@ -10,14 +10,14 @@ import numpy.typing as npt
 import pyarrow as pa
 from scipy.stats import beta
 
-from wirerope_mj.study.compute import DONE
-from wirerope_mj.study.directions import AZIMUTH, ELEVATION, share_of_directions
-from wirerope_mj.study.indices import SobolIndices, drawn, sobol_indices
-from wirerope_mj.study.places import beyond_words, inputs_words
+from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION, share_of_directions
+from wirerope_mj.study.answers.indices import SobolIndices, drawn, sobol_indices
+from wirerope_mj.study.answers.places import beyond_words, inputs_words
+from wirerope_mj.study.engines.compute import DONE
+from wirerope_mj.study.inputs.sampling import LISTED
+from wirerope_mj.study.inputs.sobol import SAMPLING
+from wirerope_mj.study.inputs.specimens import specimen_sentences
 from wirerope_mj.study.result import StudyResult
-from wirerope_mj.study.sampling import LISTED
-from wirerope_mj.study.sobol import SAMPLING
-from wirerope_mj.study.specimens import specimen_sentences
 from wirerope_mj.units import shown_in
 
 Array = npt.NDArray[np.float64]

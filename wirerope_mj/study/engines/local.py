@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import SimulationError
-from wirerope_mj.study.compute import Chunk, Part, compute, died
-from wirerope_mj.study.variants import Work
+from wirerope_mj.study.engines.compute import Chunk, Part, compute, died
+from wirerope_mj.study.inputs.variants import Work
 
 TRIES = 2
 """How often a chunk is begun if its process dies: the first death may have been an accident."""
@@ -126,14 +126,14 @@ class _Process:
     """A worker process and its pipes."""
 
     def __init__(self, pickled_work: bytes) -> None:
-        place = str(Path(__file__).resolve().parents[2])
+        place = str(Path(__file__).resolve().parents[3])
         paths = [place, *filter(None, [os.environ.get("PYTHONPATH")])]
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
         # One thread each: more of them would fight for the processors that the other processes have.
         environment |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
         # A session of its own: Ctrl-C is for the process that started this one, which ends it.
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "wirerope_mj.study.worker"],
+            [sys.executable, "-m", "wirerope_mj.study.engines.worker"],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, start_new_session=True,
         )  # fmt: skip
         try:

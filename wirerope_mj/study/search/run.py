@@ -13,18 +13,18 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from wirerope_mj.simulation.progress import Update, share_bar
-from wirerope_mj.study.compute import Chunk, Engine, Part
-from wirerope_mj.study.evolution import Design, Evolution, check_installed
+from wirerope_mj.study.engines.compute import Chunk, Engine, Part
+from wirerope_mj.study.engines.local import run_local
 from wirerope_mj.study.folder import TABLE, finish, part_path, prepare, write_part
-from wirerope_mj.study.front import Array, aims, excesses
-from wirerope_mj.study.local import run_local
 from wirerope_mj.study.responses import RESPONSES, checked_keep
 from wirerope_mj.study.result import load_study
 from wirerope_mj.study.run import checked_engine, chunk_size
-from wirerope_mj.study.search_result import GENERATION, SearchResult
+from wirerope_mj.study.search.evolution import Design, Evolution, check_installed
+from wirerope_mj.study.search.front import Array, aims, excesses
+from wirerope_mj.study.search.result import GENERATION, SearchResult
 
 if TYPE_CHECKING:
-    from wirerope_mj.study.search import Search
+    from wirerope_mj.study.search.search import Search
 
 
 def run_search(

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.study.directions import share_of_directions
-from wirerope_mj.study.findings import (
+from wirerope_mj.study.answers.directions import share_of_directions
+from wirerope_mj.study.answers.findings import (
     HEADLINES,
     Chance,
     Measure,
@@ -23,10 +23,10 @@ from wirerope_mj.study.findings import (
     values_of,
     worst,
 )
-from wirerope_mj.study.indices import SobolIndices, drawn, sobol_indices
+from wirerope_mj.study.answers.indices import SobolIndices, drawn, sobol_indices
+from wirerope_mj.study.answers.sensitivity import Influence, influences
+from wirerope_mj.study.inputs.sobol import SAMPLING
 from wirerope_mj.study.result import StudyResult
-from wirerope_mj.study.sensitivity import Influence, influences
-from wirerope_mj.study.sobol import SAMPLING
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 

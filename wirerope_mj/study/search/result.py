@@ -9,10 +9,10 @@ import pyarrow as pa
 
 from wirerope_mj.response.scene import Scene
 from wirerope_mj.simulation.scene import scene_of
-from wirerope_mj.study.findings import measure_of
-from wirerope_mj.study.front import Mask, feasible, front, nearest
+from wirerope_mj.study.answers.findings import measure_of
+from wirerope_mj.study.inputs.variants import acts
 from wirerope_mj.study.result import StudyResult
-from wirerope_mj.study.variants import acts
+from wirerope_mj.study.search.front import Mask, feasible, front, nearest
 
 if TYPE_CHECKING:
     from wirerope_mj.study.study import Study

@@ -8,10 +8,10 @@ import pyarrow as pa
 
 from wirerope_mj.errors import WireRopeError
 from wirerope_mj.simulation import BatchFailure, BatchResult, simulate_batch
+from wirerope_mj.study.inputs.sampling import arrow_type
+from wirerope_mj.study.inputs.variants import Maker, Work
 from wirerope_mj.study.measures import NAN, measure_names, measures
 from wirerope_mj.study.responses import packed
-from wirerope_mj.study.sampling import arrow_type
-from wirerope_mj.study.variants import Maker, Work
 
 DONE, FAILED = "done", "failed"
 """What `status` says."""

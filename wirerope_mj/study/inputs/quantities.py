@@ -8,7 +8,7 @@ from typing import Any
 from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.isolator import AXES, Isolator
-from wirerope_mj.study.distributions import Choice, Distribution, Specimens
+from wirerope_mj.study.inputs.distributions import Choice, Distribution, Specimens
 from wirerope_mj.system import System
 from wirerope_mj.system.varied import moving_bodies
 

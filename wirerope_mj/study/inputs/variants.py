@@ -11,7 +11,7 @@ import numpy.typing as npt
 from wirerope_mj.excitation import BaseMotion, Scaled, Turned
 from wirerope_mj.isolator import Isolator, Limits
 from wirerope_mj.laws import BoucWenBaberNoori, KelvinVoigt, Law, Masing, Zener
-from wirerope_mj.study.quantities import WORLD, Column
+from wirerope_mj.study.inputs.quantities import WORLD, Column
 from wirerope_mj.system import Changes, System
 from wirerope_mj.system.varied import changed
 

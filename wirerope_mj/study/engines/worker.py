@@ -1,7 +1,7 @@
 """A process that computes chunks: reads them from its standard input and writes their parts to its standard output.
 
-It is started by `wirerope_mj.study.local` as a module of its own, so that it never runs the script that asked for the study:
-such a script needs no guard. It ends with its input, and so with the process that started it.
+It is started by the local engine as a module of its own, so that it never runs the script that asked for the study: such a
+script needs no guard. It ends with its input, and so with the process that started it.
 """
 
 import os
@@ -10,7 +10,7 @@ import signal
 import sys
 from typing import Any, BinaryIO
 
-from wirerope_mj.study.compute import compute
+from wirerope_mj.study.engines.compute import compute
 
 
 def main() -> None:

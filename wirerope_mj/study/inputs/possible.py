@@ -6,7 +6,7 @@ import numpy as np
 
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.laws import Law
-from wirerope_mj.study.quantities import WORLD
+from wirerope_mj.study.inputs.quantities import WORLD
 from wirerope_mj.system import System
 from wirerope_mj.system.varied import moving_bodies
 

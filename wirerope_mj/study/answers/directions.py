@@ -4,7 +4,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from wirerope_mj.study.compute import DONE
+from wirerope_mj.study.engines.compute import DONE
 
 Array = npt.NDArray[np.float64]
 

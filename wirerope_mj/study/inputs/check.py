@@ -11,8 +11,8 @@ from wirerope_mj.errors import ModelError, WireRopeError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.simulation.simulate import check_direction
-from wirerope_mj.study.quantities import Column
-from wirerope_mj.study.variants import Maker, Row, without_force
+from wirerope_mj.study.inputs.quantities import Column
+from wirerope_mj.study.inputs.variants import Maker, Row, without_force
 from wirerope_mj.system import System
 
 BLOCK = 1024

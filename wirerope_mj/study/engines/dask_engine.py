@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wirerope_mj.errors import ClusterWarning, SimulationError
-from wirerope_mj.study.compute import Chunk, Part, compute, died
-from wirerope_mj.study.local import processors
-from wirerope_mj.study.variants import Work
+from wirerope_mj.study.engines.compute import Chunk, Part, compute, died
+from wirerope_mj.study.engines.local import processors
+from wirerope_mj.study.inputs.variants import Work
 from wirerope_mj.study.versions import versions
 
 if TYPE_CHECKING:
@@ -184,7 +184,7 @@ def _workers(place: str, number: int) -> Iterator["subprocess.Popen[bytes]"]:
     """
     command = [sys.executable, "-m", "dask", "worker", place, "--nworkers", str(number), "--nthreads", "1",
                "--host", "127.0.0.1", "--no-dashboard", "--memory-limit", "0", "--death-timeout", f"{STARTING:g}"]  # fmt: skip
-    paths = [str(Path(__file__).resolve().parents[2]), *filter(None, [os.environ.get("PYTHONPATH")])]
+    paths = [str(Path(__file__).resolve().parents[3]), *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
     with (
         tempfile.TemporaryDirectory() as folder,

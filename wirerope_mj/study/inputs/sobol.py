@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.stats import qmc
 
-from wirerope_mj.study.quantities import Quantity
+from wirerope_mj.study.inputs.quantities import Quantity
 
 Array = npt.NDArray[np.float64]
 

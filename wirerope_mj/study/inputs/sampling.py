@@ -11,9 +11,9 @@ from scipy.special import ndtri
 from scipy.stats import qmc
 
 from wirerope_mj.isolator import Isolator
-from wirerope_mj.study import sobol
-from wirerope_mj.study.distributions import SMALLEST, Choice, Specimens, Uniform
-from wirerope_mj.study.quantities import Column, Quantity
+from wirerope_mj.study.inputs import sobol
+from wirerope_mj.study.inputs.distributions import SMALLEST, Choice, Specimens, Uniform
+from wirerope_mj.study.inputs.quantities import Column, Quantity
 
 Array = npt.NDArray[np.float64]
 

@@ -11,7 +11,7 @@ import pyarrow as pa
 from scipy.stats import f as f_distribution
 from scipy.stats import rankdata
 
-from wirerope_mj.study.compute import DONE
+from wirerope_mj.study.engines.compute import DONE
 
 Array = npt.NDArray[np.float64]
 

@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from wirerope_mj.study.compute import DONE
+from wirerope_mj.study.engines.compute import DONE
+from wirerope_mj.study.inputs.sobol import FEWEST, SAMPLING, factors
 from wirerope_mj.study.result import StudyResult
-from wirerope_mj.study.sobol import FEWEST, SAMPLING, factors
 
 Array = npt.NDArray[np.float64]
 

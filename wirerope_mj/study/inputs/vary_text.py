@@ -5,7 +5,7 @@ import inspect
 from collections.abc import Sequence
 from typing import Any, get_args
 
-from wirerope_mj.study.distributions import Distribution
+from wirerope_mj.study.inputs.distributions import Distribution
 
 EXAMPLE = "mount/m*/axial/alpha = Normal(1, 0.1, relative, each)"
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.study import distributions
+from wirerope_mj.study.inputs import distributions
 
 Array = npt.NDArray[np.float64]
 Design = dict[str, Any]

@@ -1,0 +1,1 @@
+"""What the table of a study says: distributions, chances, influences, the worst variants."""

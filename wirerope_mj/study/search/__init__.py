@@ -1,0 +1,1 @@
+"""Searches: designs made better generation by generation, within limits."""
