@@ -127,3 +127,50 @@ def test_only_what_columns_cannot_say_is_asked_one_by_one(monkeypatch):
     asked.clear()
     with pytest.raises(wr.ModelError, match="variant 0 .*same sigma"):
         table_study({"mount/m1/roll/beta": wr.Normal(1.0, 0.1, relative=True, low=0.5)}, **shared).table()
+
+
+@pytest.mark.parametrize("gammas", [(-0.7, -0.65), (-0.7, -0.2)])
+def test_a_law_that_ends_in_some_rows_alone_is_no_raw_error(gammas):
+    # beta 0.6, n 2: with gamma < -0.6 the force is infinite at a finite deflection, and n stays one number for all rows.
+    law = example("symmetric-bouc-wen")
+    assert not law.surely_holds({"gamma": np.array(gammas)})
+    assert law.surely_holds({"gamma": np.array([-0.5, -0.2])})
+
+
+LIMIT_CURVES = {"kb": 3e4, "f0": 150.0, "alpha": 300.0, "b1": 20.0, "b2": 60.0}
+
+
+@pytest.mark.parametrize("parameter", LIMIT_CURVES)
+@pytest.mark.parametrize("relative", [True, False])
+def test_a_varied_limit_curve_is_the_one_whose_file_was_edited(parameter, relative):
+    law = LAWS["vaiana-rosati"](**LIMIT_CURVES)
+    isolators = {"wr12_400": wr.Isolator(name="curves", axial=law, roll=law, shear=law)}
+    value = 1.1 if relative else 1.1 * LIMIT_CURVES[parameter]
+    study = table_study(
+        {f"mount/m1/axial/{parameter}": wr.Choice(value, relative=relative)},
+        isolators=isolators, sampling="grid", variants=None,
+    )  # fmt: skip
+    assert study.table().num_rows == 1
+    by_hand = LAWS["vaiana-rosati"](**{**LIMIT_CURVES, parameter: 1.1 * LIMIT_CURVES[parameter]})
+    assert study.system(0).mounts["m1"].isolator.axial == by_hand
+
+
+def test_what_a_law_states_itself_does_not_follow():
+    law = LAWS["vaiana-rosati"](**LIMIT_CURVES, f0_minus=100.0)
+    assert law.with_followers({"f0": 165.0}) == {"f0": 165.0}
+    assert law.with_followers({"alpha": 1.0, "alpha_minus": 2.0}) == {"alpha": 1.0, "alpha_minus": 2.0}
+    assert law.with_followers({"f0_minus": 90.0}) == {"f0_minus": 90.0}
+
+
+def test_columns_of_equal_limit_curves_are_checked_at_once():
+    law = LAWS["vaiana-rosati"](**LIMIT_CURVES)
+    column = np.array([0.9, 1.1])
+    assert law.surely_holds(law.with_followers({"kb": 3e4 * column, "f0": 150.0 * column}))
+    assert not law.surely_holds(law.with_followers({"f0": 150.0 * np.array([1.0, -0.1])}))
+    assert not law.surely_holds({"kb": 3e4 * column})  # other slopes downwards: the curves cross
+
+
+def test_where_limit_curves_cross_is_where_the_force_of_both_is_one():
+    law = LAWS["vaiana-rosati"](**LIMIT_CURVES, kb_minus=2.9e4)
+    # 3e4 x + f0 = 2.9e4 x - f0
+    assert law.finite_travel == pytest.approx(300.0 / 1e3, rel=1e-12)

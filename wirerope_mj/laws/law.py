@@ -26,6 +26,8 @@ class Law(ABC):
     kernel: ClassVar[int]
     rate_independent: ClassVar[bool] = True
     travel_rule: ClassVar[str] = "its force becomes infinite"
+    leaders: ClassVar[Mapping[str, str]] = {}
+    """The parameter that another one is equal to unless it is stated itself, by the name of that one."""
 
     def __post_init__(self) -> None:
         for key, value in list(vars(self).items()):
@@ -98,10 +100,21 @@ class Law(ABC):
         for field in fields(self):
             object.__setattr__(many, field.name, columns.get(field.name, getattr(self, field.name)))
         try:
-            many._validate()
-            return many.finite_travel == math.inf
-        except (TypeError, ValueError):
+            # Entries that the law has no number for divide by zero, or lie beyond the largest one: they are not infinite.
+            with np.errstate(all="ignore"):
+                many._validate()
+                return bool(np.all(many.finite_travel == math.inf))
+        except (ArithmeticError, TypeError, ValueError):
             return False
+
+    def with_followers(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return new values of parameters, and of those that follow them: equal to their leader, and not given themselves."""
+        follow = {
+            name: values[leader]
+            for name, leader in self.leaders.items()
+            if leader in values and name not in values and getattr(self, name) == getattr(self, leader)
+        }
+        return {**values, **follow}
 
     def to_dict(self) -> dict[str, Any]:
         """Return the law as it stands in an isolator file."""

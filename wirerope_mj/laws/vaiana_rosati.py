@@ -1,15 +1,16 @@
 """Vaiana and Rosati's rate-independent law."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
 from wirerope_mj.laws import kernels
-from wirerope_mj.laws.law import Law
+from wirerope_mj.laws.law import Law, anywhere
 
 _NAMES = ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")
 
@@ -23,9 +24,10 @@ class VaianaRosati(Law):
         fe(x) = b1 (exp(b2 x) - 1) + 4 g1 / (1 + exp(-g2 (x - g3))) - 2 g1
 
     with any earlier point (x_P, F_P) of the branch, so that a branch is exact in one step. kb [N/m], f0 [N], alpha [1/m],
-    b1 [N], b2 [1/m], g1 [N], g2 [1/m], g3 [m]; `..._minus` are those of the lower curve, the same where they are not given.
-    b1 and b2 harden one side, g1 to g3 bend both. Both curves are shifted by one force, so that their mean m is zero at x = 0
-    where the unloaded isolator stands; F = m(x) + z. With f0 = f0_minus and g3 = 0 that force is none.
+    b1 [N], b2 [1/m], g1 [N], g2 [1/m], g3 [m]; `..._minus` are those of the lower curve; where they are not given they are
+    the same, and vary with them. b1 and b2 harden one side, g1 to g3 bend both. Both curves are shifted by one force, so that
+    their mean m is zero at x = 0 where the unloaded isolator stands; F = m(x) + z. With f0 = f0_minus and g3 = 0 that
+    force is none.
 
     With the same parameters both ways it is kb x + fe(x) beside Bouc-Wen's z with n = 1, gamma = 0, beta = alpha and the slope
     alpha f0: passive if kb, b1 b2 and g1 g2 are not negative. Different parameters describe measured loops but not a passive
@@ -38,6 +40,7 @@ class VaianaRosati(Law):
     name: ClassVar[str] = "vaiana-rosati"
     kernel: ClassVar[int] = kernels.VAIANA_ROSATI
     travel_rule: ClassVar[str] = "its limit curves cross"
+    leaders: ClassVar[Mapping[str, str]] = {f"{name}_minus": name for name in _NAMES}
 
     kb: float
     f0: float
@@ -64,11 +67,12 @@ class VaianaRosati(Law):
 
     def _validate(self) -> None:
         for name in ("f0", "alpha", "f0_minus", "alpha_minus"):
-            if getattr(self, name) <= 0.0:
+            if anywhere(getattr(self, name) <= 0.0):
                 raise ValueError(f"`{name}` must be > 0, got {getattr(self, name)}: the law would not dissipate.")
-        if self._gap(0.0) <= 0.0:
+        gap = np.min(self._gap(0.0))
+        if gap <= 0.0:
             raise ValueError(
-                f"the upper limit curve must lie above the lower one, but at zero it lies {-self._gap(0.0):.6g} N below."
+                f"the upper limit curve must lie above the lower one, but at zero it lies {-gap:.6g} N below."
             )
 
     def kernel_parameters(self) -> npt.NDArray[np.float64]:
@@ -77,7 +81,7 @@ class VaianaRosati(Law):
         return np.array([*self._parameters, 0.5 * (upper + lower)])
 
     @property
-    def _parameters(self) -> list[float]:
+    def _parameters(self) -> list[Any]:
         """Parameters of the upper curve, then those of the lower one."""
         return [getattr(self, name + side) for side in ("", "_minus") for name in _NAMES]
 
@@ -88,10 +92,15 @@ class VaianaRosati(Law):
         lower, lower_slope = kernels.limit_curve(p, 8, x)
         return upper + p[1], lower - p[9], upper_slope, lower_slope
 
-    def _gap(self, x: float) -> float:
-        """Return the distance of the limit curves at x [N]."""
-        upper, lower, _, _ = self._limits(x)
-        return upper - lower
+    def _gap(self, x: Any) -> Any:
+        """Return the distance of the limit curves at x [N]; x may be an array, and so may the parameters."""
+        p = self._parameters
+        with np.errstate(over="ignore", invalid="ignore"):
+            upper, lower = (
+                b1 * np.expm1(b2 * x) + 2.0 * g1 * np.tanh(0.5 * g2 * (x - g3)) + kb * x
+                for kb, _, _, b1, b2, g1, g2, g3 in (p[:8], p[8:])
+            )
+            return upper + p[1] - (lower - p[9])
 
     @property
     def state_names(self) -> tuple[str, ...]:
@@ -101,7 +110,7 @@ class VaianaRosati(Law):
     @property
     def z_max(self) -> float:
         """Half the distance of the limit curves at zero [N], the bound of z if both have the same shape."""
-        return 0.5 * self._gap(0.0)
+        return 0.5 * float(self._gap(0.0))
 
     @property
     def initial_stiffness(self) -> float:
@@ -118,8 +127,10 @@ class VaianaRosati(Law):
     def finite_travel(self) -> float:
         """Smallest deflection to either side at which the limit curves cross [m]; infinite if they never do."""
         p = self._parameters
-        if all(p[i] == p[i + 8] for i in (0, 3, 4, 5, 6, 7)):
+        if all(np.array_equal(p[i], p[i + 8]) for i in (0, 3, 4, 5, 6, 7)):
             return math.inf
+        if any(isinstance(value, np.ndarray) for value in p):
+            raise TypeError("where limit curves cross is sought for one law at a time.")
         growth = max(abs(p[4]), abs(p[12]))
         lengths = [1.0 / abs(p[i]) for i in (4, 6, 12, 14) if p[i]] + [abs(p[i]) for i in (7, 15) if p[i]]
         if p[0] != p[8]:
@@ -129,7 +140,7 @@ class VaianaRosati(Law):
         steps = np.geomspace(1e-3 * min(lengths), farthest, 2000)
         crossings = []
         for sign in (-1.0, 1.0):
-            gaps = np.array([self._gap(sign * step) for step in steps])
+            gaps = self._gap(sign * steps)
             if (gaps <= 0.0).any():
                 first = int(np.argmax(gaps <= 0.0))
                 inside = steps[first - 1] if first else 0.0

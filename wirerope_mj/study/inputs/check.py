@@ -87,7 +87,7 @@ def _law_holds(system: System, mount: str, axis: str, parameters: Mapping[str, A
     isolator = system.mounts[mount].isolator
     law = isolator.axes[axis]
     coupled = isolator.coupling is not None and axis != "axial"  # roll and shear must then suit each other, too
-    return law is not None and not coupled and law.surely_holds(parameters)
+    return law is not None and not coupled and law.surely_holds(law.with_followers(parameters))
 
 
 def _motions_can_be(system: System, columns: Sequence[Column], values: Values, block: pa.Table, check: Check) -> bool:

@@ -144,7 +144,7 @@ def _edited(isolator: Isolator, edit: Mapping[tuple[str, ...], tuple[bool, Any]]
         law = isolator.axes[axis]
         assert law is not None  # `quantities` has seen to it
         try:
-            changed[axis] = replace(law, **values)
+            changed[axis] = replace(law, **law.with_followers(values))
         except ValueError as error:
             raise ValueError(f"[{axis}] {error}") from None
     return replace(isolator, **changed)  # type: ignore[arg-type]
