@@ -62,6 +62,7 @@ def test_measures_are_those_of_the_peaks():
     found = measures(
         system,
         Peaks(bodies=still.bodies, points=still.points, mounts={"m1": MountPeaks(deflection=deflection, force=force)}),
+        None,
     )
     rated = system.mounts["m1"].isolator.limits.travel
     assert [found[f"deflection/m1/{way}"] for way in ("compression", "tension", "shear", "roll")] == [
@@ -77,9 +78,9 @@ def test_measures_are_those_of_the_peaks():
 def test_every_variant_is_what_it_is_alone_bit_for_bit(alone):
     study = table_study()
     for number in (0, 17, 39):
-        peaks = study.response(number).peaks
+        response = study.response(number)
         row = alone.table.slice(number, 1).to_pylist()[0]
-        found = measures(study.system(number), peaks)
+        found = measures(study.system(number), response.peaks, response.initial_state)
         assert {key: row[key] for key in found} == pytest.approx(found, rel=0.0, abs=0.0, nan_ok=True)
 
 
@@ -96,7 +97,8 @@ def test_a_floor_whose_everything_varies_is_what_each_variant_is_alone(tmp_path)
     result = study.run(tmp_path / "floor", workers=1)
     assert result.failed == {}
     for number in (1, 4):
-        found = measures(study.system(number), study.response(number).peaks)
+        response = study.response(number)
+        found = measures(study.system(number), response.peaks, response.initial_state)
         row = result.table.slice(number, 1).to_pylist()[0]
         assert {key: row[key] for key in found} == pytest.approx(found, rel=0.0, abs=0.0, nan_ok=True)
 

@@ -243,7 +243,8 @@ def _flat(content: Any, place: str = "") -> dict[str, Any]:
 
 def _summary(study: "Study", folder: Path) -> dict[str, Any]:
     """Return what a reader wants first, as plain values."""
-    kept = ["acceleration", "travel", "fragility"]
+    wanted, known = ("acceleration", "travel", "static_load", "fragility"), pq.read_schema(folder / TABLE).names
+    kept = [name for name in wanted if name in known]  # older tables know less
     table = pq.read_table(folder / TABLE, columns=["variant", "status", *kept])
     ended = np.asarray(table["status"]) == DONE
     figures: dict[str, Any] = {}

@@ -5,9 +5,12 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from wirerope_mj.isolator.static_rating import static_load_unjudged
 from wirerope_mj.isolator.travel import RATINGS, travel_reached, travel_shares
 from wirerope_mj.response.peaks import Peak, Peaks
 from wirerope_mj.simulation.run import point_name
+from wirerope_mj.state import State
+from wirerope_mj.statics.loads import forces_at_rest
 from wirerope_mj.study.inputs.variants import acts
 from wirerope_mj.system import System
 
@@ -17,27 +20,30 @@ NAN = math.nan
 def measure_names(system: System) -> list[str]:
     """Return the names of all measures, the columns of the table between inputs and status."""
     bodies, points = payload_bodies(system), payload_points(system)
-    names = ["acceleration", "travel", "fragility", "mounts"]
+    names = ["acceleration", "travel", "static_load", "fragility", "mounts"]
     names += [f"acceleration/{name}" for name in (*bodies, *points)]
     names += [f"displacement/{name}" for name in points]
     for mount in system.mounts:
-        names += [*(f"deflection/{mount}/{rating}" for rating in RATINGS), f"travel/{mount}", f"force/{mount}"]
+        names += [f"deflection/{mount}/{rating}" for rating in RATINGS]
+        names += [f"{measure}/{mount}" for measure in ("travel", "static_load", "force")]
     return names
 
 
-def measures(system: System, peaks: Peaks) -> dict[str, float]:
-    """Return the measures of one variant.
+def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, float]:
+    """Return the measures of one variant; `rest` is the equilibrium that it starts from, None if it starts from none.
 
     acceleration: largest norm of any payload body [m/s^2]; acceleration/NAME: of one body or point. travel: largest share of
     a rated travel [-] of any mount; travel/MOUNT: of one; deflection/MOUNT/compression, tension, shear and roll [m], all
-    positive; force/MOUNT: largest norm [N]. displacement/POINT: largest norm relative to the base [m]. fragility: largest
-    share [-] of an acceleration that the model states as a limit. mounts: number of mounts that are fitted and have not
-    failed. NaN where nothing is rated or stated.
+    positive; force/MOUNT: largest norm [N]. static_load: largest share of a rated static load [-] of any mount at rest;
+    static_load/MOUNT: of one, not judged where it hangs or carries more across its axis than along it.
+    displacement/POINT: largest norm relative to the base [m]. fragility: largest share [-] of an acceleration that the model
+    states as a limit. mounts: number of mounts that are fitted and have not failed. NaN where nothing is rated or stated.
     """
     bodies, points = payload_bodies(system), payload_points(system)
     at = {name: peaks.bodies[name].acceleration for name in bodies}
     at |= {name: peaks.points[name].acceleration for name in points}
-    found = {"acceleration": _largest(at[name].value for name in bodies), "travel": NAN, "fragility": NAN}
+    found = {"acceleration": _largest(at[name].value for name in bodies)}
+    found |= dict.fromkeys(("travel", "static_load", "fragility"), NAN)
     found["mounts"] = float(sum(acts(mount.isolator) for mount in system.mounts.values()))
     found |= {f"acceleration/{name}": peak.value for name, peak in at.items()}
     found |= {f"displacement/{name}": peaks.points[name].relative_displacement.value for name in points}
@@ -50,7 +56,10 @@ def measures(system: System, peaks: Peaks) -> dict[str, float]:
         shares.append(_largest(travel_shares(reached, mount.isolator.limits.travel.stated).values()))
         found |= {f"deflection/{name}/{rating}": value for rating, value in reached.items()}
         found |= {f"travel/{name}": shares[-1], f"force/{name}": peaks.mounts[name].force.value}
-    found["travel"] = _largest(share for share in shares if not math.isnan(share))
+    loads = _static_loads(system, rest)
+    found |= {f"static_load/{name}": share for name, share in loads.items()}
+    for measure, values in (("travel", shares), ("static_load", loads.values())):
+        found[measure] = _largest(share for share in values if not math.isnan(share))
     found["fragility"] = _fragility(system, at)
     return found
 
@@ -68,6 +77,18 @@ def payload_points(system: System) -> list[str]:
     n = len(subjects.bodies)
     names = [point_name(system.model, point) for point in subjects.points]
     return [name for place, name in enumerate(names) if n + 2 * place not in on_base]
+
+
+def _static_loads(system: System, rest: State | None) -> dict[str, float]:
+    """Return the share of its rated static load that every mount carries at rest; NaN where it is not judged."""
+    found = dict.fromkeys(system.mounts, NAN)
+    if rest is None:
+        return found
+    for (name, mount), force in zip(system.mounts.items(), forces_at_rest(system, rest), strict=True):
+        rated = mount.isolator.limits.static_load
+        if rated is not None and not static_load_unjudged(force, rated):
+            found[name] = max(-float(force[2]), 0.0) / rated
+    return found
 
 
 def _fragility(system: System, at: dict[str, Peak]) -> float:

@@ -12,6 +12,10 @@ from wirerope_mj.study.inputs.sampling import arrow_type
 from wirerope_mj.study.inputs.variants import Maker, Work
 from wirerope_mj.study.measures import NAN, measure_names, measures
 from wirerope_mj.study.responses import packed
+from wirerope_mj.system import System
+
+UNLOADED = "unloaded"
+"""The start of a variant that does not begin at rest."""
 
 DONE, FAILED = "done", "failed"
 """What `status` says."""
@@ -105,14 +109,16 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, b
             return [outcome for row in rows for outcome in _outcomes(work, [row], responses)]
         return [f"{type(error).__name__}: {error}"]
     for place, system, result in zip(places, systems, results, strict=True):
-        found[place] = _outcome(system, result)
+        found[place] = _outcome(work, system, result)
         if responses is not None and isinstance(result, BatchResult) and result.response is not None:
             responses[int(rows[place]["variant"])] = packed(result.response)
     return [found[place] for place in range(len(rows))]
 
 
-def _outcome(system: Any, result: BatchResult | BatchFailure) -> Outcome:
-    return result.message if isinstance(result, BatchFailure) else measures(system, result.peaks)
+def _outcome(work: Work, system: System, result: BatchResult | BatchFailure) -> Outcome:
+    if isinstance(result, BatchFailure):
+        return result.message
+    return measures(system, result.peaks, None if work.initial == UNLOADED else result.initial_state)
 
 
 def _table(work: Work, chunk: Chunk, outcomes: Sequence[Outcome]) -> pa.Table:
