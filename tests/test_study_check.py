@@ -157,16 +157,16 @@ def test_a_varied_limit_curve_is_the_one_whose_file_was_edited(parameter, relati
 
 def test_what_a_law_states_itself_does_not_follow():
     law = LAWS["vaiana-rosati"](**LIMIT_CURVES, f0_minus=100.0)
-    assert law.with_followers({"f0": 165.0}) == {"f0": 165.0}
-    assert law.with_followers({"alpha": 1.0, "alpha_minus": 2.0}) == {"alpha": 1.0, "alpha_minus": 2.0}
-    assert law.with_followers({"f0_minus": 90.0}) == {"f0_minus": 90.0}
+    assert law.completed({"f0": 165.0}) == {"f0": 165.0}
+    assert law.completed({"alpha": 1.0, "alpha_minus": 2.0}) == {"alpha": 1.0, "alpha_minus": 2.0}
+    assert law.completed({"f0_minus": 90.0}) == {"f0_minus": 90.0}
 
 
 def test_columns_of_equal_limit_curves_are_checked_at_once():
     law = LAWS["vaiana-rosati"](**LIMIT_CURVES)
     column = np.array([0.9, 1.1])
-    assert law.surely_holds(law.with_followers({"kb": 3e4 * column, "f0": 150.0 * column}))
-    assert not law.surely_holds(law.with_followers({"f0": 150.0 * np.array([1.0, -0.1])}))
+    assert law.surely_holds(law.completed({"kb": 3e4 * column, "f0": 150.0 * column}))
+    assert not law.surely_holds(law.completed({"f0": 150.0 * np.array([1.0, -0.1])}))
     assert not law.surely_holds({"kb": 3e4 * column})  # other slopes downwards: the curves cross
 
 

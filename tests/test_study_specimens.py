@@ -6,9 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from test_study import table_study
 
 import wirerope_mj as wr
 from wirerope_mj.identification import joint_spread
+from wirerope_mj.identification.specimens import own_parameters
+from wirerope_mj.laws import LAWS, Masing
 from wirerope_mj.resources import catalogue_folder
 from wirerope_mj.study.inputs.specimens import deviation_bounds, known_specimens, rank, specimen_sentences
 from wirerope_mj.study.study_file import load_study_file
@@ -156,3 +159,62 @@ def test_redrawn_studies_differ_and_come_again():
     assert first.table().equals(again.table())
     assert not first.table().equals(other.table())
     assert first.base.mounts["m01"].isolator.axial != other.base.mounts["m01"].isolator.axial
+
+
+def scattered(law, seed=0):
+    """Return an isolator of five laws that differ by 3 %, with what `identify_specimens` would keep of them."""
+    factors = 1.0 + 0.03 * np.random.default_rng(seed).standard_normal((5, 20))
+    names = [key for key, value in own_parameters(law).items() if value and not key.endswith("_minus")]
+    rows = [own_parameters(dataclasses.replace(law, **law.completed(
+        {key: factor * law.parameter(key) for key, factor in zip(names, row, strict=False)}
+    ))) for row in factors]  # fmt: skip
+    values = np.array([list(row.values()) for row in rows])
+    spread = wr.Spread(
+        parameters=tuple(f"axial.{key}" for key in rows[0]), covariance=np.cov(values, rowvar=False).tolist()
+    )
+    return wr.Isolator(name="scattered", axial=law, roll=law, shear=law, spread=spread)
+
+
+def test_both_limit_curves_of_a_specimen_are_one_where_they_were_in_every_specimen():
+    isolator = scattered(LAWS["vaiana-rosati"](kb=3e4, f0=150.0, alpha=300.0, b1=20.0, b2=60.0))
+    study = table_study({"mount/m1/spread": wr.Specimens()}, isolators={"wr12_400": isolator}, variants=32)
+    study.table()
+    drawn = [study.system(variant).mounts["m1"].isolator.axial for variant in range(32)]
+    drawn += [wr.redrawn(isolator, seed=seed).axial for seed in range(8)]
+    for law in drawn:
+        assert law.finite_travel == np.inf
+        for key in ("kb", "f0", "alpha", "b1", "b2"):
+            assert getattr(law, key) == getattr(law, f"{key}_minus") != getattr(isolator.axial, key)
+
+
+def test_what_the_specimens_did_not_show_is_not_drawn(twins):
+    study = table_study({"mount/m1/spread": wr.Specimens()}, isolators={"wr12_400": twins}, variants=256)
+    values = np.array([study.table()[f"mount/m1/{name.replace('.', '/')}"] for name in twins.spread.parameters])
+    scales = np.linalg.svd((values.T - values.mean(axis=1)) / values.std(axis=1) / 16.0)[1]
+    # Four directions of five specimens; beyond them 1e-15 is rounding, and 1e-8 what roots of rounded eigenvalues would leave.
+    assert scales[3] > 0.1
+    assert scales[4:].max() < 1e-13
+
+
+def test_elements_of_a_masing_law_scatter_and_vary():
+    law = Masing(stiffness=(6e4, 4e4), slip_force=(60.0, 100.0), k=2e4)
+    isolator = scattered(law)
+    assert isolator.spread.parameters[0] == "axial.stiffness[0]"
+    shared = {"isolators": {"wr12_400": isolator}, "variants": 8}
+    study = table_study({"mount/m1/spread": wr.Specimens()}, **shared)
+    row = study.table().to_pylist()[3]
+    drawn = study.system(3).mounts["m1"].isolator.axial
+    assert drawn.stiffness == (row["mount/m1/axial/stiffness[0]"], row["mount/m1/axial/stiffness[1]"])
+    assert drawn.slip_force[1] == row["mount/m1/axial/slip_force[1]"] != 100.0
+    again = wr.redrawn(isolator, seed=1).axial
+    assert again.stiffness[1] != 4e4
+    one = table_study({"mount/m1/axial/slip_force[1]": wr.Uniform(0.9, 1.1, relative=True)}, **shared)
+    factor = one.table()["mount/m1/axial/slip_force[1]"][0].as_py()
+    assert one.system(0).mounts["m1"].isolator.axial.slip_force == (60.0, 100.0 * factor)
+    with pytest.raises(
+        ValueError, match=r"'mount/m1/axial/slip_force' is all the numbers of which 'mount/\*/axial/slip_f"
+    ):
+        table_study({f"mount/{name}": wr.Uniform(0.9, 1.1, relative=True)
+                     for name in ("m1/axial/slip_force", "*/axial/slip_force[1]")}, **shared)  # fmt: skip
+    with pytest.raises(wr.ModelError, match=r"no parameter 'slip_force\[2\]'"):
+        table_study({"mount/m1/axial/slip_force[2]": wr.Uniform(0.9, 1.1, relative=True)}, **shared)

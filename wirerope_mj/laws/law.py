@@ -107,14 +107,30 @@ class Law(ABC):
         except (ArithmeticError, TypeError, ValueError):
             return False
 
-    def with_followers(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Return new values of parameters, and of those that follow them: equal to their leader, and not given themselves."""
+    def parameter(self, name: str) -> Any:
+        """Return a parameter by its name; "stiffness[0]" is the first entry of one that is several numbers."""
+        key, _, place = name.partition("[")
+        value = getattr(self, key)
+        return value[int(place[:-1])] if place else value
+
+    def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return new values of parameters, named as in `parameter`, together with all that changes with them.
+
+        Entries stand in their list, and a parameter that is equal to its leader and not given itself follows it.
+        """
+        whole = {name: value for name, value in values.items() if "[" not in name}
+        for name, value in values.items():
+            key, bracket, place = name.partition("[")
+            if bracket:
+                entries = list(whole.get(key, getattr(self, key)))
+                entries[int(place[:-1])] = value
+                whole[key] = tuple(entries)
         follow = {
-            name: values[leader]
+            name: whole[leader]
             for name, leader in self.leaders.items()
-            if leader in values and name not in values and getattr(self, name) == getattr(self, leader)
+            if leader in whole and name not in whole and getattr(self, name) == getattr(self, leader)
         }
-        return {**values, **follow}
+        return {**whole, **follow}
 
     def to_dict(self) -> dict[str, Any]:
         """Return the law as it stands in an isolator file."""

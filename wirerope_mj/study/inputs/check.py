@@ -64,7 +64,9 @@ def _systems_can_be(system: System, columns: Sequence[Column], values: Values) -
         elif column.kind == "law":
             axis, key = column.key
             for mount in column.targets:
-                nominal = getattr(system.mounts[mount].isolator.axes[axis], key)
+                law = system.mounts[mount].isolator.axes[axis]
+                assert law is not None  # `quantities` has seen to it
+                nominal = law.parameter(key)
                 laws.setdefault((mount, axis), {})[key] = _edited(nominal, values[column.name], column.relative)
     return all(_law_holds(system, mount, axis, parameters) for (mount, axis), parameters in laws.items())
 
@@ -87,7 +89,7 @@ def _law_holds(system: System, mount: str, axis: str, parameters: Mapping[str, A
     isolator = system.mounts[mount].isolator
     law = isolator.axes[axis]
     coupled = isolator.coupling is not None and axis != "axial"  # roll and shear must then suit each other, too
-    return law is not None and not coupled and law.surely_holds(law.with_followers(parameters))
+    return law is not None and not coupled and law.surely_holds(law.completed(parameters))
 
 
 def _motions_can_be(system: System, columns: Sequence[Column], values: Values, block: pa.Table, check: Check) -> bool:

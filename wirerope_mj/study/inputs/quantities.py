@@ -80,6 +80,10 @@ def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequen
                 other = taken.setdefault((column.kind, target, column.key), quantity.name)
                 if other != quantity.name:
                     raise ValueError(f"`vary`: {other!r} and {quantity.name!r} both say {column.name!r}.")
+    for (kind, target, key), name in taken.items():
+        whole = taken.get((kind, target, (*key[:-1], key[-1].partition("[")[0])), name) if key else name
+        if whole != name:
+            raise ValueError(f"`vary`: {whole!r} is all the numbers of which {name!r} is one.")
     return found
 
 
@@ -123,11 +127,12 @@ def _parameter(name: str, isolator: Isolator, mount: str, axis: str, parameter: 
         there = [axis for axis, law in isolator.axes.items() if law is not None]
         raise ModelError(f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}.")
     names = [key for key in law.to_dict() if key != "law"]
-    if parameter not in names:
+    lists = {key: value for key in names if isinstance(value := getattr(law, key), tuple)}
+    if parameter not in names + [f"{key}[{place}]" for key, value in lists.items() for place in range(len(value))]:
         raise ModelError(
             f"`vary`: {name!r}: law {law.name} of mount {mount!r} has no parameter {parameter!r}; it has {', '.join(names)}."
         )
-    value = getattr(law, parameter)
+    value = law.parameter(parameter)
     if not isinstance(value, float | int | tuple):
         raise ModelError(f"`vary`: {name!r}: {parameter!r} of mount {mount!r} is not a number.")
     return value

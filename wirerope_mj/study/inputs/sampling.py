@@ -20,6 +20,10 @@ Array = npt.NDArray[np.float64]
 LISTED = ("grid", "list")
 """Samplings of values that are listed, and not drawn."""
 
+RANK = 1e-9
+"""Eigenvalue of the correlations, of the largest one, below which a direction does not scatter: rounding leaves 1e-15, and the
+noise of fits, which is scatter, 1e-4 and more."""
+
 SAMPLINGS = ("sobol", "latin-hypercube", "random", *LISTED, sobol.SAMPLING)
 
 
@@ -82,28 +86,47 @@ def _values(quantity: Quantity, shares: Array) -> list[npt.NDArray[Any]]:
         return [distribution.values(shares[:, place]) for place in range(shares.shape[1])]
     found: list[npt.NDArray[Any]] = []
     for isolator in quantity.isolators:
-        mean, root = joint(isolator)
-        own = ndtri(np.clip(shares[:, len(found) : len(found) + mean.size], SMALLEST, 1.0 - SMALLEST))
-        # Sums in one order, so that a value has the same bits however many variants there are.
-        values = mean + sum(own[:, [place]] * root[place] for place in range(mean.size))
-        found += list(values.T)
+        size = len(isolator.spread.parameters) if isolator.spread else 0
+        own = ndtri(np.clip(shares[:, len(found) : len(found) + size], SMALLEST, 1.0 - SMALLEST))
+        found += list(drawn(isolator, own).T)
     return found
 
 
-def joint(isolator: Isolator) -> tuple[Array, Array]:
-    """Return the parameters of an isolator's spread, (n,), and the symmetric root of their covariance, (n, n)."""
+def drawn(isolator: Isolator, normals: Array) -> Array:
+    """Return what the parameters of an isolator's spread are in specimens, (n, n_parameters), from as many standard normals."""
+    mean, root = _joint(isolator)
+    # Sums in one order, so that a value has the same bits however many variants there are, and those of its twin.
+    return np.asarray(mean + sum(normals[:, [place]] * root[place] for place in range(mean.size)))
+
+
+def _joint(isolator: Isolator) -> tuple[Array, Array]:
+    """Return the parameters of an isolator's spread, (n,), and a root R of their covariance R.T R, (n, n).
+
+    Directions in which the specimens did not scatter have none, and parameters that were always equal, as those of both limit
+    curves of a law whose file states one, have the same columns.
+    """
     spread = isolator.spread
     assert spread is not None  # `quantities` has seen to it
-    pairs = [name.split(".", 1) for name in spread.parameters]
-    mean = np.array([getattr(isolator.axes[axis], key) for axis, key in pairs], dtype=np.float64)
+    laws = [(isolator.axes[axis], key) for axis, key in (name.split(".", 1) for name in spread.parameters)]
+    mean = np.array([law.parameter(key) for law, key in laws if law is not None], dtype=np.float64)
     covariance = np.array(spread.covariance)
     sizes = np.sqrt(np.where(np.diag(covariance) > 0.0, np.diag(covariance), 1.0))
     # As correlations, because stiffness and sharpness differ by ten orders of magnitude.
-    values, vectors = np.linalg.eigh(covariance / np.outer(sizes, sizes))
+    correlation = covariance / np.outer(sizes, sizes)
+    values, vectors = np.linalg.eigh(correlation)
     if values.min() < -1e-9 * max(values.max(), 1.0):
         raise ValueError(f"the covariance in the [spread] of isolator {isolator.name!r} is not positive semidefinite.")
-    root = (vectors * np.sqrt(np.clip(values, 0.0, None))) @ vectors.T
-    return mean, root * sizes
+    kept = np.where(values > RANK * values.max(initial=0.0), values, 0.0)
+    root = (vectors * np.sqrt(kept)) @ vectors.T * sizes
+    for place, row in enumerate(correlation):
+        twin = int(np.argmax(row > 1.0 - RANK))  # the first parameter that is as this one, itself at the latest
+        if (
+            row[twin] > 1.0 - RANK
+            and mean[twin] == mean[place]
+            and math.isclose(sizes[twin], sizes[place], rel_tol=RANK)
+        ):
+            root[:, place] = root[:, twin]
+    return mean, root
 
 
 def _listed(quantities: Sequence[Quantity], variants: int | None, sampling: str) -> list[list[Any]]:

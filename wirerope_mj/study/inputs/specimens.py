@@ -11,13 +11,9 @@ from scipy.stats import chi2
 from wirerope_mj.isolator import Isolator, Spread
 from wirerope_mj.study.inputs.distributions import Specimens
 from wirerope_mj.study.inputs.quantities import Quantity
-from wirerope_mj.study.inputs.sampling import joint
+from wirerope_mj.study.inputs.sampling import RANK, drawn
 
 Array = npt.NDArray[np.float64]
-
-RANK = 1e-9
-"""Eigenvalue of the correlations, of the largest one, below which a direction does not scatter: rounding leaves 1e-15, and the
-noise of fits, which is scatter, 1e-4 and more."""
 
 
 def rank(spread: Spread) -> int:
@@ -94,8 +90,8 @@ def redrawn(isolator: Isolator, *, seed: int, specimens: int | None = None) -> I
             )
     if specimens < 2:
         raise ValueError(f"`specimens` must be >= 2, got {specimens}.")
-    mean, root = joint(isolator)
-    values = mean + np.random.default_rng(seed).standard_normal((specimens, mean.size)) @ root
+    normals = np.random.default_rng(seed).standard_normal((specimens, len(isolator.spread.parameters)))
+    values = drawn(isolator, normals)
     laws: dict[str, dict[str, float]] = {}
     for name, value in zip(isolator.spread.parameters, values.mean(axis=0), strict=True):
         axis, _, key = name.partition(".")
@@ -104,5 +100,9 @@ def redrawn(isolator: Isolator, *, seed: int, specimens: int | None = None) -> I
     return replace(
         isolator,
         spread=replace(isolator.spread, covariance=tuple(tuple(float(one) for one in row) for row in covariance)),
-        **{axis: replace(isolator.axes[axis], **changed) for axis, changed in laws.items()},  # type: ignore[type-var, arg-type]
+        **{
+            axis: replace(law, **law.completed(laws[axis]))
+            for axis, law in isolator.axes.items()
+            if law and axis in laws
+        },  # type: ignore[arg-type]
     )

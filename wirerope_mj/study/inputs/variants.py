@@ -135,16 +135,18 @@ def _edited(isolator: Isolator, edit: Mapping[tuple[str, ...], tuple[bool, Any]]
         return without_force(isolator)
     laws: dict[str, dict[str, Any]] = {}
     for (axis, name), (relative, value) in edit.items():
-        nominal = getattr(isolator.axes[axis], name)
+        law = isolator.axes[axis]
+        assert law is not None  # `quantities` has seen to it
         if relative:
+            nominal = law.parameter(name)
             value = tuple(value * one for one in nominal) if isinstance(nominal, tuple) else value * nominal
         laws.setdefault(axis, {})[name] = value
     changed: dict[str, Law] = {}
     for axis, values in laws.items():
         law = isolator.axes[axis]
-        assert law is not None  # `quantities` has seen to it
+        assert law is not None
         try:
-            changed[axis] = replace(law, **law.with_followers(values))
+            changed[axis] = replace(law, **law.completed(values))
         except ValueError as error:
             raise ValueError(f"[{axis}] {error}") from None
     return replace(isolator, **changed)  # type: ignore[arg-type]
