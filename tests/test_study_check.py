@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from house import sdof_text
 from laws_for_tests import PARAMETERS, example
 from test_study import PULSE, table_study
 
@@ -174,3 +175,14 @@ def test_where_limit_curves_cross_is_where_the_force_of_both_is_one():
     law = LAWS["vaiana-rosati"](**LIMIT_CURVES, kb_minus=2.9e4)
     # 3e4 x + f0 = 2.9e4 x - f0
     assert law.finite_travel == pytest.approx(300.0 / 1e3, rel=1e-12)
+
+
+def test_a_shift_for_which_the_model_has_no_room_is_refused_though_the_first_is_none():
+    # MuJoCo compiles the mass of this model as simple, on its slide alone.
+    law = example("bouc-wen")
+    shared = {"model": sdof_text(), "isolators": {"a": wr.Isolator(name="a", axial=law)}}
+    vary = {"motion/level": wr.Choice(1.0, 2.0), "body/mass/centre/z": wr.Choice(0.0, 0.01, 0.02)}
+    study = table_study(vary, sampling="grid", variants=None, **shared)
+    assert 'simple="false"' in refused(study)
+    vary["body/mass/centre/z"] = wr.Choice(0.0)
+    assert table_study(vary, sampling="grid", variants=None, **shared).table().num_rows == 2

@@ -46,7 +46,17 @@ def check_variants(
             except (ValueError, WireRopeError) as error:
                 raise ModelError(f"variant {row['variant']} of study {name!r} cannot be: {error}") from None
         maker.forget()
-    maker.system(inputs.slice(0, 1).to_pylist()[0])  # what one variant's layout has no room for, none's has
+    for place in _layouts(columns, inputs):
+        maker.system(inputs.slice(place, 1).to_pylist()[0])
+
+
+def _layouts(columns: Sequence[Column], inputs: pa.Table) -> list[int]:
+    """Return the places of variants whose layouts stand for all: what one has no room for, none has.
+
+    They are the first one, and the first in which each shift is one: a shift of 0 asks for no room.
+    """
+    shifts = [np.asarray(inputs[column.name]) for column in columns if column.kind in ("centre", "position")]
+    return list(dict.fromkeys([0, *(int(np.argmax(shift != 0.0)) for shift in shifts)]))
 
 
 def _systems_can_be(system: System, columns: Sequence[Column], values: Values) -> bool:
