@@ -6,9 +6,11 @@ from statistics import NormalDist
 
 import numpy as np
 import pytest
+import scipy.stats
 
 import wirerope_mj as wr
 from wirerope_mj.resources import models_folder
+from wirerope_mj.study.inputs.distributions import distribution_from_dict, distribution_to_dict
 
 G = wr.STANDARD_GRAVITY
 PULSE = wr.HalfSine(peak=10.0 * G, duration=0.011, direction="z", start=0.01)
@@ -174,6 +176,11 @@ def test_a_name_that_does_not_exist_is_refused_with_what_does(vary, message):
     [
         (lambda: wr.Uniform(1.1, 0.9), "`low` must be less than `high`, got 1.1 and 0.9"),
         (lambda: wr.Normal(1.0, 0.0), "`deviation` must be > 0"),
+        (lambda: wr.Normal(0.0, 1.0, low=38.0), "no value lies more than 37 standard deviations from its mean 0"),
+        (lambda: wr.Normal(0.0, 1.0, high=-38.0), "must leave something of the distribution"),
+        (lambda: table_study({"motion/azimuth": wr.Isotropic()}), "cannot be Isotropic; it is for motion/elevation"),
+        (lambda: wr.Isotropic(low=-91.0), "must be from -90 to 90 degrees, got -91 and 90"),
+        (lambda: wr.Isotropic(low=10.0, high=10.0), "`low` must be less than `high`"),
         (lambda: wr.Normal(1.0, np.nan), "`deviation` must be a finite number"),
         (lambda: wr.Choice(), "at least one value"),
         (lambda: wr.Choice(1.0, "m1"), "must all be numbers, truth values or words"),
@@ -222,3 +229,35 @@ def test_a_direction_without_a_slide_and_a_level_of_zero_cannot_be():
     sdof = {"model": "sdof_shaker.xml", "sampling": "grid", "variants": None}
     with pytest.raises(wr.ModelError, match="variant 0 .* cannot be: the motion moves along x and"):
         table_study({"motion/azimuth": wr.Choice(30.0)}, **sdof).table()
+
+
+@pytest.mark.parametrize(
+    ("low", "high"),
+    [(3.0, None), (7.5, None), (8.5, None), (8.5, 20.0), (-20.0, -8.5), (None, -8.5), (8.2, 8.4), (36.0, None)],
+)
+def test_the_tail_of_a_normal_distribution_is_that_of_its_integral(low, high):
+    shares = np.array([0.0, 1e-3, 0.5, 0.999, 1.0 - 2.0**-53, 1.0])
+    values = wr.Normal(
+        5.0, 2.0, **{k: 5.0 + 2.0 * v for k, v in (("low", low), ("high", high)) if v is not None}
+    ).values(shares)
+    assert np.isfinite(values).all()
+    exact = scipy.stats.truncnorm(low or -np.inf, high or np.inf, loc=5.0, scale=2.0)
+    np.testing.assert_allclose(values[1:4], exact.ppf(shares[1:4]), rtol=1e-13)
+    assert (np.diff(values) >= 0.0).all()
+
+
+def test_a_value_has_the_same_bits_however_many_there_are():
+    shares = np.random.default_rng(1).random(1000)
+    for distribution in (wr.Normal(0.0, 1.0), wr.Normal(0.0, 1.0, low=2.0), wr.Isotropic(low=-30.0)):
+        values = distribution.values(shares)
+        assert all(distribution.values(shares[:size])[-1] == values[size - 1] for size in (1, 2, 3, 7, 500))
+
+
+def test_isotropic_directions_are_equally_likely_over_the_sphere():
+    # Bands of equal height have equal areas on a sphere (Archimedes); 4096 points of a regular series: one more or less.
+    shares = (np.arange(4096) + 0.5) / 4096
+    heights = np.sin(np.radians(wr.Isotropic().values(shares)))
+    assert np.histogram(heights, bins=8, range=(-1.0, 1.0))[0] == pytest.approx(512, abs=1)
+    above = wr.Isotropic(low=0.0, high=90.0).values(np.array([0.0, 0.5, 1.0]))
+    np.testing.assert_allclose(above, [0.0, 30.0, 90.0], atol=1e-5)  # asin is steep at 1: a root of rounding
+    assert distribution_from_dict(distribution_to_dict(wr.Isotropic(low=5.0))) == wr.Isotropic(low=5.0)

@@ -96,6 +96,7 @@ from wirerope_mj.state import State as State
 from wirerope_mj.statics import equilibrium as equilibrium
 from wirerope_mj.statics import static_table as static_table
 from wirerope_mj.study import Choice as Choice
+from wirerope_mj.study import Isotropic as Isotropic
 from wirerope_mj.study import Normal as Normal
 from wirerope_mj.study import Search as Search
 from wirerope_mj.study import SearchResult as SearchResult

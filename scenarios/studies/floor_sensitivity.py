@@ -46,7 +46,7 @@ def study(
             "body/floor/centre/y": wr.Normal(0.0, 1e-3 * offset_mm, group="centre of mass"),
             "motion/level": wr.Normal(1.0, level, low=0.5, high=1.5, group="level"),
             "motion/azimuth": wr.Uniform(-180.0, 180.0, group="direction"),
-            "motion/elevation": wr.Uniform(0.0, 90.0, group="direction"),
+            "motion/elevation": wr.Isotropic(low=0.0, high=90.0, group="direction"),
         },
         variants=7 * rows,
         sampling="sobol-indices",

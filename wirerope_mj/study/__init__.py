@@ -5,6 +5,7 @@ from wirerope_mj.study.answers.indices import SobolIndices as SobolIndices
 from wirerope_mj.study.answers.indices import sobol_indices as sobol_indices
 from wirerope_mj.study.from_scenario import study_of as study_of
 from wirerope_mj.study.inputs.distributions import Choice as Choice
+from wirerope_mj.study.inputs.distributions import Isotropic as Isotropic
 from wirerope_mj.study.inputs.distributions import Normal as Normal
 from wirerope_mj.study.inputs.distributions import Specimens as Specimens
 from wirerope_mj.study.inputs.distributions import Uniform as Uniform

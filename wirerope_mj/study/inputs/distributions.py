@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -11,8 +11,11 @@ from scipy.special import ndtr, ndtri
 
 Array = npt.NDArray[np.float64]
 
-SMALLEST = 2.0**-54
-"""What stands for 0 and, taken from 1, for 1, at which a normal distribution is infinite: Sobol points may be 0."""
+SMALLEST, LARGEST = 2.0**-54, 1.0 - 2.0**-53
+"""What stands for 0 and 1, at which a normal distribution is infinite: Sobol points may be 0, and sums be rounded to 1."""
+
+FARTHEST = 37.0
+"""Deviations from the mean beyond which nothing of a normal distribution is left that a number could say."""
 
 
 @dataclass(frozen=True, init=False)
@@ -56,13 +59,29 @@ class Normal:
             raise ValueError(f"`deviation` must be > 0, got {deviation}.")
         if self.low is not None and self.high is not None:
             _check_bounds(self.low, self.high)
+        low, high = self._ends
+        if low > FARTHEST or high < -FARTHEST:
+            raise ValueError(
+                f"`low` and `high` must leave something of the distribution: no value lies more than {FARTHEST:g} standard "
+                f"deviations from its mean {self.mean:g}."
+            )
+
+    @property
+    def _ends(self) -> tuple[float, float]:
+        """The bounds in standard deviations from the mean."""
+        low = -math.inf if self.low is None else (self.low - self.mean) / self.deviation
+        return low, math.inf if self.high is None else (self.high - self.mean) / self.deviation
 
     def values(self, shares: Array) -> Array:
         """Return the quantiles at shares of 0 to 1, (n,)."""
-        ends = [-math.inf if self.low is None else self.low, math.inf if self.high is None else self.high]
-        first, last = ndtr((np.array(ends) - self.mean) / self.deviation)
-        inside = np.clip(first + shares * (last - first), SMALLEST, 1.0 - SMALLEST)
-        return np.clip(self.mean + self.deviation * ndtri(inside), ends[0], ends[1])
+        low, high = self._ends
+        sign = 1.0
+        if low > 0.0:  # of the upper tail a number near 1 says nothing: its mirror image is the lower one
+            low, high, shares, sign = -high, -low, 1.0 - shares, -1.0
+        first, last = ndtr(np.array([low, high]))
+        inside = np.clip(first + shares * (last - first), SMALLEST * last, LARGEST)
+        lowest, highest = -math.inf if self.low is None else self.low, math.inf if self.high is None else self.high
+        return np.clip(self.mean + sign * self.deviation * ndtri(inside), lowest, highest)
 
 
 @dataclass(frozen=True, init=False)
@@ -165,7 +184,39 @@ class Specimens:
         _word("group", self.group)
 
 
-Distribution = Normal | Uniform | Choice | Specimens
+@dataclass(frozen=True)
+class Isotropic:
+    """Elevations of directions that are equally likely over the sphere: not the angle but its sine is uniform.
+
+    With azimuths that are uniform over the circle, no direction is then more likely than another. A uniform elevation would
+    crowd them about the vertical.
+
+    Attributes:
+        low, high: bounds of the elevation [deg], -90 <= low < high <= 90; from 0 up it is the half above the horizon.
+        group: factor of Sobol's indices that it belongs to, together with all of the same group; None: one of its own.
+    """
+
+    relative: ClassVar[bool] = False
+    each: ClassVar[bool] = False
+
+    low: float = -90.0
+    high: float = 90.0
+    group: str | None = None
+
+    def __post_init__(self) -> None:
+        _keep(self, low=_finite("low", self.low), high=_finite("high", self.high), group=_word("group", self.group))
+        _check_bounds(self.low, self.high)
+        if self.low < -90.0 or self.high > 90.0:
+            raise ValueError(f"`low` and `high` must be from -90 to 90 degrees, got {self.low:g} and {self.high:g}.")
+
+    def values(self, shares: Array) -> Array:
+        """Return the quantiles [deg] at shares of 0 to 1, (n,)."""
+        first, last = math.sin(math.radians(self.low)), math.sin(math.radians(self.high))
+        heights = np.clip(first + shares * (last - first), -1.0, 1.0)
+        return np.array([math.degrees(math.asin(height)) for height in heights.tolist()])
+
+
+Distribution = Normal | Uniform | Isotropic | Choice | Specimens
 
 
 def distribution_to_dict(distribution: Distribution) -> dict[str, Any]:
@@ -176,7 +227,7 @@ def distribution_to_dict(distribution: Distribution) -> dict[str, Any]:
 
 def distribution_from_dict(content: dict[str, Any]) -> Distribution:
     """Return the distribution that `distribution_to_dict` stored."""
-    kinds: dict[str, Any] = {kind.__name__: kind for kind in (Normal, Uniform, Choice, Specimens)}
+    kinds: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)}
     rest = {key: value for key, value in content.items() if key not in ("kind", "choices")}
     return kinds[content["kind"]](*content.get("choices", ()), **rest)
 

@@ -8,7 +8,7 @@ from typing import Any
 from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.isolator import AXES, Isolator
-from wirerope_mj.study.inputs.distributions import Choice, Distribution, Specimens
+from wirerope_mj.study.inputs.distributions import Choice, Distribution, Isotropic, Specimens
 from wirerope_mj.system import System
 from wirerope_mj.system.varied import moving_bodies
 
@@ -89,7 +89,11 @@ def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequen
 
 def _quantity(name: str, distribution: Distribution, system: System, motions: Sequence[BaseMotion]) -> Quantity:
     if not isinstance(distribution, Distribution):
-        raise ValueError(f"`vary`: {name!r} must be a Normal, Uniform, Choice or Specimens, got {distribution!r}.")
+        raise ValueError(
+            f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}."
+        )
+    if isinstance(distribution, Isotropic) and name != "motion/elevation":
+        raise ValueError(f"`vary`: {name!r} cannot be Isotropic; it is for motion/elevation.")
     room, *parts = name.split("/")
     if room == "mount" and len(parts) >= 2 and parts[-1] == "spread":
         return _specimens(name, "/".join(parts[:-1]), distribution, system)

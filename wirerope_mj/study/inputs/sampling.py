@@ -12,7 +12,7 @@ from scipy.stats import qmc
 
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.study.inputs import sobol
-from wirerope_mj.study.inputs.distributions import SMALLEST, Choice, Specimens, Uniform
+from wirerope_mj.study.inputs.distributions import LARGEST, SMALLEST, Choice, Specimens, Uniform
 from wirerope_mj.study.inputs.quantities import Column, Quantity
 
 Array = npt.NDArray[np.float64]
@@ -87,7 +87,7 @@ def _values(quantity: Quantity, shares: Array) -> list[npt.NDArray[Any]]:
     found: list[npt.NDArray[Any]] = []
     for isolator in quantity.isolators:
         size = len(isolator.spread.parameters) if isolator.spread else 0
-        own = ndtri(np.clip(shares[:, len(found) : len(found) + size], SMALLEST, 1.0 - SMALLEST))
+        own = ndtri(np.clip(shares[:, len(found) : len(found) + size], SMALLEST, LARGEST))
         found += list(drawn(isolator, own).T)
     return found
 

@@ -76,9 +76,8 @@ def _made(name: str, kind: str, positional: Sequence[Any], named: dict[str, Any]
 def _flag(name: str, kind: str, word: str) -> str:
     flags = _flags(kind)
     if word not in flags:
-        raise ValueError(
-            f"{name!r}: {kind} has no flag {word!r}; it has {' and '.join(flags)}. A word as a value stands in quotes."
-        )
+        there = " and ".join(flags) or "none"
+        raise ValueError(f"{name!r}: {kind} has no flag {word!r}; it has {there}. A word as a value stands in quotes.")
     return word
 
 
