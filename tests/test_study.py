@@ -195,7 +195,7 @@ def test_a_name_that_does_not_exist_is_refused_with_what_does(vary, message):
         (lambda: table_study({"motion/level": wr.Choice(True)}), "must be a distribution of numbers"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, duration=0.0), "`duration` must be a positive number"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, initial="rest"), "`initial` must be one of settled"),
-        (lambda: table_study({"mount/m1/axial/alpha": 1.1}), "must be a Normal, Uniform, Choice or Specimens, got 1.1"),
+        (lambda: table_study({"mount/m1/axial/alpha": 1.1}), "must be a Normal, Uniform, Isotropic, Choice or Specimens"),
         (
             lambda: table_study(
                 {"mount/*/axial/n": wr.Uniform(1, 1.2), "mount/m1/axial/n": wr.Uniform(1, 1.2)}
