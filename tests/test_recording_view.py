@@ -119,8 +119,17 @@ def test_without_a_screen_the_message_says_what_to_do(recording, monkeypatch):
     monkeypatch.setattr("sys.platform", "linux")
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
-    with pytest.raises(WireRopeError, match="--web, or copy the file"):
+    with pytest.raises(WireRopeError, match=r"--web, or copy the file.* open it there: rerun run\.rrd$"):
         show(recording)
+
+
+def test_without_a_screen_the_file_is_named_that_is_to_be_opened(tmp_path, monkeypatch):
+    monkeypatch.setattr("wirerope_mj.recording.viewer.has_display", lambda: False)
+    (tmp_path / "worst").mkdir()
+    for name in ("study.toml", "worst/worst.rrd"):
+        (tmp_path / name).touch()
+    with pytest.raises(WireRopeError, match=r"open it there: rerun worst\.rrd$"):
+        show(tmp_path)
 
 
 def test_a_folder_without_a_recording_is_named(tmp_path):

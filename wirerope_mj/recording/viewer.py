@@ -33,7 +33,7 @@ def show(path_or_folder: str | Path, *, web: bool = False) -> None:
     if not web and not has_display():
         raise WireRopeError(
             f"there is no screen here to open {path} on. Show it in a browser with --web, or copy the file to a "
-            "machine with a screen and open it there: rerun run.rrd"
+            f"machine with a screen and open it there: rerun {path.name}"
         )
     command = [str(viewer_binary()), "--bind", _LOCAL]
     if web:
