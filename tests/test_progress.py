@@ -1,5 +1,6 @@
 import pytest
 
+from wirerope_mj.simulation import progress
 from wirerope_mj.simulation.progress import share_bar, time_left
 
 
@@ -21,6 +22,39 @@ def test_a_bar_that_is_not_shown_spills_nothing(capsys):
     with share_bar("study", "variants/s", enabled=False) as update:
         update(0.5, 3.0)
     assert capsys.readouterr() == ("", "")
+
+
+def test_a_bar_counts_what_is_done(capsys, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "120")
+    with share_bar("study", "variants/s", enabled=True, total=93, parts="variants") as update:
+        update(29 / 93, 12.34)  # 93 * (29 / 93) is 28.999999999999996
+    assert "29 of 93 variants, 12.34 variants/s" in capsys.readouterr().err
+
+
+def test_where_nobody_sees_a_bar_lines_are_printed_now_and_then(capsys, monkeypatch):
+    monkeypatch.delenv("FORCE_COLOR", raising=False)
+    clock = [0.0]
+    monkeypatch.setattr(progress, "perf_counter", lambda: clock[0])
+    with share_bar("study", "variants/s", enabled=True, total=1000, parts="variants") as update:
+        for second in range(0, 121, 10):  # all of it takes 256 s
+            clock[0] = float(second)
+            update(second / 256, 4.0)
+    assert capsys.readouterr().err.splitlines() == [
+        "study: 234 of 1000 variants, 4 variants/s, 0:03:16 left",
+        "study: 468 of 1000 variants, 4 variants/s, 0:02:16 left",
+    ]
+
+
+def test_of_a_run_that_takes_days_a_hundred_lines_are_enough(capsys, monkeypatch):
+    monkeypatch.delenv("FORCE_COLOR", raising=False)
+    clock = [0.0]
+    monkeypatch.setattr(progress, "perf_counter", lambda: clock[0])
+    with share_bar("study", "variants/s", enabled=True) as update:
+        for step in range(10001):
+            clock[0] = 60.0 * step
+            update(step / 10000, 4.0)
+    assert 90 <= len(capsys.readouterr().err.splitlines()) <= 100
 
 
 def test_a_bar_shows_value_and_time_left(capsys, monkeypatch):

@@ -119,8 +119,8 @@ def clear_beside(folder: Path) -> None:
     ending = re.compile(rf"\.{re.escape(folder.name)}\.[a-z0-9_]{{8}}\.(part|old)")  # as mkdtemp names what is beside
     left = [path for path in folder.parent.glob(f".{glob.escape(folder.name)}.*") if ending.fullmatch(path.name)]
     for part in (path for path in left if path.suffix == ".part"):
-        with _locked(part) as dead:
-            if dead:
+        with _locked(part) as lock:
+            if lock == _HELD:
                 shutil.rmtree(part, ignore_errors=True)
     for old in (path for path in left if path.suffix == ".old" and not path.with_suffix(".part").exists()):
         if folder.exists():
@@ -130,23 +130,45 @@ def clear_beside(folder: Path) -> None:
 
 
 @contextmanager
-def _locked(folder: Path) -> Iterator[bool]:
-    """Lock a folder for the block, and say whether it could be: the lock of a process ends with it, however it ends."""
+def worked_on_alone(folder: Path, *, kind: str) -> Iterator[None]:
+    """Hold `folder` for the block, so that no other process works on it; where there are no locks nobody is kept out.
+
+    Raises:
+        RecordError: another process holds it.
+    """
+    with _locked(folder) as lock:
+        if lock == _TAKEN:
+            raise RecordError(
+                f"{folder}: another process works on this {kind}. Nothing in it was touched; wait for that one, or choose "
+                "another folder."
+            )
+        yield
+
+
+_HELD, _TAKEN, _UNKNOWN = "held", "taken", "unknown"
+"""What came of a lock: it is ours, or another process has it, or there are no locks here."""
+
+
+@contextmanager
+def _locked(folder: Path) -> Iterator[str]:
+    """Lock a folder for the block, and say what came of it: the lock of a process ends with it, however it ends."""
     if fcntl is None:
-        yield False
+        yield _UNKNOWN
         return
     try:
         handle = os.open(folder, os.O_RDONLY)
     except OSError:
-        yield False
+        yield _UNKNOWN
         return
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        locked = True
-    except OSError:  # another has it, or the file system knows no locks
-        locked = False
+        lock = _HELD
+    except BlockingIOError:
+        lock = _TAKEN
+    except OSError:  # of a file system that knows none
+        lock = _UNKNOWN
     try:
-        yield locked
+        yield lock
     finally:
         os.close(handle)
 

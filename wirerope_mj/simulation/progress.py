@@ -1,6 +1,7 @@
 """The progress bar of a long run."""
 
 import math
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from time import perf_counter
@@ -10,15 +11,25 @@ from wirerope_mj.simulation.grid import TimeGrid
 Update = Callable[[float, float], None]
 
 
+PATIENCE, PACE = 60.0, 0.01
+"""Time [s] and share between two lines where no bar can move, and before the first: at most a hundred of the longest run."""
+
+
 @contextmanager
-def share_bar(word: str, unit: str, *, enabled: bool, begun: float = 0.0) -> Iterator[Update]:
+def share_bar(
+    word: str, unit: str, *, enabled: bool, begun: float = 0.0, total: int | None = None, parts: str = ""
+) -> Iterator[Update]:
     """Show a value, the share that is done and the time left on standard error while the block runs.
+
+    Where standard error is no terminal, as in a batch job, it is a line now and then instead of a bar.
 
     Args:
         word: what is going on, "simulating".
         unit: of the value that is shown.
-        enabled: whether a bar is shown at all.
+        enabled: whether anything is shown at all.
         begun: share that was done before.
+        total: number of parts of which the share that is done is counted, if it is.
+        parts: what they are called.
 
     Yields:
         What to call with the share that is done and the value.
@@ -29,23 +40,45 @@ def share_bar(word: str, unit: str, *, enabled: bool, begun: float = 0.0) -> Ite
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+    def words(share: float, value: float) -> str:
+        count = f"{math.floor(share * total + 1e-6)} of {total} {parts}, " if total else ""  # but for rounding
+        return f"{count}{value:.4g} {unit},"
+
+    console, began = Console(stderr=True), perf_counter()
+    if not (console.is_terminal or console.is_jupyter):
+        yield _lines(word, words, began, begun)
+        return
     columns = (
         TextColumn(word),
         BarColumn(),
-        TextColumn("{task.fields[now]:.4g} " + unit + ","),
+        TextColumn("{task.fields[now]}"),
         TimeElapsedColumn(),
         TextColumn("elapsed, {task.fields[left]} left"),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        task = progress.add_task("", total=1.0, now=0.0, left="-:--:--")
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("", total=1.0, now=words(begun, 0.0), left="-:--:--")
         progress.update(task, completed=begun)
-        began = perf_counter()
 
         def update(share: float, value: float) -> None:
             left = time_left(share, perf_counter() - began, begun=begun)
-            progress.update(task, completed=share, now=value, left=left)
+            progress.update(task, completed=share, now=words(share, value), left=left)
 
         yield update
+
+
+def _lines(word: str, words: Callable[[float, float], str], began: float, begun: float) -> Update:
+    """Return what prints a line now and then."""
+    last, shown = began, begun
+
+    def update(share: float, value: float) -> None:
+        nonlocal last, shown
+        now = perf_counter()
+        if now - last >= PATIENCE and share - shown >= PACE:
+            last, shown = now, share
+            left = time_left(share, now - began, begun=begun)
+            print(f"{word}: {words(share, value)} {left} left", file=sys.stderr, flush=True)
+
+    return update
 
 
 def time_left(share: float, elapsed: float, *, begun: float = 0.0) -> str:

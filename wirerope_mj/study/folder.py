@@ -5,7 +5,7 @@ import json
 import shutil
 import tempfile
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +21,7 @@ from wirerope_mj.study.inputs.distributions import distribution_to_dict
 from wirerope_mj.study.responses import PEAKS, remove_half_written, write_response
 from wirerope_mj.study.versions import versions
 from wirerope_mj.system.model_files import model_table, write_model
-from wirerope_mj.whole import check_folder, clear_beside, folder_written_whole, written_whole
+from wirerope_mj.whole import check_folder, clear_beside, folder_written_whole, worked_on_alone, written_whole
 
 if TYPE_CHECKING:
     from wirerope_mj.study.study import Study
@@ -34,8 +34,14 @@ MARKS = (STUDY,)
 FORMAT = 1
 """Of these files."""
 
+_SUMMARISED = ("acceleration", "travel", "static_load", "fragility")
+"""Measures in the summary."""
+
 _WORDS = ("id", "name", "question")
 """What may differ between two folders of the same study."""
+
+_FILES = "files."
+"""Begins what is said of model and records, by their digests."""
 
 _DIED = ".died"
 """Stands in the name of a part whose process died: its rows are in the table, and the chunk is computed again on resume."""
@@ -53,15 +59,19 @@ def prepare(
     process died is taken away again, but none of its parts. `search` is what a search adds to `study.toml`.
 
     Raises:
-        RecordError: something else stands there, or a study that is neither resumed nor replaced.
+        RecordError: something else stands there, or a study that is neither resumed nor replaced, or on which another process
+            works.
     """
     clear_beside(folder)
     there = (folder / STUDY).is_file()
+    if there:
+        with worked_on_alone(folder, kind="study"):
+            pass  # nobody else does
     begun = there and bool(done(folder) or (folder / TABLE).is_file())
     if there and (resume or not (begun or force)):
         with tempfile.TemporaryDirectory() as place:
             _check_same(folder, _write_inputs(study, Path(place), keep, search))
-        if _dead(folder) - done(folder):
+        if dead(folder) - done(folder):
             for name in (SUMMARY, TABLE):
                 (folder / name).unlink(missing_ok=True)
         return
@@ -101,7 +111,7 @@ def done(folder: Path) -> set[int]:
     return {int(path.stem) for path in (folder / PARTS).glob("*.parquet") if path.stem.isdigit()}
 
 
-def _dead(folder: Path) -> set[int]:
+def dead(folder: Path) -> set[int]:
     """Return the numbers of the chunks whose process died."""
     return {int(path.name.split(".")[0]) for path in (folder / PARTS).glob(f"*{_DIED}.parquet")}
 
@@ -123,8 +133,33 @@ def parts(folder: Path, numbers: list[int]) -> Iterator[pa.Table]:
             (part_path(folder, number), part_path(folder, number, _DIED))
             for number in numbers[first : first + ROW_GROUP]
         ]
-        tables = [pq.read_table(path if path.is_file() else dead) for path, dead in paths]
+        tables = [read_part(path if path.is_file() else dead) for path, dead in paths]
         yield pa.concat_tables(tables).combine_chunks()
+
+
+def read_part(path: Path) -> pa.Table:
+    """Return the rows of one chunk; RecordError if its file is damaged."""
+    try:
+        return pq.read_table(path)
+    except (OSError, pa.ArrowException):
+        raise RecordError(
+            f"{path}: this part of the study is damaged. Remove it, and go on with --resume (`resume=True`): its variants are "
+            "computed again."
+        ) from None
+
+
+def read_table(folder: Path, columns: Sequence[str] | None = None) -> pa.Table:
+    """Return the table of a study that is complete, or some columns of it; RecordError if its file is damaged."""
+    try:
+        return pq.read_table(folder / TABLE, columns=columns)
+    except (OSError, pa.ArrowException):
+        remedy = (
+            "Remove it, and go on with --resume (`resume=True`): the parts that made it are there."
+            if (folder / PARTS).is_dir()
+            else "The parts that made it are gone: put a copy in its place, or compute the study again with --force "
+            "(`force=True`)."
+        )
+        raise RecordError(f"{folder / TABLE}: this table is damaged. {remedy}") from None
 
 
 def finish(study: "Study", folder: Path, chunks: int) -> None:
@@ -139,7 +174,7 @@ def finish(study: "Study", folder: Path, chunks: int) -> None:
         text = json.dumps(_summary(study, folder), indent=2, allow_nan=False) + "\n"
         with written_whole(folder / SUMMARY) as beside:
             beside.write_text(text, encoding="utf-8")
-    if not _dead(folder):
+    if not dead(folder):
         shutil.rmtree(folder / PARTS, ignore_errors=True)
     remove_half_written(folder)
     for left in folder.glob(".*.part.*"):  # of a process that was killed while it wrote
@@ -202,11 +237,11 @@ def _check_same(folder: Path, content: dict[str, Any]) -> None:
         return
     old, new = _flat(there), _flat(content)
     other = [key for key in {**old, **new} if key not in _WORDS and old.get(key) != new.get(key)]
-    if (folder / TABLE).is_file() and not _dead(folder):  # nothing is computed any more, whoever computed it
+    if (folder / TABLE).is_file() and not dead(folder):  # nothing is computed any more, whoever computed it
         other = [key for key in other if not key.startswith("versions.")]
     if not other:
         return
-    key = min(other, key=lambda name: (name == "keep", name.startswith("versions.")))
+    key = min(other, key=lambda name: (name == "keep", name.startswith("versions."), not name.startswith(_FILES)))
     raise RecordError(f"{folder}: {_difference(key, old, new)}")
 
 
@@ -226,6 +261,9 @@ def _difference(key: str, old: dict[str, Any], new: dict[str, Any]) -> str:
             f"this study began with {name} {old.get(key, 'absent')} and would go on with {new.get(key, 'absent')}: one table "
             f"would hold rows of both. {ways}"
         )
+    if key.startswith(_FILES):
+        name, word = key.removeprefix(_FILES), "has changed" if key in old and key in new else "is not in both"
+        return f"this is the folder of another study: {name} {word}. {ways}"
     return (
         f"this is the folder of another study ({key} is {old.get(key, 'absent')!r} there and "
         f"{new.get(key, 'absent')!r} here); nothing in it was touched. Choose another folder, or replace it with --force "
@@ -243,9 +281,8 @@ def _flat(content: Any, place: str = "") -> dict[str, Any]:
 
 def _summary(study: "Study", folder: Path) -> dict[str, Any]:
     """Return what a reader wants first, as plain values."""
-    wanted, known = ("acceleration", "travel", "static_load", "fragility"), pq.read_schema(folder / TABLE).names
-    kept = [name for name in wanted if name in known]  # older tables know less
-    table = pq.read_table(folder / TABLE, columns=["variant", "status", *kept])
+    table = read_table(folder)
+    kept = [name for name in _SUMMARISED if name in table.column_names]  # older tables know less
     ended = np.asarray(table["status"]) == DONE
     figures: dict[str, Any] = {}
     for name in kept:

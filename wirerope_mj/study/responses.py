@@ -3,6 +3,9 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+import numpy as np
+
+from wirerope_mj.errors import RecordError
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.response.storage import FILE
 from wirerope_mj.simulation.recorder import column_plan
@@ -51,9 +54,30 @@ def write_response(folder: Path, variant: int, content: bytes) -> None:
 
 
 def kept_response(folder: Path, variant: int) -> Response | None:
-    """Return the response of a variant as it was kept in the study's `folder`; None if it was not."""
+    """Return the response of a variant as it was kept in the study's `folder`; None if it was not.
+
+    Raises:
+        RecordError: its file is damaged.
+    """
     path = _file(folder, variant)
-    return load_response(path) if path.is_file() else None
+    try:
+        return load_response(path) if path.is_file() else None
+    except RecordError as error:
+        raise RecordError(
+            f"{error} It was kept by a study: remove it, and it is simulated when it is asked for."
+        ) from None
+
+
+def kept_numbers(folder: Path) -> set[int]:
+    """Return the numbers of the variants whose responses are kept in the study's `folder`."""
+    return {int(path.stem) for path in (folder / RESPONSES).glob("*.parquet") if path.stem.isdigit()}
+
+
+def whole_number(variant: int) -> int:
+    """Return the number of a variant; ValueError if it is not a whole one."""
+    if isinstance(variant, bool) or not isinstance(variant, int | np.integer):
+        raise ValueError(f"`variant` must be a whole number, got {variant!r}.")
+    return int(variant)
 
 
 def remove_half_written(folder: Path) -> None:

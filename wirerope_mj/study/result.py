@@ -6,15 +6,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.restore import motion_from_dict
 from wirerope_mj.response import Response
 from wirerope_mj.study.engines.compute import FAILED
-from wirerope_mj.study.folder import TABLE, done, parts, read_inputs
+from wirerope_mj.study.folder import TABLE, dead, done, parts, read_inputs, read_table
 from wirerope_mj.study.inputs.distributions import distribution_from_dict
-from wirerope_mj.study.responses import kept_response
+from wirerope_mj.study.responses import RESPONSES, kept_numbers, kept_response, whole_number
 from wirerope_mj.system.model_files import read_changes
 
 if TYPE_CHECKING:
@@ -45,7 +44,7 @@ class StudyResult:
     def table(self) -> pa.Table:
         """The table, one row for every variant; of a study that is not complete those that are done."""
         if self.complete:
-            return pq.read_table(self.folder / TABLE)
+            return read_table(self.folder)
         numbers = sorted(done(self.folder))
         if not numbers:
             raise RecordError(f"{self.folder}: no variant of this study is done yet.")
@@ -64,15 +63,30 @@ class StudyResult:
             return f"{self.folder}: not complete; go on with it with --resume (`resume=True`)."
         failed = self.failed
         if not failed:
-            return f"{self.variants} variants, none failed."
+            return f"{self.variants} variants, none failed.{self.missing}"
         first = min(failed)
-        return f"{self.variants} variants, {len(failed)} failed; variant {first}: {failed[first]}"
+        return f"{self.variants} variants, {len(failed)} failed; variant {first}: {failed[first]}{self.missing}"
+
+    @property
+    def missing(self) -> str:
+        """Sentences on what a run that is complete lacks; empty if nothing."""
+        found = ""
+        if dead(self.folder) - done(self.folder):
+            found += " Some were not computed, since their processes died: go on with --resume (`resume=True`)."
+        if self.inputs.get("keep") == RESPONSES:
+            wanted = set(self.table["variant"].to_pylist()) - set(self.failed)
+            if gone := len(wanted - kept_numbers(self.folder)):
+                found += (
+                    f" Of the responses that were kept {gone} are gone; they are simulated when they are asked for."
+                )
+        return found
 
     def response(self, variant: int) -> Response:
         """Return the whole response of a variant: read if it was kept (`keep="responses"`), else simulated now.
 
         Both are the same, bit for bit, where the study's versions are installed.
         """
+        variant = whole_number(variant)
         kept = kept_response(self.folder, variant)
         return self.study.response(variant) if kept is None else kept
 
@@ -109,7 +123,7 @@ def load_study(folder: str | Path) -> StudyResult:
     if "search" in content:
         from wirerope_mj.study.search.result import SearchResult  # which is a result, too
 
-        designs = pq.read_metadata(folder / TABLE).num_rows if complete else 0
+        designs = read_table(folder, ["variant"]).num_rows if complete else 0
         return SearchResult(folder=folder, inputs=content, variants=designs, complete=complete)
     return StudyResult(
         folder=folder, inputs=content, variants=int(content["sampling"]["variants"]), complete=complete

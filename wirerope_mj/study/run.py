@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import closing
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -13,6 +14,7 @@ from wirerope_mj.study.engines.local import run_local
 from wirerope_mj.study.folder import TABLE, done, finish, prepare, write_part
 from wirerope_mj.study.responses import PEAKS, RESPONSES, checked_keep, most_together
 from wirerope_mj.study.result import StudyResult, load_study
+from wirerope_mj.whole import worked_on_alone
 
 if TYPE_CHECKING:
     from wirerope_mj.study.study import Study
@@ -43,21 +45,27 @@ def run_study(
     checked_keep(keep)
     study.table()  # every variant is checked before anything is written
     prepare(study, folder, keep=keep, resume=resume, force=force)
-    size = chunk_size(study, keep)
-    numbers = range(math.ceil(study.size / size))
-    if not (folder / TABLE).is_file():
-        missing = sorted(set(numbers) - done(folder))
-        already = study.size - sum(min(size, study.size - number * size) for number in missing)
-        with share_bar("study", "variants/s", enabled=progress, begun=already / study.size) as update:
-            began, ended = perf_counter(), 0
-            results = run(study.work, chunks(study, missing, keep), workers=workers, address=address)
-            with closing(results):  # so that no process goes on if this one is interrupted
-                for part in results:
-                    write_part(folder, part)
-                    ended += part.table.num_rows
-                    update((already + ended) / study.size, ended / (perf_counter() - began))
-    finish(study, folder, len(numbers))
+    with worked_on_alone(folder, kind="study"):
+        if not (folder / TABLE).is_file():
+            _compute(study, folder, keep, partial(run, workers=workers, address=address), progress)
+        finish(study, folder, math.ceil(study.size / chunk_size(study, keep)))
     return load_study(folder)
+
+
+def _compute(study: "Study", folder: Path, keep: str, run: Engine, progress: bool) -> None:
+    """Write the parts that are missing as they are ready."""
+    size = chunk_size(study, keep)
+    missing = sorted(set(range(math.ceil(study.size / size))) - done(folder))
+    already = study.size - sum(min(size, study.size - number * size) for number in missing)
+    with share_bar(
+        "study", "variants/s", total=study.size, parts="variants", enabled=progress, begun=already / study.size
+    ) as update:
+        began, ended = perf_counter(), 0
+        with closing(run(study.work, chunks(study, missing, keep))) as results:  # no process goes on after this one
+            for part in results:
+                write_part(folder, part)
+                ended += part.table.num_rows
+                update((already + ended) / study.size, ended / (perf_counter() - began))
 
 
 def chunk_size(study: "Study", keep: str = PEAKS) -> int:

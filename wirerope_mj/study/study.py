@@ -19,6 +19,7 @@ from wirerope_mj.study.inputs.distributions import Distribution
 from wirerope_mj.study.inputs.quantities import Column, quantities
 from wirerope_mj.study.inputs.sampling import inputs
 from wirerope_mj.study.inputs.variants import Maker, Row, Work
+from wirerope_mj.study.responses import whole_number
 from wirerope_mj.study.result import StudyResult
 from wirerope_mj.study.run import run_study
 from wirerope_mj.study.step import common_step
@@ -93,7 +94,7 @@ class Study:
                 entry of `vary`, or several with the same `group`.
             seed: of the sampling.
             timestep: largest step [s] of all variants; None: chosen once, for the nominal system under the highest levels.
-            accuracy: for which it is chosen, as `simulate` does.
+            accuracy: for which it is chosen, as `simulate` does; of no use with a `timestep`.
             sample_rate: as `simulate` takes it [Hz].
             initial: "settled", "relaxed" or "unloaded".
             isolators: isolators in memory by the name that follows `isolator/` in the model.
@@ -135,6 +136,7 @@ class Study:
 
     def row(self, variant: int) -> Row:
         """Return the inputs of one variant by column."""
+        variant = whole_number(variant)
         if not 0 <= variant < self.size:
             raise ValueError(f"`variant` must be from 0 to {self.size - 1}, got {variant}.")
         return self._inputs.slice(variant, 1).to_pylist()[0]

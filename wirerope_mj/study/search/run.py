@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from wirerope_mj.simulation.progress import Update, share_bar
 from wirerope_mj.study.engines.compute import Chunk, Engine, Part
 from wirerope_mj.study.engines.local import run_local
-from wirerope_mj.study.folder import TABLE, finish, part_path, prepare, write_part
+from wirerope_mj.study.folder import TABLE, finish, part_path, prepare, read_part, write_part
 from wirerope_mj.study.responses import RESPONSES, checked_keep
 from wirerope_mj.study.result import load_study
 from wirerope_mj.study.run import checked_engine, chunk_size
 from wirerope_mj.study.search.evolution import Design, Evolution, check_installed
 from wirerope_mj.study.search.front import Array, aims, excesses
 from wirerope_mj.study.search.result import GENERATION, SearchResult
+from wirerope_mj.whole import worked_on_alone
 
 if TYPE_CHECKING:
     from wirerope_mj.study.search.search import Search
@@ -44,14 +44,17 @@ def run_search(
     checked_keep(keep)
     added = {"optimiser": check_installed(), **search.to_dict()}
     prepare(search.study, folder, keep=keep, resume=resume, force=force, search=added)
-    if not (folder / TABLE).is_file():
-        with share_bar("search", "designs/s", enabled=progress) as update:
-            here = _Run(search, folder, keep, run, {"workers": workers, "address": address}, update)
-            with closing(here):  # so that no process goes on if this one is interrupted
-                here.evolve()
-        finish(search.study, folder, here.parts)
-    else:
-        finish(search.study, folder, 0)
+    with worked_on_alone(folder, kind="study"):
+        parts = 0
+        if not (folder / TABLE).is_file():
+            with share_bar(
+                "search", "designs/s", total=search.generations, parts="generations", enabled=progress
+            ) as update:
+                here = _Run(search, folder, keep, run, {"workers": workers, "address": address}, update)
+                with closing(here):  # so that no process goes on if this one is interrupted
+                    here.evolve()
+            parts = here.parts
+        finish(search.study, folder, parts)
     result = load_study(folder)
     assert isinstance(result, SearchResult)
     return result
@@ -145,7 +148,7 @@ class _Run:
     def _done(self, number: int, rows: pa.Table) -> pa.Table | None:
         """Return a part that is done, if its designs are these: those after a process's death may be others."""
         path = part_path(self._folder, number)
-        table = pq.read_table(path) if path.is_file() else None
+        table = read_part(path) if path.is_file() else None
         return table if table is not None and table.select(rows.column_names).equals(rows) else None
 
     def _tell(self, generations: float) -> None:
