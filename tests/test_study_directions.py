@@ -3,7 +3,7 @@ import pyarrow as pa
 import pytest
 
 from wirerope_mj.plots.directions import directions_figure
-from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION, share_of_directions, sphere_areas
+from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION, directions_words, share_of_directions, sphere_areas
 
 
 def grid(step, *, repeats):
@@ -68,3 +68,32 @@ def test_a_map_without_repeats_closes_at_the_seam_and_at_the_poles():
     assert (lower, upper) == pytest.approx(
         (-np.sin(np.pi / 12.0), np.sin(np.pi / 12.0))
     )  # heights are sines: equal areas
+
+
+def test_what_nobody_looked_at_has_no_area():
+    azimuth, elevation = (one.ravel() for one in np.meshgrid(np.arange(0.0, 360.0, 45.0), [0.0, 45.0, 90.0]))
+    values = np.where(elevation == 0.0, 1.5, 0.5)
+    table = table_of(azimuth, elevation, values)
+    share = share_of_directions(table, [AZIMUTH, ELEVATION], values, 1.0)
+    # The equator stands for its belt up to 22.5 degrees, of the upper half alone; rounding.
+    assert share == pytest.approx(np.sin(np.radians(22.5)), rel=1e-12)
+    assert directions_words(table) == "the directions looked at"
+
+
+def test_the_ends_of_a_fan_stand_for_half_as_much_as_what_lies_between():
+    azimuth, elevation = (one.ravel() for one in np.meshgrid([0.0, 30.0, 60.0, 90.0], [-15.0, 15.0]))
+    areas = sphere_areas(azimuth, elevation)
+    assert areas == pytest.approx(np.tile([1.0, 2.0, 2.0, 1.0], 2) / 12.0, rel=1e-12)  # rounding
+    with_pole = sphere_areas(np.append(azimuth, 0.0), np.append(elevation, 90.0))
+    # Of the fan's part of the sphere the pole has what lies above 52.5 degrees, as of the whole.
+    upper, lower = np.sin(np.radians(52.5)), np.sin(np.radians(-15.0))
+    assert with_pole[-1] == pytest.approx((1.0 - upper) / (1.0 - lower), rel=1e-12)
+
+
+def test_only_a_grid_around_the_sphere_and_from_pole_to_pole_is_all_directions():
+    whole = grid(30.0, repeats=False)
+    assert directions_words(table_of(*whole, np.ones(whole.shape[1]))) == "all directions"
+    belt = whole[:, np.abs(whole[1]) < 90.0]
+    assert directions_words(table_of(*belt, np.ones(belt.shape[1]))) == "the directions looked at"
+    half = whole[:, (whole[0] >= 0.0) | (np.abs(whole[1]) == 90.0)]
+    assert directions_words(table_of(*half, np.ones(half.shape[1]))) == "the directions looked at"

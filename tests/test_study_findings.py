@@ -1,12 +1,25 @@
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pyarrow as pa
 import pytest
 from scipy.stats import qmc
 
-from wirerope_mj.study.answers.findings import chance, checked_measure, measure_of, percent, quantiles, worst
-from wirerope_mj.study.answers.sensitivity import influences
+from wirerope_mj.study.answers.answer import Answer
+from wirerope_mj.study.answers.findings import (
+    chance,
+    chance_of,
+    checked_measure,
+    failures,
+    measure_of,
+    numbered,
+    percent,
+    quantiles,
+    worst,
+)
+from wirerope_mj.study.answers.sensitivity import Influence, influences
+from wirerope_mj.study.answers.sentences import beyond_text
 
 
 def table_of(inputs, values, *, status=None):
@@ -105,6 +118,41 @@ def test_failed_variants_are_in_no_figure():
     values = np.array([1.0, 5.0, np.nan, 2.0])
     table = table_of({"x": range(4)}, values, status=["done", "failed", "done", "done"])
     assert worst(table, "acceleration", 4) == [3, 0]
+
+
+def test_variants_that_failed_are_counted_beside_the_probability_and_not_in_it():
+    table = table_of({"x": range(6)}, [1.0, 5.0, 9.0, 2.0, 0.0, 0.0], status=["done"] * 4 + ["failed"] * 2)
+    found = chance_of(table, "acceleration", 4.0)
+    assert (found.count, found.n, found.failed) == (2, 4, 2)
+    assert found.share == 0.5
+    assert found.at_most == pytest.approx(4.0 / 6.0)
+    assert beyond_text(found, found.share) == "2 of 4 (50 %), 2 failed"
+
+
+def test_variants_of_one_message_are_told_together():
+    failed = {3: "no rest beyond 0.02 %", 5: "unstable", **{k: f"no rest beyond {k}e-3 %" for k in range(8, 15)}}
+    found = failures(SimpleNamespace(failed=failed))
+    assert [numbered(numbers) for numbers in found.values()] == ["8 variants (3, 8, 9, 10, 11, 12, ...)", "variant 5"]
+
+
+def test_a_percentile_is_given_with_exactly_five_variants_beyond_it():
+    values = np.arange(50.0)
+    assert quantiles(values, (0.9, 0.1)) == pytest.approx([44.1, 4.9])  # 50 (1 - 0.9) is 4.999... in floating point
+    assert all(math.isnan(one) for one in quantiles(values, (0.91, 0.09)))
+
+
+def test_of_inputs_that_may_be_chance_those_of_all_mounts_are_told_first():
+    generator = np.random.default_rng(1)
+    names = ["mount/m01/axial/alpha", "mount/m02/axial/alpha", "mount/*/shear/alpha", "body/floor/mass", "motion/level"]
+    columns = {name: generator.random(20) for name in names}
+    table = table_of(columns, generator.random(20))
+    found = [Influence(name=name, share=0.1, rank=0.1, certain=name.startswith("mount/m02")) for name in names]
+    answer = Answer(
+        result=SimpleNamespace(table=table, study=SimpleNamespace(sampling="sobol")),
+        by="acceleration",
+        influences=tuple(found),
+    )
+    assert answer.inputs(4) == ["mount/m02/axial/alpha", "mount/*/shear/alpha", "body/floor/mass", "motion/level"]
 
 
 def test_percentiles_beyond_which_hardly_any_variant_lies_are_not_given():

@@ -2,6 +2,7 @@
 
 import math
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pyarrow as pa
@@ -13,8 +14,11 @@ from scipy.special import ndtri
 import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.plots.study_indices import indices_figure
-from wirerope_mj.study.answers.findings import chance, sentences, values_of
+from wirerope_mj.study.answers.answer import Answer
+from wirerope_mj.study.answers.findings import chance, values_of
 from wirerope_mj.study.answers.indices import RESAMPLES, drawn, indices_of
+from wirerope_mj.study.answers.sensitivity import Influence
+from wirerope_mj.study.answers.sentences import of_indices, sentences
 from wirerope_mj.study.inputs import sobol
 
 SINGLE = [[0], [1], [2]]
@@ -252,3 +256,52 @@ def test_a_study_that_was_sampled_otherwise_has_no_such_indices(tmp_path):
     result = study.run(tmp_path / "out", workers=1)
     with pytest.raises(ValueError, match="need a study with sampling=\"sobol-indices\"; this one has 'sobol'"):
         wr.sobol_indices(result, "acceleration")
+
+
+def sampled(table, sizes):
+    """Return a result as that of a study for Sobol's indices with factors of so many columns."""
+    quantities = [
+        SimpleNamespace(
+            name=name, columns=[SimpleNamespace(name=f"{name}{k}") for k in range(size)],
+            distribution=SimpleNamespace(group=None),
+        )
+        for name, size in sizes.items()
+    ]  # fmt: skip
+    columns = [column.name for one in quantities for column in one.columns]
+    values = sobol.shares([list(range(len(columns)))], 3 * 64, 1)[: table.num_rows]
+    inputs = {name: np.resize(values[:, place], table.num_rows) for place, name in enumerate(columns)}
+    order = {"variant": table["variant"], **inputs, "acceleration": table["acceleration"]}
+    order |= {name: [math.nan] * table.num_rows for name in ("travel", "fragility")}
+    whole = pa.table({**order, "status": table["status"], "message": [""] * table.num_rows})
+    return SimpleNamespace(table=whole, study=SimpleNamespace(sampling=sobol.SAMPLING, quantities=quantities))
+
+
+def test_the_inputs_that_are_told_are_those_of_the_strongest_factors_and_large_groups_are_named():
+    values, _ = ishigami(256)  # x1 has the largest total index, then x2, then x3
+    answer = Answer(
+        result=sampled(table_of(values), {"x1": 1, "x2": 3, "x3": 2}), by="acceleration",
+        influences=(Influence(name="x31", share=0.9, rank=0.9, certain=True),),
+    )  # fmt: skip
+    assert answer.inputs(4) == ["x10", "x30", "x31"]
+    assert answer.left_out == ("x2 (3 numbers)",)
+
+
+def test_the_worst_of_a_study_for_indices_are_those_that_were_drawn_for_themselves():
+    values, _ = ishigami(64)
+    answer = Answer(result=sampled(table_of(values), {"x1": 1, "x2": 1, "x3": 1}), by="acceleration", influences=())
+    independent = np.flatnonzero(np.arange(320) % 5 < 2)
+    top = independent[np.argsort(-values[independent], kind="stable")][:8]
+    assert [one.variant for one in answer.worst(8, inputs=2)] == top.tolist()
+    assert answer.figures[0].variant == top[0]
+
+
+def test_few_base_rows_are_said_to_be_too_few_and_no_share_is_beyond_all():
+    values, _ = ishigami(8)
+    few = indices_of(table_of(values), ["x1", "x2", "x3"], "acceleration")
+    assert few.too_few
+    assert "8 base rows are too few to say what explains its variance" in of_indices(few)
+    assert "explains" not in of_indices(few).replace("what explains", "")
+    values, _ = ishigami(1024)
+    enough = indices_of(table_of(values), ["x1", "x2", "x3"], "acceleration")
+    assert not enough.too_few
+    assert "x1 explains" in of_indices(enough)

@@ -5,8 +5,9 @@ import pyarrow as pa
 import pytest
 
 from wirerope_mj.plots.directions import directions_figure
-from wirerope_mj.plots.study import choices_figure, distribution_figure, sensitivity_figure
+from wirerope_mj.plots.study import choices_figure, distribution_figure, scatter_figure, sensitivity_figure
 from wirerope_mj.plots.study_pictures import study_pictures
+from wirerope_mj.study.answers.answer import Answer
 from wirerope_mj.study.answers.sensitivity import Influence, influences
 
 
@@ -27,7 +28,8 @@ def table_of(inputs, travel):
 
 def pictures(table, sampling, inputs):
     result = SimpleNamespace(table=table, study=SimpleNamespace(sampling=sampling))
-    return {one.name: one for one in study_pictures(result, "travel", influences(table, inputs, "travel"))}
+    answer = Answer(result=result, by="travel", influences=influences(table, inputs, "travel"))
+    return {one.name: one for one in study_pictures(answer)}
 
 
 def texts(panel):
@@ -76,6 +78,41 @@ def test_choices_are_sorted_and_the_one_without_a_failure_is_called_none():
     panel = choices_figure(table, "mount/*/failed", ["travel"]).axes[0]
     assert [label.get_text() for label in panel.get_yticklabels()] == ["none", "m2", "m1"]
     assert [bar.get_width() for bar in panel.patches] == pytest.approx([50.0, 80.0, 120.0])
+
+
+def test_choices_may_be_truth_values():
+    panel = choices_figure(
+        table_of({"mount/m1/fitted": [False, True]}, [0.5, 0.8]), "mount/m1/fitted", ["travel"]
+    ).axes[0]
+    assert [label.get_text() for label in panel.get_yticklabels()] == ["False", "True"]
+
+
+def test_the_word_of_chance_stands_beside_the_share_and_every_label_within_the_picture():
+    found = [Influence(name="motion/level", share=share, rank=0.83, certain=False) for share in (0.6, 0.55)]
+    figure = sensitivity_figure(found, "travel")
+    figure.canvas.draw()
+    (panel,) = figure.axes
+    assert texts(panel)[1] == "60 % (may be chance), rank correlation +0.83"
+    assert all(text.get_window_extent().x1 < panel.get_window_extent().x1 for text in panel.texts)
+
+
+def test_the_distribution_says_how_many_variants_failed_and_one_variant_has_none():
+    table = table_of({"x": [1.0] * 5}, [0.5, 0.6, 1.2, 0.0, 0.0])
+    table = table.set_column(table.column_names.index("status"), "status", [["done"] * 3 + ["failed"] * 2])
+    (panel,) = distribution_figure(table, ["travel"]).axes
+    assert "1 of 3 variants; 2 more failed" in panel.get_title(loc="left")
+    assert not panel.patches  # nothing whose scale the axis does not say
+    assert pictures(table_of({"x": [1.0]}, [0.5]), "random", ["x"]) == {}
+
+
+def test_means_over_a_grid_are_those_at_its_values():
+    level, mass = (one.ravel() for one in np.meshgrid([1.0, 2.0, 3.0], np.arange(4.0)))
+    panel = scatter_figure(
+        table_of({"motion/level": level, "mass": mass}, level + mass), ["motion/level"], "travel"
+    ).axes[0]
+    line = panel.lines[1]
+    assert line.get_xdata().tolist() == [1.0, 2.0, 3.0]
+    assert line.get_ydata().tolist() == pytest.approx([250.0, 350.0, 450.0])  # 1.5 is the mean of the masses
 
 
 def test_drawn_variants_get_their_distribution_and_their_inputs():

@@ -4,9 +4,10 @@ from collections.abc import Sequence
 
 from rich.markup import escape
 
-from wirerope_mj.cli.study_tables import empty, shown_number
+from wirerope_mj.cli.study_tables import empty, print_failed, print_files, shown_number
 from wirerope_mj.cli.tables import console
 from wirerope_mj.study.answers.findings import measure_of
+from wirerope_mj.study.answers.sentences import travel_sentences
 from wirerope_mj.study.search.result import GENERATION, SearchResult
 
 _ROWS = 24
@@ -17,15 +18,13 @@ def print_search(result: SearchResult, files: Sequence[str]) -> None:
     """Print what a search found, and the files that it wrote."""
     out = console()
     out.print(f"\n[bold]{escape(result.study.name)}[/]  {escape(result.message)}")
+    for line in travel_sentences(result.study.base) if "travel" in result.shown else []:
+        out.print(f"  {line}", soft_wrap=True)
     if result.front.num_rows:
         out.print()
         out.print(_front(result))
-    for number, message in list(result.failed.items())[:_FAILED]:
-        out.print(f"  design {number} failed: {escape(message)}", style="red")
-    if len(result.failed) > _FAILED:
-        out.print(f"  and {len(result.failed) - _FAILED} more failed: see the column `message`", style="red")
-    out.print(f"\n  written to {result.folder}/", soft_wrap=True)
-    out.print(f"  {', '.join(files)}", soft_wrap=True)
+    print_failed(result, "design", _FAILED)
+    print_files(result, files)
 
 
 def _front(result: SearchResult) -> object:

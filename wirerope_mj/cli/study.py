@@ -8,6 +8,7 @@ from typing import Any, Literal
 from wirerope_mj.cli.file_options import own_option, run_with_options
 from wirerope_mj.cli.study_run import compute_and_print
 from wirerope_mj.cli.tables import console, print_questions
+from wirerope_mj.errors import ModelError
 from wirerope_mj.option_file import defines
 from wirerope_mj.scenario import ScenarioFile, load_scenario, shipped_scenarios
 from wirerope_mj.study.from_scenario import VARIANTS, study_of, what_can_vary
@@ -30,7 +31,7 @@ _RUN = (
     own_option("force", bool, False, "replace a study that is there", negative=()),
     own_option("by", str | None, None, "measure by which variants are worst; travel if anything is rated"),
     own_option(
-        "open_worst", int, 0, "write the worst variants as runs, lay two or more over each other, and open them"
+        "open_worst", int, 0, "0 to 6: write the worst variants as runs, lay two or more over each other, and open them"
     ),
 )
 """How a study is computed and what becomes of it."""
@@ -69,8 +70,24 @@ def study_command(name: str, tokens: Sequence[str]) -> None:
         of_scenario = name in shipped_scenarios() and name not in shipped_studies()
     if of_scenario:
         _of_scenario(load_scenario(name), tokens)
-    else:
-        _of_file(load_study_file(name), tokens)
+        return
+    _check_known(name)
+    if any(token.split("=")[0] == "--vary" for token in tokens):
+        raise ValueError("`--vary` is for scenarios; what varies in a study file is said there.")
+    _of_file(load_study_file(name), tokens)
+
+
+def _check_known(name: str) -> None:
+    """Raise ModelError if there is neither such a file nor such a study."""
+    path = Path(name)
+    if path.is_file() or name in shipped_studies():
+        return
+    if path.suffix or len(path.parts) > 1:
+        raise ModelError(f"{name}: there is no such file.")
+    raise ModelError(
+        f"there is no study {name!r}. The package ships {', '.join(shipped_studies())}; with --vary a scenario is one, "
+        f"too: {', '.join(shipped_scenarios())}; anything else must be the path of a Python file."
+    )
 
 
 def _of_file(file: StudyFile, tokens: Sequence[str]) -> None:

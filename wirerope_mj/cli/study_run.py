@@ -46,6 +46,8 @@ def compute_and_print(
         raise ValueError("--resume goes on with the study in a folder; say which one with --out FOLDER.")
     checked_count(open_worst)
     study = make()
+    if by is not None and isinstance(study, Search):
+        raise ValueError("`--by` is for studies: the designs of a search are ordered by what it minimises.")
     names = measure_names(study.base)
     if by is not None and by not in names:
         raise ValueError(f"`--by`: there is no measure {by!r}; there are {', '.join(names[:8])}, ...")
@@ -56,7 +58,7 @@ def compute_and_print(
 def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
     """Return the result of a study of which at least one variant could be simulated."""
     try:
-        result = study.run(folder, progress=sys.stderr.isatty(), **how)
+        result = study.run(folder, progress=True, **how)
     except KeyboardInterrupt:
         if (folder / STUDY).is_file():
             print(
@@ -83,7 +85,8 @@ def _print(result: StudyResult, by: str | None, open_worst: int) -> None:
         write_study_pictures(answer)
         by, show = answer.by, partial(print_study, answer)
     worst = write_worst(result, by, open_worst) if open_worst else []
-    show(sorted(path.name for path in result.folder.iterdir() if path.is_file()))
+    # What begins with a dot another process is writing just now.
+    show(sorted(path.name for path in result.folder.glob("[!.]*") if path.is_file()))
     _open(worst)
 
 

@@ -11,8 +11,10 @@ from rich.text import Text
 
 from wirerope_mj.cli.tables import console
 from wirerope_mj.study.answers.answer import QUANTILES, Answer
-from wirerope_mj.study.answers.findings import CONFIDENCE, input_label, measure_of, percent, sentences
+from wirerope_mj.study.answers.findings import CONFIDENCE, failures, input_label, measure_of, numbered, percent
 from wirerope_mj.study.answers.indices import SobolIndices
+from wirerope_mj.study.answers.sentences import sentences
+from wirerope_mj.study.result import StudyResult
 
 _WORST = 8  # variants in the table of the worst
 _INPUTS = 4  # columns of inputs beside a variant
@@ -34,13 +36,24 @@ def print_study(answer: Answer, files: Sequence[str]) -> None:
         out.print(listing)
     out.print()
     out.print(_worst(answer))
-    failed = result.failed
-    for number, message in list(failed.items())[:_FAILED]:
-        out.print(f"  variant {number} failed: {escape(message)}", style="red")
-    if len(failed) > _FAILED:
-        out.print(f"  and {len(failed) - _FAILED} more failed: see the column `message`", style="red")
-    out.print(f"\n  written to {result.folder}/", soft_wrap=True)
-    out.print(f"  {', '.join(files)}", soft_wrap=True)
+    print_failed(result)
+    print_files(result, files)
+
+
+def print_failed(result: StudyResult, thing: str = "variant", most: int = _FAILED) -> None:
+    """Print why variants failed, those of the same message together."""
+    every = list(failures(result).items())
+    for message, numbers in every[:most]:
+        console().print(f"  {numbered(numbers, thing)} failed: {escape(message)}", style="red", soft_wrap=True)
+    if len(every) > most:
+        rest = sum(len(numbers) for _, numbers in every[most:])
+        console().print(f"  and {rest} more failed otherwise: see the column `message`", style="red")
+
+
+def print_files(result: StudyResult, files: Sequence[str]) -> None:
+    """Print which files were written."""
+    console().print(f"\n  written to {result.folder}/", soft_wrap=True)
+    console().print(f"  {', '.join(files)}", soft_wrap=True)
 
 
 def _measures(answer: Answer) -> Table:
@@ -52,13 +65,15 @@ def _measures(answer: Answer) -> Table:
         limit = ["", ""]
         if one.beyond is not None and one.limit is not None:
             limit = [shown_number(one.limit), one.beyond_words]
-        listing.add_row(escape(one.measure.label), *map(shown_number, figures), str(one.variant), *limit)
+        name = f"{one.measure.name} [{one.measure.unit}]"
+        listing.add_row(escape(name), *map(shown_number, figures), str(one.variant), *limit)
     return listing
 
 
 def _indices(found: SobolIndices) -> Table:
     what = f"What explains the variance of: {measure_of(found.measure).words}"
-    title = f"{what}; Sobol's indices with {percent(CONFIDENCE)} intervals"
+    few = f"; {found.rows} base rows are too few" if found.too_few else ""
+    title = f"{what}; Sobol's indices with {percent(CONFIDENCE)} intervals{few}"
     listing = empty(title, ("factor", "alone", "", "with others", ""))
     for one in found.factors:
         cells = []
@@ -70,18 +85,19 @@ def _indices(found: SobolIndices) -> Table:
 
 def _influences(answer: Answer) -> Table:
     title = f"What the inputs explain alone of the variance of: {measure_of(answer.by).words}"
-    listing = empty(title, ("input", "share", "rank correlation", ""))
+    listing = empty(title, ("input", "share", "", "rank correlation"))
     for one in answer.influences[:_INFLUENCES]:
         rank = "" if math.isnan(one.rank) else f"{one.rank:+.2f}"
         certain = "" if one.certain else "[dim]may be chance[/]"
-        listing.add_row(escape(one.name), f"{max(100.0 * one.share, 0.0):.1f} %", rank, certain)
+        listing.add_row(escape(one.name), f"{max(100.0 * one.share, 0.0):.1f} %", certain, rank)
     return listing
 
 
 def _worst(answer: Answer) -> Table:
     heads = [f"{measure.name} [{measure.unit}]" for measure in answer.measures]
     heads += map(input_label, answer.inputs(_INPUTS))
-    listing = empty(f"Worst variants by {answer.by}", ("variant", *map(_two_lines, heads)))
+    without = f"; without {', '.join(answer.left_out)}" if answer.left_out else ""
+    listing = empty(f"Worst variants by {answer.by}{without}", ("variant", *map(_two_lines, heads)))
     for one in answer.worst(_WORST, inputs=_INPUTS):
         listing.add_row(
             str(one.variant), *map(shown_number, one.values), *(escape(_input(value)) for value in one.inputs)

@@ -50,10 +50,14 @@ def front_figure(result: SearchResult) -> Figure:
     with report_style():
         figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
         panel = figure.subplots()
-        panel.plot(x[known & ~within], y[known & ~within], ".", ms=6, color="0.75", mec="none", label="beyond a limit")
-        panel.plot(x[within], y[within], ".", ms=6, color=COLOURS[0], alpha=0.4, mec="none", label="within the limits")
-        style = "o-" if len(result.minimise) == 2 else "o"
-        panel.plot(x[front], y[front], style, ms=4, color=COLOURS[0], label="front")
+        for rows, label, colour, alpha in (
+            (known & ~within, "beyond a limit", "0.75", 1.0), (within, "within the limits", COLOURS[0], 0.4)
+        ):  # fmt: skip
+            if rows.any():
+                panel.plot(x[rows], y[rows], ".", ms=6, color=colour, alpha=alpha, mec="none", label=label)
+        if front.size:
+            style = "o-" if len(result.minimise) == 2 else "o"
+            panel.plot(x[front], y[front], style, ms=4, color=COLOURS[0], label="front")
         given = np.arange(result.start)
         if given.size:
             panel.plot(x[given], y[given], "D", ms=6, color=COLOURS[1], mec="white", mew=0.6, label="given")

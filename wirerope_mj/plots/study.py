@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable, Sequence
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from wirerope_mj.plots.report_image import BASE, COLOURS, RATED, WIDTH, report_s
 from wirerope_mj.study.answers.findings import (
     CONFIDENCE,
     Measure,
-    chance,
+    chance_of,
     finite,
     input_label,
     measure_of,
@@ -37,6 +38,8 @@ MOST_BARS = 12
 MOST_SCATTERS = 3
 """Inputs that are drawn with all their variants."""
 
+_ROOM = 2.1  # length of an axis in its longest bar, so that there is room for the words beside it
+_LINE = 36  # letters of a measure's words on one line
 _NAME = 34  # letters of an input's name beside its bar
 
 
@@ -51,7 +54,7 @@ def distribution_figure(table: pa.Table, names: Sequence[str]) -> Figure:
         figure = Figure(figsize=(WIDTH, 3.3), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
         for panel, name in zip(panels, names, strict=True):
-            _distribution(panel, measure_of(name), values_of(table, name))
+            _distribution(panel, measure_of(name), table)
         panels[0].set_ylabel("share of the variants below [%]")
     return figure
 
@@ -59,6 +62,7 @@ def distribution_figure(table: pa.Table, names: Sequence[str]) -> Figure:
 def sensitivity_figure(found: Sequence[Influence], measure: str) -> Figure:
     """Return what the inputs explain of a measure's variance, as bars; those that may be chance are pale."""
     shown = list(found[:MOST_BARS])[::-1]
+    end = _ROOM * max(*(100.0 * one.share for one in shown), 2.5)
     with report_style():
         figure = Figure(figsize=(WIDTH, 1.1 + 0.24 * len(shown)), layout="constrained")
         panel = figure.subplots()
@@ -70,10 +74,10 @@ def sensitivity_figure(found: Sequence[Influence], measure: str) -> Figure:
                 _sign(one), (share, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7
             )
         panel.set_yticks(range(len(shown)), [_name(one.name) for one in shown])
-        panel.set_xlim(0.0, max(1.5 * max(100.0 * one.share for one in shown), 5.0))
+        panel.set_xlim(0.0, end)
         panel.xaxis.set_major_locator(MaxNLocator(6))
         panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 100.0])
-        panel.set_xlim(0.0, max(1.5 * max(100.0 * one.share for one in shown), 5.0))
+        panel.set_xlim(0.0, end)
         panel.set_xlabel(f"share of the variance that the input explains alone [%]:\n{words_of(measure_of(measure))}")
         _calm(panel, axis="x")
     return figure
@@ -125,7 +129,7 @@ def curve_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
 
 def choices_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
     """Return measures of each choice as bars, the largest first by the first measure."""
-    words = [word or "none" for word in table[name].to_pylist()]
+    words = [_word(choice) for choice in table[name].to_pylist()]
     order = np.argsort(np.nan_to_num(values_of(table, names[0]), nan=-1.0), kind="stable")
     with report_style():
         figure = Figure(figsize=(WIDTH, 1.1 + 0.2 * len(words)), layout="constrained")
@@ -138,17 +142,16 @@ def choices_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
             _limit(panel.axvline, shown)
             panel.set_xlabel(_wrapped(shown))
             _calm(panel, axis="x")
-        panels[0].set_yticks(range(len(words)), [_name(words[place]) for place in order])
+        panels[0].set_yticks(range(len(words)), [_shortened(words[place]) for place in order])
         panels[0].set_ylabel(_name(name))
     return figure
 
 
-def _distribution(panel: Any, shown: Measure, values: Array) -> None:
+def _distribution(panel: Any, shown: Measure, table: pa.Table) -> None:
+    values = values_of(table, shown.name)
     known = shown.factor * np.sort(finite(values))
     shares = 100.0 * np.arange(1, known.size + 1) / known.size
     panel.step(known, shares, where="post", color=COLOURS[0], lw=1.4)
-    counts, edges = np.histogram(known, bins=max(round(2.0 * known.size ** (1.0 / 3.0)), 5))
-    panel.bar(edges[:-1], 60.0 * counts / counts.max(), np.diff(edges), align="edge", color=COLOURS[0], alpha=0.15)
     for q, value in zip(QUANTILES, quantiles(values, QUANTILES), strict=True):
         if math.isfinite(value):
             x = shown.factor * value
@@ -159,9 +162,10 @@ def _distribution(panel: Any, shown: Measure, values: Array) -> None:
             )  # fmt: skip
     _limit(panel.axvline, shown)
     if shown.limit is not None:
-        beyond = chance(values, shown.limit)
+        beyond = chance_of(table, shown.name, shown.limit)
         bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
-        text = f"beyond the limit: {beyond.count} of {beyond.n} variants\n{bounds}"
+        failed = f"; {beyond.failed} more failed" if beyond.failed else ""
+        text = f"beyond the limit: {beyond.count} of {beyond.n} variants{failed}\n{bounds}"
         panel.set_title(text, loc="left", color=RATED if beyond.count else "0.2", fontweight="normal")
     panel.set_xlabel(_wrapped(shown))
     panel.set_ylim(0.0, 104.0)
@@ -171,15 +175,16 @@ def _distribution(panel: Any, shown: Measure, values: Array) -> None:
 
 
 def _means(x: Array, y: Array) -> tuple[Array, Array]:
-    """Return the mean of each of some classes of x of equal size."""
+    """Return the mean at each value of x; where hardly any value repeats, of each of some classes of equal size."""
     known = np.isfinite(x) & np.isfinite(y)
-    order = np.argsort(x[known], kind="stable")
+    x, y = x[known], y[known]
+    values, places = np.unique(x, return_inverse=True)
+    if 2 * values.size <= x.size:
+        return values, np.bincount(places, weights=y) / np.bincount(places)
+    order = np.argsort(x, kind="stable")
     parts = min(max(round(order.size ** (1.0 / 3.0)), 3), 12)
     rows = [part for part in np.array_split(order, parts) if part.size]
-    return (
-        np.array([x[known][part].mean() for part in rows]),
-        np.array([y[known][part].mean() for part in rows]),
-    )
+    return np.array([x[part].mean() for part in rows]), np.array([y[part].mean() for part in rows])
 
 
 def _limit(draw: Callable[..., Any], shown: Measure) -> None:
@@ -188,12 +193,21 @@ def _limit(draw: Callable[..., Any], shown: Measure) -> None:
 
 
 def _sign(one: Influence) -> str:
+    chance = "" if one.certain else " (may be chance)"
     trend = "" if math.isnan(one.rank) else f", rank correlation {one.rank:+.2f}".replace("-", "\N{MINUS SIGN}")
-    return f"{max(100.0 * one.share, 0.0):.0f} %{trend}{'' if one.certain else ' (may be chance)'}"
+    return f"{max(100.0 * one.share, 0.0):.0f} %{chance}{trend}"
+
+
+def _word(choice: Any) -> str:
+    """Return one of some choices; that of the mount that fails is "" where none does."""
+    return f"{choice:g}" if isinstance(choice, float) else str(choice) or "none"
 
 
 def _name(name: str) -> str:
-    name = input_label(name)
+    return _shortened(input_label(name))
+
+
+def _shortened(name: str) -> str:
     fits = name if len(name) <= _NAME else f"{name[: _NAME // 2 - 1]}…{name[-_NAME // 2 :]}"
     return fits.replace("$", r"\$")
 
@@ -203,8 +217,9 @@ def _wrapped(shown: Measure) -> str:
 
 
 def words_of(shown: Measure) -> str:
-    """Return a measure's words, of which body or mount on a line of its own."""
-    return ",\n".join(short(part) for part in shown.words.split(", ", 1)) if "/" in shown.name else shown.words
+    """Return a measure's words on lines that fit an axis, of which body or mount on a line of its own."""
+    words, *rest = shown.words.rsplit(", ", 1) if "/" in shown.name else [shown.words]
+    return "\n".join(wrap(words, _LINE)) + "".join(f",\n{short(one)}" for one in rest)
 
 
 def _calm(panel: Any, *, axis: str = "both") -> None:

@@ -17,12 +17,13 @@ from wirerope_mj.plots.study import (
     sensitivity_figure,
 )
 from wirerope_mj.plots.study_indices import indices_figure
+from wirerope_mj.study.answers.answer import Answer
 from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION
-from wirerope_mj.study.answers.findings import headlines, input_names, measure_of, random_study
-from wirerope_mj.study.answers.indices import drawn, sobol_indices
+from wirerope_mj.study.answers.findings import finite, headlines, input_names, measure_of, random_study, values_of
+from wirerope_mj.study.answers.indices import SobolIndices, drawn
 from wirerope_mj.study.answers.sensitivity import Influence
+from wirerope_mj.study.inputs.sampling import LISTED
 from wirerope_mj.study.inputs.sobol import SAMPLING
-from wirerope_mj.study.result import StudyResult
 
 _MOST_CHOICES = 60  # bars in one picture
 
@@ -36,38 +37,34 @@ class StudyPicture:
     caption: str
 
 
-def study_pictures(result: StudyResult, by: str, found: Sequence[Influence]) -> list[StudyPicture]:
-    """Return the pictures of a study.
-
-    Args:
-        result: of the study.
-        by: the measure that is looked at most.
-        found: what its inputs do to this measure.
-    """
+def study_pictures(answer: Answer) -> list[StudyPicture]:
+    """Return the pictures of a study."""
+    result, by, found = answer.result, answer.by, answer.influences
     table = drawn(result)
     inputs = [name for name in input_names(table) if len(set(table[name].to_pylist())) > 1]
     names = list(dict.fromkeys([by, *headlines(table)]))[:2]
-    words = measure_of(by).words
     pictures = []
     if {AZIMUTH, ELEVATION} == set(inputs):
-        figure = directions_figure(table, by)
         caption = (
-            f"{_capital(words)} over the direction in which the base is driven first; equal areas are equal parts of all "
-            "directions; the ring is the largest, the line the limit."
+            f"{_capital(measure_of(by).words)} over the direction in which the base is driven first; equal areas are equal "
+            "parts of the sphere; the ring is the largest, the line the limit."
         )
-        pictures.append(StudyPicture(name="directions", figure=figure, caption=caption))
+        pictures.append(StudyPicture(name="directions", figure=directions_figure(table, by), caption=caption))
     elif len(inputs) == 1:
         pictures += _of_one_input(table, inputs[0], names)
-    if random_study(result):
+    several = [name for name in names if finite(values_of(table, name)).size > 1]
+    if random_study(result) and several:
         caption = (
-            "Share of the variants that stay below a value, with percentiles; pale: how many lie where; dashed: the limit. "
-            "A percentile is named if at least five variants lie beyond it."
+            "Share of the variants that stay below a value, with percentiles; dashed: the limit. A percentile is named if at "
+            "least five variants lie beyond it."
         )
-        pictures.insert(0, StudyPicture(name="distribution", figure=distribution_figure(table, names), caption=caption))
+        pictures.insert(
+            0, StudyPicture(name="distribution", figure=distribution_figure(table, several), caption=caption)
+        )
     if result.study.sampling == SAMPLING:
-        pictures += [*_of_indices(result, names), *_scatter(table, by, found)]
+        pictures += [*_of_indices(answer.indices[:2]), *_scatter(answer, table)]
     elif found and len(inputs) > 1 and "directions" not in {picture.name for picture in pictures}:
-        pictures += [_sensitivity(by, found), *_scatter(table, by, found)]
+        pictures += [_sensitivity(by, found), *_scatter(answer, table)]
     return pictures
 
 
@@ -82,13 +79,13 @@ def _of_one_input(table: pa.Table, name: str, names: Sequence[str]) -> list[Stud
     return [StudyPicture(name="curve", figure=curve_figure(table, name, names), caption=caption)]
 
 
-def _of_indices(result: StudyResult, names: Sequence[str]) -> list[StudyPicture]:
-    found = [one for name in names if (one := sobol_indices(result, name)).factors]
+def _of_indices(found: Sequence[SobolIndices]) -> list[StudyPicture]:
     if not found:
         return []
+    few = any(one.too_few for one in found)
     caption = (
         "What each factor explains of the variance alone, and with what it does together with others: Sobol's first-order "
-        "and total indices, with intervals of 95 % confidence."
+        f"and total indices, with intervals of 95 % confidence.{f' {found[0].rows} base rows are too few.' if few else ''}"
     )
     return [StudyPicture(name="indices", figure=indices_figure(found), caption=caption)]
 
@@ -101,13 +98,15 @@ def _sensitivity(by: str, found: Sequence[Influence]) -> StudyPicture:
     return StudyPicture(name="sensitivity", figure=sensitivity_figure(found, by), caption=caption)
 
 
-def _scatter(table: pa.Table, by: str, found: Sequence[Influence]) -> list[StudyPicture]:
-    numbers = [one.name for one in found if _is_number(table, one.name)][:MOST_SCATTERS]
+def _scatter(answer: Answer, table: pa.Table) -> list[StudyPicture]:
+    numbers = [name for name in answer.shown_inputs if _is_number(table, name)][:MOST_SCATTERS]
     if not numbers:
         return []
-    words = measure_of(by).words
-    caption = f"{_capital(words)} of every variant over the strongest inputs; the line is the mean; dashed: the limit."
-    return [StudyPicture(name="scatter", figure=scatter_figure(table, numbers, by), caption=caption)]
+    words = measure_of(answer.by).words
+    listed = answer.result.study.sampling in LISTED
+    mean = "the mean at each value of the input" if listed else "the mean of variants with like values of the input"
+    caption = f"{_capital(words)} of every variant over the strongest inputs; the line is {mean}; dashed: the limit."
+    return [StudyPicture(name="scatter", figure=scatter_figure(table, numbers, answer.by), caption=caption)]
 
 
 def _is_number(table: pa.Table, name: str) -> bool:

@@ -4,8 +4,9 @@ from wirerope_mj.plots.report_image import image_of
 from wirerope_mj.plots.search import search_pictures
 from wirerope_mj.report.content import Listing, Mark, Paragraph, Picture, ReportContent, Section, Table
 from wirerope_mj.report.display import number, several
-from wirerope_mj.report.study import failed_blocks, numerics_table, varied_table
+from wirerope_mj.report.study import failed_blocks, measured, motion_words, numerics_table, varied_table
 from wirerope_mj.study.answers.findings import input_names, measure_of
+from wirerope_mj.study.answers.sentences import travel_sentences
 from wirerope_mj.study.search.result import GENERATION, SearchResult
 
 _ROWS = 40
@@ -20,18 +21,19 @@ def search_content(result: SearchResult) -> ReportContent:
         Picture(image=image_of(picture.figure), caption=picture.caption, alt=picture.caption)
         for picture in search_pictures(result)
     )
+    notes = travel_sentences(study.base) if "travel" in result.shown else []
     tables = (_front(result), _designs(result)) if result.front.num_rows else ()
     return ReportContent(
         title=study.name.replace("_", " ").capitalize(),
         facts=(
             ("Model", content["model"]["file"].rpartition("/")[2]),
-            ("Base motion", " | ".join(motion.description for motion in study.motions)),
+            ("Base motion", motion_words(result)),
             ("Designs", f"{result.variants}, {content['search']['optimiser']}"),
             ("By", f"wirerope-mj {content['versions'].get('wirerope-mj', 'unknown')}"),
         ),
         question=question or ("The search asks no question.",),
         verdict=_verdict(result),
-        answer=(Paragraph(text=result.message), *failed_blocks(result)),
+        answer=(Paragraph(text=" ".join([result.message, *notes])), *failed_blocks(result)),
         sections=(
             Section(title="What was sought", blocks=(_sought(result), varied_table(content["vary"]))),
             Section(title="What was found", blocks=(*pictures, *tables)),
@@ -58,7 +60,7 @@ def _front(result: SearchResult) -> Table:
     measures = [measure_of(name) for name in result.shown]
     rows = []
     for row in result.front.to_pylist()[:_ROWS]:
-        values = [number(measure.factor * row[measure.name]) for measure in measures]
+        values = [measured(measure, measure.factor * row[measure.name]) for measure in measures]
         rows.append((str(row["variant"]), *values, str(row[GENERATION]), result.word(row["variant"])))
     return Table(
         caption="The front: designs within the limits that no other one beats", rows=tuple(rows),

@@ -9,7 +9,17 @@ from wirerope_mj.plots.study_pictures import study_pictures
 from wirerope_mj.report.content import Block, Cell, Listing, Mark, Paragraph, Picture, ReportContent, Section, Table
 from wirerope_mj.report.display import ABSENT, fixed, number, several
 from wirerope_mj.study.answers.answer import QUANTILES, Answer
-from wirerope_mj.study.answers.findings import input_label, measure_of, percent, sentences
+from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION
+from wirerope_mj.study.answers.findings import (
+    Measure,
+    failures,
+    input_label,
+    input_names,
+    measure_of,
+    numbered,
+    percent,
+)
+from wirerope_mj.study.answers.sentences import sentences
 from wirerope_mj.study.result import StudyResult
 
 _WORST, _INPUTS, _INFLUENCES, _FAILED = 10, 5, 15, 20  # rows and columns that are read
@@ -25,13 +35,12 @@ def study_content(answer: Answer) -> ReportContent:
     """Return the report of a study that is complete."""
     result = answer.result
     study, content = result.study, result.inputs
-    motions = " | ".join(motion.description for motion in study.motions)
     question = tuple(" ".join(part.split()) for part in study.question.strip().split("\n\n") if part.strip())
     return ReportContent(
         title=study.name.replace("_", " ").capitalize(),
         facts=(
             ("Model", content["model"]["file"].rpartition("/")[2]),
-            ("Base motion", motions),
+            ("Base motion", motion_words(result)),
             ("Variants", f"{result.variants}, {_METHODS.get(study.sampling, study.sampling)}"),
             ("By", f"wirerope-mj {content['versions'].get('wirerope-mj', 'unknown')}"),
         ),
@@ -48,16 +57,23 @@ def study_content(answer: Answer) -> ReportContent:
     )
 
 
+def motion_words(result: StudyResult) -> str:
+    """Return the base motions of a study, and what of them varies."""
+    names = set(input_names(result.table))
+    varies = ["direction"] * bool({AZIMUTH, ELEVATION} & names) + ["level"] * ("motion/level" in names)
+    motions = " | ".join(motion.description for motion in result.study.motions)
+    return f"{motions}; its {' and '.join(varies)} {'vary' if len(varies) > 1 else 'varies'}" if varies else motions
+
+
 def _verdict(answer: Answer) -> Mark:
     judged = [(figures.beyond, figures.share) for figures in answer.figures if figures.beyond is not None]
     if not judged:
         return Mark(text="Not judged: no limit is stated", tone="unjudged")
     most, share = max(judged, key=lambda one: one[0].count)
+    failed = f"; {several(most.failed, 'more variant')} failed" if most.failed else ""
     if most.count:
-        of = "" if share is None else f" ({percent(share)}{'' if answer.drawn else ' of all directions'})"
-        return Mark(text=f"A limit is exceeded in {most.count} of {most.n} variants{of}", tone="exceeded")
-    n_failed = len(answer.result.failed)
-    failed = f"; {several(n_failed, 'variant')} failed" if n_failed else ""
+        of = "" if share is None else f" ({percent(share)}{answer.share_words})"
+        return Mark(text=f"A limit is exceeded in {most.count} of {most.n} variants{of}{failed}", tone="exceeded")
     return Mark(text=f"Within the limits in all {most.n} variants{failed}", tone="unjudged" if failed else "within")
 
 
@@ -66,8 +82,12 @@ def failed_blocks(result: StudyResult) -> tuple[Block, ...]:
     failed = result.failed
     if not failed:
         return ()
-    lines = [f"Variant {one}: {message}" for one, message in list(failed.items())[:_FAILED]]
-    words = f"{several(len(failed), 'variant')} could not be simulated and stand in no figure:"
+    of_message = list(failures(result).items())
+    lines = [f"{_capital(numbered(numbers))}: {message}" for message, numbers in of_message[:_FAILED]]
+    if len(of_message) > _FAILED:
+        lines.append(f"{len(of_message) - _FAILED} other messages: see the column message of the table.")
+    stand = "stands" if len(failed) == 1 else "stand"
+    words = f"{several(len(failed), 'variant')} could not be simulated and {stand} in no figure:"
     return (Paragraph(text=words), Listing(items=tuple(lines)))
 
 
@@ -108,8 +128,10 @@ def _choices(values: Sequence[Any]) -> str:
 def _measures(answer: Answer) -> Table:
     rows = []
     for one in answer.figures:
-        cells: list[Cell] = [one.measure.label]
-        cells += [number(value) for value in [*(one.quantiles if answer.drawn else ()), one.largest]]
+        label = one.measure.label
+        cells: list[Cell] = [label if "/" in one.measure.name else f"{one.measure.name.replace('_', ' ')}: {label}"]
+        shown = [*(one.quantiles if answer.drawn else ()), one.largest]
+        cells += [measured(one.measure, value) for value in shown]
         cells.append(str(one.variant))
         if one.beyond is None or one.limit is None:
             cells += [ABSENT, ABSENT]
@@ -129,7 +151,7 @@ def _measures(answer: Answer) -> Table:
 def _pictures(answer: Answer) -> list[Block]:
     return [
         Picture(image=image_of(picture.figure), caption=picture.caption, alt=picture.caption)
-        for picture in study_pictures(answer.result, answer.by, answer.influences)
+        for picture in study_pictures(answer)
     ]
 
 
@@ -151,7 +173,7 @@ def _indices(answer: Answer) -> tuple[Block, ...]:
                 rows=tuple(rows),
                 note="Sobol's first-order and total indices with bounds of 95 % confidence (bootstrap) from "
                 f"{several(found.rows, 'base row')}{dropped}. A factor may be several quantities of one group. "
-                "Below 0 an index is chance.",
+                f"Below 0 an index is chance.{' So few base rows say nothing: take more.' if found.too_few else ''}",
             )  # fmt: skip
         )
     return tuple(tables)
@@ -165,10 +187,10 @@ def _influences(answer: Answer) -> tuple[Block, ...]:
     for one in found[:_INFLUENCES]:
         rank = ABSENT if math.isnan(one.rank) else fixed(one.rank, 2)
         certain = Mark(text="certain", tone="strong") if one.certain else Mark(text="may be chance", tone="quiet")
-        rows.append((one.name, f"{fixed(max(100.0 * one.share, 0.0), 1)} %", rank, certain))
+        rows.append((one.name, f"{fixed(max(100.0 * one.share, 0.0), 1)} %", certain, rank))
     table = Table(
         caption=f"What each input explains of the variance of: {measure_of(answer.by).words}",
-        head=("input", "share it explains alone", "rank correlation", ""), align="lrrl", rows=tuple(rows),
+        head=("input", "share it explains alone", "and this share is", "rank correlation"), align="lrlr", rows=tuple(rows),
         note="Shares are first-order Sobol indices, estimated from the variants as they are; what is missing to 100 % is left "
         "to inputs together and to what so few classes do not resolve. Of several inputs that move together, the strongest "
         "is given what they share.",
@@ -177,16 +199,26 @@ def _influences(answer: Answer) -> tuple[Block, ...]:
 
 
 def _worst(answer: Answer) -> Table:
-    rows = [
-        (str(one.variant), *(number(value) for value in one.values), *(_input(value) for value in one.inputs))
-        for one in answer.worst(_WORST, inputs=_INPUTS)
-    ]
-    measures = (f"{measure.name} [{measure.unit}]" for measure in answer.measures)
-    head = ("variant", *measures, *map(input_label, answer.inputs(_INPUTS)))
+    measures = answer.measures
+    rows = []
+    for one in answer.worst(_WORST, inputs=_INPUTS):
+        values = [measured(measure, value) for measure, value in zip(measures, one.values, strict=True)]
+        rows.append((str(one.variant), *values, *(_input(value) for value in one.inputs)))
+    heads = (f"{measure.name} [{measure.unit}]" for measure in measures)
+    head = ("variant", *heads, *map(input_label, answer.inputs(_INPUTS)))
     return Table(
         caption=f"Worst by {answer.by}, with the inputs that matter most", head=head, align="r" * len(head),
-        rows=tuple(rows),
+        rows=tuple(rows), note=f"Not shown: {', '.join(answer.left_out)}." if answer.left_out else "",
     )  # fmt: skip
+
+
+def measured(measure: Measure, value: float) -> str:
+    """Return a value in the unit in which its measure is shown; a count has no digits behind the point."""
+    return str(int(value)) if measure.unit == "-" and value.is_integer() else number(value)
+
+
+def _capital(words: str) -> str:
+    return words[0].upper() + words[1:]
 
 
 def _input(value: Any) -> str:

@@ -10,6 +10,7 @@ from wirerope_mj.runfolder.write import run_scenario
 from wirerope_mj.scenario import Scenario
 from wirerope_mj.study.answers.answer import Answer
 from wirerope_mj.study.answers.findings import input_names, worst
+from wirerope_mj.study.answers.indices import drawn
 from wirerope_mj.study.result import StudyResult
 from wirerope_mj.study.search.result import SearchResult
 from wirerope_mj.whole import written_whole
@@ -32,7 +33,7 @@ def write_study_pictures(answer: Answer) -> list[Path]:
     """Write the pictures of a study into its folder and return them."""
     from wirerope_mj.plots.study_pictures import study_pictures  # late: matplotlib takes a while
 
-    return _write(answer.result.folder, study_pictures(answer.result, answer.by, answer.influences))
+    return _write(answer.result.folder, study_pictures(answer))
 
 
 def write_search_pictures(result: SearchResult) -> list[Path]:
@@ -54,7 +55,8 @@ def _write(folder: Path, pictures: "Sequence[StudyPicture]") -> list[Path]:
 def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
     """Write the worst variants, or the best designs of a search, as runs, and return what can be opened.
 
-    A run replaces one that is there. Of a search they are its front's: the knee, the ends, those between.
+    A run replaces one that is there. Of a search they are its front's: the knee, the ends, those between; without a front
+    those that are nearest to the limits.
 
     Each run is that of the variant alone, with its changes beside the model as written. Two or more are laid over each other in
     one recording, too, which is returned first.
@@ -70,7 +72,7 @@ def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
     folders = {}
     checked_count(count)
     best = result.chosen[:count] if isinstance(result, SearchResult) else []
-    for number in best or worst(result.table, by, count):
+    for number in best or worst(drawn(result), by, count):
         folder = result.folder / WORST / f"variant-{number:06d}"
         run_scenario(_scenario(result, number), folder, force=True)
         folders[f"variant {number}"] = folder

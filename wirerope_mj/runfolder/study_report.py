@@ -39,6 +39,8 @@ def write_study_report(
     result = load_study(folder)
     if not result.complete:
         raise RecordError(result.message)
+    if by is not None and isinstance(result, SearchResult):
+        raise ValueError("`by` is for studies: the designs of a search are ordered by what it minimises.")
     content = search_content(result) if isinstance(result, SearchResult) else study_content(answer_of(result, by))
     write_page(report_html(content), files)
     return files

@@ -6,17 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.study.answers.directions import share_of_directions
+from wirerope_mj.study.answers.directions import directions_words, share_of_directions
 from wirerope_mj.study.answers.findings import (
     HEADLINES,
     Chance,
     Measure,
-    chance,
+    chance_of,
     checked_measure,
     headlines,
     input_names,
     measure_of,
-    percent,
     quantiles,
     random_study,
     row_of,
@@ -25,10 +24,13 @@ from wirerope_mj.study.answers.findings import (
 )
 from wirerope_mj.study.answers.indices import SobolIndices, drawn, sobol_indices
 from wirerope_mj.study.answers.sensitivity import Influence, influences
-from wirerope_mj.study.inputs.sobol import SAMPLING
+from wirerope_mj.study.answers.sentences import beyond_text
+from wirerope_mj.study.inputs.sobol import SAMPLING, factors
 from wirerope_mj.study.result import StudyResult
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
+
+_PAIR = 2  # columns of a factor that are told one by one: two angles of a direction
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,10 +60,7 @@ class Figures:
     @property
     def beyond_words(self) -> str:
         """How often the limit is exceeded: "88 of 325 (34 %)"; "" without a limit."""
-        if self.beyond is None:
-            return ""
-        share = "" if self.share is None else f" ({percent(self.share)})"
-        return f"{self.beyond.count} of {self.beyond.n}{share}"
+        return "" if self.beyond is None else beyond_text(self.beyond, self.share)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -116,14 +115,45 @@ class Answer:
         """What is told of each measure."""
         return tuple(self._figures(measure) for measure in self.measures)
 
+    @property
+    def share_words(self) -> str:
+        """Of what a share is, behind its figure: " of all directions"; "" of variants."""
+        return "" if self.drawn else f" of {directions_words(self.result.table)}"
+
+    @cached_property
+    def shown_inputs(self) -> tuple[str, ...]:
+        """The inputs in the order in which they are told of a variant, those that matter most first.
+
+        Of a study for Sobol's indices they are those of the factors with the largest total indices, as long as a factor is one
+        number or two. Of others those that certainly matter come first, then what all mounts share, then what each mount has
+        of its own: of those that may be chance nobody knows which one is the strongest.
+        """
+        names = input_names(self.result.table)
+        if self.result.study.sampling == SAMPLING:
+            strong = [names[place] for places in self._factors.values() if len(places) <= _PAIR for place in places]
+            return tuple(strong) or tuple(names)
+        certain = [one.name for one in self.influences if one.certain]
+        others = sorted((one.name for one in self.influences if not one.certain), key=_of_one_mount)
+        return tuple(dict.fromkeys([*certain, *others, *sorted(names, key=_of_one_mount)]))
+
+    @cached_property
+    def left_out(self) -> tuple[str, ...]:
+        """Factors of Sobol's indices that are many numbers, of which no single one is told: "stiffness (16 numbers)"."""
+        if self.result.study.sampling != SAMPLING:
+            return ()
+        many = {name: len(places) for name, places in self._factors.items() if len(places) > _PAIR}
+        return tuple(f"{name} ({count} numbers)" for name, count in many.items())
+
     def inputs(self, most: int) -> list[str]:
         """Return the inputs that are told of a variant: the strongest first."""
-        strongest = [one.name for one in self.influences]
-        return list(dict.fromkeys([*strongest, *input_names(self.result.table)]))[:most]
+        return list(self.shown_inputs[:most])
 
     def worst(self, count: int, *, inputs: int) -> list[WorstVariant]:
-        """Return the variants with the largest values of `by`, and the strongest of their inputs."""
-        table, names = self.result.table, self.inputs(inputs)
+        """Return the variants with the largest values of `by`, and the strongest of their inputs.
+
+        Of a study for Sobol's indices they are those that were drawn for themselves: the others repeat them but for one factor.
+        """
+        table, names = drawn(self.result), self.inputs(inputs)
         found = []
         for number in worst(table, self.by, count):
             row = row_of(table, number)
@@ -131,18 +161,25 @@ class Answer:
             found.append(WorstVariant(variant=number, values=values, inputs=tuple(row[name] for name in names)))
         return found
 
+    @cached_property
+    def _factors(self) -> dict[str, list[int]]:
+        """Places of the columns of each factor of Sobol's indices, the one with the largest total index first."""
+        places = factors(self.result.study.quantities)
+        order = [one.name for one in sobol_indices(self.result, self.by).factors]
+        return {name: places[name] for name in dict.fromkeys([*order, *places])}
+
     def _figures(self, measure: Measure) -> Figures:
-        table, limit = self.result.table, measure.limit
-        values, independent = values_of(table, measure.name), values_of(drawn(self.result), measure.name)
-        beyond = None if limit is None else chance(independent, limit)
+        table, limit = drawn(self.result), measure.limit
+        values = values_of(table, measure.name)
+        beyond = None if limit is None else chance_of(table, measure.name, limit)
         share = None
         if beyond is not None and limit is not None and self.drawn:
-            share = beyond.count / beyond.n
+            share = beyond.share
         elif limit is not None:
             share = share_of_directions(table, input_names(table), values, limit)
         return Figures(
             measure=measure,
-            quantiles=tuple(measure.factor * value for value in quantiles(independent, QUANTILES)),
+            quantiles=tuple(measure.factor * value for value in quantiles(values, QUANTILES)),
             smallest=measure.factor * float(np.nanmin(values)),
             median=measure.factor * float(np.nanmedian(values)),
             largest=measure.factor * float(np.nanmax(values)),
@@ -151,6 +188,11 @@ class Answer:
             beyond=beyond,
             share=share,
         )
+
+
+def _of_one_mount(name: str) -> bool:
+    """Return whether an input is that of a single mount, as each has one of its own."""
+    return name.startswith("mount/") and not set(name) & set("*?,")
 
 
 def answer_of(result: StudyResult, by: str | None = None) -> Answer:

@@ -1,24 +1,23 @@
 """What a study says: how its measures are distributed, how likely a limit is exceeded, and the worst variants."""
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 from scipy.stats import beta
 
-from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION, share_of_directions
-from wirerope_mj.study.answers.indices import SobolIndices, drawn, sobol_indices
-from wirerope_mj.study.answers.places import beyond_words, inputs_words
+from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION
 from wirerope_mj.study.engines.compute import DONE
 from wirerope_mj.study.inputs.sampling import LISTED
-from wirerope_mj.study.inputs.sobol import SAMPLING
-from wirerope_mj.study.inputs.specimens import specimen_sentences
-from wirerope_mj.study.result import StudyResult
 from wirerope_mj.units import shown_in
+
+if TYPE_CHECKING:
+    from wirerope_mj.study.result import StudyResult
 
 Array = npt.NDArray[np.float64]
 
@@ -27,14 +26,17 @@ HEADLINES = ("travel", "acceleration", "fragility")
 
 CONFIDENCE = 0.95
 
-SLIGHT = 0.01
-"""Total index below which a factor is only named."""
+_BEYOND = 5
+"""Variants that lie beyond a percentile that is given."""
 
 _KEPT = ("variant", "status", "message", "generation")
+_FIGURE = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
+_NUMBERED = 6  # variants of one message that are told by their numbers
 _ANGLES = (AZIMUTH, ELEVATION)
 _ROOMS = {
-    "travel": ("share of the rated travel", "%", 100.0, 1.0),
+    "travel": ("largest share of a rated travel along one axis", "%", 100.0, 1.0),
     "acceleration": ("largest acceleration", *shown_in("m/s^2"), None),
+    "static_load": ("share of the rated static load", "%", 100.0, 1.0),
     "fragility": ("share of the stated acceleration limit", "%", 100.0, 1.0),
     "mounts": ("number of mounts that act", "-", 1.0, None),
     "deflection": ("largest deflection", *shown_in("m"), None),
@@ -72,15 +74,27 @@ class Chance:
     """How often a limit was exceeded.
 
     Attributes:
-        count, n: variants that exceed it, of how many.
+        count, n: variants that exceed it, of how many that could be simulated and are judged.
         low, high: bounds of the probability at `CONFIDENCE` (Clopper and Pearson 1934), as of random draws; even sampling is
-            rather better than that.
+            rather better than that. They know nothing of variants that failed.
+        failed: variants that could not be simulated, and are counted nowhere.
     """
 
     count: int
     n: int
     low: float
     high: float
+    failed: int = 0
+
+    @property
+    def share(self) -> float:
+        """Share of the variants that were counted, 0 to 1; NaN if there are none."""
+        return self.count / self.n if self.n else math.nan
+
+    @property
+    def at_most(self) -> float:
+        """Share of all variants, if every one that failed counted as beyond the limit."""
+        return (self.count + self.failed) / (self.n + self.failed) if self.n + self.failed else math.nan
 
 
 def measure_of(name: str) -> Measure:
@@ -137,18 +151,27 @@ def finite(values: Array) -> Array:
 
 
 def quantiles(values: Array, shares: Sequence[float]) -> list[float]:
-    """Return quantiles; NaN for those beyond which fewer than five variants lie: nobody knows them."""
+    """Return quantiles; NaN for those beyond which, away from the median, fewer than five variants lie: nobody knows them."""
     known = finite(values)
-    return [float(np.quantile(known, q)) if known.size * (1.0 - q) >= 5.0 else math.nan for q in shares]
+    beyond = [known.size * min(q, 1.0 - q) for q in shares]
+    # 50 (1 - 0.9) is a little less than 5 in floating point.
+    return [
+        float(np.quantile(known, q)) if n >= _BEYOND - 1e-9 else math.nan for q, n in zip(shares, beyond, strict=True)
+    ]
 
 
-def chance(values: Array, limit: float) -> Chance:
-    """Return how often values are beyond a limit."""
+def chance(values: Array, limit: float, *, failed: int = 0) -> Chance:
+    """Return how often values are beyond a limit; `failed` more variants have none."""
     known = finite(values)
     k, n, tail = int((known > limit).sum()), known.size, (1.0 - CONFIDENCE) / 2.0
     low = float(beta.ppf(tail, k, n - k + 1)) if k else 0.0
     high = float(beta.ppf(1.0 - tail, k + 1, n - k)) if k < n else 1.0
-    return Chance(count=k, n=n, low=low, high=high)
+    return Chance(count=k, n=n, low=low, high=high, failed=failed)
+
+
+def chance_of(table: pa.Table, measure: str, limit: float) -> Chance:
+    """Return how often a measure is beyond a limit, with the number of variants that failed."""
+    return chance(values_of(table, measure), limit, failed=int(np.count_nonzero(np.asarray(table["status"]) != DONE)))
 
 
 def worst(table: pa.Table, measure: str, count: int) -> list[int]:
@@ -165,7 +188,7 @@ def row_of(table: pa.Table, number: int) -> dict[str, Any]:
     return table.slice(place, 1).to_pylist()[0]
 
 
-def random_study(result: StudyResult) -> bool:
+def random_study(result: "StudyResult") -> bool:
     """Return whether the variants were drawn, so that shares of them are probabilities."""
     return result.study.sampling not in LISTED
 
@@ -178,56 +201,18 @@ def percent(share: float) -> str:
     )
 
 
-def sentences(result: StudyResult) -> list[str]:
-    """Return what the study answers, a sentence for every measure with a limit."""
-    table, found = result.table, []
-    independent = drawn(result)
-    for name in headlines(table):
-        measure = measure_of(name)
-        if measure.limit is None:
-            continue
-        beyond, top = chance(values_of(independent, name), measure.limit), worst(table, name, 1)[0]
-        largest = f"the largest is {measure.factor * np.nanmax(values_of(table, name)):.3g} % in variant {top}"
-        if not random_study(result):
-            inputs, values = input_names(table), values_of(table, name)
-            part = share_of_directions(table, inputs, values, measure.limit)
-            where = beyond_words(table, inputs, values, measure.limit)
-            where += "" if part is None else f", {percent(part)} of all directions"
-            largest += inputs_words(row_of(table, top), inputs)
-            found.append(f"{_what(measure)}: beyond 100 % in {beyond.count} of {beyond.n} variants{where}; {largest}.")
-            continue
-        bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
-        of = f"{beyond.n} {'' if independent is table else 'independent '}variants"
-        share = percent(beyond.count / beyond.n)
-        found.append(f"{_what(measure)}: beyond 100 % in {beyond.count} of {of}, {share} ({bounds}); {largest}.")
-    if not found:
-        found.append("Nothing is judged: the isolators state no rated travel and the model no limit.")
-    found += specimen_sentences(result.study.quantities)
-    if result.study.sampling == SAMPLING:
-        every = (sobol_indices(result, name) for name in headlines(table))
-        found += [_of_indices(one) for one in every if one.factors]
+def failures(result: "StudyResult") -> dict[str, list[int]]:
+    """Return the messages of the variants that failed with their numbers; of those that differ in figures alone the first."""
+    found: dict[str, list[int]] = {}
+    first: dict[str, str] = {}
+    for number, message in result.failed.items():
+        found.setdefault(first.setdefault(_FIGURE.sub("", message), message), []).append(number)
     return found
 
 
-def _of_indices(found: SobolIndices) -> str:
-    """Return what the factors explain of a measure as a sentence."""
-    first, *others = found.factors
-    low, high = (100.0 * max(end, 0.0) for end in first.total_interval)
-    parts = [
-        f"{first.name} explains {_share(first.first)} of its variance alone, {_share(first.total)} with what it does together "
-        f"with others ({low:.0f} to {high:.0f} % at {percent(CONFIDENCE)} confidence)"
-    ]
-    parts += [f"{one.name} {_share(one.first)} and {_share(one.total)}" for one in others if one.total >= SLIGHT]
-    slight = [one.name for one in others if one.total < SLIGHT]
-    if slight:
-        parts.append(f"less than {percent(SLIGHT)}: {', '.join(slight)}")
-    dropped = f" {found.dropped} of {found.rows + found.dropped} base rows were dropped: variants of them failed."
-    return f"{_what(measure_of(found.measure))}: {'; '.join(parts)}.{dropped if found.dropped else ''}"
-
-
-def _share(index: float) -> str:
-    return f"{100.0 * max(index, 0.0):.0f} %"
-
-
-def _what(measure: Measure) -> str:
-    return measure.words[0].upper() + measure.words[1:]
+def numbered(numbers: Sequence[int], thing: str = "variant") -> str:
+    """Return which variants there are, for a message: "variant 3", or "17 variants (3, 8, 9, ...)"."""
+    if len(numbers) == 1:
+        return f"{thing} {numbers[0]}"
+    shown = ", ".join(map(str, numbers[:_NUMBERED])) + (", ..." if len(numbers) > _NUMBERED else "")
+    return f"{len(numbers)} {thing}s ({shown})"

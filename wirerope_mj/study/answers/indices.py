@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -9,11 +10,16 @@ import pyarrow as pa
 
 from wirerope_mj.study.engines.compute import DONE
 from wirerope_mj.study.inputs.sobol import FEWEST, SAMPLING, factors
-from wirerope_mj.study.result import StudyResult
+
+if TYPE_CHECKING:
+    from wirerope_mj.study.result import StudyResult
 
 Array = npt.NDArray[np.float64]
 
 CONFIDENCE = 0.95
+
+_WIDE, _BEYOND = 0.25, 0.1
+"""Half the width of a total index's interval, and how far an index lies outside 0 to 1, from which on the rows are too few."""
 
 RESAMPLES = 1000
 """Of the base rows with replacement: the ends of the intervals are then known to a tenth of their length."""
@@ -39,6 +45,11 @@ class SobolIndex:
     first_interval: tuple[float, float]
     total_interval: tuple[float, float]
 
+    @property
+    def reach(self) -> float:
+        """Half the width of the total index's interval."""
+        return (self.total_interval[1] - self.total_interval[0]) / 2.0
+
 
 @dataclass(frozen=True, kw_only=True)
 class SobolIndices:
@@ -56,8 +67,15 @@ class SobolIndices:
     rows: int
     dropped: int
 
+    @property
+    def too_few(self) -> bool:
+        """Whether the rows are too few to say anything: intervals of total indices are wide, or indices are none."""
+        return any(one.reach > _WIDE for one in self.factors) or any(
+            not -_BEYOND <= index <= 1.0 + _BEYOND for one in self.factors for index in (one.first, one.total)
+        )
 
-def sobol_indices(result: StudyResult, measure: str) -> SobolIndices:
+
+def sobol_indices(result: "StudyResult", measure: str) -> SobolIndices:
     """Return the indices of a measure of a study with `sampling="sobol-indices"`.
 
     Raises:
@@ -72,7 +90,7 @@ def sobol_indices(result: StudyResult, measure: str) -> SobolIndices:
     return indices_of(result.table, list(factors(result.study.quantities)), measure)
 
 
-def drawn(result: StudyResult) -> pa.Table:
+def drawn(result: "StudyResult") -> pa.Table:
     """Return the variants that do not depend on each other: all of a study, but only A and B of one for Sobol's indices."""
     table = result.table
     if result.study.sampling != SAMPLING:

@@ -58,10 +58,16 @@ def nearest(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) 
 
     None if no design has values by which it could be judged.
     """
-    over = excesses(table, limits)
-    worst = np.where(np.isfinite(aims(table, names)).all(axis=1), over.max(axis=1, initial=-math.inf), np.inf)
-    row = int(np.argmin(worst))
-    if not limits or not np.isfinite(worst[row]):
+    rows = nearest_first(table, names, limits)
+    if not limits or not rows:
         return None
-    place = int(np.argmax(over[row]))
-    return row, list(limits)[place], float(over[row, place])
+    over = excesses(table, limits)[rows[0]]
+    place = int(np.argmax(over))
+    return rows[0], list(limits)[place], float(over[place])
+
+
+def nearest_first(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> list[int]:
+    """Return the rows that can be judged, that which exceeds its limits the least first."""
+    over = excesses(table, limits).max(axis=1, initial=-math.inf)
+    worst = np.where(np.isfinite(aims(table, names)).all(axis=1), over, np.inf)
+    return [int(row) for row in np.argsort(worst, kind="stable") if worst[row] < np.inf]
