@@ -29,6 +29,11 @@ def values(study, name):
     return np.asarray(study.table()[name])
 
 
+def unbent():
+    law = wr.BoucWen(alpha=1e5, beta=75.0, gamma=0.0, n=1.0, k=2e4)
+    return {"wr12_400": wr.Isolator(name="unbent", axial=law, roll=law, shear=law)}
+
+
 def with_spread():
     """An isolator whose axial stiffness and sharpness scatter together, with a correlation of 0.8."""
     isolator = wr.load_isolator(models_folder() / "isolators/enidine_wr16_400.toml")
@@ -191,7 +196,9 @@ def test_a_name_that_does_not_exist_is_refused_with_what_does(vary, message):
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, sampling="grid"), "has no values for a grid"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, motion=None), "either `motion` or `motions`"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, motion=None, motions=[PULSE] * 2), "has no .*record"),
-        (lambda: table_study({"motion/record": wr.Choice(0, 1)}), "must choose from 0 to 0"),
+        (lambda: table_study({"motion/record": wr.Choice(0, 1)}), "there is one record, 0, got \\[0, 1\\]"),
+        (lambda: table_study({"mount/m1/axial/gamma": wr.Normal(1, 0.1, relative=True)}, isolators=unbent()),
+         "'mount/m1/axial/gamma' is 0 in the model, and 0 times anything is 0; give absolute values"),
         (lambda: table_study({"motion/level": wr.Choice(True)}), "must be a distribution of numbers"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, duration=0.0), "`duration` must be a positive number"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, initial="rest"), "`initial` must be one of settled"),
@@ -224,7 +231,9 @@ def test_a_value_outside_a_laws_range_names_the_variant_before_anything_is_writt
 
 def test_a_direction_without_a_slide_and_a_level_of_zero_cannot_be():
     motion = dataclasses.replace(PULSE, direction="x")
-    with pytest.raises(wr.ModelError, match="variant 1 .* cannot be: `factor` must not be zero"):
+    with pytest.raises(
+        wr.ModelError, match="variant 1 .* cannot be: motion/level must be finite and not zero, got 0.0"
+    ):
         table_study({"motion/level": wr.Choice(1.0, 0.0)}, sampling="grid", variants=None, motion=motion).table()
     sdof = {"model": "sdof_shaker.xml", "sampling": "grid", "variants": None}
     with pytest.raises(wr.ModelError, match="variant 0 .* cannot be: the motion moves along x and"):

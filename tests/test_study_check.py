@@ -98,9 +98,13 @@ def test_a_rule_about_two_parameters_is_kept_and_names_the_first_variant(monkeyp
     [
         (
             {"body/block/mass": wr.Choice(1.0, 0.0, relative=True)},
-            r"variant 1 .*`masses\['block'\]` must be a factor > 0",
+            "variant 1 .*: body/block/mass must be finite and > 0, got 0",
         ),
-        ({"motion/level": wr.Choice(1.0, 2.0, 0.0)}, "variant 2 .*`factor` must not be zero"),
+        (
+            {"body/block/mass": wr.Choice(1.0, -0.5)},
+            "variant 1 .*: body/block/mass must be finite and > 0 kg, got -0.5 kg",
+        ),
+        ({"motion/level": wr.Choice(1.0, 2.0, 0.0)}, "variant 2 .*: motion/level must be finite and not zero, got 0.0"),
     ],
 )
 def test_masses_and_levels_are_checked_at_once_and_refused_one_by_one(vary, message):
@@ -186,3 +190,42 @@ def test_a_shift_for_which_the_model_has_no_room_is_refused_though_the_first_is_
     assert 'simple="false"' in refused(study)
     vary["body/mass/centre/z"] = wr.Choice(0.0)
     assert table_study(vary, sampling="grid", variants=None, **shared).table().num_rows == 2
+
+
+@pytest.mark.parametrize(
+    ("vary", "message"),
+    [
+        (
+            {"mount/m1/axial/alpha": wr.Normal(1.0, 0.1)},
+            r"mount/m1/axial/alpha is from 0\.8\d* to 1\.\d* in the study and \d+.* in the model; .* say `relative`",
+        ),
+        (
+            {"body/block/mass": wr.Uniform(5e3, 6e3)},
+            "body/block/mass is from 5.*e.03 to 5.*e.03 in the study and .* in the model",
+        ),
+    ],
+)
+def test_values_that_were_perhaps_meant_as_factors_are_doubted(vary, message):
+    with pytest.warns(wr.StudyWarning, match=message):
+        table_study(vary, variants=16).table()
+
+
+def test_values_near_the_models_and_factors_are_not_doubted():
+    vary = {
+        "mount/m1/axial/alpha": wr.Uniform(1e3, 2e5),
+        "mount/m1/shear/alpha": wr.Normal(1.0, 0.1, relative=True),
+        "mount/m1/axial/k2": wr.Uniform(1e3, 2e3),
+        "body/block/mass": wr.Uniform(1.0, 2.0),
+    }
+    study = table_study(vary, variants=16)
+    assert study.table().num_rows == 16  # a warning would be an error here
+
+
+def test_an_ellipse_without_size_is_refused_in_words():
+    law = example("equivalent-viscous")
+    study = table_study(
+        {"mount/m1/axial/amplitude": wr.Choice(0.01, 1e-200)},
+        isolators={"wr12_400": wr.Isolator(name="ellipse", axial=law, roll=law, shear=law)}, sampling="grid", variants=None,
+    )  # fmt: skip
+    with pytest.raises(wr.ModelError, match="variant 1 .*`amplitude` must not"):
+        study.table()

@@ -13,6 +13,7 @@ from wirerope_mj.runfolder.study import write_worst
 from wirerope_mj.scenario import load_scenario
 from wirerope_mj.study.answers.findings import row_of
 from wirerope_mj.study.from_scenario import what_can_vary
+from wirerope_mj.study.inputs.possible import possible_lines
 from wirerope_mj.study.inputs.vary_text import read_vary
 
 SCENARIO_FILE = textwrap.dedent('''
@@ -143,6 +144,8 @@ def test_a_distribution_is_read_as_it_is_written_in_python(words, distribution):
             r"'a': 'Gauss\(1, 2\)' is no distribution; there are Normal\(mean, deviation, relative, each",
         ),
         ("a = wr.Normal(1, 2)", "is no distribution"),
+        ("a = Uniform(nan, 1.5)", "'a': numbers must be finite, got nan"),
+        ("a = Uniform(-inf, 1.5)", "'a': numbers must be finite, got -inf"),
         ("a = Isotropic(each)", "Isotropic has no flag 'each'; it has none"),
         ("a = 5", "'a': '5' is no distribution"),
         ("a = Normal(1", r"'Normal\(1' cannot be read"),
@@ -172,11 +175,17 @@ def test_what_can_vary_names_mounts_parameters_bodies_and_directions():
     for words in (
         "mounts m01, m02,",
         "mount/NAME/axial/PARAMETER",
+        "mount/NAME/fitted",
+        "mount/m01,m05,-m04/position/x",
         "alpha = 7.51e+05",
         "rack 850 kg",
         "motion/azimuth",
     ):
         assert words in text
+    law = wr.BoucWen(alpha=2e4, beta=30.0, gamma=0.0, n=1.0, k=5e3)
+    system = wr.load_system(sdof_text(), isolators={"a": wr.Isolator(name="a", axial=law)})
+    (line,) = [line for line in possible_lines(system, scenario().motion) if "PARAMETER" in line]
+    assert line.endswith("gamma = 0, n = 1, k = 5000 (what is 0 takes no factors)")
     three = what_can_vary(load_scenario("floating_floor_shock").make())  # along x, y and z at once: no line to turn
     assert "motion/level" in three
     assert "motion/azimuth" not in three
@@ -252,6 +261,10 @@ def test_a_worst_run_among_several_records_has_the_peaks_of_the_table(tmp_path):
         (["--vary", "mount/x/axial/alpha = Uniform(1, 2)"], "there is no mount 'x'. There is: m1."),
         (["--vary", "motion/level = Uniform(1, 2)", "--sampling", "grid"], "give a Choice"),
         (["--vary", "motion/level = Uniform(1, 2)", "--callback", "python"], "asks for the 'python' callback"),
+        (
+            ["--vary", "mount/m1/axial/alpha = Normal(1, 0.1)", "--vary", "body/mass/mass = Uniform(-2, -1)"],
+            "wirerope: warning: mount/m1/axial/alpha is from 0.",
+        ),
         (["--vary", "motion/level = Uniform(1, 2)", "--variants", "0"], "`variants` must be a whole number >= 1"),
     ],
 )

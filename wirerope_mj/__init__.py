@@ -15,6 +15,7 @@ from wirerope_mj.errors import ModelError as ModelError
 from wirerope_mj.errors import RecordError as RecordError
 from wirerope_mj.errors import RecordWarning as RecordWarning
 from wirerope_mj.errors import SimulationError as SimulationError
+from wirerope_mj.errors import StudyWarning as StudyWarning
 from wirerope_mj.errors import WireRopeError as WireRopeError
 from wirerope_mj.excitation import EN1998_TYPE_1 as EN1998_TYPE_1
 from wirerope_mj.excitation import DecayingSine as DecayingSine

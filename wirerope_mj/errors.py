@@ -21,6 +21,10 @@ class ClusterWarning(UserWarning):
     """A study waits for a cluster."""
 
 
+class StudyWarning(UserWarning):
+    """What varies in a study can be computed, but is perhaps not what was meant."""
+
+
 class SimulationError(WireRopeError):
     """A simulation cannot start, or ended before its time."""
 

@@ -27,7 +27,7 @@ from wirerope_mj.cli.shock import shock
 from wirerope_mj.cli.statics import statics
 from wirerope_mj.cli.study import list_studies, study_command
 from wirerope_mj.cli.study_report import study_report
-from wirerope_mj.errors import ClusterWarning, RecordWarning, WireRopeError
+from wirerope_mj.errors import ClusterWarning, RecordWarning, StudyWarning, WireRopeError
 
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
 """Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers."""
@@ -180,8 +180,8 @@ def fit(datasheet: Path, out: Path) -> int:
 
 @contextmanager
 def _warnings_said() -> Iterator[None]:
-    """Print what a record makes doubtful, or keeps a study waiting, as one line each on standard error, without code."""
-    ours = (RecordWarning, ClusterWarning)
+    """Print what makes a record or a study doubtful, or keeps it waiting, as one line each on standard error, without code."""
+    ours = (RecordWarning, ClusterWarning, StudyWarning)
     with warnings.catch_warnings():
         for kind in ours:
             warnings.simplefilter("always", kind)

@@ -99,6 +99,10 @@ class EquivalentViscous(Law):
     def _validate(self) -> None:
         require_not_negative(self, "energy")
         require_positive(self, "amplitude", "frequency")
+        with np.errstate(all="ignore"):
+            damping = np.divide(self.energy, self.frequency * np.square(self.amplitude))
+        if not np.all(np.isfinite(damping)):
+            raise ValueError(f"`amplitude` must not be so small that the damping is infinite, got {self.amplitude}.")
 
     @classmethod
     def from_loops(cls, loops: Sequence[Loop], *, amplitude: float, frequency: float) -> Self:

@@ -1,5 +1,6 @@
 """Whether every variant of a study can be: asked of whole columns of inputs, and one by one where these cannot say."""
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -7,13 +8,16 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from wirerope_mj.errors import ModelError, WireRopeError
+from wirerope_mj.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.simulation.simulate import check_direction
 from wirerope_mj.study.inputs.quantities import Column
 from wirerope_mj.study.inputs.variants import Maker, Row, without_force
 from wirerope_mj.system import System
+
+FAR = 100.0
+"""How far, as a factor, all values of a parameter lie from the model's if they were meant as factors on it, perhaps."""
 
 BLOCK = 1024
 """Variants that are checked at once, and, one by one, before what was made of them is forgotten."""
@@ -28,7 +32,12 @@ Check = Callable[[Row], object]
 def check_variants(
     name: str, system: System, motions: Sequence[BaseMotion], columns: Sequence[Column], inputs: pa.Table
 ) -> None:
-    """Raise ModelError for the first variant of the study `name` that cannot be; says why."""
+    """Raise ModelError for the first variant of the study `name` that cannot be; says why.
+
+    A StudyWarning says which values are so far from the model's that they may have been meant as factors.
+    """
+    for doubt in _doubts(system, columns, inputs):
+        warnings.warn(doubt, StudyWarning, stacklevel=2)
     maker = Maker(system, motions, columns)
 
     def check_motion(row: Row) -> None:
@@ -48,6 +57,32 @@ def check_variants(
         maker.forget()
     for place in _layouts(columns, inputs):
         maker.system(inputs.slice(place, 1).to_pylist()[0])
+
+
+def _doubts(system: System, columns: Sequence[Column], inputs: pa.Table) -> list[str]:
+    """Return a sentence for every column whose values are all far from the model's, and no factors."""
+    found = []
+    for column in columns:
+        if column.relative or column.kind not in ("law", "mass"):
+            continue
+        nominal = sorted({abs(float(_nominal(system, column, target))) for target in column.targets})
+        sizes = np.abs(np.asarray(inputs[column.name]))
+        if sizes.max() < nominal[0] / FAR or sizes.min() > nominal[-1] * FAR > 0.0:
+            model = f"{nominal[0]:.4g}" + (f" to {nominal[-1]:.4g}" if len(nominal) > 1 else "")
+            found.append(
+                f"{column.name} is from {sizes.min():.3g} to {sizes.max():.3g} in the study and {model} in the model; if these "
+                "are to be factors on the model's value, say `relative`."
+            )
+    return found
+
+
+def _nominal(system: System, column: Column, target: str) -> Any:
+    """Return the model's value of what a column of masses or parameters varies."""
+    if column.kind == "mass":
+        return system.model.body(target).mass[0]
+    law = system.mounts[target].isolator.axes[column.key[0]]
+    assert law is not None  # `quantities` has seen to it
+    return law.parameter(column.key[1])
 
 
 def _layouts(columns: Sequence[Column], inputs: pa.Table) -> list[int]:
@@ -74,10 +109,8 @@ def _systems_can_be(system: System, columns: Sequence[Column], values: Values) -
         elif column.kind == "law":
             axis, key = column.key
             for mount in column.targets:
-                law = system.mounts[mount].isolator.axes[axis]
-                assert law is not None  # `quantities` has seen to it
-                nominal = law.parameter(key)
-                laws.setdefault((mount, axis), {})[key] = _edited(nominal, values[column.name], column.relative)
+                edited = _edited(_nominal(system, column, mount), values[column.name], column.relative)
+                laws.setdefault((mount, axis), {})[key] = edited
     return all(_law_holds(system, mount, axis, parameters) for (mount, axis), parameters in laws.items())
 
 

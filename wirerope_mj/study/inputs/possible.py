@@ -23,11 +23,13 @@ def possible_lines(system: System, motion: BaseMotion) -> list[str]:
         lines.append(f"mounts {', '.join(mounts)}:")
         for axis, law in laws.items():
             values = ", ".join(f"{key} = {_text(value)}" for key, value in law.to_dict().items() if key != "law")
+            values += " (what is 0 takes no factors)" if 0.0 in law.to_dict().values() else ""
             lines.append(f"  mount/NAME/{axis}/PARAMETER  {law.name}: {values}")
         spread = any(system.mounts[mount].isolator.spread is not None for mount in mounts)
         lines += ["  mount/NAME/spread  specimens"] if spread else []
     if system.mounts:
-        lines.append(f"all mounts: mount/NAME/failed, mount/NAME/position/AXIS of {_AXES} [m]")
+        lines.append(f"all mounts: mount/NAME/fitted, mount/NAME/failed, mount/NAME/position/AXIS of {_AXES} [m]")
+        lines.append("  several: mount/m01,m05,-m04/position/x, those behind a minus moving the other way")
     model = system.model
     masses = [f"{body} {float(model.body(body).mass[0]):.4g} kg" for body in moving_bodies(model)]
     if masses:

@@ -117,10 +117,12 @@ def _of_mounts(name: str, pattern: str, key: tuple[str, str], distribution: Dist
         _check_shift(name, key[1], distribution)
         return _shifted(name, pattern, list(system.mounts), "mount", distribution, kind="position", key=(key[1],))
     mounts = _matching(name, pattern, list(system.mounts), "mount")
-    for mount in mounts:
-        value = _parameter(name, system.mounts[mount].isolator, mount, *key)
+    nominal = [_parameter(name, system.mounts[mount].isolator, mount, *key) for mount in mounts]
+    for value in nominal:
         if isinstance(value, tuple) and not distribution.relative:
             raise ValueError(f"`vary`: {name!r} is several numbers; give it factors, `relative=True`.")
+    if distribution.relative and all(value == 0.0 for value in nominal):
+        raise ValueError(f"`vary`: {name!r} is 0 in the model, and 0 times anything is 0; give absolute values.")
     return _split(name, pattern, mounts, distribution, kind="law", key=key)
 
 
@@ -195,7 +197,8 @@ def _of_motion(name: str, kind: str, distribution: Distribution, motions: Sequen
         what = "a Choice of whole numbers, places in `motions`" if kind == "record" else "a distribution of numbers"
         raise ValueError(f"`vary`: {name!r} must be {what}, got {distribution}.")
     if kind == "record" and not set(values) <= set(range(len(motions))):
-        raise ValueError(f"`vary`: {name!r} must choose from 0 to {len(motions) - 1}, got {list(values)}.")
+        there = "is one record, 0" if len(motions) == 1 else f"are the records 0 to {len(motions) - 1}"
+        raise ValueError(f"`vary`: {name!r}: there {there}, got {list(values)}.")
     column = Column(name=name, kind=kind, type="int64" if kind == "record" else "double")
     return Quantity(name=name, distribution=distribution, columns=(column,))
 

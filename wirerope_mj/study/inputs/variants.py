@@ -76,7 +76,9 @@ class Maker:
             motion = self._motions[values.get("record", 0)]
             if {"azimuth", "elevation"} & set(values):
                 motion = Turned(motion, direction=direction(values.get("azimuth", 0.0), values.get("elevation", 0.0)))
-            self._made[key] = Scaled(motion, values["level"]) if "level" in values else motion
+            if not math.isfinite(level := values.get("level", 1.0)) or level == 0.0:
+                raise ValueError(f"motion/level must be finite and not zero, got {level}.")
+            self._made[key] = Scaled(motion, level) if "level" in values else motion
         return self._made[key]
 
     def changes(self, row: Row) -> Changes:
@@ -87,6 +89,9 @@ class Maker:
         for column in self._of_system:
             value = row[column.name]
             if column.kind == "mass":
+                if not (math.isfinite(value) and value > 0.0):
+                    unit = "" if column.relative else " kg"
+                    raise ValueError(f"{column.name} must be finite and > 0{unit}, got {value:g}{unit}.")
                 masses |= {body: value if column.relative else value / self._mass(body) for body in column.targets}
             elif column.kind in shifts:
                 for target in column.targets:

@@ -50,6 +50,8 @@ def _distribution(name: str, words: str) -> Distribution:
     named: dict[str, Any] = {}
     if isinstance(call, ast.Call):
         for one in call.args:
+            if any(isinstance(part, ast.Name) and part.id in ("nan", "inf") for part in ast.walk(one)):
+                raise ValueError(f"{name!r}: numbers must be finite, got {ast.unparse(one)}.")
             if isinstance(one, ast.Name):
                 named[_flag(name, kind, one.id)] = True
             else:
