@@ -1,5 +1,6 @@
 """`wirerope study` of a search: the front is printed and drawn, its designs become runs, and a page says it all."""
 
+import numpy as np
 import pytest
 from small_search import SEARCH_FILE, beam_search
 
@@ -50,6 +51,19 @@ def test_a_search_without_a_design_within_its_limits_says_which_is_nearest(done,
     assert "none within the limits. The nearest is design" in out
     assert "above its limit of 100 %" in out
     assert not (done.parent / "none" / "placements.png").exists()
+    assert "e+" not in out
+    result = wr.load_study(done.parent / "none")
+    shares = np.where(np.asarray(result.table["status"]) == "done", np.asarray(result.table["travel"]), np.inf)
+    assert result.chosen[:3] == np.argsort(shares, kind="stable")[:3].tolist()  # nearest to the one limit there is
+    _, labels = front_figure(result).axes[0].get_legend_handles_labels()
+    assert set(labels) == {"beyond a limit", "given", "limit"}  # nothing that is not there
+
+
+def test_designs_are_not_ordered_by_another_measure(done, capsys):
+    assert main(["study", str(done.parent / "places.py"), "--resume", "--out", str(done), "--by", "mounts"]) == 2
+    assert "`--by` is for studies" in capsys.readouterr().err
+    assert main(["study-report", str(done), "--by", "mounts"]) == 2
+    assert "`by` is for studies" in capsys.readouterr().err
 
 
 def test_the_report_holds_front_and_designs(done):
@@ -59,6 +73,7 @@ def test_the_report_holds_front_and_designs(done):
     assert "places without a mount" in page
     assert result.inputs["search"]["optimiser"] in page
     assert page.count("data:image/") >= 2
+    assert "5.00" not in page  # mounts are whole
 
 
 def test_axes_and_labels_say_what_they_are(done):

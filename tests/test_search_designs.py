@@ -226,7 +226,8 @@ def test_where_nothing_keeps_the_limits_the_nearest_is_named(tmp_path):
     assert found.front.num_rows == 0
     travel = np.where(np.asarray(found.table["status"]) == "done", np.asarray(found.table["travel"]), np.inf)
     best = int(np.argmin(travel))
-    assert f"The nearest is design {best}: largest share of a rated travel along one axis is {100.0 * travel[best]:.4g} %" in found.message
+    words = "largest share of a rated travel along one axis"
+    assert f"The nearest is design {best}: {words} is {100.0 * travel[best]:.4g} %" in found.message
     assert "above its limit of 100 %" in found.message
     assert found.knee is None
     assert found.chosen == []

@@ -33,6 +33,13 @@ def test_a_study_becomes_one_folder_with_table_and_pictures(done):
     assert pq.read_table(folder / "variants.parquet").num_rows == 64
 
 
+def test_files_that_another_process_writes_just_now_are_not_named(done, capsys):
+    file, folder = done
+    (folder / ".distribution.1.part.png").touch()
+    assert main(["study", str(file), "--variants", "64", "--resume", "--out", str(folder)]) == 0
+    assert ".part" not in capsys.readouterr().out
+
+
 def test_resuming_a_complete_study_prints_it_again_and_computes_nothing(done, capsys):
     file, folder = done
     before = (folder / "variants.parquet").stat().st_mtime_ns
@@ -46,6 +53,7 @@ def test_resuming_a_complete_study_prints_it_again_and_computes_nothing(done, ca
     assert f"beyond 100 % in {beyond} of 64 variants" in out
     assert f"in variant {top}." in out
     assert "Worst variants by travel" in out
+    assert "travel combined" not in out  # the mount is rated along its axis alone
     assert "motion/level" in out
 
 
@@ -109,7 +117,9 @@ def test_a_wrong_measure_is_said_before_anything_is_simulated(done, tmp_path, ca
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nosuch"], "there is no study 'nosuch'.*floor_tolerances"),
+        (["nosuch"], "there is no study 'nosuch'.*floor_tolerances.*with --vary a scenario is one, too: .*shock_table"),
+        (["./nosuch.py"], r"\./nosuch\.py: there is no such file\."),
+        (["floor_levels", "--vary", "motion/level = Uniform(1, 2)"], "`--vary` is for scenarios"),
         (["floating_floor_shock"], "nothing varies yet. In floating_floor_shock can vary:"),
         (["--out", "x"], "the study comes first"),
         (["floor_levels", "--resume"], "say which one with --out"),
@@ -170,6 +180,15 @@ def test_an_option_of_the_command_cannot_be_one_of_the_study(tmp_path, capsys):
     path.write_text(STUDY_FILE.replace("peak: float", "workers: float"), encoding="utf-8")
     assert main(["study", str(path)]) == 2
     assert "`workers` is an option of the command" in capsys.readouterr().err
+
+
+def test_travel_along_one_axis_is_told_from_that_of_all_together(tmp_path, capsys):
+    command = ["study", "shock_table", "--duration", "0.05", "--timestep", "1e-3", "--out", str(tmp_path / "out")]
+    vary = ["--vary", "motion/level = Uniform(0.5, 1.5)", "--variants", "2", "--workers", "1"]
+    assert main([*command, *vary]) == 0
+    out = capsys.readouterr().out
+    assert "Travel (largest share of a rated travel along one axis): beyond 100 % in 0 of 2" in out
+    assert "the report of a run judges all axes together, too (travel combined)" in out
 
 
 def test_the_report_of_a_study_is_one_page_that_needs_nothing_else(done, capsys):

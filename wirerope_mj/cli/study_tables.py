@@ -11,7 +11,7 @@ from rich.text import Text
 
 from wirerope_mj.cli.tables import console
 from wirerope_mj.study.answers.answer import QUANTILES, Answer
-from wirerope_mj.study.answers.findings import CONFIDENCE, failures, input_label, measure_of, numbered, percent
+from wirerope_mj.study.answers.findings import CONFIDENCE, failures, input_label, numbered, percent
 from wirerope_mj.study.answers.indices import SobolIndices
 from wirerope_mj.study.answers.sentences import sentences
 from wirerope_mj.study.result import StudyResult
@@ -71,7 +71,7 @@ def _measures(answer: Answer) -> Table:
 
 
 def _indices(found: SobolIndices) -> Table:
-    what = f"What explains the variance of: {measure_of(found.measure).words}"
+    what = f"What explains the variance of {found.measure}"
     few = f"; {found.rows} base rows are too few" if found.too_few else ""
     title = f"{what}; Sobol's indices with {percent(CONFIDENCE)} intervals{few}"
     listing = empty(title, ("factor", "alone", "", "with others", ""))
@@ -84,7 +84,7 @@ def _indices(found: SobolIndices) -> Table:
 
 
 def _influences(answer: Answer) -> Table:
-    title = f"What the inputs explain alone of the variance of: {measure_of(answer.by).words}"
+    title = f"What the inputs explain alone of the variance of {answer.by}"
     listing = empty(title, ("input", "share", "", "rank correlation"))
     for one in answer.influences[:_INFLUENCES]:
         rank = "" if math.isnan(one.rank) else f"{one.rank:+.2f}"

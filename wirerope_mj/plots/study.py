@@ -24,6 +24,7 @@ from wirerope_mj.study.answers.findings import (
     values_of,
 )
 from wirerope_mj.study.answers.sensitivity import Influence
+from wirerope_mj.study.engines.compute import DONE
 
 Array = npt.NDArray[np.float64]
 
@@ -38,6 +39,7 @@ MOST_BARS = 12
 MOST_SCATTERS = 3
 """Inputs that are drawn with all their variants."""
 
+_LEAST = 1.9  # height of a picture of few choices, beside which the name of their input stands [in]
 _ROOM = 2.1  # length of an axis in its longest bar, so that there is room for the words beside it
 _LINE = 36  # letters of a measure's words on one line
 _NAME = 34  # letters of an input's name beside its bar
@@ -132,13 +134,18 @@ def choices_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
     words = [_word(choice) for choice in table[name].to_pylist()]
     order = np.argsort(np.nan_to_num(values_of(table, names[0]), nan=-1.0), kind="stable")
     with report_style():
-        figure = Figure(figsize=(WIDTH, 1.1 + 0.2 * len(words)), layout="constrained")
+        figure = Figure(figsize=(WIDTH, max(1.1 + 0.2 * len(words), _LEAST)), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
+        failed = np.asarray(table["status"])[order] != DONE
         for panel, measure in zip(panels, names, strict=True):
             shown = measure_of(measure)
             values = shown.factor * values_of(table, measure)[order]
             colours = [BASE if words[place] == "none" else COLOURS[0] for place in order]
             panel.barh(range(len(words)), np.nan_to_num(values), color=colours, height=0.7)
+            for place in np.flatnonzero(failed):
+                panel.annotate(
+                    "failed", (0.0, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7
+                )
             _limit(panel.axvline, shown)
             panel.set_xlabel(_wrapped(shown))
             _calm(panel, axis="x")

@@ -12,13 +12,16 @@ from wirerope_mj.simulation.scene import scene_of
 from wirerope_mj.study.answers.findings import measure_of
 from wirerope_mj.study.inputs.variants import acts
 from wirerope_mj.study.result import StudyResult
-from wirerope_mj.study.search.front import Mask, feasible, front, nearest
+from wirerope_mj.study.search.front import Mask, feasible, front, nearest, nearest_first
 
 if TYPE_CHECKING:
     from wirerope_mj.study.study import Study
 
 GENERATION = "generation"
 """Column of the table: in which generation a design was first made."""
+
+_LINE = 1e-9
+"""Distance from the line between the front's ends that is rounding."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,8 +71,9 @@ class SearchResult(StudyResult):
         generations = int(np.asarray(table[GENERATION]).max()) + 1
         found = f"{self.variants} designs in {generations} generations, {len(self.failed)} failed, "
         if self.feasible.any():
-            return f"{found}{self.feasible.sum()} within the limits, {self.front.num_rows} of them on the front."
-        return f"{found}none within the limits. {self._nearest()}"
+            front = self.front.num_rows
+            return f"{found}{self.feasible.sum()} within the limits, {front} of them on the front.{self.missing}"
+        return f"{found}none within the limits. {self._nearest()}{self.missing}"
 
     def scene(self, variant: int) -> Scene:
         """Return the modelled geometry of a design, to be drawn."""
@@ -82,22 +86,29 @@ class SearchResult(StudyResult):
 
     @cached_property
     def knee(self) -> int | None:
-        """Number of the front's design that is farthest from the line between its ends, each measure in shares of its range.
+        """Number of the front's design that is farthest below the line between its ends, each measure in shares of its range.
 
         Beyond it, either way, little is gained for much. None where fewer than two measures are minimised or three designs
-        are on the front.
+        are on the front, and where none lies below the line: such a front has no knee.
         """
         if len(self.minimise) != 2 or self.front.num_rows < 3:
             return None
         x, y = (np.asarray(self.front[name]) for name in self.minimise)
         distance = (x - x[0]) / np.ptp(x) + (y - y[-1]) / np.ptp(y)  # the ends have 1
-        return int(self.front["variant"][int(np.argmin(distance))].as_py())
+        place = int(np.argmin(distance))
+        return int(self.front["variant"][place].as_py()) if distance[place] < 1.0 - _LINE else None
 
     @cached_property
     def chosen(self) -> list[int]:
-        """Numbers of the front's designs in the order in which they are worth a look: its knee, its ends, those between."""
+        """Numbers of the designs in the order in which they are worth a look: of the front its knee, its ends, those between.
+
+        Without a front they are all that can be judged, the nearest to the limits first.
+        """
+        if not self.front.num_rows:
+            rows = nearest_first(self.table, self.minimise, self.limits)
+            return [int(self.table["variant"][row].as_py()) for row in rows]
         front = [int(number) for number in self.front["variant"].to_pylist()]
-        spread = [front[round(share * (len(front) - 1))] for share in (0.0, 1.0, 0.5, 0.25, 0.75)] if front else []
+        spread = [front[round(share * (len(front) - 1))] for share in (0.0, 1.0, 0.5, 0.25, 0.75)]
         return list(dict.fromkeys([*([] if self.knee is None else [self.knee]), *spread, *front]))
 
     @property
@@ -126,5 +137,11 @@ class SearchResult(StudyResult):
         number = self.table["variant"][row].as_py()
         return (
             f"The nearest is design {number}: {measure.words} is {measure.factor * value:.4g} {measure.unit}, "
-            f"{100.0 * over:.2g} % above its limit of {measure.factor * self.limits[name]:.4g} {measure.unit}."
+            f"{_over(over)} above its limit of {measure.factor * self.limits[name]:.4g} {measure.unit}."
         )
+
+
+def _over(over: float) -> str:
+    """Return by what share a limit is exceeded, in per cent to two digits: "0.3 %", "103 %"."""
+    value = 100.0 * over
+    return f"{value:.2g} %" if value < 99.5 else f"{value:.0f} %"
