@@ -9,6 +9,7 @@ import pytest
 import scipy.stats
 
 import wirerope_mj as wr
+from wirerope_mj.report.study import varied_table
 from wirerope_mj.resources import models_folder
 from wirerope_mj.study.inputs.distributions import distribution_from_dict, distribution_to_dict
 
@@ -270,3 +271,16 @@ def test_isotropic_directions_are_equally_likely_over_the_sphere():
     above = wr.Isotropic(low=0.0, high=90.0).values(np.array([0.0, 0.5, 1.0]))
     np.testing.assert_allclose(above, [0.0, 30.0, 90.0], atol=1e-5)  # asin is steep at 1: a root of rounding
     assert distribution_from_dict(distribution_to_dict(wr.Isotropic(low=5.0))) == wr.Isotropic(low=5.0)
+
+
+def test_a_report_says_every_distribution_in_words():
+    drawn = (wr.Normal(1.0, 0.1), wr.Uniform(0.0, 1.0), wr.Isotropic(low=0.0), wr.Choice(1.0, 2.0), wr.Specimens())
+    rows = varied_table([{"name": "it", **distribution_to_dict(one)} for one in drawn]).rows
+    starts = (
+        "normal, mean 1",
+        "uniform, from 0 to 1",
+        "directions equally likely over the sphere, from 0",
+        "one of",
+        "scatter",
+    )
+    assert [row[1].startswith(start) for row, start in zip(rows, starts, strict=True)] == [True] * len(drawn)

@@ -104,6 +104,7 @@ def test_a_rule_about_two_parameters_is_kept_and_names_the_first_variant(monkeyp
             {"body/block/mass": wr.Choice(1.0, -0.5)},
             "variant 1 .*: body/block/mass must be finite and > 0 kg, got -0.5 kg",
         ),
+        ({"body/block/centre/z": wr.Choice(0.0, np.inf)}, "variant 1 .*: body/block/centre/z must be finite, got inf"),
         ({"motion/level": wr.Choice(1.0, 2.0, 0.0)}, "variant 2 .*: motion/level must be finite and not zero, got 0.0"),
     ],
 )

@@ -112,6 +112,8 @@ def _words(one: Mapping[str, Any]) -> str:
     if one["kind"] == "Uniform":
         points = f", {one['points']} values" if "points" in one else ""
         return f"{of}uniform, from {one['low']:g} to {one['high']:g}{points}"
+    if one["kind"] == "Isotropic":
+        return f"directions equally likely over the sphere, from {one['low']:g} to {one['high']:g} above the horizon"
     if one["kind"] == "Choice":
         return f"{of}{_choices(one['choices'])}"
     return "scatter of the specimens that the isolator was identified from"

@@ -94,6 +94,8 @@ class Maker:
                     raise ValueError(f"{column.name} must be finite and > 0{unit}, got {value:g}{unit}.")
                 masses |= {body: value if column.relative else value / self._mass(body) for body in column.targets}
             elif column.kind in shifts:
+                if not math.isfinite(value):
+                    raise ValueError(f"{column.name} must be finite, got {value}.")
                 for target in column.targets:
                     shift = shifts[column.kind].setdefault(target, [0.0, 0.0, 0.0])
                     shift[WORLD.index(column.key[0])] = -value if target in column.mirrored else value
