@@ -1,6 +1,9 @@
 """`wirerope study` of a search: the front is printed and drawn, its designs become runs, and a page says it all."""
 
+from types import SimpleNamespace
+
 import numpy as np
+import pyarrow as pa
 import pytest
 from small_search import SEARCH_FILE, beam_search
 
@@ -8,6 +11,7 @@ import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.plots.search import front_figure, search_pictures
 from wirerope_mj.runfolder.study_report import write_study_report
+from wirerope_mj.study.search.result import SearchResult
 
 
 @pytest.fixture(scope="module")
@@ -83,6 +87,12 @@ def test_axes_and_labels_say_what_they_are(done):
     assert panel.get_ylabel() == "largest acceleration [g]"
     assert any(f"design {result.knee}" in text.get_text() for text in panel.texts)
     assert [picture.name for picture in search_pictures(result)] == ["front", "placements"]
+
+
+@pytest.mark.parametrize(("middle", "knee"), [(0.4, 1), (0.5, None), (0.6, None)])
+def test_a_front_without_a_design_below_the_line_between_its_ends_has_no_knee(middle, knee):
+    front = pa.table({"variant": [0, 1, 2], "a": [0.0, middle, 1.0], "b": [1.0, middle, 0.0]})
+    assert SearchResult.knee.func(SimpleNamespace(minimise=("a", "b"), front=front)) == knee
 
 
 def test_a_search_for_one_measure_is_drawn_design_by_design(tmp_path):

@@ -15,6 +15,7 @@ from table_study import FILES, VARY, rows, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.study import folder as study_folder
+from wirerope_mj.study.answers.summary import summary
 from wirerope_mj.study.engines import local
 from wirerope_mj.study.engines.compute import compute, died
 from wirerope_mj.study.run import chunks
@@ -116,7 +117,7 @@ def test_a_study_killed_at_any_operation_of_its_writing_ends_with_the_same_bytes
 
         def end(folder=folder):
             study_folder.write_part(folder, rest)
-            study_folder.finish(study, folder, 14)
+            study_folder.finish(folder, 14, lambda: summary(wr.load_study(folder)))
 
         killed = killed_before(operation, end)
         monkeypatch.setattr(local, "compute", lambda work, chunk: rest)  # the only one that may be missing
@@ -178,7 +179,7 @@ def test_a_study_killed_while_it_computes_again_what_had_died_loses_nothing(alon
         if last == "computed":
             patch.setattr("wirerope_mj.study.run.finish", killed)
         if last == "joined":
-            patch.setattr(study_folder, "_summary", killed)
+            patch.setattr("wirerope_mj.study.run.summary", killed)
         with pytest.raises(KeyboardInterrupt):
             table_study().run(folder, workers=1, resume=True)
     monkeypatch.setattr(local, "compute", compute)

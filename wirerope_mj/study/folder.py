@@ -5,18 +5,17 @@ import json
 import shutil
 import tempfile
 import tomllib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import tomli_w
 
 from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.copies import copy_records
-from wirerope_mj.study.engines.compute import DONE, Part
+from wirerope_mj.study.engines.compute import Part
 from wirerope_mj.study.inputs.distributions import distribution_to_dict
 from wirerope_mj.study.responses import PEAKS, remove_half_written, write_response
 from wirerope_mj.study.versions import versions
@@ -33,9 +32,6 @@ MARKS = (STUDY,)
 
 FORMAT = 1
 """Of these files."""
-
-_SUMMARISED = ("acceleration", "travel", "static_load", "fragility")
-"""Measures in the summary."""
 
 _WORDS = ("id", "name", "question")
 """What may differ between two folders of the same study."""
@@ -162,16 +158,16 @@ def read_table(folder: Path, columns: Sequence[str] | None = None) -> pa.Table:
         raise RecordError(f"{folder / TABLE}: this table is damaged. {remedy}") from None
 
 
-def finish(study: "Study", folder: Path, chunks: int) -> None:
-    """Write the table and the summary from all parts if they are not there, and remove the parts.
+def finish(folder: Path, chunks: int, summary: Callable[[], dict[str, Any]]) -> None:
+    """Write the table from all parts, and the summary, if they are not there, and remove the parts.
 
-    They stay where a process died, so that the study can go on.
+    They stay where a process died, so that the study can go on. `summary` is asked once the table is there.
     """
     if not (folder / TABLE).is_file():
         with written_whole(folder / TABLE) as beside:
             _write_table(beside, parts(folder, list(range(chunks))))
     if not (folder / SUMMARY).is_file():
-        text = json.dumps(_summary(study, folder), indent=2, allow_nan=False) + "\n"
+        text = json.dumps(summary(), indent=2, allow_nan=False) + "\n"
         with written_whole(folder / SUMMARY) as beside:
             beside.write_text(text, encoding="utf-8")
     if not dead(folder):
@@ -277,26 +273,3 @@ def _flat(content: Any, place: str = "") -> dict[str, Any]:
         return {place: content}
     items = content.items() if isinstance(content, dict) else enumerate(content)
     return {k: v for key, value in items for k, v in _flat(value, f"{place}.{key}" if place else str(key)).items()}
-
-
-def _summary(study: "Study", folder: Path) -> dict[str, Any]:
-    """Return what a reader wants first, as plain values."""
-    table = read_table(folder)
-    kept = [name for name in _SUMMARISED if name in table.column_names]  # older tables know less
-    ended = np.asarray(table["status"]) == DONE
-    figures: dict[str, Any] = {}
-    for name in kept:
-        values = np.asarray(table[name])
-        if np.isfinite(values).any():
-            low, middle, high = np.nanquantile(values, [0.05, 0.5, 0.95])
-            worst = int(table["variant"][int(np.nanargmax(values))].as_py())
-            figures[name] = {"q05": low, "median": middle, "q95": high, "largest": np.nanmax(values), "variant": worst}
-    return {
-        "format": FORMAT,
-        "name": study.name,
-        "id": read_inputs(folder)["id"],
-        "variants": len(ended),
-        "failed": int((~ended).sum()),
-        "timestep_s": study.work.timestep,
-        "measures": figures,
-    }

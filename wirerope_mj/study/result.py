@@ -1,5 +1,6 @@
 """What a study has found: its table, and the folder it stands in."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -10,6 +11,16 @@ import pyarrow as pa
 from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.restore import motion_from_dict
 from wirerope_mj.response import Response
+from wirerope_mj.study.answers.findings import (
+    Chance,
+    chance_of,
+    checked_measure,
+    measure_of,
+    quantiles,
+    values_of,
+    worst,
+)
+from wirerope_mj.study.answers.indices import drawn
 from wirerope_mj.study.engines.compute import FAILED
 from wirerope_mj.study.folder import TABLE, dead, done, parts, read_inputs, read_table
 from wirerope_mj.study.inputs.distributions import distribution_from_dict
@@ -80,6 +91,48 @@ class StudyResult:
                     f" Of the responses that were kept {gone} are gone; they are simulated when they are asked for."
                 )
         return found
+
+    def worst(self, measure: str = "travel", count: int = 10) -> pa.Table:
+        """Return the rows of the variants with the largest values of a measure, the largest first.
+
+        Of a study for Sobol's indices only variants that were drawn for themselves; the others repeat them but for one factor.
+
+        Raises:
+            ValueError: there is no such measure, or it has no value in any variant.
+        """
+        table = drawn(self)
+        places = {number: place for place, number in enumerate(table["variant"].to_pylist())}
+        return table.take([places[number] for number in worst(table, checked_measure(table, measure), count)])
+
+    def quantiles(self, measure: str, shares: Sequence[float] = (0.5, 0.9, 0.95, 0.99)) -> list[float]:
+        """Return quantiles of a measure, SI; NaN where fewer than five variants lie beyond: nobody knows them.
+
+        Of a study for Sobol's indices, those of the variants that do not depend on each other. Of values that are listed they
+        are no probabilities.
+
+        Raises:
+            ValueError: there is no such measure, or a share is not between 0 and 1.
+        """
+        if not all(0.0 <= share <= 1.0 for share in shares):
+            raise ValueError(f"`shares` must be from 0 to 1, got {list(shares)}.")
+        table = drawn(self)
+        return quantiles(values_of(table, checked_measure(table, measure)), shares)
+
+    def chance(self, measure: str = "travel", limit: float | None = None) -> Chance:
+        """Return how often a measure is beyond a limit, with bounds of the probability and the number of variants that failed.
+
+        Args:
+            measure: column of the table.
+            limit: SI; None: 1 for shares of what is rated or stated.
+
+        Raises:
+            ValueError: there is no such measure, or it has no limit of its own and none is given.
+        """
+        table = drawn(self)
+        limit = measure_of(checked_measure(table, measure)).limit if limit is None else limit
+        if limit is None:
+            raise ValueError(f"`limit` must be given for {measure!r}: it is no share of anything rated.")
+        return chance_of(table, measure, limit)
 
     def response(self, variant: int) -> Response:
         """Return the whole response of a variant: read if it was kept (`keep="responses"`), else simulated now.

@@ -9,6 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from wirerope_mj.simulation.progress import share_bar
+from wirerope_mj.study.answers.summary import summary
 from wirerope_mj.study.engines.compute import Chunk, Engine
 from wirerope_mj.study.engines.local import run_local
 from wirerope_mj.study.folder import TABLE, done, finish, prepare, write_part
@@ -48,7 +49,7 @@ def run_study(
     with worked_on_alone(folder, kind="study"):
         if not (folder / TABLE).is_file():
             _compute(study, folder, keep, partial(run, workers=workers, address=address), progress)
-        finish(study, folder, math.ceil(study.size / chunk_size(study, keep)))
+        finish(folder, math.ceil(study.size / chunk_size(study, keep)), lambda: summary(load_study(folder)))
     return load_study(folder)
 
 

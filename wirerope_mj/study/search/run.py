@@ -21,6 +21,7 @@ from wirerope_mj.study.run import checked_engine, chunk_size
 from wirerope_mj.study.search.evolution import Design, Evolution, check_installed
 from wirerope_mj.study.search.front import Array, aims, excesses
 from wirerope_mj.study.search.result import GENERATION, SearchResult
+from wirerope_mj.study.search.summary import search_summary
 from wirerope_mj.whole import worked_on_alone
 
 if TYPE_CHECKING:
@@ -54,7 +55,11 @@ def run_search(
                 with closing(here):  # so that no process goes on if this one is interrupted
                     here.evolve()
             parts = here.parts
-        finish(search.study, folder, parts)
+        finish(folder, parts, lambda: search_summary(_loaded(folder)))
+    return _loaded(folder)
+
+
+def _loaded(folder: Path) -> SearchResult:
     result = load_study(folder)
     assert isinstance(result, SearchResult)
     return result
