@@ -61,6 +61,10 @@ def test_a_search_without_a_design_within_its_limits_says_which_is_nearest(done,
     assert result.chosen[:3] == np.argsort(shares, kind="stable")[:3].tolist()  # nearest to the one limit there is
     _, labels = front_figure(result).axes[0].get_legend_handles_labels()
     assert set(labels) == {"beyond a limit", "given", "limit"}  # nothing that is not there
+    (picture,) = search_pictures(result)
+    assert "knee" not in picture.caption
+    assert "front" not in picture.caption
+    assert front_figure(result).axes[0].get_xlim()[1] > 100.0 * np.sort(shares)[4]  # the nearest ones are shown
 
 
 def test_designs_are_not_ordered_by_another_measure(done, capsys):

@@ -71,7 +71,9 @@ def test_an_interrupted_study_says_how_it_goes_on(done, capsys, monkeypatch):
 
     monkeypatch.setattr(wr.Study, "run", interrupted)
     assert main(["study", str(file), "--resume", "--out", str(folder)]) == 130
-    assert f"--resume --out {folder}" in capsys.readouterr().err
+    first, second = capsys.readouterr().err.splitlines()
+    assert "interrupted" in first
+    assert f"what is done is kept; go on with the same options and --resume --out {folder}" in second
 
 
 def test_another_study_does_not_go_on_in_the_folder(done, capsys):

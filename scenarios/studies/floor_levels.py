@@ -1,6 +1,6 @@
 """Up to which shock level do the floating floor's mounts stay within their travel, and how does the floor's acceleration grow?
 
-The mounts' friction and stiffening make neither grow as the level does.
+The mounts' friction and stiffening make neither grow as the level does. Levels (motion/level) are in g.
 """
 
 import wirerope_mj as wr

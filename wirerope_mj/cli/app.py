@@ -216,8 +216,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     ):  # the reader, `head` for instance, has seen enough; the interpreter must not flush into it again
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as error:
         print("wirerope: interrupted; no half-written result was left behind.", file=sys.stderr)
+        for words in error.args:  # how it goes on
+            print(f"wirerope: {words}", file=sys.stderr)
         return INTERRUPTED
     except (WireRopeError, ValueError, OSError, CycloptsError) as error:
         print(f"wirerope: {error}", file=sys.stderr)

@@ -60,12 +60,10 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
     try:
         result = study.run(folder, progress=True, **how)
     except KeyboardInterrupt:
-        if (folder / STUDY).is_file():
-            print(
-                f"wirerope: what is done is kept; go on with the same options and --resume --out {folder}",
-                file=sys.stderr,
-            )
-        raise
+        if not (folder / STUDY).is_file():
+            raise
+        words = f"what is done is kept; go on with the same options and --resume --out {folder}"
+        raise KeyboardInterrupt(words) from None
     if len(result.failed) == result.table.num_rows:
         number, message = next(iter(result.failed.items()))
         raise ValueError(f"every variant failed; variant {number}: {message} The table is in {folder}.")

@@ -17,6 +17,7 @@ from wirerope_mj.study.search.result import SearchResult
 Array = npt.NDArray[np.float64]
 
 _SHOWN = 4  # designs from above
+_NEAREST = 8  # designs that are shown where none is within the limits
 _NAMED = 12  # designs of the front with a label
 _AROUND = 0.35  # of the extent of the front with the given designs: what is drawn around it
 _LEFT = 0.15  # of the picture's width: nearer to its edge labels have no room on the left
@@ -26,10 +27,16 @@ _APART = 0.04  # of the picture's height: labels that are nearer would cover eac
 def search_pictures(result: SearchResult) -> list[StudyPicture]:
     """Return the pictures of a search; of one that found nothing within its limits, its designs alone."""
     words = " and ".join(measure_of(name).words for name in result.minimise)
-    caption = (
-        f"All designs by {words}. Line: the front, designs within the limits that no other one beats, with their numbers of "
-        "mounts; ring: its knee; diamond: the design that was given; grey: beyond a limit."
-    )
+    said = [f"All designs by {words}, some with their numbers of mounts"]
+    if result.front.num_rows:
+        said[0] += ". Line: the front, designs within the limits that no other one beats"
+    if result.knee is not None:
+        said.append("ring: its knee")
+    if result.start:
+        said.append("diamond: the design that was given")
+    if not result.feasible.all():
+        said.append("grey: beyond a limit")
+    caption = f"{'; '.join(said)}."
     pictures = [StudyPicture(name="front", figure=front_figure(result), caption=caption)]
     placed = any(column.kind in ("fitted", "position") for one in result.study.quantities for column in one.columns)
     if placed and result.front.num_rows:
@@ -67,7 +74,8 @@ def front_figure(result: SearchResult) -> Figure:
         for measure, line in ((across, panel.axvline), (up, panel.axhline)):
             if measure is not None and measure.name in result.limits:
                 line(measure.factor * result.limits[measure.name], color=RATED, ls="--", lw=1.0, label="limit")
-        _frame(panel, across, up, np.concatenate([front, given]), x, y, result.limits)
+        wanted = np.array(result.chosen if front.size else result.chosen[:_NEAREST], dtype=np.int64)
+        _frame(panel, across, up, np.concatenate([wanted, given]), x, y, result.limits)
         _labels(panel, result, front, x, y)
         left_out = _outside(panel, x[known], y[known])
         title = "; ".join(filter(None, [left_out, f"{len(result.failed)} failed" if result.failed else ""]))
