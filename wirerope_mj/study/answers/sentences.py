@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pyarrow as pa
 
 from wirerope_mj.isolator.travel import RATINGS
 from wirerope_mj.study.answers.directions import directions_words, share_of_directions
@@ -35,7 +36,7 @@ def sentences(result: StudyResult) -> list[str]:
     """Return what the study answers, a sentence for every measure with a limit, and what must be known to read them."""
     found = [
         _of_limit(result, measure, measure.limit)
-        for measure in map(measure_of, headlines(result.table))
+        for measure in map(measure_of, [*headlines(result.table), *_overloaded(result.table)])
         if measure.limit is not None
     ]
     if not found:
@@ -47,6 +48,11 @@ def sentences(result: StudyResult) -> list[str]:
         every = (sobol_indices(result, name) for name in headlines(result.table))
         found += [of_indices(one) for one in every if one.factors]
     return found
+
+
+def _overloaded(table: pa.Table) -> list[str]:
+    """Return the measure of static load if a mount is loaded beyond its rating; what keeps it needs no word."""
+    return ["static_load"] if np.nanmax(values_of(table, "static_load"), initial=0.0) > 1.0 else []
 
 
 def travel_sentences(system: System) -> list[str]:
