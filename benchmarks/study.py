@@ -95,7 +95,7 @@ def threaded(study: wr.Study, threads: int) -> Rate:
         )  # fmt: skip
         for system, result in zip(systems, results, strict=True):
             assert isinstance(result, wr.BatchResult)
-            measures(system, result.peaks)
+            measures(system, result.peaks, result.initial_state)
         landed.append((time.perf_counter(), len(systems)))
     return steady(began, landed)
 

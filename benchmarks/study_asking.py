@@ -18,9 +18,11 @@ from pathlib import Path
 from study import floor_study
 
 import wirerope_mj as wr
+from wirerope_mj.study.answers.summary import summary
 from wirerope_mj.study.engines.compute import compute
 from wirerope_mj.study.folder import finish, prepare, write_part
 from wirerope_mj.study.responses import PEAKS
+from wirerope_mj.study.result import load_study
 from wirerope_mj.study.run import CHUNK, chunks
 from wirerope_mj.study.study_file import load_study_file
 
@@ -47,7 +49,7 @@ def asking(name: str, make: Callable[[int], wr.Study], variants: int, parts: int
         prepare(study, folder, keep=PEAKS, resume=False, force=False)
         write = seconds(lambda: [write_part(folder, replace(part, number=number)) for number in range(parts)])
         disk = sum(path.stat().st_size for path in (folder / "parts").iterdir()) / parts
-        join = seconds(lambda: finish(study, folder, parts))
+        join = seconds(lambda: finish(folder, parts, lambda: summary(load_study(folder))))
     print(f"{name}")
     print(f"  of a variant: drawn {1e6 * draw / variants:.1f} us, checked {1e6 * check / variants:.1f} us")
     print(

@@ -6,6 +6,7 @@ import shutil
 import tempfile
 import tomllib
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -146,8 +147,21 @@ def read_part(path: Path) -> pa.Table:
 
 def read_table(folder: Path, columns: Sequence[str] | None = None) -> pa.Table:
     """Return the table of a study that is complete, or some columns of it; RecordError if its file is damaged."""
+    with _table_file(folder) as path:
+        return pq.read_table(path, columns=columns)
+
+
+def read_schema(folder: Path) -> pa.Schema:
+    """Return names and types of the columns of a study's table; RecordError if its file is damaged."""
+    with _table_file(folder) as path:
+        return pq.read_schema(path)
+
+
+@contextmanager
+def _table_file(folder: Path) -> Iterator[Path]:
+    """Lend the path of the table, and say what can be done if it is damaged."""
     try:
-        return pq.read_table(folder / TABLE, columns=columns)
+        yield folder / TABLE
     except (OSError, pa.ArrowException):
         remedy = (
             "Remove it, and go on with --resume (`resume=True`): the parts that made it are there."

@@ -1,12 +1,14 @@
 """What a study has found: its table, and the folder it stands in."""
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pyarrow as pa
+import pyarrow.compute as pc
 
 from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.restore import motion_from_dict
@@ -22,7 +24,7 @@ from wirerope_mj.study.answers.findings import (
 )
 from wirerope_mj.study.answers.indices import drawn
 from wirerope_mj.study.engines.compute import FAILED
-from wirerope_mj.study.folder import TABLE, dead, done, parts, read_inputs, read_table
+from wirerope_mj.study.folder import TABLE, dead, done, parts, read_inputs, read_schema, read_table
 from wirerope_mj.study.inputs.distributions import distribution_from_dict
 from wirerope_mj.study.responses import RESPONSES, kept_numbers, kept_response, whole_number
 from wirerope_mj.system.model_files import read_changes
@@ -61,11 +63,22 @@ class StudyResult:
             raise RecordError(f"{self.folder}: no variant of this study is done yet.")
         return pa.concat_tables(parts(self.folder, numbers))
 
+    def narrowed(self, columns: Sequence[str]) -> "StudyResult":
+        """Return the result of a study that is complete with those of `columns` alone that its table has; no others are read.
+
+        The table of a million variants takes gigabytes of memory, one column of it 8 MB.
+        """
+        there = set(read_schema(self.folder).names)
+        other = copy(self)
+        vars(other)["table"] = read_table(self.folder, [name for name in columns if name in there])
+        return other
+
     @cached_property
     def failed(self) -> dict[int, str]:
         """Messages of the variants that failed, by number."""
-        rows = self.table.select(["variant", "status", "message"]).to_pylist()
-        return {row["variant"]: row["message"] for row in rows if row["status"] == FAILED}
+        rows = self.table.select(["variant", "status", "message"])
+        rows = rows.filter(pc.equal(rows["status"], FAILED))
+        return dict(zip(rows["variant"].to_pylist(), rows["message"].to_pylist(), strict=True))
 
     @cached_property
     def message(self) -> str:

@@ -24,6 +24,7 @@ def summary(result: StudyResult) -> dict[str, Any]:
     Of variants that were drawn percentiles, as far as five variants lie beyond them, and the probability beyond the limit with
     its bounds; of those for Sobol's indices these, too; of listed ones the smallest, the middle and the largest value.
     """
+    result = result.narrowed(("variant", "status", "message", *SUMMARISED))
     method = result.inputs["sampling"]["method"]
     table = drawn(result) if method == SAMPLING else result.table
     measures = {}
