@@ -3,7 +3,7 @@
 import ast
 import inspect
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,23 @@ def defines(path: Path, name: str) -> bool:
     except (SyntaxError, ValueError, OSError):
         return False  # whoever executes it says what is wrong
     return any(isinstance(node, ast.FunctionDef) and node.name == name for node in tree.body)
+
+
+def file_called(name_or_path: str | Path, shipped: Mapping[str, Path], *, kind: str) -> Path:
+    """Return the path that is given if a file is there, or that of the shipped file of this name.
+
+    Raises:
+        ModelError: there is neither; names what ships. `kind` is what the message calls it.
+    """
+    path = Path(name_or_path)
+    if path.is_file():
+        return path
+    if str(name_or_path) not in shipped:
+        raise ModelError(
+            f"there is no {kind} {str(name_or_path)!r}. The package ships {', '.join(shipped) or 'none'}; "
+            "anything else must be the path of a Python file."
+        )
+    return shipped[str(name_or_path)]
 
 
 def load_function(path: Path, name: str) -> Callable[..., Any]:

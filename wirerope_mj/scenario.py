@@ -8,7 +8,7 @@ from typing import Any
 from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.isolator import Isolator
-from wirerope_mj.option_file import all_options, defaults, guarded, load_function, question_of
+from wirerope_mj.option_file import all_options, defaults, file_called, guarded, load_function, question_of
 from wirerope_mj.resources import model_source, scenarios_folder
 from wirerope_mj.system import Changes
 
@@ -87,13 +87,5 @@ def load_scenario(name_or_path: str | Path) -> ScenarioFile:
     Raises:
         ModelError: there is no such scenario, or the file has no function `scenario` with keyword options only.
     """
-    shipped = shipped_scenarios()
-    path = Path(name_or_path)
-    if not path.is_file():
-        if str(name_or_path) not in shipped:
-            raise ModelError(
-                f"there is no scenario {str(name_or_path)!r}. The package ships {', '.join(shipped) or 'none'}; "
-                "anything else must be the path of a Python file."
-            )
-        path = shipped[str(name_or_path)]
+    path = file_called(name_or_path, shipped_scenarios(), kind="scenario")
     return ScenarioFile(name=path.stem, path=path.resolve(), function=load_function(path, "scenario"))

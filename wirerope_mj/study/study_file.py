@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import ModelError
-from wirerope_mj.option_file import all_options, guarded, load_function, question_of
+from wirerope_mj.option_file import all_options, file_called, guarded, load_function, question_of
 from wirerope_mj.resources import scenarios_folder
 from wirerope_mj.study.search.search import Search
 from wirerope_mj.study.study import Study
@@ -53,13 +53,5 @@ def load_study_file(name_or_path: str | Path) -> StudyFile:
     Raises:
         ModelError: there is no such study, or the file has no function `study` with keyword options only.
     """
-    path = Path(name_or_path)
-    if not path.is_file():
-        shipped = shipped_studies()
-        if str(name_or_path) not in shipped:
-            raise ModelError(
-                f"there is no study {str(name_or_path)!r}. The package ships {', '.join(shipped) or 'none'}; "
-                "anything else must be the path of a Python file."
-            )
-        path = shipped[str(name_or_path)]
+    path = file_called(name_or_path, shipped_studies(), kind="study")
     return StudyFile(name=path.stem, path=path.resolve(), function=load_function(path, "study"))
