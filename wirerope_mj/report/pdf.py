@@ -1,5 +1,6 @@
 """A page as a PDF: WeasyPrint sets it on A4 with the page's own print styles."""
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,10 @@ def check_pdf() -> None:
 
 def _weasyprint() -> Any:
     try:
-        import weasyprint.urls
+        with warnings.catch_warnings():
+            # It announces which system libraries its next versions will need; what is written today needs none of them.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            import weasyprint.urls
     except ImportError:
         raise WireRopeError(
             "a PDF needs WeasyPrint: pip install 'wirerope-mj[pdf]'. Or print the HTML page from a browser."
