@@ -53,7 +53,7 @@ def test_a_study_killed_at_random_ten_times_ends_with_the_same_table(alone, tmp_
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
         parts = list(folder.glob("parts/0*.parquet"))
-    assert 0 < len(parts) < 14 or (folder / "variants.parquet").exists(), delays
+    assert parts or (folder / "variants.parquet").exists(), delays  # after the last part it may die before the table
     table_study().run(folder, workers=1, resume=True)
     assert_same_files(folder, alone.folder)
 
