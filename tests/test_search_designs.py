@@ -204,8 +204,8 @@ def test_failed_mounts_do_not_count_and_are_judged_still(tmp_path):
 
 
 def test_mounts_that_are_joined_move_together_and_mirrored():
-    study = beam_study(vary={"mount/m1,m2,-m4,-m5/position/x": wr.Uniform(0.04, 0.06)}, variants=1)
-    shift = study.row(0)["mount/m1,m2,-m4,-m5/position/x"]
+    study = beam_study(vary={"mount/m1,m2,-m4,-m5/position_shift/x": wr.Uniform(0.04, 0.06)}, variants=1)
+    shift = study.row(0)["mount/m1,m2,-m4,-m5/position_shift/x"]
     assert 0.04 <= shift <= 0.06
     for name, way in {"m1": 1.0, "m2": 1.0, "m3": 0.0, "m4": -1.0, "m5": -1.0}.items():
         # Places are of the order of 1 m: their sums are right to a few units in the last place.
@@ -214,9 +214,9 @@ def test_mounts_that_are_joined_move_together_and_mirrored():
 
 def test_a_mount_cannot_move_both_ways_and_must_exist():
     with pytest.raises(ValueError, match="'m2' cannot move both ways"):
-        beam_study(vary={"mount/m1,m2,-m2/position/x": wr.Uniform(0.0, 0.1)}, variants=1)
+        beam_study(vary={"mount/m1,m2,-m2/position_shift/x": wr.Uniform(0.0, 0.1)}, variants=1)
     with pytest.raises(ModelError, match=r"no mount 'm9'. There is: m1, m2"):
-        beam_study(vary={"mount/m1,-m9/position/x": wr.Uniform(0.0, 0.1)}, variants=1)
+        beam_study(vary={"mount/m1,-m9/position_shift/x": wr.Uniform(0.0, 0.1)}, variants=1)
     with pytest.raises(ValueError, match="must be a Choice of True and False"):
         beam_study(vary={"mount/m1/fitted": wr.Uniform(0.0, 1.0)}, variants=1)
 

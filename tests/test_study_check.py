@@ -104,7 +104,10 @@ def test_a_rule_about_two_parameters_is_kept_and_names_the_first_variant(monkeyp
             {"body/block/mass": wr.Choice(1.0, -0.5)},
             "variant 1 .*: body/block/mass must be finite and > 0 kg, got -0.5 kg",
         ),
-        ({"body/block/centre/z": wr.Choice(0.0, np.inf)}, "variant 1 .*: body/block/centre/z must be finite, got inf"),
+        (
+            {"body/block/centre_shift/z": wr.Choice(0.0, np.inf)},
+            "variant 1 .*: body/block/centre_shift/z must be finite, got inf",
+        ),
         ({"motion/level": wr.Choice(1.0, 2.0, 0.0)}, "variant 2 .*: motion/level must be finite and not zero, got 0.0"),
     ],
 )
@@ -186,10 +189,10 @@ def test_a_shift_for_which_the_model_has_no_room_is_refused_though_the_first_is_
     # MuJoCo compiles the mass of this model as simple, on its slide alone.
     law = example("bouc-wen")
     shared = {"model": sdof_text(), "isolators": {"a": wr.Isolator(name="a", axial=law)}}
-    vary = {"motion/level": wr.Choice(1.0, 2.0), "body/mass/centre/z": wr.Choice(0.0, 0.01, 0.02)}
+    vary = {"motion/level": wr.Choice(1.0, 2.0), "body/mass/centre_shift/z": wr.Choice(0.0, 0.01, 0.02)}
     study = table_study(vary, sampling="grid", variants=None, **shared)
     assert 'simple="false"' in refused(study)
-    vary["body/mass/centre/z"] = wr.Choice(0.0)
+    vary["body/mass/centre_shift/z"] = wr.Choice(0.0)
     assert table_study(vary, sampling="grid", variants=None, **shared).table().num_rows == 2
 
 

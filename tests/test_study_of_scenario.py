@@ -176,9 +176,9 @@ def test_what_can_vary_names_mounts_parameters_bodies_and_directions():
         "mounts m01, m02,",
         "mount/NAME/axial/PARAMETER",
         "mount/NAME/fitted",
-        "mount/m01,m05,-m04/position/x",
+        "mount/m01,m05,-m04/position_shift/x",
         "alpha = 7.51e+05",
-        "rack 850 kg",
+        "rack: 850 kg, centre (",
         "motion/azimuth",
     ):
         assert words in text

@@ -27,7 +27,7 @@ def table_of(inputs, travel):
 
 
 def pictures(table, sampling, inputs):
-    result = SimpleNamespace(table=table, study=SimpleNamespace(sampling=sampling))
+    result = SimpleNamespace(table=table, study=SimpleNamespace(sampling=sampling, quantities=()))
     answer = Answer(result=result, by="travel", influences=influences(table, inputs, "travel"))
     return {one.name: one for one in study_pictures(answer)}
 
@@ -51,12 +51,13 @@ def test_bars_of_inputs_go_from_the_strongest_down_and_pale_ones_say_so():
     found = [
         Influence(name="motion/level", share=0.7, rank=0.9, certain=True),
         Influence(name="mount/m1/axial/alpha", share=0.1, rank=-0.3, certain=True),
-        Influence(name="body/floor/centre/x", share=-0.01, rank=0.0, certain=False),
+        Influence(name="body/floor/centre_shift/x", share=-0.01, rank=0.0, certain=False),
     ]
-    (panel,) = sensitivity_figure(found, "travel").axes
+    labels = {"body/floor/centre_shift/x": "body/floor/centre_shift/x [m]", "motion/level": "motion/level [factor]"}
+    (panel,) = sensitivity_figure(found, "travel", labels).axes
     assert [bar.get_width() for bar in panel.patches] == pytest.approx([0.0, 10.0, 70.0])
-    labels = [label.get_text() for label in panel.get_yticklabels()]
-    assert labels == ["body/floor/centre/x [m]", "mount/m1/axial/alpha", "motion/level"]
+    shown = [label.get_text() for label in panel.get_yticklabels()]
+    assert shown == ["body/floor/centre_shift/x [m]", "mount/m1/axial/alpha", "motion/level [factor]"]
     assert "may be chance" in texts(panel)[0]
     assert panel.patches[0].get_alpha() < 0.5 < panel.patches[1].get_alpha()
     assert panel.patches[1].get_facecolor() != panel.patches[2].get_facecolor()  # one falls, one rises
@@ -89,7 +90,7 @@ def test_choices_may_be_truth_values():
 
 def test_the_word_of_chance_stands_beside_the_share_and_every_label_within_the_picture():
     found = [Influence(name="motion/level", share=share, rank=0.83, certain=False) for share in (0.6, 0.55)]
-    figure = sensitivity_figure(found, "travel")
+    figure = sensitivity_figure(found, "travel", {})
     figure.canvas.draw()
     (panel,) = figure.axes
     assert texts(panel)[1] == "60 % (may be chance), rank correlation +0.83"
@@ -108,7 +109,7 @@ def test_the_distribution_says_how_many_variants_failed_and_one_variant_has_none
 def test_means_over_a_grid_are_those_at_its_values():
     level, mass = (one.ravel() for one in np.meshgrid([1.0, 2.0, 3.0], np.arange(4.0)))
     panel = scatter_figure(
-        table_of({"motion/level": level, "mass": mass}, level + mass), ["motion/level"], "travel"
+        table_of({"motion/level": level, "mass": mass}, level + mass), ["motion/level"], "travel", {}
     ).axes[0]
     line = panel.lines[1]
     assert line.get_xdata().tolist() == [1.0, 2.0, 3.0]

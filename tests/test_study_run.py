@@ -87,8 +87,8 @@ def test_every_variant_is_what_it_is_alone_bit_for_bit(alone):
 def test_a_floor_whose_everything_varies_is_what_each_variant_is_alone(tmp_path):
     vary = {
         "mount/m*/axial/alpha": wr.Normal(1.0, 0.1, relative=True, each=True),
-        "mount/h*/failed": wr.Choice("", "h1"), "body/floor/centre/x": wr.Normal(0.0, 0.02),
-        "mount/m01/position/z": wr.Normal(0.0, 0.001), "motion/record": wr.Choice(0, 1),
+        "mount/h*/failed": wr.Choice("", "h1"), "body/floor/centre_shift/x": wr.Normal(0.0, 0.02),
+        "mount/m01/position_shift/z": wr.Normal(0.0, 0.001), "motion/record": wr.Choice(0, 1),
         "motion/azimuth": wr.Uniform(0.0, 360.0), "motion/elevation": wr.Uniform(-90.0, 90.0),
     }  # fmt: skip
     motions = [PULSE, wr.HalfSine(peak=5.0 * G, duration=0.02, direction="z", start=0.0033)]

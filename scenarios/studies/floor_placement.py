@@ -42,8 +42,8 @@ def study(
     if horizontal:
         places["mount/h*/fitted"] = fitted
     # Between the transverses' ends and the stops' pads, 5 cm clear of either.
-    places["mount/m02,m06,m10,m14/position/x"] = wr.Uniform(-0.7, 1.2)
-    places["mount/m03,m07,m11,m15/position/x"] = wr.Uniform(-1.2, 0.7)
+    places["mount/m02,m06,m10,m14/position_shift/x"] = wr.Uniform(-0.7, 1.2)
+    places["mount/m03,m07,m11,m15/position_shift/x"] = wr.Uniform(-1.2, 0.7)
     designs = wr.Study(
         model="floating_floor.xml",
         motion=sum(pulses[1:], start=pulses[0]),

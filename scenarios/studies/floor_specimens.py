@@ -43,7 +43,7 @@ def study(
     if mass:
         vary["body/floor/mass"] = wr.Normal(1.0, mass, relative=True, low=0.5, high=1.5)
     if offset_mm:
-        vary |= {f"body/floor/centre/{axis}": wr.Normal(0.0, 1e-3 * offset_mm) for axis in "xy"}
+        vary |= {f"body/floor/centre_shift/{axis}": wr.Normal(0.0, 1e-3 * offset_mm) for axis in "xy"}
     if level:
         vary["motion/level"] = wr.Normal(1.0, level, low=0.5, high=1.5)
     return wr.Study(

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.cli.search_tables import print_search
-from wirerope_mj.cli.study_tables import print_study
+from wirerope_mj.cli.study_tables import print_study, print_varied
 from wirerope_mj.cli.tables import console
 from wirerope_mj.study.answers.answer import answer_of
 from wirerope_mj.study.folder import STUDY
@@ -51,6 +51,7 @@ def compute_and_print(
     names = measure_names(study.base)
     if by is not None and by not in names:
         raise ValueError(f"`--by`: there is no measure {by!r}; there are {', '.join(names[:8])}, ...")
+    print_varied(study.study if isinstance(study, Search) else study)
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     _print(_computed(study, folder, resume=resume, **how), by, open_worst)
 

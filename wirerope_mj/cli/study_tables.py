@@ -11,10 +11,12 @@ from rich.text import Text
 
 from wirerope_mj.cli.tables import console
 from wirerope_mj.study.answers.answer import QUANTILES, Answer
-from wirerope_mj.study.answers.findings import CONFIDENCE, failures, input_label, numbered, percent
+from wirerope_mj.study.answers.findings import CONFIDENCE, failures, numbered, percent
 from wirerope_mj.study.answers.indices import SobolIndices
 from wirerope_mj.study.answers.sentences import sentences
+from wirerope_mj.study.answers.varied import HEAD, varied_of
 from wirerope_mj.study.result import StudyResult
+from wirerope_mj.study.study import Study
 
 _WORST = 8  # variants in the table of the worst
 _INPUTS = 4  # columns of inputs beside a variant
@@ -38,6 +40,16 @@ def print_study(answer: Answer, files: Sequence[str]) -> None:
     out.print(_worst(answer))
     print_failed(result)
     print_files(result, files)
+
+
+def print_varied(study: Study) -> None:
+    """Print what varies, before it is computed: kinds and units, what the model says, and the distributions."""
+    listing = empty(f"What varies in {study.name}", HEAD)
+    for column in listing.columns:
+        column.justify, column.no_wrap = "left", False
+    for one in varied_of(study):
+        listing.add_row(*map(escape, one.cells))
+    console().print(listing)
 
 
 def print_failed(result: StudyResult, thing: str = "variant", most: int = _FAILED) -> None:
@@ -95,7 +107,7 @@ def _influences(answer: Answer) -> Table:
 
 def _worst(answer: Answer) -> Table:
     heads = [f"{measure.name} [{measure.unit}]" for measure in answer.measures]
-    heads += map(input_label, answer.inputs(_INPUTS))
+    heads += [answer.labels[name] for name in answer.inputs(_INPUTS)]
     without = f"; without {', '.join(answer.left_out)}" if answer.left_out else ""
     listing = empty(f"Worst variants by {answer.by}{without}", ("variant", *map(_two_lines, heads)))
     for one in answer.worst(_WORST, inputs=_INPUTS):

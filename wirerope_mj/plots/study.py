@@ -1,7 +1,7 @@
 """What a study says, as pictures: how likely, which inputs, and where."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from textwrap import wrap
 from typing import Any
 
@@ -17,7 +17,6 @@ from wirerope_mj.study.answers.findings import (
     Measure,
     chance_of,
     finite,
-    input_label,
     measure_of,
     percent,
     quantiles,
@@ -61,8 +60,8 @@ def distribution_figure(table: pa.Table, names: Sequence[str]) -> Figure:
     return figure
 
 
-def sensitivity_figure(found: Sequence[Influence], measure: str) -> Figure:
-    """Return what the inputs explain of a measure's variance, as bars; those that may be chance are pale."""
+def sensitivity_figure(found: Sequence[Influence], measure: str, labels: Mapping[str, str]) -> Figure:
+    """Return what the inputs explain of a measure's variance, as bars named by `labels`; those that may be chance are pale."""
     shown = list(found[:MOST_BARS])[::-1]
     end = _ROOM * max(*(100.0 * one.share for one in shown), 2.5)
     with report_style():
@@ -75,7 +74,7 @@ def sensitivity_figure(found: Sequence[Influence], measure: str) -> Figure:
             panel.annotate(
                 _sign(one), (share, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7
             )
-        panel.set_yticks(range(len(shown)), [_name(one.name) for one in shown])
+        panel.set_yticks(range(len(shown)), [_shortened(labels.get(one.name, one.name)) for one in shown])
         panel.set_xlim(0.0, end)
         panel.xaxis.set_major_locator(MaxNLocator(6))
         panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 100.0])
@@ -85,8 +84,8 @@ def sensitivity_figure(found: Sequence[Influence], measure: str) -> Figure:
     return figure
 
 
-def scatter_figure(table: pa.Table, names: Sequence[str], measure: str) -> Figure:
-    """Return every variant by a measure over some inputs, with the means of classes of the input."""
+def scatter_figure(table: pa.Table, names: Sequence[str], measure: str, labels: Mapping[str, str]) -> Figure:
+    """Return every variant by a measure over some inputs, named by `labels`, with the means of classes of the input."""
     shown, values = measure_of(measure), values_of(table, measure)
     with report_style():
         figure = Figure(figsize=(WIDTH, 2.7), layout="constrained")
@@ -105,15 +104,15 @@ def scatter_figure(table: pa.Table, names: Sequence[str], measure: str) -> Figur
             )
             panel.plot(*_means(x, y), color=COLOURS[1], lw=1.5)
             _limit(panel.axhline, shown)
-            panel.set_xlabel(_name(name))
+            panel.set_xlabel(_shortened(labels.get(name, name)))
             panel.xaxis.set_major_locator(MaxNLocator(5))
             _calm(panel)
         panels[0].set_ylabel(_wrapped(shown))
     return figure
 
 
-def curve_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
-    """Return measures over the one number that varies."""
+def curve_figure(table: pa.Table, name: str, names: Sequence[str], labels: Mapping[str, str]) -> Figure:
+    """Return measures over the one number that varies, named by `labels`."""
     x = np.asarray(table[name], dtype=np.float64)
     order = np.argsort(x)
     with report_style():
@@ -122,7 +121,7 @@ def curve_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
             shown = measure_of(measure)
             panel.plot(x[order], shown.factor * values_of(table, measure)[order], "o-", ms=3, color=COLOURS[0])
             _limit(panel.axhline, shown)
-            panel.set_xlabel(_name(name))
+            panel.set_xlabel(_shortened(labels.get(name, name)))
             panel.set_ylabel(_wrapped(shown))
             panel.set_ylim(bottom=0.0)
             _calm(panel)
@@ -150,7 +149,7 @@ def choices_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
             panel.set_xlabel(_wrapped(shown))
             _calm(panel, axis="x")
         panels[0].set_yticks(range(len(words)), [_shortened(words[place]) for place in order])
-        panels[0].set_ylabel(_name(name))
+        panels[0].set_ylabel(_shortened(name))
     return figure
 
 
@@ -208,10 +207,6 @@ def _sign(one: Influence) -> str:
 def _word(choice: Any) -> str:
     """Return one of some choices; that of the mount that fails is "" where none does."""
     return f"{choice:g}" if isinstance(choice, float) else str(choice) or "none"
-
-
-def _name(name: str) -> str:
-    return _shortened(input_label(name))
 
 
 def _shortened(name: str) -> str:

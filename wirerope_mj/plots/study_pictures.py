@@ -21,7 +21,6 @@ from wirerope_mj.study.answers.answer import Answer
 from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION
 from wirerope_mj.study.answers.findings import finite, headlines, input_names, measure_of, random_study, values_of
 from wirerope_mj.study.answers.indices import SobolIndices, drawn
-from wirerope_mj.study.answers.sensitivity import Influence
 from wirerope_mj.study.inputs.sampling import LISTED
 from wirerope_mj.study.inputs.sobol import SAMPLING
 
@@ -51,7 +50,7 @@ def study_pictures(answer: Answer) -> list[StudyPicture]:
         )
         pictures.append(StudyPicture(name="directions", figure=directions_figure(table, by), caption=caption))
     elif len(inputs) == 1:
-        pictures += _of_one_input(table, inputs[0], names)
+        pictures += _of_one_input(answer, table, inputs[0], names)
     several = [name for name in names if finite(values_of(table, name)).size > 1]
     if random_study(result) and several:
         caption = (
@@ -64,11 +63,11 @@ def study_pictures(answer: Answer) -> list[StudyPicture]:
     if result.study.sampling == SAMPLING:
         pictures += [*_of_indices(answer.indices[:2]), *_scatter(answer, table)]
     elif found and len(inputs) > 1 and "directions" not in {picture.name for picture in pictures}:
-        pictures += [_sensitivity(by, found), *_scatter(answer, table)]
+        pictures += [_sensitivity(answer), *_scatter(answer, table)]
     return pictures
 
 
-def _of_one_input(table: pa.Table, name: str, names: Sequence[str]) -> list[StudyPicture]:
+def _of_one_input(answer: Answer, table: pa.Table, name: str, names: Sequence[str]) -> list[StudyPicture]:
     listed = " and ".join(measure_of(measure).words for measure in names)
     if not pa.types.is_floating(table.schema.field(name).type) and table.num_rows <= _MOST_CHOICES:
         caption = f"{_capital(listed)} for each choice of {name}, sorted; dashed: the limit."
@@ -76,7 +75,7 @@ def _of_one_input(table: pa.Table, name: str, names: Sequence[str]) -> list[Stud
     if pa.types.is_string(table.schema.field(name).type):
         return []
     caption = f"{_capital(listed)} over {name}; dashed: the limit."
-    return [StudyPicture(name="curve", figure=curve_figure(table, name, names), caption=caption)]
+    return [StudyPicture(name="curve", figure=curve_figure(table, name, names, answer.labels), caption=caption)]
 
 
 def _of_indices(found: Sequence[SobolIndices]) -> list[StudyPicture]:
@@ -90,12 +89,15 @@ def _of_indices(found: Sequence[SobolIndices]) -> list[StudyPicture]:
     return [StudyPicture(name="indices", figure=indices_figure(found), caption=caption)]
 
 
-def _sensitivity(by: str, found: Sequence[Influence]) -> StudyPicture:
+def _sensitivity(answer: Answer) -> StudyPicture:
+    by = answer.by
     caption = (
         f"What each input alone explains of the variance of: {measure_of(by).words}. Blue: it rises with the input; orange: "
         "it falls; grey: the input has no order; pale: may be chance."
     )
-    return StudyPicture(name="sensitivity", figure=sensitivity_figure(found, by), caption=caption)
+    return StudyPicture(
+        name="sensitivity", figure=sensitivity_figure(answer.influences, by, answer.labels), caption=caption
+    )
 
 
 def _scatter(answer: Answer, table: pa.Table) -> list[StudyPicture]:
@@ -106,7 +108,9 @@ def _scatter(answer: Answer, table: pa.Table) -> list[StudyPicture]:
     listed = answer.result.study.sampling in LISTED
     mean = "the mean at each value of the input" if listed else "the mean of variants with like values of the input"
     caption = f"{_capital(words)} of every variant over the strongest inputs; the line is {mean}; dashed: the limit."
-    return [StudyPicture(name="scatter", figure=scatter_figure(table, numbers, answer.by), caption=caption)]
+    return [
+        StudyPicture(name="scatter", figure=scatter_figure(table, numbers, answer.by, answer.labels), caption=caption)
+    ]
 
 
 def _is_number(table: pa.Table, name: str) -> bool:

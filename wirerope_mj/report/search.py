@@ -35,7 +35,7 @@ def search_content(result: SearchResult) -> ReportContent:
         verdict=_verdict(result),
         answer=(Paragraph(text=" ".join([result.message, *notes])), *failed_blocks(result)),
         sections=(
-            Section(title="What was sought", blocks=(_sought(result), varied_table(content["vary"]))),
+            Section(title="What was sought", blocks=(_sought(result), varied_table(study))),
             Section(title="What was found", blocks=(*pictures, *tables)),
             Section(title="Numerics and versions", blocks=(numerics_table(result),)),
         ),

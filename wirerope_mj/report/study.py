@@ -1,7 +1,6 @@
 """The content of a study's report: what is likely, which inputs matter, which variants are worst."""
 
 import math
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 from wirerope_mj.plots.report_image import image_of
@@ -13,17 +12,17 @@ from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION
 from wirerope_mj.study.answers.findings import (
     Measure,
     failures,
-    input_label,
     input_names,
     measure_of,
     numbered,
     percent,
 )
 from wirerope_mj.study.answers.sentences import sentences
+from wirerope_mj.study.answers.varied import HEAD, varied_of
 from wirerope_mj.study.result import StudyResult
+from wirerope_mj.study.study import Study
 
 _WORST, _INPUTS, _INFLUENCES, _FAILED = 10, 5, 15, 20  # rows and columns that are read
-_CHOICES = 8  # numbers of a choice that are told one by one
 _METHODS = {
     "sobol": "scrambled Sobol sequence", "latin-hypercube": "Latin hypercube", "random": "random draws",
     "grid": "all combinations of the values", "list": "the values as they are listed",
@@ -48,7 +47,7 @@ def study_content(answer: Answer) -> ReportContent:
         verdict=_verdict(answer),
         answer=(Listing(items=tuple(sentences(result))), *failed_blocks(result)),
         sections=(
-            Section(title="What varied", blocks=(varied_table(content["vary"]),)),
+            Section(title="What varied", blocks=(varied_table(study),)),
             Section(title="What came out", blocks=(_measures(answer), *_pictures(answer))),
             Section(title="Inputs that matter", blocks=_indices(answer) or _influences(answer)),
             Section(title="Worst variants", blocks=(_worst(answer),)),
@@ -91,40 +90,13 @@ def failed_blocks(result: StudyResult) -> tuple[Block, ...]:
     return (Paragraph(text=words), Listing(items=tuple(lines)))
 
 
-def varied_table(vary: Sequence[Mapping[str, Any]]) -> Table:
-    """Return the quantities and their distributions, as `study.toml` says them."""
-    rows = tuple((_named(one), _words(one), "each its own" if one.get("each") else "one for all") for one in vary)
+def varied_table(study: Study) -> Table:
+    """Return the quantities that vary with their kinds and units, what the model says of them, and their distributions."""
     return Table(
-        caption="Quantities and their distributions", head=("quantity", "values", "of what the name matches"), align="ltl",
-        rows=rows, note="SI units and degrees; factors multiply what the model says.",
+        caption="Quantities and their distributions", head=HEAD, align="tlttl",
+        rows=tuple(one.cells for one in varied_of(study)),
+        note="A value replaces what the model says, a shift is added to it, a factor multiplies it. SI: as the law states.",
     )  # fmt: skip
-
-
-def _named(one: Mapping[str, Any]) -> str:
-    return f"{one['name']} ({one['group']})" if one.get("group") else one["name"]
-
-
-def _words(one: Mapping[str, Any]) -> str:
-    of = "factor, " if one.get("relative") else ""
-    if one["kind"] == "Normal":
-        bounds = f", from {one.get('low', ABSENT)} to {one.get('high', ABSENT)}" if {"low", "high"} & set(one) else ""
-        return f"{of}normal, mean {one['mean']:g}, standard deviation {one['deviation']:g}{bounds}"
-    if one["kind"] == "Uniform":
-        points = f", {one['points']} values" if "points" in one else ""
-        return f"{of}uniform, from {one['low']:g} to {one['high']:g}{points}"
-    if one["kind"] == "Isotropic":
-        return f"directions equally likely over the sphere, from {one['low']:g} to {one['high']:g} above the horizon"
-    if one["kind"] == "Choice":
-        return f"{of}{_choices(one['choices'])}"
-    return "scatter of the specimens that the isolator was identified from"
-
-
-def _choices(values: Sequence[Any]) -> str:
-    """Return the values of a choice; of many numbers how many, and from where to where."""
-    distinct = list(dict.fromkeys(values))
-    if len(distinct) <= _CHOICES or not all(isinstance(value, int | float) for value in distinct):
-        return f"one of {', '.join(_input(value) for value in distinct)}"
-    return f"one of {len(distinct)} values from {_input(min(distinct))} to {_input(max(distinct))}"
 
 
 def _measures(answer: Answer) -> Table:
@@ -207,7 +179,7 @@ def _worst(answer: Answer) -> Table:
         values = [measured(measure, value) for measure, value in zip(measures, one.values, strict=True)]
         rows.append((str(one.variant), *values, *(_input(value) for value in one.inputs)))
     heads = (f"{measure.name} [{measure.unit}]" for measure in measures)
-    head = ("variant", *heads, *map(input_label, answer.inputs(_INPUTS)))
+    head = ("variant", *heads, *(answer.labels[name] for name in answer.inputs(_INPUTS)))
     return Table(
         caption=f"Worst by {answer.by}, with the inputs that matter most", head=head, align="r" * len(head),
         rows=tuple(rows), note=f"Not shown: {', '.join(answer.left_out)}." if answer.left_out else "",

@@ -18,6 +18,7 @@ from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.copies import copy_records
 from wirerope_mj.study.engines.compute import Part
 from wirerope_mj.study.inputs.distributions import distribution_to_dict
+from wirerope_mj.study.old_names import FIRST, todays_inputs
 from wirerope_mj.study.responses import PEAKS, remove_half_written, write_response
 from wirerope_mj.study.versions import versions
 from wirerope_mj.system.model_files import model_table, write_model
@@ -31,8 +32,8 @@ STUDY, TABLE, SUMMARY, PARTS = "study.toml", "variants.parquet", "summary.json",
 MARKS = (STUDY,)
 """By these files a folder is known as that of a study."""
 
-FORMAT = 1
-"""Of these files."""
+FORMAT = 2
+"""Of these files; those of format 1 are read, too, but such a study does not go on."""
 
 _WORDS = ("id", "name", "question")
 """What may differ between two folders of the same study."""
@@ -84,7 +85,7 @@ def prepare(
 
 
 def read_inputs(folder: Path) -> dict[str, Any]:
-    """Return the content of a study's `study.toml`.
+    """Return the content of a study's `study.toml`, inputs by the names that they have today.
 
     Raises:
         RecordError: there is no study, or it is damaged.
@@ -94,13 +95,13 @@ def read_inputs(folder: Path) -> dict[str, Any]:
         raise RecordError(f"{folder}: this is not a study; there is no {STUDY} here.")
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
-        if content["format"] != FORMAT:
+        if content["format"] not in (FIRST, FORMAT):
             raise RecordError(f"{path}: format {content['format']} is not {FORMAT}; use the version that wrote it.")
         if content["id"] != _identity(content):
             raise RecordError(f"{path}: this file was changed after it had been written; its study cannot go on.")
+        return todays_inputs(content)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError) as error:
         raise RecordError(f"{path}: this is not the file of a study ({type(error).__name__}: {error}).") from None
-    return content
 
 
 def done(folder: Path) -> set[int]:
@@ -245,6 +246,12 @@ def _check_same(folder: Path, content: dict[str, Any]) -> None:
     there = read_inputs(folder)
     if there["id"] == content["id"]:
         return
+    if there["format"] != FORMAT:
+        raise RecordError(
+            f"{folder}: an earlier version wrote this study, in which `centre` and `position` were the names of shifts. It can "
+            "be read (`wirerope study-report`, `load_study`), but does not go on; nothing in it was touched. Choose another "
+            "folder, or begin it anew with --force (`force=True`)."
+        )
     old, new = _flat(there), _flat(content)
     other = [key for key in {**old, **new} if key not in _WORDS and old.get(key) != new.get(key)]
     if (folder / TABLE).is_file() and not dead(folder):  # nothing is computed any more, whoever computed it

@@ -81,8 +81,8 @@ def what_can_vary(scenario: Scenario) -> str:
     lines = "\n".join(f"  {line}" for line in possible_lines(system, scenario.motion))
     return (
         f'In {scenario.name} can vary:\n{lines}\nSay it as --vary "{EXAMPLE}", once for each quantity; NAME may hold * and ?. '
-        f"Distributions: {', '.join(signatures())}. With `relative` values are factors on what the model says, with `each` "
-        "every mount or body has its own."
+        f"Distributions: {', '.join(signatures())}. A value replaces what the model says, a shift is added to it, a factor "
+        "(`relative`) multiplies it; with `each` every mount or body has its own."
     )
 
 

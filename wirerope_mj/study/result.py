@@ -7,6 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.compute as pc
 
@@ -26,6 +27,7 @@ from wirerope_mj.study.answers.indices import drawn
 from wirerope_mj.study.engines.compute import FAILED
 from wirerope_mj.study.folder import TABLE, dead, done, parts, read_inputs, read_schema, read_table
 from wirerope_mj.study.inputs.distributions import distribution_from_dict
+from wirerope_mj.study.old_names import todays_table
 from wirerope_mj.study.responses import RESPONSES, kept_numbers, kept_response, whole_number
 from wirerope_mj.system.model_files import read_changes
 
@@ -57,11 +59,11 @@ class StudyResult:
     def table(self) -> pa.Table:
         """The table, one row for every variant; of a study that is not complete those that are done."""
         if self.complete:
-            return read_table(self.folder)
+            return todays_table(read_table(self.folder), self.inputs)
         numbers = sorted(done(self.folder))
         if not numbers:
             raise RecordError(f"{self.folder}: no variant of this study is done yet.")
-        return pa.concat_tables(parts(self.folder, numbers))
+        return todays_table(pa.concat_tables(parts(self.folder, numbers)), self.inputs)
 
     def narrowed(self, columns: Sequence[str]) -> "StudyResult":
         """Return the result of a study that is complete with those of `columns` alone that its table has; no others are read.
@@ -139,12 +141,16 @@ class StudyResult:
             limit: SI; None: 1 for shares of what is rated or stated.
 
         Raises:
-            ValueError: there is no such measure, or it has no limit of its own and none is given.
+            ValueError: there is no such measure, it has no limit of its own and none is given, or the limit is not a finite
+                number.
         """
         table = drawn(self)
-        limit = measure_of(checked_measure(table, measure)).limit if limit is None else limit
+        own = measure_of(checked_measure(table, measure)).limit
+        limit = own if limit is None else limit
         if limit is None:
             raise ValueError(f"`limit` must be given for {measure!r}: it is no share of anything rated.")
+        if isinstance(limit, bool) or not isinstance(limit, int | float | np.number) or not np.isfinite(limit):
+            raise ValueError(f"`limit` must be a finite number, got {limit!r}.")
         return chance_of(table, measure, limit)
 
     def response(self, variant: int) -> Response:

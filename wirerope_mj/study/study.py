@@ -16,6 +16,7 @@ from wirerope_mj.simulation.grid import joined
 from wirerope_mj.simulation.simulate import check_arguments
 from wirerope_mj.study.inputs.check import check_variants
 from wirerope_mj.study.inputs.distributions import Distribution
+from wirerope_mj.study.inputs.meant import check_centres
 from wirerope_mj.study.inputs.quantities import Column, quantities
 from wirerope_mj.study.inputs.sampling import inputs
 from wirerope_mj.study.inputs.variants import Maker, Row, Work
@@ -36,19 +37,24 @@ class Study:
     """Variants of one system under one base motion, or under several.
 
     What varies is named as follows; NAME may hold * and ?, and then stands for all that match, and several may be joined by
-    commas: "mount/m01,m05,-m04,-m08/position/x" moves the first two one way and the others, behind a minus, as far the other
-    way. Values of a relative distribution are factors on what the model says.
+    commas: "mount/m01,m05,-m04,-m08/position_shift/x" moves the first two one way and the others, behind a minus, as far the
+    other way. Values of a relative distribution are factors on what the model says; a name that ends in _shift is added to it;
+    everything else replaces it.
 
-        mount/NAME/AXIS/PARAMETER   parameter of the law on axis roll, shear or axial
-        mount/NAME/spread           the isolator's [spread], as `Specimens`
-        mount/NAME/position/x       shift of the mount along a world axis [m]
-        mount/NAME/fitted           Choice of True and False: whether there is a mount at this place
-        mount/NAME/failed           Choice of True and False, or of the name of the mount that has failed ("" = none)
-        body/NAME/mass              mass [kg] with the moments of inertia, or a factor on both
-        body/NAME/centre/x          shift of the centre of mass along a world axis [m]
-        motion/level                factor on the motion
-        motion/azimuth, elevation   direction of a motion along one line [deg], from x towards y and above that plane
-        motion/record               place in `motions`
+        mount/NAME/AXIS/PARAMETER     value of a parameter of the law on axis roll, shear or axial [SI, as the law states]
+        mount/NAME/spread             the isolator's [spread], as `Specimens`
+        mount/NAME/position_shift/x   shift of the mount along a world axis [m]
+        mount/NAME/fitted             Choice of True and False: whether there is a mount at this place
+        mount/NAME/failed             Choice of True and False, or of the name of the mount that has failed ("" = none)
+        body/NAME/mass                mass [kg] with the moments of inertia; relative: a factor on both
+        body/NAME/centre/x            value: the centre of mass along an axis of the body, from the body's origin [m], as
+                                      <inertial pos="..."/> says it in the model
+        body/NAME/centre_shift/x      shift of the centre of mass along a world axis [m]
+        motion/level                  factor on the motion
+        motion/azimuth, elevation     direction of a motion along one line [deg], from x towards y and above that plane
+        motion/record                 index in `motions`
+
+    A `centre` whose values are nearer to 0 than to the model's is refused, because shifts look like that.
 
     Attributes:
         base: the system as the model and `changes` say it.
@@ -120,6 +126,7 @@ class Study:
         written = load_system(model_source(model, folder=folder, asker=f"study {name!r}"), isolators=isolators)
         self.base = with_changes(written, changes)
         self.quantities = quantities(self.vary, self.base, self.motions)
+        check_centres(self.quantities, self.base)
         if len(self.motions) > 1 and not any(one.name == "motion/record" for one in self.quantities):
             raise ValueError('`motions` holds several base motions, and `vary` has no "motion/record" that chooses.')
         self._inputs = inputs(self.quantities, variants=variants, sampling=sampling, seed=seed)

@@ -25,6 +25,7 @@ from wirerope_mj.study.answers.findings import (
 from wirerope_mj.study.answers.indices import SobolIndices, drawn, sobol_indices
 from wirerope_mj.study.answers.sensitivity import Influence, influences
 from wirerope_mj.study.answers.sentences import beyond_text
+from wirerope_mj.study.inputs.nominal import column_label
 from wirerope_mj.study.inputs.sobol import SAMPLING, factors
 from wirerope_mj.study.result import StudyResult
 
@@ -103,6 +104,12 @@ class Answer:
         if self.result.study.sampling != SAMPLING:
             return ()
         return tuple(found for one in self.measures if (found := sobol_indices(self.result, one.name)).factors)
+
+    @cached_property
+    def labels(self) -> dict[str, str]:
+        """Names of the inputs with the units of their numbers, by name: "body/floor/mass [kg]", "motion/level [factor]"."""
+        columns = [column for quantity in self.result.study.quantities for column in quantity.columns]
+        return {column.name: column_label(column) for column in columns}
 
     @cached_property
     def measures(self) -> tuple[Measure, ...]:

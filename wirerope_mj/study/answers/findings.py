@@ -11,7 +11,6 @@ import numpy.typing as npt
 import pyarrow as pa
 from scipy.stats import beta
 
-from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION
 from wirerope_mj.study.engines.compute import DONE
 from wirerope_mj.study.inputs.sampling import LISTED
 from wirerope_mj.units import shown_in
@@ -32,7 +31,6 @@ _BEYOND = 5
 _KEPT = ("variant", "status", "message", "generation")
 _FIGURE = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
 _NUMBERED = 6  # variants of one message that are told by their numbers
-_ANGLES = (AZIMUTH, ELEVATION)
 _ROOMS = {
     "travel": ("largest share of a rated travel along one axis", "%", 100.0, 1.0),
     "acceleration": ("largest acceleration", *shown_in("m/s^2"), None),
@@ -108,12 +106,6 @@ def input_names(table: pa.Table) -> list[str]:
     """Return the names of the columns that were sampled."""
     names = table.column_names
     return names[1 : names.index("acceleration")]
-
-
-def input_label(name: str) -> str:
-    """Return the name of an input with the unit of its values, where the name alone says it."""
-    unit = "m" if "/centre/" in name or "/position/" in name else "°" if name in _ANGLES else ""
-    return f"{name} [{unit}]" if unit else name
 
 
 def measures_of(table: pa.Table) -> list[str]:

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
+from wirerope_mj.study.answers.findings import measures_of
 from wirerope_mj.study.engines.compute import DONE
 from wirerope_mj.study.inputs.sobol import FEWEST, SAMPLING, factors
 
@@ -85,8 +86,9 @@ def sobol_indices(result: "StudyResult", measure: str) -> SobolIndices:
         raise ValueError(
             f'Sobol\'s indices need a study with sampling="{SAMPLING}"; this one has {result.study.sampling!r}.'
         )
-    if measure not in result.table.column_names:
-        raise ValueError(f"there is no measure {measure!r}.")
+    names = measures_of(result.table)
+    if measure not in names:
+        raise ValueError(f"there is no measure {measure!r}; there are {', '.join(names[:8])}.")
     return indices_of(result.table, list(factors(result.study.quantities)), measure)
 
 

@@ -8,6 +8,7 @@ import pyarrow as pa
 
 from wirerope_mj.study.answers.findings import CONFIDENCE, chance_of, finite, measure_of, quantiles, values_of, worst
 from wirerope_mj.study.answers.indices import drawn, sobol_indices
+from wirerope_mj.study.answers.varied import varied_of
 from wirerope_mj.study.inputs.sampling import LISTED
 from wirerope_mj.study.inputs.sobol import SAMPLING
 from wirerope_mj.study.result import StudyResult
@@ -44,6 +45,7 @@ def begun(result: StudyResult) -> dict[str, Any]:
         "variants": result.table.num_rows,
         "failed": len(result.failed),
         "timestep_s": result.inputs["simulate"]["timestep"],
+        "varied": [one.to_dict() for one in varied_of(result.study)],
     }
 
 

@@ -12,15 +12,17 @@ from wirerope_mj.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.simulation.simulate import check_direction
+from wirerope_mj.study.inputs.meant import warnings_of
+from wirerope_mj.study.inputs.nominal import SHIFTS, nominal
 from wirerope_mj.study.inputs.quantities import Column
 from wirerope_mj.study.inputs.variants import Maker, Row, without_force
 from wirerope_mj.system import System
 
-FAR = 100.0
-"""How far, as a factor, all values of a parameter lie from the model's if they were meant as factors on it, perhaps."""
-
 BLOCK = 1024
 """Variants that are checked at once, and, one by one, before what was made of them is forgotten."""
+
+_MOVED = ("centre", *SHIFTS)
+"""Kinds of columns that move something."""
 
 Values = Mapping[str, npt.NDArray[Any]]
 """Inputs of a block of variants by column."""
@@ -34,10 +36,10 @@ def check_variants(
 ) -> None:
     """Raise ModelError for the first variant of the study `name` that cannot be; says why.
 
-    A StudyWarning says which values are so far from the model's that they may have been meant as factors.
+    A StudyWarning says which values look like factors on the model's, or factors and shifts like values.
     """
-    for doubt in _doubts(system, columns, inputs):
-        warnings.warn(doubt, StudyWarning, stacklevel=2)
+    for message in warnings_of(system, columns, inputs):
+        warnings.warn(message, StudyWarning, stacklevel=2)
     maker = Maker(system, motions, columns)
 
     def check_motion(row: Row) -> None:
@@ -55,50 +57,28 @@ def check_variants(
             except (ValueError, WireRopeError) as error:
                 raise ModelError(f"variant {row['variant']} of study {name!r} cannot be: {error}") from None
         maker.forget()
-    for place in _layouts(columns, inputs):
+    for place in _layouts(system, columns, inputs):
         maker.system(inputs.slice(place, 1).to_pylist()[0])
 
 
-def _doubts(system: System, columns: Sequence[Column], inputs: pa.Table) -> list[str]:
-    """Return a sentence for every column whose values are all far from the model's, and no factors."""
-    found = []
-    for column in columns:
-        if column.relative or column.kind not in ("law", "mass"):
-            continue
-        nominal = sorted({abs(float(_nominal(system, column, target))) for target in column.targets})
-        sizes = np.abs(np.asarray(inputs[column.name]))
-        if sizes.max() < nominal[0] / FAR or sizes.min() > nominal[-1] * FAR > 0.0:
-            model = f"{nominal[0]:.4g}" + (f" to {nominal[-1]:.4g}" if len(nominal) > 1 else "")
-            found.append(
-                f"{column.name} is from {sizes.min():.3g} to {sizes.max():.3g} in the study and {model} in the model; if these "
-                "are to be factors on the model's value, say `relative`."
-            )
-    return found
-
-
-def _nominal(system: System, column: Column, target: str) -> Any:
-    """Return the model's value of what a column of masses or parameters varies."""
-    if column.kind == "mass":
-        return system.model.body(target).mass[0]
-    law = system.mounts[target].isolator.axes[column.key[0]]
-    assert law is not None  # `quantities` has seen to it
-    return law.parameter(column.key[1])
-
-
-def _layouts(columns: Sequence[Column], inputs: pa.Table) -> list[int]:
+def _layouts(system: System, columns: Sequence[Column], inputs: pa.Table) -> list[int]:
     """Return the places of variants whose layouts stand for all: what one has no room for, none has.
 
-    They are the first one, and the first in which each shift is one: a shift of 0 asks for no room.
+    They are the first one, and the first in which each position is another one: what is not moved asks for no room.
     """
-    shifts = [np.asarray(inputs[column.name]) for column in columns if column.kind in ("centre", "position")]
-    return list(dict.fromkeys([0, *(int(np.argmax(shift != 0.0)) for shift in shifts)]))
+    moved = [
+        np.asarray(inputs[column.name]) != (0.0 if column.kind in SHIFTS else nominal(column, system, ())[0])
+        for column in columns
+        if column.kind in _MOVED
+    ]
+    return list(dict.fromkeys([0, *(int(np.argmax(one)) for one in moved)]))
 
 
 def _systems_can_be(system: System, columns: Sequence[Column], values: Values) -> bool:
     """Return whether all systems surely can be; False says nothing."""
     laws: dict[tuple[str, str], dict[str, Any]] = {}  # columns of parameters by mount and axis
     for column in columns:
-        if column.kind in ("mass", "centre", "position"):
+        if column.kind in ("mass", *_MOVED):
             if not np.isfinite(values[column.name]).all() or (
                 column.kind == "mass" and values[column.name].min() <= 0.0
             ):
@@ -108,8 +88,8 @@ def _systems_can_be(system: System, columns: Sequence[Column], values: Values) -
                 return False
         elif column.kind == "law":
             axis, key = column.key
-            for mount in column.targets:
-                edited = _edited(_nominal(system, column, mount), values[column.name], column.relative)
+            for mount, here in zip(column.targets, nominal(column, system, ()), strict=True):
+                edited = _edited(here, values[column.name], column.relative)
                 laws.setdefault((mount, axis), {})[key] = edited
     return all(_law_holds(system, mount, axis, parameters) for (mount, axis), parameters in laws.items())
 

@@ -8,6 +8,7 @@ from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.laws import Law
 from wirerope_mj.study.inputs.quantities import WORLD
 from wirerope_mj.system import System
+from wirerope_mj.system.centres import centre_of_mass
 from wirerope_mj.system.varied import moving_bodies
 
 _AXES = ", ".join(WORLD)
@@ -24,19 +25,34 @@ def possible_lines(system: System, motion: BaseMotion) -> list[str]:
         for axis, law in laws.items():
             values = ", ".join(f"{key} = {_text(value)}" for key, value in law.to_dict().items() if key != "law")
             values += " (what is 0 takes no factors)" if 0.0 in law.to_dict().values() else ""
-            lines.append(f"  mount/NAME/{axis}/PARAMETER  {law.name}: {values}")
+            lines.append(f"  mount/NAME/{axis}/PARAMETER  value [SI] or factor; {law.name}: {values}")
         spread = any(system.mounts[mount].isolator.spread is not None for mount in mounts)
         lines += ["  mount/NAME/spread  specimens"] if spread else []
     if system.mounts:
-        lines.append(f"all mounts: mount/NAME/fitted, mount/NAME/failed, mount/NAME/position/AXIS of {_AXES} [m]")
-        lines.append("  several: mount/m01,m05,-m04/position/x, those behind a minus moving the other way")
-    model = system.model
-    masses = [f"{body} {float(model.body(body).mass[0]):.4g} kg" for body in moving_bodies(model)]
-    if masses:
-        lines.append(f"bodies {', '.join(masses)}: body/NAME/mass, body/NAME/centre/AXIS of {_AXES} [m]")
-    turned = ", motion/azimuth, motion/elevation [deg]" if _can_turn(system, motion) else ""
-    lines.append(f"motion {motion.description}: motion/level{turned}")
+        lines.append("all mounts: mount/NAME/fitted, mount/NAME/failed (choices)")
+        lines.append(f"  mount/NAME/position_shift/AXIS  shift [m] along the world's {_AXES}")
+        lines.append("  several: mount/m01,m05,-m04/position_shift/x, those behind a minus moving the other way")
+    lines += _bodies(system)
+    lines += [f"motion {motion.description}:", "  motion/level  factor"]
+    lines += ["  motion/azimuth, motion/elevation  values [deg]"] if _can_turn(system, motion) else []
     return lines
+
+
+def _bodies(system: System) -> list[str]:
+    """Return the lines of the bodies that can vary, with the model's masses and centres of mass."""
+    bodies = moving_bodies(system.model)
+    if not bodies:
+        return []
+    lines = ["bodies, with the model's mass and centre of mass from the body's origin:"]
+    for body in bodies:
+        centre = ", ".join(f"{_rounded(value):.4g}" for value in centre_of_mass(system, body))
+        lines.append(f"  {body}: {float(system.model.body(body).mass[0]):.4g} kg, centre ({centre}) m")
+    return [
+        *lines,
+        "  body/NAME/mass  value [kg] or factor",
+        f"  body/NAME/centre/AXIS  value [m] along the body's {_AXES}",
+        f"  body/NAME/centre_shift/AXIS  shift [m] along the world's {_AXES}",
+    ]
 
 
 def _alike(system: System) -> Iterable[tuple[list[str], Mapping[str, Law]]]:
@@ -53,6 +69,11 @@ def _can_turn(system: System, motion: BaseMotion) -> bool:
     """Return whether the motion is along one line, and the base can be driven along all axes."""
     one_line = np.linalg.matrix_rank(motion.directions, tol=1e-9) == 1  # 1e-9: rounding of unit vectors
     return bool(one_line and np.linalg.matrix_rank(system.assembly.tables.drive) == len(WORLD))
+
+
+def _rounded(value: float) -> float:
+    """Return a position without what rounding has left of 0 [m]."""
+    return 0.0 if abs(value) < 1e-9 else value
 
 
 def _text(value: object) -> str:

@@ -17,8 +17,9 @@ WORLD = ("x", "y", "z")
 MOTION = ("level", "azimuth", "elevation", "record")
 
 FORMS = (
-    "mount/NAME/AXIS/PARAMETER, mount/NAME/position/x, mount/NAME/fitted, mount/NAME/failed, mount/NAME/spread, "
-    "body/NAME/mass, body/NAME/centre/x, motion/level, motion/azimuth, motion/elevation, motion/record"
+    "mount/NAME/AXIS/PARAMETER, mount/NAME/position_shift/x, mount/NAME/fitted, mount/NAME/failed, mount/NAME/spread, "
+    "body/NAME/mass, body/NAME/centre/x, body/NAME/centre_shift/x, motion/level, motion/azimuth, motion/elevation, "
+    "motion/record"
 )
 """What a name may look like; NAME may hold * and ?, and be several, as in m01,m04,-m13."""
 
@@ -29,10 +30,11 @@ class Column:
 
     Attributes:
         name: of the column.
-        kind: "law", "fitted", "failed", "position", "mass", "centre", "level", "azimuth", "elevation" or "record".
+        kind: "law", "fitted", "failed", "position_shift", "mass", "centre", "centre_shift", "level", "azimuth", "elevation" or
+            "record".
         targets: mounts or bodies.
         mirrored: those of them that a shift moves the other way.
-        key: axis and parameter of a law, or the world axis of a shift.
+        key: axis and parameter of a law, the world axis of a shift, or the body's axis of a centre.
         relative: whether it is a factor on what the model says.
         type: of its values: "double", "int64", "bool" or "string".
     """
@@ -103,7 +105,7 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
         return _fitted(name, "/".join(parts[:-1]), distribution, system)
     if room == "mount" and len(parts) >= 2 and parts[-1] == "failed":
         return _failed(name, "/".join(parts[:-1]), distribution, system)
-    if room == "mount" and len(parts) >= 3 and parts[-2] in ("position", *AXES):
+    if room == "mount" and len(parts) >= 3 and parts[-2] in ("position", "position_shift", *AXES):
         return _of_mounts(name, "/".join(parts[:-2]), (parts[-2], parts[-1]), distribution, system)
     if room == "body" and len(parts) >= 2:
         return _of_bodies(name, parts, distribution, system)
@@ -114,8 +116,13 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
 
 def _of_mounts(name: str, pattern: str, key: tuple[str, str], distribution: Distribution, system: System) -> Quantity:
     if key[0] == "position":
-        _check_shift(name, key[1], distribution)
-        return _shifted(name, pattern, list(system.mounts), "mount", distribution, kind="position", key=(key[1],))
+        raise ModelError(
+            f"`vary`: there is no quantity {name!r}: a mount's position varies by shifts [m] of where the model has it, and "
+            f"they are called {f'mount/{pattern}/position_shift/{key[1]}'!r}; for a position take the model's off."
+        )
+    if key[0] == "position_shift":
+        _check_axis(name, key[1], distribution)
+        return _shifted(name, pattern, list(system.mounts), "mount", distribution, kind=key[0], key=(key[1],))
     mounts = _matching(name, pattern, list(system.mounts), "mount")
     nominal = [_parameter(name, system.mounts[mount].isolator, mount, *key) for mount in mounts]
     for value in nominal:
@@ -177,13 +184,13 @@ def _of_bodies(name: str, parts: list[str], distribution: Distribution, system: 
     key: tuple[str, ...] = ()
     if parts[-1] == "mass":
         pattern, kind = "/".join(parts[:-1]), "mass"
-    elif len(parts) >= 3 and parts[-2] == "centre":
-        pattern, kind, key = "/".join(parts[:-2]), "centre", (parts[-1],)
-        _check_shift(name, parts[-1], distribution)
+    elif len(parts) >= 3 and parts[-2] in ("centre", "centre_shift"):
+        pattern, kind, key = "/".join(parts[:-2]), parts[-2], (parts[-1],)
+        _check_axis(name, parts[-1], distribution)
     else:
         raise ModelError(f"`vary`: there is no quantity {name!r}. What can vary: {FORMS}.")
     existing, word = moving_bodies(system.model), "moving body with a mass"
-    if kind == "centre":
+    if kind == "centre_shift":
         return _shifted(name, pattern, existing, word, distribution, kind=kind, key=key)
     return _split(name, pattern, _matching(name, pattern, existing, word), distribution, kind=kind, key=key)
 
@@ -285,8 +292,9 @@ def _split(
     return Quantity(name=name, distribution=distribution, columns=columns)
 
 
-def _check_shift(name: str, axis: str, distribution: Distribution) -> None:
+def _check_axis(name: str, axis: str, distribution: Distribution) -> None:
     if axis not in WORLD:
-        raise ModelError(f"`vary`: {name!r}: there is no world axis {axis!r}; there are {', '.join(WORLD)}.")
+        raise ModelError(f"`vary`: {name!r}: there is no axis {axis!r}; there are {', '.join(WORLD)}.")
     if distribution.relative:
-        raise ValueError(f"`vary`: {name!r} is a shift [m] and cannot be relative.")
+        what = "a position" if name.endswith(f"/centre/{axis}") else "a shift"
+        raise ValueError(f"`vary`: {name!r} is {what} [m] and cannot be relative.")

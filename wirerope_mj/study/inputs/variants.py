@@ -13,7 +13,10 @@ from wirerope_mj.isolator import Isolator, Limits
 from wirerope_mj.laws import BoucWenBaberNoori, KelvinVoigt, Law, Masing, Zener
 from wirerope_mj.study.inputs.quantities import WORLD, Column
 from wirerope_mj.system import Changes, System
+from wirerope_mj.system.centres import body_axes, centre_of_mass
 from wirerope_mj.system.varied import changed
+
+Array = npt.NDArray[np.float64]
 
 FAINT = 1e-6
 """Stiffness [N/m], damping [N s/m] and slip force [N] of what has failed: it carries nothing, and keeps its states' places."""
@@ -55,6 +58,7 @@ class Maker:
         self._of_system = [column for column in columns if column.targets]
         self._isolators: dict[Any, Isolator] = {}
         self._made: dict[Any, Any] = {}
+        self._axes: dict[str, Array] = {}
 
     def system(self, row: Row) -> System:
         """Return the system of a variant.
@@ -85,7 +89,8 @@ class Maker:
         """Return what a variant's system differs by from the base system."""
         edits: dict[str, dict[tuple[str, ...], tuple[bool, Any]]] = {}
         masses: dict[str, float] = {}
-        shifts: dict[str, dict[str, list[float]]] = {"centre": {}, "position": {}}
+        shifts: dict[str, dict[str, list[float]]] = {"centre_shift": {}, "position_shift": {}}
+        centres: dict[str, Array] = {}
         for column in self._of_system:
             value = row[column.name]
             if column.kind == "mass":
@@ -93,10 +98,15 @@ class Maker:
                     unit = "" if column.relative else " kg"
                     raise ValueError(f"{column.name} must be finite and > 0{unit}, got {value:g}{unit}.")
                 masses |= {body: value if column.relative else value / self._mass(body) for body in column.targets}
-            elif column.kind in shifts:
+            elif column.kind == "centre" or column.kind in shifts:
                 if not math.isfinite(value):
                     raise ValueError(f"{column.name} must be finite, got {value}.")
                 for target in column.targets:
+                    if column.kind == "centre":
+                        centres.setdefault(target, centre_of_mass(self._system, target))[WORLD.index(column.key[0])] = (
+                            value
+                        )
+                        continue
                     shift = shifts[column.kind].setdefault(target, [0.0, 0.0, 0.0])
                     shift[WORLD.index(column.key[0])] = -value if target in column.mirrored else value
             else:
@@ -105,14 +115,21 @@ class Maker:
                 for mount in targets:
                     edits.setdefault(mount, {})[column.key] = (column.relative, value)
         isolators = {mount: self._isolator(mount, edit) for mount, edit in edits.items()}
+        moved = shifts["centre_shift"] | {body: self._shift_to(body, centre) for body, centre in centres.items()}
         return Changes(
-            isolators=isolators, masses=masses, centres=shifts["centre"], positions=shifts["position"]  # type: ignore[arg-type]
+            isolators=isolators, masses=masses, centres=moved, positions=shifts["position_shift"]  # type: ignore[arg-type]
         )  # fmt: skip
 
     def forget(self) -> None:
         """Forget the variants that were made, so that memory is bounded."""
         self._made.clear()
         self._isolators.clear()
+
+    def _shift_to(self, body: str, centre: Array) -> list[float]:
+        """Return the shift along the world's axes that brings a centre of mass to `centre` in the body's [m]."""
+        if body not in self._axes:
+            self._axes[body] = body_axes(self._system, body)
+        return [float(one) for one in self._axes[body] @ (centre - centre_of_mass(self._system, body))]
 
     def _mass(self, body: str) -> float:
         return float(self._system.model.body(body).mass[0])

@@ -9,6 +9,9 @@ from wirerope_mj.study.inputs.distributions import Distribution
 
 EXAMPLE = "mount/m*/axial/alpha = Normal(1, 0.1, relative, each)"
 
+_GROUP = "group"
+"""The argument of every distribution that is a word."""
+
 _KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)}
 
 
@@ -16,7 +19,7 @@ def read_vary(texts: Sequence[str]) -> dict[str, Distribution]:
     """Return distributions by the names of quantities, from texts "NAME = Normal(1, 0.1, relative)".
 
     A distribution is written as in Python, with numbers, words in quotes, True and False; nothing is evaluated. A flag such
-    as `relative` may stand for `relative=True`.
+    as `relative` may stand for `relative=True`, and a group without quotes: `group=ropes`.
 
     Raises:
         ValueError: a text is not of this form, or the distribution cannot be; says what there is.
@@ -56,7 +59,7 @@ def _distribution(name: str, words: str) -> Distribution:
                 named[_flag(name, kind, one.id)] = True
             else:
                 positional.append(_value(name, one))
-        named |= {one.arg or "**": _value(name, one.value) for one in call.keywords}
+        named |= {one.arg or "**": _keyword(name, one) for one in call.keywords}
     return _made(name, kind, positional, named)
 
 
@@ -87,6 +90,13 @@ def _flags(kind: str) -> list[str]:
     """Return the arguments that are true or false."""
     parameters = inspect.signature(_KINDS[kind]).parameters
     return [name for name, parameter in parameters.items() if isinstance(parameter.default, bool)]
+
+
+def _keyword(name: str, keyword: ast.keyword) -> Any:
+    """Return the value of a keyword argument; a group may stand without quotes, since it is always a word."""
+    if keyword.arg == _GROUP and isinstance(keyword.value, ast.Name):
+        return keyword.value.id
+    return _value(name, keyword.value)
 
 
 def _value(name: str, node: ast.expr) -> Any:
