@@ -28,6 +28,7 @@ from wirerope_mj.cli.statics import statics
 from wirerope_mj.cli.study import list_studies, study_command
 from wirerope_mj.cli.study_report import study_report
 from wirerope_mj.errors import ClusterWarning, RecordWarning, StudyWarning, WireRopeError
+from wirerope_mj.plain_text import plain, plain_lines
 
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
 """Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers."""
@@ -119,11 +120,12 @@ def replay(folder: Path) -> int:
 
     result = replay_run(folder, progress=sys.stderr.isatty())
     if result.identical:
-        print(f"{folder}: every sample and every peak is bit-identical.")
+        print(f"{plain(str(folder))}: every sample and every peak is bit-identical.")
     else:
         where = f" in {result.column}" if result.column else ": only the peaks between samples differ"
         word = "rounding, as of another processor" if result.agrees else "the numbers do not agree"
-        print(f"{folder}: largest difference {result.largest_difference:.3g} of the column's peak{where}; {word}.")
+        text = f"{folder}: largest difference {result.largest_difference:.3g} of the column's peak{where}; {word}."
+        print(plain(text))
     return 0 if result.agrees else DIFFERENT
 
 
@@ -174,7 +176,7 @@ def fit(datasheet: Path, out: Path) -> int:
     isolator = fit_datasheet(datasheet)
     isolator.save(out)
     print_table(compare(datasheet, isolator))
-    print(f"written: {out}")
+    print(plain(f"written: {out}"))
     return 0
 
 
@@ -189,12 +191,17 @@ def _warnings_said() -> Iterator[None]:
 
         def say(message: Warning | str, category: type[Warning], *where: Any) -> None:
             if issubclass(category, ours):
-                print(f"wirerope: warning: {message}", file=sys.stderr)
+                _say(f"warning: {message}")
             else:
                 others(message, category, *where)
 
         warnings.showwarning = say  # type: ignore[assignment]
         yield
+
+
+def _say(message: str) -> None:
+    """Print a message on standard error; what it quotes of files and names moves no cursor and colours nothing."""
+    print(f"wirerope: {plain_lines(message)}", file=sys.stderr)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -217,10 +224,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt as error:
-        print("wirerope: interrupted; no half-written result was left behind.", file=sys.stderr)
+        _say("interrupted; no half-written result was left behind.")
         for words in error.args:  # how it goes on
-            print(f"wirerope: {words}", file=sys.stderr)
+            _say(words)
         return INTERRUPTED
     except (WireRopeError, ValueError, OSError, CycloptsError) as error:
-        print(f"wirerope: {error}", file=sys.stderr)
+        _say(str(error))
         return BAD_INPUT

@@ -74,7 +74,9 @@ def _peaks(
         for number, (value, time, word) in enumerate(zip(row.values, row.times, row.words, strict=True)):
             known = value is not None and math.isfinite(value)
             cells.append(
-                f"[bold]{scale * value:.{0 if word else 2}f}[/] {word}".strip() if known and value is not None else "-"
+                f"[bold]{scale * value:.{0 if word else 2}f}[/] {escape(word)}".strip()
+                if known and value is not None
+                else "-"
             )
             cells += [f"{time:.4f}" if time is not None and known else "-"] if times else []
             cells += [percent(row, number)] if number else []

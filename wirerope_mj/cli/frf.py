@@ -13,6 +13,7 @@ from wirerope_mj.cli.tables import console
 from wirerope_mj.excitation.checks import Direction
 from wirerope_mj.frf import Question, frequency_response
 from wirerope_mj.frf.summary import findings_of
+from wirerope_mj.plain_text import plain
 from wirerope_mj.runfolder.folder import check_target
 from wirerope_mj.runfolder.frequency_response import KIND, MARKS, write_frequency_response
 from wirerope_mj.system import load_system
@@ -65,7 +66,7 @@ def direction_of(option: str, text: str) -> Direction:
 
 def _report(words: str) -> None:
     """Say what is being done on standard error."""
-    print(f"{words} ..", file=sys.stderr, flush=True)
+    print(plain(f"{words} .."), file=sys.stderr, flush=True)
 
 
 def _print_written(folder: Path) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from wirerope_mj.identification.fitted import FittedLoop, neighbours_correlation
 from wirerope_mj.identification.result import Identification
+from wirerope_mj.plain_text import markdown
 
 PICTURES = {
     "loops.png": "Measured loops and those of the law",
@@ -35,7 +36,8 @@ class Rows:
 
     def markdown(self) -> str:
         """Return the table as Markdown."""
-        lines = [self.columns, ["---", *["---:"] * (len(self.columns) - 1)], *self.rows]
+        head, *rows = [[markdown(cell) for cell in row] for row in (self.columns, *self.rows)]
+        lines = [head, ["---", *["---:"] * (len(self.columns) - 1)], *rows]
         return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
@@ -148,10 +150,10 @@ def report_text(
     """
     singular = ", ".join(f"{value:.3g}" for value in result.certainty.singular_values)
     parts = [
-        f"# {title}",
+        f"# {markdown(title)}",
         *[f"![{caption}]({name})\n\n{caption}." for name, caption in list(PICTURES.items())[:1]],
-        f"Law: {law_words(result)}",
-        "\n".join(f"- {words}" for words in [*sentences(result, fits), *given]),
+        f"Law: {markdown(law_words(result))}",
+        "\n".join(f"- {markdown(words)}" for words in [*sentences(result, fits), *given]),
         f"Error over all loops {100.0 * result.residual:.3g} % of half their force range; {result.evaluations} evaluations "
         f"from all starts.",
     ]
@@ -165,6 +167,6 @@ def report_text(
         "one combination of them, in logarithms or in the size that it can have. Small ones are what the data leave open.",
         *[f"![{caption}]({name})\n\n{caption}." for name, caption in list(PICTURES.items())[1:]],
         "## Read from",
-        "\n".join(f"- {source}" for source in sources),
+        "\n".join(f"- {markdown(source)}" for source in sources),
     ]
     return "\n\n".join(parts) + "\n"

@@ -34,7 +34,11 @@ def print_isolators() -> None:
         travel = isolator.limits.travel
         rated = [_number(v, 1e3) for v in (travel.compression, travel.tension, travel.shear, travel.roll)]
         table.add_row(
-            path.stem, isolator.name, _number(isolator.limits.static_load, 1.0), *rated, isolator.provenance.kind
+            escape(path.stem),
+            escape(isolator.name),
+            _number(isolator.limits.static_load, 1.0),
+            *rated,
+            isolator.provenance.kind,
         )
     console().print(table, "- not rated: not judged. `wirerope isolators NAME` shows one.")
 
@@ -63,7 +67,7 @@ def print_isolator(name: str, out: Path | None) -> None:
         from wirerope_mj.plots.loops import save_loops
 
         save_loops(isolator, out, frequency=_FREQUENCY)
-        screen.print(f"written: {out}", soft_wrap=True)
+        screen.print(f"written: {escape(str(out))}", soft_wrap=True)
 
 
 def _measures(isolator: Isolator) -> Table:

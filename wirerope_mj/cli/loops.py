@@ -151,7 +151,7 @@ def _print(
     screen.print(table)
     for title, loops in tests.items():
         for sentence in _sentences(loops):
-            screen.print(f"  {title}: {sentence}", soft_wrap=True)
+            screen.print(f"  {title}: {escape(sentence)}", soft_wrap=True)
 
 
 def _row(loop: Loop, law: Law) -> list[str]:

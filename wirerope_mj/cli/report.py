@@ -5,6 +5,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from wirerope_mj.plain_text import plain
+
 
 def report(
     folder: Path,
@@ -33,5 +35,5 @@ def report(
     elif folder.is_dir():  # what is no folder at all has a message of its own
         check_place(folder / REPORT)
     for path in write_report(folder, out=out, pdf=pdf, force=force):
-        print(f"written: {path} ({path.stat().st_size / 1e6:.2f} MB)")
+        print(plain(f"written: {path} ({path.stat().st_size / 1e6:.2f} MB)"))
     return 0

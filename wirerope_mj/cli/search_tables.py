@@ -19,7 +19,7 @@ def print_search(result: SearchResult, files: Sequence[str]) -> None:
     out = console()
     out.print(f"\n[bold]{escape(result.study.name)}[/]  {escape(result.message)}")
     for line in travel_sentences(result.study.base) if "travel" in result.shown else []:
-        out.print(f"  {line}", soft_wrap=True)
+        out.print(f"  {escape(line)}", soft_wrap=True)
     if result.front.num_rows:
         out.print()
         out.print(_front(result))

@@ -11,6 +11,7 @@ from rich.table import Table
 from wirerope_mj.cli.tables import _table, console
 from wirerope_mj.errors import WireRopeError
 from wirerope_mj.excitation import HalfSine, Sawtooth, Trapezoid, VelocityStep
+from wirerope_mj.plain_text import plain
 from wirerope_mj.selection import Candidate, Selection, SimulatedShock, Worksheet, simulate_candidate
 from wirerope_mj.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY, Shock
 
@@ -81,7 +82,7 @@ def _simulate(selection: Selection, best: int) -> tuple[dict[str, SimulatedShock
     for candidate in selection.candidates[:best]:
         name = candidate.part.name
         if sys.stderr.isatty():
-            print(f"simulating {name} ..", file=sys.stderr, flush=True)
+            print(plain(f"simulating {name} .."), file=sys.stderr, flush=True)
         try:
             simulated[name] = simulate_candidate(candidate, selection.worksheet)
         except WireRopeError as error:

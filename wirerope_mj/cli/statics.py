@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from wirerope_mj.plain_text import plain
+
 MISSING = 1
 """Exit code if there is no virgin or no relaxed position; what there is has been printed."""
 
@@ -38,7 +40,7 @@ def statics(model: str, *, json: Path | None = None) -> int:
             "stability": {history: figures.to_dict() for history, figures in stability.items()},
         }
         write_json(content, json)
-        print(f"  written to {json}")
+        print(plain(f"  written to {json}"))
     return MISSING if table.missing else 0
 
 

@@ -5,6 +5,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from wirerope_mj.plain_text import plain
+
 
 def study_report(
     folder: Path,
@@ -28,5 +30,5 @@ def study_report(
     from wirerope_mj.runfolder.study_report import write_study_report
 
     for path in write_study_report(folder, by=by, out=out, pdf=pdf, force=force):
-        print(f"written: {path} ({path.stat().st_size / 1e6:.2f} MB)")
+        print(plain(f"written: {path} ({path.stat().st_size / 1e6:.2f} MB)"))
     return 0

@@ -7,6 +7,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from rich.markup import escape
+
 from wirerope_mj.cli.search_tables import print_search
 from wirerope_mj.cli.study_tables import print_study, print_varied
 from wirerope_mj.cli.tables import console
@@ -95,7 +97,7 @@ def _open(paths: Sequence[Path]) -> None:
 
     for path in paths:
         word = "opens the worst variants over each other" if path.suffix else "opens the view of a variant"
-        console().print(f"  [bold]wirerope show {path}[/] {word}", soft_wrap=True)
+        console().print(f"  [bold]wirerope show {escape(str(path))}[/] {word}", soft_wrap=True)
     if not paths:
         return
     if has_display() and sys.stdout.isatty():

@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from wirerope_mj.cli.tables import console
+from wirerope_mj.plain_text import plain
 from wirerope_mj.study.answers.answer import QUANTILES, Answer
 from wirerope_mj.study.answers.findings import CONFIDENCE, failures, numbered, percent
 from wirerope_mj.study.answers.indices import SobolIndices
@@ -64,8 +65,8 @@ def print_failed(result: StudyResult, thing: str = "variant", most: int = _FAILE
 
 def print_files(result: StudyResult, files: Sequence[str]) -> None:
     """Print which files were written."""
-    console().print(f"\n  written to {result.folder}/", soft_wrap=True)
-    console().print(f"  {', '.join(files)}", soft_wrap=True)
+    console().print(f"\n  written to {escape(str(result.folder))}/", soft_wrap=True)
+    console().print(f"  {escape(', '.join(files))}", soft_wrap=True)
 
 
 def _measures(answer: Answer) -> Table:
@@ -138,7 +139,7 @@ def shown_number(value: float) -> str:
 
 def empty(title: str, head: Sequence[str]) -> Table:
     """Return a table with headings alone."""
-    whole = Text(title, style="bold", no_wrap=True, overflow="ignore")  # may be wider than its table
+    whole = Text(plain(title), style="bold", no_wrap=True, overflow="ignore")  # may be wider than its table
     table = Table(box=box.SIMPLE_HEAD, title=whole, title_justify="left", title_style="none", show_edge=False)
     for place, name in enumerate(head):
         table.add_column(escape(name), justify="right" if place else "left", no_wrap=True)

@@ -3,15 +3,18 @@
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from rich import box
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from wirerope_mj.criteria import Verdict, acceleration_verdicts
 from wirerope_mj.excitation import Sweep
 from wirerope_mj.isolator.travel import RATINGS
+from wirerope_mj.plain_text import plain_lines
 from wirerope_mj.response import Response
 from wirerope_mj.scenario import Scenario
 from wirerope_mj.units import STANDARD_GRAVITY
@@ -24,10 +27,18 @@ _ROOMY = 100  # characters below which columns move together
 _NEAR = 0.9  # share of the rated travel from which it is coloured as a warning
 
 
+class _Screen(Console):
+    """A console on which no text can move the cursor, colour what follows or become a picture."""
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Return text for the screen, its invisible characters spelled out; all that is printed passes here."""
+        return super().render_str(plain_lines(text), **options)
+
+
 def console() -> Console:
     """Return where tables are printed: as wide as the terminal, or as `WIDTH`."""
-    plain = Console(highlight=False)
-    return plain if plain.is_terminal else Console(highlight=False, width=WIDTH)
+    screen = _Screen(highlight=False, emoji=False)
+    return screen if screen.is_terminal else _Screen(highlight=False, emoji=False, width=WIDTH)
 
 
 def print_questions(kind: str, questions: Mapping[str, str]) -> None:
@@ -36,26 +47,27 @@ def print_questions(kind: str, questions: Mapping[str, str]) -> None:
     table.add_column(kind, no_wrap=True)
     table.add_column("question")
     for name, question in questions.items():
-        table.add_row(name, question)
+        table.add_row(escape(name), escape(question))
     console().print(table)
 
 
 def print_run(scenario: Scenario, response: Response, folder: Path, *, seconds: float) -> None:
     """Print peaks against limits, how they were computed, and where the files are."""
     out = console()
-    out.print(f"\n[bold]{scenario.name}[/]  {scenario.motion.description}")
+    out.print(f"\n[bold]{escape(scenario.name)}[/]  {escape(scenario.motion.description)}")
     out.print(_accelerations(scenario, response))
     if response.scene.mounts:
         out.print()
         out.print(_mounts(response))
         out.print()
     for line in verdict_lines(response):
-        out.print(f"  {line}")
+        out.print(f"  {escape(line)}")
     out.print(f"\n  {_numerics(response)}; {seconds:.1f} s in all")
     files = sorted(path for path in folder.iterdir() if path.is_file())
-    out.print(f"  written to {folder}/", soft_wrap=True)
+    place = escape(str(folder))
+    out.print(f"  written to {place}/", soft_wrap=True)
     out.print(f"  {', '.join(path.name for path in files)}, {_folders(folder)}", soft_wrap=True)
-    out.print(f"  [bold]wirerope show {folder}[/] opens the view", soft_wrap=True)
+    out.print(f"  [bold]wirerope show {place}[/] opens the view", soft_wrap=True)
 
 
 def _folders(folder: Path) -> str:

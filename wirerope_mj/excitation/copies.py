@@ -1,9 +1,11 @@
 """Copies of the files that base motions were read from, so that a folder holds all it needs."""
 
 import shutil
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.motion import BaseMotion
 
 
@@ -19,3 +21,14 @@ def copy_records(motions: Sequence[BaseMotion], folder: Path) -> dict[Path, str]
         shutil.copyfile(path, folder / name)
         names[path] = name
     return names
+
+
+def check_records(motion: Mapping[str, Any], folder: Path) -> None:
+    """Raises RecordError if a motion that `folder` holds, as `to_dict` stored it, names a record outside the folder."""
+    if "path" in motion and not (folder / motion["path"]).resolve().is_relative_to(folder.resolve()):
+        raise RecordError(
+            f"{folder}: the record {motion['path']!r} lies outside this folder and is not read; a folder holds all that it "
+            "needs. Simulate the scenario again, and the record is copied."
+        )
+    for part in (*motion.get("terms", []), *([motion["motion"]] if "motion" in motion else [])):
+        check_records(part, folder)

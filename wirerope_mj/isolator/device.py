@@ -10,6 +10,7 @@ from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Spread
 from wirerope_mj.isolator.tables import AXES, read_tables, write_toml
 from wirerope_mj.isolator.travel import SIDES
 from wirerope_mj.laws import BiaxialBoucWen, Law
+from wirerope_mj.plain_text import plain
 
 BIAXIAL = "biaxial"
 """The coupling of roll and shear."""
@@ -45,6 +46,8 @@ class Isolator:
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
             raise ValueError(f"`name` must be a string that is not empty, got {self.name!r}.")
+        if plain(self.name) != self.name:
+            raise ValueError(f"`name` must be one line of visible characters, got {self.name!r}.")
         for axis, law in self.axes.items():
             if law is not None and not isinstance(law, Law):
                 raise ValueError(f"`{axis}` must be a law or None, got {law!r}.")

@@ -8,6 +8,7 @@ import pyarrow as pa
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.plots.report_image import RATED, WIDTH, report_style, short
 from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION
 from wirerope_mj.study.answers.findings import Measure, measure_of, values_of
@@ -22,7 +23,7 @@ def directions_figure(table: pa.Table, measure: str) -> Figure:
     values = shown.factor * values_of(table, measure)
     height = np.sin(np.radians(elevation))  # so that equal areas of the picture are equal areas of the sphere
     with report_style():
-        figure = Figure(figsize=(WIDTH, 3.8), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 3.8), layout="constrained")
         panel = figure.subplots()
         grid = _grid(azimuth, elevation, values)
         if grid is None:

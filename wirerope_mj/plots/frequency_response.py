@@ -13,6 +13,7 @@ from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 from wirerope_mj.frf.axes import log_ticks
 from wirerope_mj.frf.curve import Curve
 from wirerope_mj.frf.summary import Findings
+from wirerope_mj.plots.plain_figure import PlainFigure
 
 Array = npt.NDArray[np.float64]
 
@@ -24,7 +25,7 @@ _MARKED = 24
 
 def save_amplitudes(findings: Sequence[Findings], path: Path, *, title: str, what: str) -> None:
     """Write a picture of the payload's largest acceleration over frequency, all levels; `what` says whose it is."""
-    figure = _figure(findings, title, f"largest acceleration of {what} [m/s$^2$]", lambda level: 1.0)
+    figure = _figure(findings, title, f"largest acceleration of {what} [m/s²]", lambda level: 1.0)
     figure.savefig(path)
 
 
@@ -41,7 +42,7 @@ def colour_of(number: int) -> str:
 
 def _figure(findings: Sequence[Findings], title: str, label: str, factor: Callable[[float], float]) -> Figure:
     """Return a figure; `factor` of a level is what amplitudes are multiplied by."""
-    figure = Figure(figsize=(11.0, 6.6), layout="constrained", dpi=120)
+    figure = PlainFigure(figsize=(11.0, 6.6), layout="constrained", dpi=120)
     figure.suptitle(title, fontsize=12, fontweight="bold")
     panel = figure.add_subplot()
     panel.set_xscale("log")
@@ -127,7 +128,7 @@ def _dress(panel: Any, drawn: Array, label: str) -> None:
 def _legend(findings: Sequence[Findings]) -> list[Line2D]:
     """Return entries for what is there: levels first, then lines, then marks."""
     entries = [
-        Line2D([], [], color=colour_of(n), lw=2.5, label=f"{found.level.acceleration:.4g} m/s$^2$")
+        Line2D([], [], color=colour_of(n), lw=2.5, label=f"{found.level.acceleration:.4g} m/s²")
         for n, found in enumerate(findings)
     ]
     curves = [found.curve for found in findings if found.curve is not None]

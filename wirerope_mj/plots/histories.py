@@ -5,10 +5,11 @@ from textwrap import wrap
 from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from wirerope_mj.isolator import AXES
 from wirerope_mj.isolator.travel import SIDES
+from wirerope_mj.plots.plain_figure import PlainFigure
+from wirerope_mj.plots.report_image import short
 from wirerope_mj.response import Response
 from wirerope_mj.units import STANDARD_GRAVITY
 from wirerope_mj.verdicts import MountPeak, body_peaks, mount_peaks
@@ -21,7 +22,7 @@ _BASE, _LINES, _RATED = "0.55", ("#08519c", "#d95f0e", "#31a354"), "#b30000"
 
 def save_histories(response: Response, path: str | Path, *, title: str = "") -> None:
     """Write a picture of accelerations along x, y, z, and of axial deflections and forces of the busiest mounts."""
-    figure = Figure(figsize=(11.0, 12.0), layout="constrained", dpi=110)
+    figure = PlainFigure(figsize=(11.0, 12.0), layout="constrained", dpi=110)
     panels = figure.subplots(5, 1, sharex=True)
     figure.suptitle("\n".join(wrap(title, 100)), fontsize=12, fontweight="bold")
     bodies = [row.name for row in body_peaks(response) if row.kind == "body"][:_MOST]
@@ -63,7 +64,7 @@ def save_mount_loops(response: Response, path: str | Path, *, title: str = "") -
         where = f", {response.time[part][0]:.5g} to {response.time[part][-1]:.5g} s"
     deflection, force = 1e3 * mount.deflection[part], 1e-3 * mount.force[part]
     axes = [axis for axis in range(len(AXES)) if force[:, axis].any()] or [AXES.index("axial")]
-    figure = Figure(figsize=(1.0 + 4.4 * len(axes), 4.6), layout="constrained", dpi=110)
+    figure = PlainFigure(figsize=(1.0 + 4.4 * len(axes), 4.6), layout="constrained", dpi=110)
     figure.suptitle(f"{title}\n{row.name}, {row.isolator}{where}", fontsize=12, fontweight="bold")
     for axis, panel in zip(axes, np.atleast_1d(figure.subplots(1, len(axes))), strict=True):
         panel.plot(deflection[:, axis], force[:, axis], color=_LINES[0], lw=0.8)
@@ -77,7 +78,7 @@ def save_mount_loops(response: Response, path: str | Path, *, title: str = "") -
 
 
 def _line(panel: Any, time: Any, values: Any, label: str, colour: str) -> None:
-    panel.plot(time, values, color=colour, lw=0.9, label=label)
+    panel.plot(time, values, color=colour, lw=0.9, label=short(label))
 
 
 def _governing(row: MountPeak) -> int:

@@ -8,9 +8,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter, ScalarFormatter
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, ScalarFormatter
 
 from wirerope_mj.identification.fitted import FittedLoop
+from wirerope_mj.plots.plain_figure import PlainFigure
 
 Array = npt.NDArray[np.float64]
 
@@ -80,7 +81,7 @@ def measures_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
         fits: loops of a fit.
         title: of the figure.
     """
-    figure = Figure(figsize=(10.2, 4.4), layout="constrained", dpi=120)
+    figure = PlainFigure(figsize=(10.2, 4.4), layout="constrained", dpi=120)
     _entitle(figure, title)
     energy, stiffness = figure.subplots(1, 2)
     groups = _groups(fits)
@@ -91,6 +92,8 @@ def measures_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
         _draw(energy, group, "energy", 1.0, marker, colours, about)
         _draw(stiffness, group, "secant_stiffness", 1e-3, marker, colours, about)
     energy.set_yscale("log")
+    energy.yaxis.set_major_formatter(FormatStrFormatter("%g"))  # that of logarithmic axes writes formulas
+    energy.yaxis.set_minor_formatter(NullFormatter())
     energy.set_ylabel("energy per cycle [J]")
     stiffness.set_ylabel("secant stiffness [kN/m]")
     stiffness.set_ylim(bottom=0.0)
@@ -119,7 +122,7 @@ def _panels(
     across = min(len(chosen), _ACROSS)
     down = math.ceil(len(chosen) / across)
     left_out = f" ({len(chosen)} of {len(fits)} loops)" if len(chosen) < len(fits) else ""
-    figure = Figure(figsize=(0.6 + 3.7 * across, 0.9 + height * down), layout="constrained", dpi=120)
+    figure = PlainFigure(figsize=(0.6 + 3.7 * across, 0.9 + height * down), layout="constrained", dpi=120)
     _entitle(figure, title + left_out)
     pairs: list[tuple[FittedLoop, Any]] = []
     for place, fit in enumerate(chosen):

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from wirerope_mj.bench import cyclic_test
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.laws import Law, Loop
+from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.whole import written_whole
 
 _SHARES = (0.25, 0.5, 1.0)
@@ -89,7 +90,7 @@ def _save(figure: Figure, path: Path) -> None:
 
 
 def _figure(title: str, panels: int) -> tuple[Figure, list[Any]]:
-    figure = Figure(figsize=(5.6 * panels, 4.8), layout="constrained", dpi=120)
+    figure = PlainFigure(figsize=(5.6 * panels, 4.8), layout="constrained", dpi=120)
     figure.suptitle(title, fontsize=13, fontweight="bold")
     return figure, [figure.add_subplot(1, panels, place + 1) for place in range(panels)]
 

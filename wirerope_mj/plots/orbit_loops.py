@@ -6,11 +6,11 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-from matplotlib.figure import Figure
 
 from wirerope_mj.frf.samples import along_resonance, busiest_loops
 from wirerope_mj.isolator import AXES
 from wirerope_mj.periodic import Branch, PeriodicOrbit
+from wirerope_mj.plots.plain_figure import PlainFigure
 
 _MOST = 4  # panels: from the lowest level to the highest
 _WEAK = 1000.0  # [N], below which forces are read in N
@@ -22,7 +22,7 @@ def save_resonance_loops(branches: Sequence[Branch], path: Path, *, title: str) 
     chosen = [branches[i] for i in places]
     across = 2 if len(chosen) == 4 else len(chosen)
     down = -(-len(chosen) // across)
-    figure = Figure(figsize=(0.6 + 5.4 * across, 1.0 + 4.9 * down), layout="constrained", dpi=120)
+    figure = PlainFigure(figsize=(0.6 + 5.4 * across, 1.0 + 4.9 * down), layout="constrained", dpi=120)
     mount, axis = busiest_loops(chosen[-1].orbit(chosen[-1].peak).response)[0]
     device = branches[0].system.mounts[mount].isolator.name
     figure.suptitle(f"{title}\n{mount}, {device}, {AXES[axis]}", fontsize=12, fontweight="bold")
@@ -43,7 +43,7 @@ def _draw(panel: Any, branch: Branch, mount: str, axis: int) -> None:
             deflection, series if weak else 1e-3 * series, color=_colour(number, top, len(points)),
             lw=1.8 if number == top else 1.2, ls="-" if orbit.stable else (0, (3.0, 2.0)), label=_label(orbit, number == top),
         )  # fmt: skip
-    panel.set_title(f"{abs(float(branch.acceleration[0])):.4g} m/s$^2$", fontsize=11)
+    panel.set_title(f"{abs(float(branch.acceleration[0])):.4g} m/s²", fontsize=11)
     panel.set_xlabel("deflection [mm], tension positive" if AXES[axis] == "axial" else "deflection [mm]")
     panel.set_ylabel(f"force [{'N' if weak else 'kN'}]")
     panel.grid(color="0.92")

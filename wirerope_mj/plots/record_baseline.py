@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from matplotlib.figure import Figure
 
 from wirerope_mj.excitation import BaseMotion, Record
+from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.units import STANDARD_GRAVITY
 
 Array = npt.NDArray[np.float64]
@@ -47,7 +47,7 @@ def save_record_baseline(record: Record, path: str | Path, *, title: str = "") -
     """
     measured = record.as_measured()
     axes = [axis for axis in range(3) if measured.samples[:, axis].any()] or [2]
-    figure = Figure(figsize=(1.0 + 5.0 * len(axes), 8.0), layout="constrained", dpi=110)
+    figure = PlainFigure(figsize=(1.0 + 5.0 * len(axes), 8.0), layout="constrained", dpi=110)
     panels = figure.subplots(3, len(axes), sharex=True, squeeze=False)
     words = f"{record.path.name}, {baseline_words(record)}"
     figure.suptitle("\n".join([*filter(None, [title]), words]), fontsize=12, fontweight="bold")

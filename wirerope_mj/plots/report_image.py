@@ -154,9 +154,9 @@ def legend_above(figure: Figure, *panels: Any) -> None:
 
 
 def short(name: str) -> str:
-    """Return a name as it fits a legend, its end kept, where numbers stand; matplotlib finds no formula in it."""
+    """Return a name as it fits a legend, its end kept, where numbers stand; never one that a legend leaves out."""
     fits = name if len(name) <= _FITS else f"{name[: _FITS // 2 - 1]}…{name[-_FITS // 2 :]}"
-    return fits.replace("$", r"\$")
+    return f" {fits}" if fits.startswith("_") else fits  # matplotlib hides labels that begin with an underscore
 
 
 def round_ticks(axis: Any, low: float, high: float, *, most: int = 12) -> None:

@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.plots.report_image import COLOURS, WIDTH, Array, dress, legend_above, line, report_style
 from wirerope_mj.response import Response
 from wirerope_mj.units import STANDARD_GRAVITY
@@ -35,7 +36,7 @@ def motion_figure(response: Response, motion: BaseMotion) -> Figure:
     axes = moving_axes(response) or [2]
     time, acceleration = base_acceleration(response, motion)
     with report_style():
-        figure = Figure(figsize=(WIDTH, 3.7), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 3.7), layout="constrained")
         panels = figure.subplots(3, 1, sharex=True)
         for axis in axes:
             # Alike in all axes, the lines lie on each other: each is narrower than the one before.

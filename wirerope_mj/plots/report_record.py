@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from wirerope_mj.excitation import Record
+from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.plots.report_image import COLOURS, WIDTH, dress, legend_above, line, report_style
 from wirerope_mj.units import STANDARD_GRAVITY
 
@@ -19,7 +20,7 @@ def record_figure(measured: Record, played: Record) -> Figure:
     """
     axes = [axis for axis in range(3) if measured.samples[:, axis].any()] or [2]
     with report_style():
-        figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 4.2), layout="constrained")
         panels = figure.subplots(3, len(axes), sharex=True, squeeze=False)
         for record, colour, label in ((measured, _MEASURED, "as measured"), (played, _PLAYED, "as played")):
             velocity, displacement = record.velocity(record.time), record.displacement(record.time)

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from wirerope_mj.isolator import AXES
 from wirerope_mj.isolator.travel import SIDES
+from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.plots.report_image import (
     BASE,
     COLOURS,
@@ -90,7 +91,7 @@ def mount_loops_figure(response: Response, name: str) -> Figure:
     largest = np.abs(force).max(axis=0)
     axes = np.flatnonzero(largest > _ROUNDING * largest.max()).tolist() or [AXES.index("axial")]
     with report_style():
-        figure = Figure(figsize=(WIDTH, 2.7 if len(axes) > 1 else 3.6), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 2.7 if len(axes) > 1 else 3.6), layout="constrained")
         for axis, panel in zip(axes, np.atleast_1d(figure.subplots(1, len(axes))), strict=True):
             panel.plot(deflection[:, axis], force[:, axis], color=COLOURS[0], lw=0.7)
             panel.plot(deflection[0, axis], force[0, axis], "o", color="0.2", ms=3.5)
@@ -112,7 +113,7 @@ def sweep_figure(response: Response, names: Sequence[str], frequency: Any, direc
         directions: axes along which the base moves, 0 = x; their norm is drawn.
     """
     with report_style():
-        figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 3.2), layout="constrained")
         panel = figure.subplots()
         for name, colour in (("base", BASE), *zip(names[:MOST], COLOURS, strict=False)):
             size = np.zeros(response.time.size)
@@ -147,7 +148,9 @@ def _histories(lines: list[list[Line]], names: list[str], marks: list[list[float
         place for place, drawn in enumerate(lines) if any(np.abs(line.values).max() > _NOTHING for line in drawn)
     ] or [2]
     with report_style():
-        figure = Figure(figsize=(WIDTH, 0.7 + 1.2 * len(kept) + (0.9 if len(kept) == 1 else 0.0)), layout="constrained")
+        figure = PlainFigure(
+            figsize=(WIDTH, 0.7 + 1.2 * len(kept) + (0.9 if len(kept) == 1 else 0.0)), layout="constrained"
+        )
         panels = np.atleast_1d(figure.subplots(len(kept), 1, sharex=True))
         for place, panel in zip(kept, panels, strict=True):
             for number, drawn in enumerate(lines[place]):

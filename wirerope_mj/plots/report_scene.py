@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 from scipy.spatial import ConvexHull, QhullError
 
+from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.plots.report_image import COLOURS, WIDTH, Array, report_style, short
 from wirerope_mj.response.scene import Geom, Scene, SceneBody, SceneMount
 
@@ -48,7 +49,7 @@ def scene_figure(scene: Scene) -> Figure:
     views = _views(extent)
     heights = [float(np.clip(WIDTH * extent[v.up] / max(extent[v.right], 1e-9), _LOWEST, _TALLEST)) for v in views]
     with report_style():
-        figure = Figure(figsize=(WIDTH, sum(heights) + 1.7), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, sum(heights) + 1.7), layout="constrained")
         panels = figure.subplots(2, 1, height_ratios=[height + 0.3 for height in heights])
         for view, panel in zip(views, panels, strict=True):
             _draw_shapes(panel, view, shapes)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.plots.report_image import (
     BASE,
     COLOURS,
@@ -31,7 +32,7 @@ def base_spectrum_figure(spectra: Mapping[str, ShockResponseSpectrum]) -> Figure
         spectra: by axis, "x", "y", "z".
     """
     with report_style():
-        figure = Figure(figsize=(WIDTH, 2.7), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 2.7), layout="constrained")
         left, right = figure.subplots(1, 2)
         for number, (axis, spectrum) in enumerate(spectra.items()):
             style = {"color": COLOURS["xyz".index(axis)], "label": axis, "lw": 1.0 + 0.9 * (len(spectra) - 1 - number)}
@@ -73,7 +74,7 @@ def densities_figure(densities: Mapping[str, Mapping[str, PowerSpectralDensity]]
 def _panels(lines: Mapping[str, Mapping[str, tuple[Array, Array]]], label: str, *, decades: float = _DECADES) -> Figure:
     """Return frequencies and values by axis and name, a panel for each axis."""
     with report_style():
-        figure = Figure(figsize=(WIDTH, 2.7 if len(lines) > 1 else 3.3), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 2.7 if len(lines) > 1 else 3.3), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(lines)))
         for panel, (axis, along) in zip(panels, lines.items(), strict=True):
             colours = iter(COLOURS)

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
+from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.plots.report_image import COLOURS, RATED, WIDTH, report_style
 from wirerope_mj.plots.report_scene import draw_plan
 from wirerope_mj.plots.study_pictures import StudyPicture
@@ -55,7 +56,7 @@ def front_figure(result: SearchResult) -> Figure:
     within, front = result.feasible, np.asarray(result.front["variant"])
     known = np.isfinite(x) & np.isfinite(y)
     with report_style():
-        figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 4.2), layout="constrained")
         panel = figure.subplots()
         for rows, label, colour, alpha in (
             (known & ~within, "beyond a limit", "0.75", 1.0), (within, "within the limits", COLOURS[0], 0.4)
@@ -88,7 +89,7 @@ def placements_figure(result: SearchResult) -> Figure:
     shown = _shown(result)
     with report_style():
         rows = (len(shown) + 1) // 2
-        figure = Figure(figsize=(WIDTH, 2.8 * rows), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 2.8 * rows), layout="constrained")
         panels = np.atleast_1d(figure.subplots(rows, min(len(shown), 2))).ravel()
         for panel, variant in zip(panels, shown, strict=False):
             draw_plan(panel, result.scene(variant), absent=result.absent(variant))

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from wirerope_mj.frf.axes import log_ticks
+from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.units import STANDARD_GRAVITY
 
@@ -39,7 +40,7 @@ def four_way_figure(spectra: Mapping[str, ShockResponseSpectrum], *, title: str 
         spectra: of one acceleration each, by name; the one called "base" is grey.
         title: above the picture.
     """
-    figure = Figure(figsize=(7.6, 7.2), layout="constrained", dpi=120)
+    figure = PlainFigure(figsize=(7.6, 7.2), layout="constrained", dpi=120)
     panel = figure.add_subplot()
     _title(figure, title)
     for name, spectrum, style in _styled(spectra):
@@ -64,7 +65,7 @@ def shock_spectra_figure(
         title: above the picture.
         test: frequencies [Hz] and accelerations [m/s^2] of a test spectrum to be drawn beside them.
     """
-    figure = Figure(figsize=(9.0, 5.4), layout="constrained", dpi=120)
+    figure = PlainFigure(figsize=(9.0, 5.4), layout="constrained", dpi=120)
     panel = figure.add_subplot()
     _title(figure, title)
     for name, spectrum, style in _styled(spectra):
@@ -86,7 +87,7 @@ def density_figure(densities: Mapping[str, PowerSpectralDensity], *, title: str 
         densities: of one acceleration each, by name; the one called "base" is grey.
         title: above the picture.
     """
-    figure = Figure(figsize=(9.0, 5.4), layout="constrained", dpi=120)
+    figure = PlainFigure(figsize=(9.0, 5.4), layout="constrained", dpi=120)
     panel = figure.add_subplot()
     _title(figure, title)
     for name, density, style in _styled(densities):
@@ -97,7 +98,7 @@ def density_figure(densities: Mapping[str, PowerSpectralDensity], *, title: str 
         panel.fill_between(
             f, values * max(1.0 - error, 1e-3), values * (1.0 + error), color=style["color"], alpha=0.15, lw=0.0
         )
-    _dress(panel, "power spectral density [g$^2$/Hz]", decades=2.0 * _DECADES)
+    _dress(panel, "power spectral density [g²/Hz]", decades=2.0 * _DECADES)
     panel.legend(fontsize=8, loc="best")
     return figure
 

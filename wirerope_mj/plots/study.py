@@ -11,6 +11,8 @@ import pyarrow as pa
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from wirerope_mj.plain_text import plain
+from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.plots.report_image import BASE, COLOURS, RATED, WIDTH, report_style, short
 from wirerope_mj.study.answers.findings import (
     CONFIDENCE,
@@ -52,7 +54,7 @@ def distribution_figure(table: pa.Table, names: Sequence[str]) -> Figure:
         names: measures with values, one panel each.
     """
     with report_style():
-        figure = Figure(figsize=(WIDTH, 3.3), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 3.3), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
         for panel, name in zip(panels, names, strict=True):
             _distribution(panel, measure_of(name), table)
@@ -65,7 +67,7 @@ def sensitivity_figure(found: Sequence[Influence], measure: str, labels: Mapping
     shown = list(found[:MOST_BARS])[::-1]
     end = _ROOM * max(*(100.0 * one.share for one in shown), 2.5)
     with report_style():
-        figure = Figure(figsize=(WIDTH, 1.1 + 0.24 * len(shown)), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 1.1 + 0.24 * len(shown)), layout="constrained")
         panel = figure.subplots()
         for place, one in enumerate(shown):
             colour = BASE if math.isnan(one.rank) else COLOURS[0] if one.rank >= 0.0 else COLOURS[1]
@@ -88,7 +90,7 @@ def scatter_figure(table: pa.Table, names: Sequence[str], measure: str, labels: 
     """Return every variant by a measure over some inputs, named by `labels`, with the means of classes of the input."""
     shown, values = measure_of(measure), values_of(table, measure)
     with report_style():
-        figure = Figure(figsize=(WIDTH, 2.7), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 2.7), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
         for panel, name in zip(panels, names, strict=True):
             x, y = np.asarray(table[name], dtype=np.float64), shown.factor * values
@@ -116,7 +118,7 @@ def curve_figure(table: pa.Table, name: str, names: Sequence[str], labels: Mappi
     x = np.asarray(table[name], dtype=np.float64)
     order = np.argsort(x)
     with report_style():
-        figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 3.0), layout="constrained")
         for panel, measure in zip(np.atleast_1d(figure.subplots(1, len(names))), names, strict=True):
             shown = measure_of(measure)
             panel.plot(x[order], shown.factor * values_of(table, measure)[order], "o-", ms=3, color=COLOURS[0])
@@ -133,7 +135,7 @@ def choices_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
     words = [_word(choice) for choice in table[name].to_pylist()]
     order = np.argsort(np.nan_to_num(values_of(table, names[0]), nan=-1.0), kind="stable")
     with report_style():
-        figure = Figure(figsize=(WIDTH, max(1.1 + 0.2 * len(words), _LEAST)), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, max(1.1 + 0.2 * len(words), _LEAST)), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
         failed = np.asarray(table["status"])[order] != DONE
         for panel, measure in zip(panels, names, strict=True):
@@ -210,8 +212,8 @@ def _word(choice: Any) -> str:
 
 
 def _shortened(name: str) -> str:
-    fits = name if len(name) <= _NAME else f"{name[: _NAME // 2 - 1]}…{name[-_NAME // 2 :]}"
-    return fits.replace("$", r"\$")
+    name = plain(name)
+    return name if len(name) <= _NAME else f"{name[: _NAME // 2 - 1]}…{name[-_NAME // 2 :]}"
 
 
 def _wrapped(shown: Measure) -> str:

@@ -7,6 +7,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from wirerope_mj.plain_text import plain
+from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.plots.report_image import BASE, COLOURS, WIDTH, report_style
 from wirerope_mj.plots.study import words_of
 from wirerope_mj.study.answers.findings import measure_of
@@ -27,7 +29,7 @@ def indices_figure(found: Sequence[SobolIndices]) -> Figure:
     """
     order = [one.name for one in found[0].factors[:MOST_FACTORS]][::-1]
     with report_style():
-        figure = Figure(figsize=(WIDTH, 1.35 + 0.36 * len(order)), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, 1.35 + 0.36 * len(order)), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(found), sharey=True))
         for panel, one in zip(panels, found, strict=True):
             _bars(panel, one, order)
@@ -61,5 +63,5 @@ def _bars(panel: Any, found: SobolIndices, order: Sequence[str]) -> None:
 
 
 def _name(name: str) -> str:
-    fits = name if len(name) <= _NAME else f"{name[: _NAME // 2 - 1]}…{name[-_NAME // 2 :]}"
-    return fits.replace("$", r"\$")
+    name = plain(name)
+    return name if len(name) <= _NAME else f"{name[: _NAME // 2 - 1]}…{name[-_NAME // 2 :]}"

@@ -1,11 +1,13 @@
 """Texts beside the pictures: the scenario as it was given, and the peaks as tables."""
 
+import re
 import tomllib
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from wirerope_mj.plain_text import markdown, plain_lines
 from wirerope_mj.recording.paths import AXES, entity
 from wirerope_mj.recording.selection import Selection
 from wirerope_mj.response import Response
@@ -29,7 +31,7 @@ def log_documents(
         selection: shares of the rated travel.
         title: heading of the scenario.
         scenario_text: Markdown, or TOML, which is set as such.
-        verdicts: lines of Markdown above the tables.
+        verdicts: sentences above the tables.
     """
     import rerun as rr
 
@@ -42,17 +44,17 @@ def log_documents(
 
 def scenario_markdown(response: Response, title: str, text: str) -> str:
     """Return title, scenario and how it was computed."""
-    body = f"```toml\n{text.strip()}\n```" if _is_toml(text) else text.strip()
+    body = _fenced(text) if _is_toml(text) else text.strip()
     numerics = response.numerics
     how = f"{numerics.steps} steps of at most {1e3 * numerics.timestep:.4g} ms, {numerics.callback} callback"
     if np.isfinite(numerics.error_estimate):
         how += f", estimated error {numerics.error_estimate:.1e} of the peaks"
-    return "\n\n".join(part for part in (f"### {title or response.scene.name}", body, f"*{how}*") if part)
+    return "\n\n".join(part for part in (f"### {markdown(title or response.scene.name)}", body, f"*{how}*") if part)
 
 
 def peaks_markdown(response: Response, selection: Selection, verdicts: Sequence[str] | None) -> str:
     """Return verdicts, peak accelerations, and peaks of the mounts against their rated travel."""
-    parts = ["### Verdicts\n" + "\n".join(f"- {line}" for line in verdicts)] if verdicts else []
+    parts = ["### Verdicts\n" + "\n".join(f"- {markdown(line)}" for line in verdicts)] if verdicts else []
     parts.append(_acceleration_table(response))
     if response.scene.mounts:
         parts.append(_mount_table(response, selection))
@@ -74,7 +76,7 @@ def _acceleration_table(response: Response) -> str:
             parts.append((name, peak.value / STANDARD_GRAVITY, peak.time, extremes))
     for name, value, time, xyz in parts:
         components = " | ".join(f"{component:.2f}" for component in xyz)
-        rows.append(f"| {name} | **{value:.2f}** | {1e3 * time:.1f} | {components} |")
+        rows.append(f"| {markdown(name)} | **{value:.2f}** | {1e3 * time:.1f} | {components} |")
     return "### Peak accelerations\n" + "\n".join(rows)
 
 
@@ -91,7 +93,7 @@ def _mount_table(response: Response, selection: Selection) -> str:
         share = worst[name]
         used = "not rated" if np.isnan(share) else f"{100 * share:.0f} %"
         used = f"**{used}, exceeded**" if share >= 1.0 else used
-        rows.append(f"| {name} | {' | '.join(cells)} | {used} |")
+        rows.append(f"| {markdown(name)} | {' | '.join(cells)} | {used} |")
     return "### Mounts\n" + "\n".join(rows)
 
 
@@ -103,6 +105,13 @@ def _known(selection: Selection, name: str) -> list[float]:
 def _extreme(peak: Any, axis: int) -> float:
     low, high = float(peak.minimum[axis]), float(peak.maximum[axis])
     return high if high >= -low else low
+
+
+def _fenced(text: str) -> str:
+    """Return TOML as a block of code, whose fence is longer than any row of backticks in it."""
+    longest = max(map(len, re.findall("`+", text)), default=0)
+    fence = "`" * max(longest + 1, 3)
+    return f"{fence}toml\n{plain_lines(text.strip())}\n{fence}"
 
 
 def _is_toml(text: str) -> bool:

@@ -13,6 +13,7 @@ import numpy as np
 
 from wirerope_mj.modes.film import ModeFilm
 from wirerope_mj.modes.result import Modes
+from wirerope_mj.plain_text import markdown
 from wirerope_mj.recording.camera import Camera, whole_scene
 from wirerope_mj.recording.paths import APPLICATION, TIMELINE, entity, nanoseconds
 from wirerope_mj.recording.poses import Frame, frames_of
@@ -90,7 +91,7 @@ def _write(film: ModeFilm, path: Path, title: str, larger: Sequence[Modes]) -> N
 def mode_text(modes: Modes, mode: int) -> str:
     """Return Markdown about one mode."""
     share = modes.participation[mode]
-    parts = [f"### Mode {mode + 1}: {modes.words[mode]}", f"**{_hertz(modes.frequencies[mode])}**"]
+    parts = [f"### Mode {mode + 1}: {markdown(modes.words[mode])}", f"**{_hertz(modes.frequencies[mode])}**"]
     parts.append(
         f"{_hertz(modes.loading[mode])} with the tangents on further loading, {_hertz(modes.unloading[mode])} on unloading; "
         f"damping ratio {modes.damping_ratio[mode]:.3f}"
@@ -98,7 +99,7 @@ def mode_text(modes: Modes, mode: int) -> str:
     parts.append("Share of the mass along x, y, z: " + ", ".join(f"{100 * part:.1f} %" for part in share))
     rows = ["| mount | roll | shear | axial |", "|:--|--:|--:|--:|"]
     for name, shape in modes.mounts.items():
-        rows.append(f"| {name} | " + " | ".join(f"{value:+.3f}" for value in shape[mode]) + " |")
+        rows.append(f"| {markdown(name)} | " + " | ".join(f"{value:+.3f}" for value in shape[mode]) + " |")
     parts.append("Deflections of the mounts, the largest 1:\n\n" + "\n".join(rows))
     return "\n\n".join(parts)
 
@@ -119,7 +120,7 @@ def modes_table(modes: Modes, larger: Sequence[Modes] = ()) -> str:
             _hertz(result.frequencies[place[mode]], result.damping_ratio[place[mode]])
             for result, place in zip(results, places, strict=True)
         ]
-        rows.append(f"| {mode + 1} | {' | '.join(cells)} | {word} |")
+        rows.append(f"| {mode + 1} | {' | '.join(cells)} | {markdown(word)} |")
     rows += ["", "Damping ratios in brackets; mm: amplitude of the mount that moves most."]
     return "\n".join(rows)
 

@@ -7,6 +7,7 @@ import numpy as np
 from wirerope_mj.frf import FrequencyResponse
 from wirerope_mj.frf.summary import Findings
 from wirerope_mj.periodic import Bifurcation, Branch, PeriodicOrbit
+from wirerope_mj.plain_text import markdown
 from wirerope_mj.recording.along import at_points
 from wirerope_mj.recording.film import Film, Strip
 from wirerope_mj.recording.orbit_loops import shown_loops
@@ -38,7 +39,7 @@ def motion_text(film: Film, place: int) -> str:
     strip = film.strip
     branch, orbit, point = strip.branch, strip.orbits[place], int(strip.points[place])
     parts = [f"### {orbit.frequency:.5g} Hz, {strip.level:.4g} m/s²: {'stable' if orbit.stable else 'UNSTABLE'}"]
-    parts += [f"**{event.words}**" for event in _near(strip, place)]
+    parts += [f"**{markdown(event.words)}**" for event in _near(strip, place)]
     amplitude, ratio = branch.amplitude[point], branch.transmissibility[point]
     parts.append(f"Amplitude **{amplitude:.4g} m/s²**, transmissibility **{ratio:.4g}**")
     values = orbit.floquet_multipliers[:_MOST_MULTIPLIERS]
@@ -66,14 +67,14 @@ def about_text(result: FrequencyResponse, findings: list[Findings]) -> str:
         events = found.level.branch.bifurcations if found.level.branch is not None else ()
         rows += [f"| {level} | {e.kind} | {e.frequency:.5g} Hz | {e.amplitude:.4g} m/s² | |" for e in events]
     lines = [
-        f"### {result.name}",
-        f"Acceleration of {asked.payload}, {start:g} to {stop:g} Hz ({asked.range_from}).",
+        f"### {markdown(result.name)}",
+        f"Acceleration of {markdown(str(asked.payload))}, {start:g} to {stop:g} Hz ({asked.range_from}).",
         "\n".join(rows),
         "Timeline *point*: from motion to motion along the branches; *frequency_mHz*: the same by frequency, all levels at "
         "one frequency; *sim_time*: one repetition of each motion after the other.",
     ]
     ended = [f.level.branch.message for f in findings if f.level.branch is not None and not f.level.branch.complete]
-    return "\n\n".join([*lines, *(f"**A branch ended early: {message}.**" for message in ended)])
+    return "\n\n".join([*lines, *(f"**A branch ended early: {markdown(message)}.**" for message in ended)])
 
 
 def _near(strip: Strip, place: int) -> list[Bifurcation]:
@@ -90,6 +91,6 @@ def _loop_text(orbit: PeriodicOrbit, name: str, axis: int) -> str:
     x, force = mount.deflection[:, axis], mount.force[:, axis]
     work = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(x)))
     return (
-        f"Mount {name}, {AXES[axis]}: {1e3 * x.min():.4g} to {1e3 * x.max():.4g} mm, {1e-3 * force.min():.4g} to "
+        f"Mount {markdown(name)}, {AXES[axis]}: {1e3 * x.min():.4g} to {1e3 * x.max():.4g} mm, {1e-3 * force.min():.4g} to "
         f"{1e-3 * force.max():.4g} kN, {work:.3g} J per repetition"
     )

@@ -5,6 +5,7 @@ from typing import Any, TypeGuard
 
 import numpy as np
 
+from wirerope_mj.plain_text import markdown
 from wirerope_mj.recording.histories import LATE
 from wirerope_mj.recording.overlay_apart import Apart
 from wirerope_mj.recording.overlay_differences import (
@@ -104,7 +105,7 @@ def summary_markdown(overlay: Overlay, inputs: Inputs) -> str:
         shares = [f"{100 * value:.0f}" if _known(value) else "-" for value in travel.values]
         figures.append(("most of rated travel [%]", *shares))
     parts.append(_table(["", *names], [*differing, *figures]))
-    parts.append("\n".join(f"- {line}" for line in (*findings(overlay), *long)))
+    parts.append("\n".join(f"- {markdown(line)}" for line in (*findings(overlay), *long)))
     return "\n\n".join(part for part in parts if part)
 
 
@@ -139,7 +140,7 @@ def apart_tables(overlay: Overlay) -> str:
         own = [entry for entry in overlay.apart if entry.run == run.name and entry.value > 0.0]
         rows = [(_label(e), _size(e), f"{1e3 * e.time:.1f}", _share(e)) for e in own]
         table = _table(["", "farthest apart", "at [ms]", f"of {first}'s peak"], rows)
-        parts.append(f"### {run.name} against {first}\n{table or 'Histories do not differ.'}")
+        parts.append(f"### {markdown(run.name)} against {markdown(first)}\n{table or 'Histories do not differ.'}")
     return "\n\n".join(parts)
 
 
@@ -228,13 +229,10 @@ def _known(value: float | None) -> TypeGuard[float]:
     return value is not None and bool(np.isfinite(value))
 
 
-def _cell(text: str) -> str:
-    return text.replace("|", "\\|").replace("\n", " ")
-
-
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return a Markdown table, its first column to the left; "" without rows."""
     if not rows:
         return ""
-    lines = [head, [":--", *["--:"] * (len(head) - 1)], *([_cell(cell) for cell in row] for row in rows)]
+    texts = [[markdown(cell) for cell in row] for row in (head, *rows)]
+    lines = [texts[0], [":--", *["--:"] * (len(head) - 1)], *texts[1:]]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)

@@ -8,6 +8,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from wirerope_mj.plain_text import plain_lines
 from wirerope_mj.plots.report_image import Image
 from wirerope_mj.report.content import Listing, Paragraph, ReportContent, Table
 
@@ -29,12 +30,17 @@ def report_html(content: ReportContent) -> str:
 @cache
 def _environment() -> Environment:
     environment = Environment(
-        loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True
+        loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True, finalize=_shown
     )
     environment.filters |= {"data_uri": _data_uri, "breakable": _breakable}
     for name, kind in (("paragraph", Paragraph), ("listing", Listing), ("table", Table)):
         environment.tests[name] = lambda item, kind=kind: isinstance(item, kind)
     return environment
+
+
+def _shown(value: object) -> object:
+    """Return what the page says, invisible characters of texts that users wrote spelled out."""
+    return plain_lines(value) if isinstance(value, str) and not isinstance(value, Markup) else value
 
 
 def _data_uri(image: Image) -> str:

@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import RecordError
+from wirerope_mj.excitation.copies import check_records
 from wirerope_mj.excitation.motion import BaseMotion
 from wirerope_mj.excitation.restore import motion_from_dict
 from wirerope_mj.runfolder.folder import FORMAT, SCENARIO
 from wirerope_mj.system import Changes, System, load_system
 from wirerope_mj.system.model_files import missing_isolators, read_changes
+from wirerope_mj.system.named_files import check_inside
 from wirerope_mj.system.varied import with_changes
 
 
@@ -49,13 +51,9 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
     Raises:
         RecordError: one of their files is not in the folder.
     """
-    model = folder / content["model"]["file"]
-    if not model.resolve().is_relative_to(folder.resolve()) or not model.is_file():
-        raise RecordError(f"{folder}: the model {content['model']['file']!r} is not in the run's folder.")
+    model = check_inside(folder, content["model"])
     motion = {key: value for key, value in content["motion"].items() if key != "description"}
-    for path in _records(motion):
-        if not (folder / path).resolve().is_relative_to(folder.resolve()):
-            raise RecordError(f"{folder}: the record {path!r} is not in the run's folder.")
+    check_records(motion, folder)
     system = load_system(model)
     missing = missing_isolators(system, model.parent)
     if missing:  # the catalogue stepped in, which may have changed since
@@ -65,15 +63,4 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
 
 def _changes(folder: Path, model: Mapping[str, Any]) -> tuple[Changes, ...]:
     """Return what the variant that was simulated differs by from the model in the folder."""
-    if "changes" not in model:
-        return ()
-    path = folder / model["changes"]
-    if not path.resolve().is_relative_to(folder.resolve()):
-        raise RecordError(f"{folder}: the changes {model['changes']!r} are not in the run's folder.")
-    return read_changes(path)
-
-
-def _records(motion: Mapping[str, Any]) -> list[str]:
-    """Return the paths of all records in a stored motion: in its terms, and in what is scaled or turned."""
-    inner = [*motion.get("terms", []), *([motion["motion"]] if "motion" in motion else [])]
-    return [*([motion["path"]] if "path" in motion else []), *(path for part in inner for path in _records(part))]
+    return read_changes(folder / model["changes"]) if "changes" in model else ()

@@ -15,6 +15,7 @@ import tomli_w
 from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.excitation.copies import copy_records
+from wirerope_mj.plain_text import markdown, markdown_lines
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.runfolder.folder import FORMAT, SCENARIO, SUMMARY, check_target, written_whole
 from wirerope_mj.runfolder.record_doubts import record_doubts
@@ -175,8 +176,8 @@ def _write_report(text: str, system: System, motion: BaseMotion, response: Respo
 
 def _scenario_markdown(scenario: Scenario) -> str:
     options = ", ".join(f"{name} = {value}" for name, value in scenario.options.items())
-    parts = [scenario.question.strip(), f"**Base motion:** {scenario.motion.description}"]
-    parts += [f"**Options:** {options}"] if options else []
+    parts = [markdown_lines(scenario.question.strip()), f"**Base motion:** {markdown(scenario.motion.description)}"]
+    parts += [f"**Options:** {markdown(options)}"] if options else []
     return "\n\n".join(parts)
 
 

@@ -12,6 +12,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from wirerope_mj.errors import RecordError
+from wirerope_mj.excitation.copies import check_records
 from wirerope_mj.excitation.restore import motion_from_dict
 from wirerope_mj.response import Response
 from wirerope_mj.study.answers.findings import (
@@ -30,6 +31,7 @@ from wirerope_mj.study.inputs.distributions import distribution_from_dict
 from wirerope_mj.study.old_names import todays_table
 from wirerope_mj.study.responses import RESPONSES, kept_numbers, kept_response, whole_number
 from wirerope_mj.system.model_files import read_changes
+from wirerope_mj.system.named_files import check_inside
 
 if TYPE_CHECKING:
     from wirerope_mj.study.study import Study
@@ -168,9 +170,12 @@ class StudyResult:
         from wirerope_mj.study.study import Study  # which returns results
 
         content, folder = self.inputs, self.folder
+        model = check_inside(folder, content["model"])
+        for motion in content["motions"]:
+            check_records(motion, folder)
         vary = {one["name"]: {key: value for key, value in one.items() if key != "name"} for one in content["vary"]}
         return Study(
-            model=folder / content["model"]["file"],
+            model=model,
             changes=read_changes(folder / content["model"]["changes"]) if "changes" in content["model"] else (),
             motions=[motion_from_dict(motion, folder=folder) for motion in content["motions"]],
             vary={name: distribution_from_dict(value) for name, value in vary.items()},

@@ -9,6 +9,7 @@ import numpy as np
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator import Isolator, find_isolator, load_isolator
+from wirerope_mj.plain_text import plain
 
 COINCIDENCE = 1e-6
 """Largest distance between the two sites of a mount in the modelled geometry [m]."""
@@ -40,6 +41,16 @@ def check_names(spec: mujoco.MjSpec) -> None:
             word, names = existing.get(int(kind), ("", [name]))
             if name not in names:
                 raise ModelError(f"tuple {element.name!r}: {word} {name!r} is not in the model. Its {word}s: {names}.")
+
+
+def check_visible(model: mujoco.MjModel) -> None:
+    """Raise ModelError if a name holds a line break or another character that cannot be seen: nobody could write it again."""
+    for name in model.names.decode("utf-8", "replace").split("\0"):
+        if plain(name) != name:
+            raise ModelError(
+                f"the name {name!r} in the model holds characters that cannot be seen, such as a line break or an escape "
+                "sequence; name that element with letters, digits and signs."
+            )
 
 
 def declared_mounts(

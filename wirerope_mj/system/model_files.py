@@ -3,18 +3,25 @@
 import re
 import shutil
 import tomllib
+from html import unescape
 from pathlib import Path, PurePosixPath
 from typing import Any
-from xml.etree import ElementTree
+from xml.sax.saxutils import quoteattr
 
 import tomli_w
 
 from wirerope_mj.errors import ModelError, RecordError
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.system import Changes, System
+from wirerope_mj.system.named_files import named_files
 
 CHANGES = "changes.toml"
 """What a variant differs by from the model beside it."""
+
+
+_TEXT = re.compile(r"""<text\b(?:[^>"']|"[^"]*"|'[^']*')*>""")
+_ATTRIBUTE = re.compile(r"""\b(name|data)\s*=\s*("[^"]*"|'[^']*')""")
+"""A `text` element as it is written, and its attributes with their quotes."""
 
 
 def write_model(system: System, folder: Path) -> Path:
@@ -35,7 +42,7 @@ def write_model(system: System, folder: Path) -> Path:
         text = text if data == place else _repointed(text, name, place)
     target.write_text(text, encoding="utf-8")
     if system.path is not None:
-        _copy_assets(system.path, system.path.parent, folder)
+        _copy_assets(system.path, folder)
     for name, (_, place) in places.items():
         path = folder / _with_ending(place)
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -113,41 +120,26 @@ def _with_ending(place: str) -> str:
 
 def _repointed(text: str, name: str, place: str) -> str:
     """Return the MJCF with the text `name` saying `place`."""
-
-    def point(match: re.Match[str]) -> str:
-        return re.sub(r"""(\bdata\s*=\s*)(["']).*?\2""", lambda m: f'{m[1]}"{place}"', match[0])
-
-    pattern = rf"""<text\b(?=[^>]*\bname\s*=\s*["']{re.escape(name)}["'])[^>]*>"""
-    changed, count = re.subn(pattern, point, text)
-    if count != 1:
+    found = [match for match in _TEXT.finditer(text) if _stated_name(match[0]) == name]
+    if len(found) != 1:
         raise ModelError(
             f"the text {name!r} names an isolator file outside the model's folder and does not stand in the model file "
             "itself, so that no copy of the model can point at its own file. Place the isolator beside the model."
         )
-    return changed
+    element = _ATTRIBUTE.sub(lambda match: f"data={quoteattr(place)}" if match[1] == "data" else match[0], found[0][0])
+    return f"{text[: found[0].start()]}{element}{text[found[0].end() :]}"
 
 
-def _copy_assets(model: Path, root: Path, folder: Path, searched: tuple[Path, ...] = ()) -> None:
-    """Copy every file that an MJCF file names, and what included or attached files name in turn.
+def _stated_name(element: str) -> str:
+    return next((unescape(match[2][1:-1]) for match in _ATTRIBUTE.finditer(element) if match[1] == "name"), "")
 
-    Args:
-        model: the MJCF file.
-        root: folder of the main model file, below which every file must lie.
-        folder: where the copies go.
-        searched: folders in which the file that included this one looks for assets.
-    """
-    tree = ElementTree.parse(model).getroot()
-    keys = ("assetdir", "meshdir", "texturedir")
-    stated = [compiler.get(key, "") for compiler in tree.iter("compiler") for key in keys]
-    places = (model.parent, root, *searched, *(base / name for name in stated for base in (root, model.parent)))
-    for name in [value for element in tree.iter() for key, value in element.attrib.items() if key.startswith("file")]:
-        source = next((place / name for place in places if (place / name).is_file()), None)
-        if source is None:
-            continue  # not a file that MuJoCo needs: it has compiled the model
-        if not source.resolve().is_relative_to(root.resolve()):
+
+def _copy_assets(model: Path, folder: Path) -> None:
+    """Copy every file that an MJCF file names into `folder`, and what included or attached files name in turn."""
+    root = model.parent.resolve()
+    for name, source in named_files(model):
+        if not source.resolve().is_relative_to(root):
             raise ModelError(f"{model}: {name!r} lies outside the model's folder; a run must hold all it needs.")
-        copy = folder / source.resolve().relative_to(root.resolve())
+        copy = folder / source.resolve().relative_to(root)
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(source, copy)
-        if source.suffix == ".xml":
-            _copy_assets(source, root, folder, places)

@@ -13,7 +13,7 @@ from wirerope_mj.isolator import Isolator
 from wirerope_mj.limits import PayloadLimit
 from wirerope_mj.system.assembly import Assembly, assemble
 from wirerope_mj.system.changes import Changes
-from wirerope_mj.system.declared import DeclaredMount, base_body, check_names, declared_mounts
+from wirerope_mj.system.declared import DeclaredMount, base_body, check_names, check_visible, declared_mounts
 from wirerope_mj.system.limits import declared_limits
 
 
@@ -95,6 +95,7 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
     except (ValueError, mujoco.FatalError) as error:
         where = f"{path}: " if path else ""
         raise ModelError(f"{where}MuJoCo cannot compile the model. {' '.join(str(error).split())}") from None
+    check_visible(plain)
     declared = declared_mounts(spec, plain, folder=path.parent if path else None, isolators=isolators or {})
     base = base_body(plain, declared)
     _check_payloads(plain, declared, base)
@@ -141,6 +142,10 @@ def _read(source: str | Path) -> tuple[str, Path | None]:
         raise ModelError(f"{path}: the model cannot be read ({error.__class__.__name__}: {error}).") from None
     if not text.lstrip("\ufeff").lstrip().startswith("<"):
         raise ModelError(f"{path}: this is not a model; an MJCF file is XML and begins with <mujoco>.")
+    if "\\" in path.resolve().as_posix():
+        raise ModelError(
+            f"{path.resolve()}: MuJoCo takes the backslash in this path for a slash; rename the folder or file."
+        )
     return text, path.resolve()
 
 

@@ -1,0 +1,320 @@
+"""A name in a model, a file or a folder is text in every output, and a folder is data: nothing in it is executed."""
+
+import base64
+import io
+import re
+import shutil
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from html import unescape
+from html.parser import HTMLParser
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from hostile_names import (
+    BLOCK,
+    BREAK,
+    DEVICE,
+    ESCAPE,
+    FILE_NAME,
+    MOUNT,
+    NAME,
+    TITLE,
+    write_hostile_model,
+    write_hostile_scenario,
+)  # fmt: skip
+from markdown_it import MarkdownIt
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main, tables
+from wirerope_mj.errors import ModelError
+from wirerope_mj.plain_text import markdown, markdown_lines, plain, plain_lines
+from wirerope_mj.plots.plain_figure import PlainFigure
+from wirerope_mj.plots.report_image import short
+from wirerope_mj.system.model_files import write_model
+
+
+def printed(*arguments, code=0) -> str:
+    """Return what a command prints on both streams, on a screen so wide that no name is cut."""
+    screen = io.StringIO()
+    with redirect_stdout(screen), redirect_stderr(screen):
+        assert main([str(argument) for argument in arguments]) == code, screen.getvalue()
+    return screen.getvalue()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def wide():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tables, "WIDTH", 800)
+        yield
+
+
+@pytest.fixture(scope="module")
+def place(tmp_path_factory):
+    """Return the folder of model, isolator and scenario."""
+    folder = tmp_path_factory.mktemp("hostile") / "deep" / "deeper"
+    folder.mkdir(parents=True)
+    write_hostile_model(folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def run(place):
+    """Return the folder of a run in which every name is hostile, and what the command printed."""
+    scenario = write_hostile_scenario(place)
+    folder = place / f"run{FILE_NAME}{ESCAPE}"
+    return folder, printed("run", scenario, "--out", folder)
+
+
+@pytest.fixture(scope="module")
+def study(place, run):
+    """Return the folder of a study in which every name is hostile, and what the command printed."""
+    folder = place / f"study{FILE_NAME}{ESCAPE}"
+    scenario = next(place.glob("*.py"))
+    vary = ("--vary", "body/block*/mass = Uniform(0.9, 1.1, relative)", "--variants", 4, "--workers", 1)
+    return folder, printed("study", scenario, *vary, "--out", folder)
+
+
+@pytest.fixture
+def copy(run, tmp_path):
+    """Return a copy of the run that a test may change, below a folder in which it must not read."""
+    return Path(shutil.copytree(run[0], tmp_path / "outside" / "copy"))
+
+
+def test_invisible_characters_are_spelled_out():
+    assert (
+        plain(f"{ESCAPE}{TITLE}{BREAK}\u202e\x9b\udcff") == r"\x1b[31mred\x1b]0;owned\x07first\nsecond\u202e\x9b\udcff"
+    )
+    assert plain_lines(f"{BREAK}\x1b") == "first\nsecond\\x1b"
+    assert plain("deck é 15\u202fg\t±½ 振動") == "deck é 15\u202fg\t±½ 振動"  # what can be seen stays
+
+
+@pytest.mark.parametrize(
+    "text",
+    [NAME, "![x](http://a.b/c.png)", "[x](http://a.b)", "<http://a.b>", "*a* _b_ __c__ ~~d~~ `e`", "# a", "- a", "1. a", "2) a",
+     "> a", "a\\|b", "&lt;", "===", "---", "+ a", "http_server_1", "    code", "|a|b|", "\\", "$x$", "![", "*", "***"],
+)  # fmt: skip
+def test_markdown_of_a_text_shows_that_text(text):
+    page = MarkdownIt("commonmark").enable(["table", "strikethrough"])
+    shown = page.render(f"{markdown(text)}\n\n| a | b |\n|---|---|\n| {markdown(text)} | c |\n- {markdown(text)}")
+    seen = Page(shown)
+    assert set(seen.tags) <= {"p", "table", "thead", "tbody", "tr", "th", "td", "ul", "li"}
+    assert [cell.strip() for cell in seen.texts].count(text.strip()) == 3, shown
+
+
+def test_markdown_keeps_paragraphs_and_escapes_their_lines():
+    assert markdown_lines("a\n\n# b") == "a\n\n\\# b"
+
+
+class Page(HTMLParser):
+    """Tags, attributes and texts of a page."""
+
+    def __init__(self, html):
+        super().__init__()
+        self.tags, self.attributes, self.texts = [], [], []
+        self.feed(html)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value) for name, value in attrs]
+
+    def handle_data(self, data):
+        self.texts.append(data)
+
+
+def check_page(path) -> str:
+    """Return the visible text of a report after a look at its elements and pictures."""
+    html = path.read_text(encoding="utf-8")
+    page = Page(html)
+    assert not set(page.tags) & {"script", "iframe", "a", "object", "red"}
+    assert {name for _, name, _ in page.attributes if name.startswith("on")} == set()
+    pictures = [value for tag, name, value in page.attributes if (tag, name) == ("img", "src")]
+    assert pictures
+    assert all(value.startswith("data:image/") for value in pictures)
+    for value in pictures:
+        if value.startswith("data:image/svg+xml"):
+            ElementTree.fromstring(base64.b64decode(value.partition(",")[2]))  # well-formed, or nothing is shown
+    assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]", html)
+    return "\n".join(page.texts)
+
+
+def test_the_page_of_a_run_shows_names_as_text(run):
+    text = check_page(run[0] / "report.html")
+    for name in (BLOCK, MOUNT, DEVICE):
+        assert name in text
+    assert plain(f"made up {NAME}{ESCAPE}{TITLE}") in text
+    assert plain(f"Does [click](http://example.com) {NAME}{ESCAPE}") in text
+
+
+def test_the_page_of_a_study_shows_names_as_text(study):
+    printed("study-report", study[0])
+    text = check_page(study[0] / "report.html")
+    for name in (FILE_NAME, plain(NAME + ESCAPE), "body/block*/mass"):
+        assert name in text, text
+
+
+@contextmanager
+def raised_warnings():
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        yield
+
+
+def terminal_outputs(place, run, study):
+    """Yield the names of commands, what they print of these names, and the names that must be in it."""
+    folder, text = run
+    yield "run", text, (BLOCK, MOUNT, plain(str(folder)), FILE_NAME)
+    yield "study", study[1], (plain(str(study[0])), FILE_NAME)
+    yield "report", printed("report", folder, "--out", place / f"{ESCAPE}.html"), (plain(f"{ESCAPE}.html"),)
+    yield "replay", printed("replay", folder), (plain(str(folder)), "bit-identical")
+    other = place / "other"
+    shutil.copytree(folder, other)
+    options = ("--out", place / f"{ESCAPE}.rrd")
+    yield (
+        "compare",
+        printed("compare", folder, other, *options),
+        (BLOCK, MOUNT, plain(folder.name), plain(options[1].name)),
+    )
+    names = ("--names", NAME, "[bold]b")
+    yield "names", printed("compare", folder, other, *options, "--force", *names), (NAME, "[bold]b")
+    yield "statics", printed("statics", place / "model.xml"), (BLOCK, MOUNT)
+    yield "modes", printed("modes", place / "model.xml", "--out", place / f"modes{ESCAPE}"), (plain(f"modes{ESCAPE}"),)
+    source = plain(f"made up {NAME}{ESCAPE}{TITLE}")
+    yield "isolators", printed("isolators", place / "device.toml", "--out", place / f"{ESCAPE}.png"), (DEVICE, source)
+    yield "loops", printed("loops", place / "device.toml", "--out", place / f"{ESCAPE}.svg"), (DEVICE,)
+    yield "error", printed("report", place / f"none{ESCAPE}", code=2), (plain(f"none{ESCAPE}"),)
+    yield "option", printed("report", f"--{ESCAPE}", code=2), (plain(ESCAPE),)
+
+
+def test_the_terminal_shows_names_as_text(place, run, study):
+    with raised_warnings():
+        for command, text, names in terminal_outputs(place, run, study):
+            assert not re.search(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]", text), command
+            for name in names:
+                assert name in text, (command, name, text)
+    ElementTree.parse(place / f"{ESCAPE}.svg")
+
+
+def test_a_terminal_is_coloured_by_us_alone(monkeypatch):
+    screen = tables._Screen(force_terminal=True, width=80, file=io.StringIO(), highlight=False, emoji=False)
+    screen.print(f"[bold]ours[/] {ESCAPE}{TITLE} :warning:")
+    text = screen.file.getvalue()
+    assert "\x1b[1mours\x1b[0m" in text
+    assert r"\x1b[31mred\x1b]0;owned\x07 :warning:" in text
+    assert text.count("\x1b") == 2
+
+
+def documents(path) -> dict[str, str]:
+    """Return the texts of a recording by entity."""
+    from rerun.chunk import RrdReader
+
+    found = {}
+    for chunk in RrdReader(str(path)).stream():
+        batch = chunk.to_record_batch()
+        if "TextDocument:text" in batch.schema.names:
+            found[str(chunk.entity_path)] = "\n\n".join(
+                text[0] for text in batch["TextDocument:text"].to_pylist() if text
+            )
+    return found
+
+
+def test_the_texts_of_recordings_show_names_as_text(place, run, study):
+    terminal = place / "compared.rrd"
+    printed("compare", run[0], run[0], "--out", terminal, "--names", NAME, "b|c")
+    printed("modes", place / "model.xml", "--out", place / "recorded")
+    texts = {}
+    for path in (run[0] / "run.rrd", terminal, place / "recorded" / "run.rrd"):
+        texts |= {f"{path.name}{entity}": text for entity, text in documents(path).items()}
+    assert len(texts) >= 6
+    for name, text in texts.items():
+        page = Page(MarkdownIt("commonmark").enable(["table", "strikethrough"]).render(text))
+        assert not set(page.tags) & {"img", "a", "code", "h1"}, (name, text)
+        assert "\x1b" not in text
+    seen = "\n".join(Page(MarkdownIt("commonmark").enable("table").render("\n\n".join(texts.values()))).texts)
+    for name in (BLOCK, MOUNT, NAME, "b|c", plain(f"{NAME}{ESCAPE}"), "[click](http://example.com)", "# hold?"):
+        assert name in seen, name
+
+
+def test_a_block_of_toml_ends_where_its_text_does(run):
+    from wirerope_mj.recording.documents import scenario_markdown
+
+    text = f'a = """\n```\n![x](http://a.b/c.png){ESCAPE}\n"""'.replace("\x1b", "")
+    shown = MarkdownIt("commonmark").render(scenario_markdown(wr.load_response(run[0]), NAME, text))
+    assert "<img" not in shown
+    assert "![x](http://a.b/c.png)" in shown
+
+
+def test_entities_of_a_recording_are_named_as_they_are(run):
+    """A name with slashes is one part of a path, so that no entity lands beside another one."""
+    from rerun.chunk import RrdReader
+
+    from wirerope_mj.recording.paths import entity
+
+    paths = {str(chunk.entity_path) for chunk in RrdReader(str(run[0] / "run.rrd")).stream()}
+    wanted = entity(BLOCK)
+    assert any(wanted in path for path in paths), sorted(paths)
+    assert not any("/../" in path for path in paths)
+
+
+def test_a_picture_shows_formulas_and_escapes_as_letters(tmp_path):
+    figure = PlainFigure()
+    panel = figure.subplots()
+    panel.plot([0, 1], [0, 1], label=f"{NAME} $x^2$ {ESCAPE} 振")
+    panel.set_title(f"{NAME} $\\alpha$ \\$")
+    panel.set_xticks([0, 1], ["$a$", "$\\frac{"])
+    panel.legend()
+    with raised_warnings():
+        for ending in ("svg", "png", "pdf"):
+            figure.savefig(tmp_path / f"a.{ending}", bbox_inches="tight")
+    assert panel.get_legend().get_texts()[0].get_text() == f"{NAME} $x^2$ {plain(ESCAPE)} 振"
+    assert not any(text.get_parse_math() for text in figure.findobj(lambda artist: hasattr(artist, "get_parse_math")))
+    svg = (tmp_path / "a.svg").read_text(encoding="utf-8")
+    ElementTree.fromstring(svg)
+    assert f"{NAME} $\\alpha$ \\$ -->" in unescape(svg)  # matplotlib notes each text it draws
+
+
+def test_no_picture_is_drawn_without_this_rule():
+    plots = Path(wr.__file__).parent / "plots"
+    other = [
+        path.name for path in plots.glob("*.py") if re.search(r"(?<!Plain)\bFigure\(\w|\$", path.read_text("utf-8"))
+    ]
+    assert other == []
+
+
+def test_a_name_that_begins_with_an_underscore_stands_in_the_legend(run):
+    assert not short("_table").startswith("_")
+    assert "_table" in short("_table")
+
+
+def test_files_are_written_where_they_were_asked_for_alone(place, run, study):
+    before = {path.name for path in place.parent.parent.iterdir()}
+    assert before == {"deep"}
+    assert {path.name for path in place.parent.iterdir()} == {"deeper"}
+    model = run[0] / "model"
+    assert {str(path.relative_to(model)) for path in model.rglob("*")} == {"model.xml", "device.toml"}
+
+
+def test_an_isolator_above_the_model_is_copied_into_the_run(place, tmp_path):
+    folder = tmp_path / "a" / "b"
+    folder.mkdir(parents=True)
+    text = (place / "model.xml").read_text(encoding="utf-8").replace('"device.toml"', '"../../x"')
+    (folder / "model.xml").write_text(text, encoding="utf-8")
+    shutil.copy(place / "device.toml", tmp_path / "x.toml")
+    written = write_model(wr.load_system(folder / "model.xml"), folder / "copy")
+    assert 'data="isolators/x"' in written.read_text(encoding="utf-8")
+    assert (folder / "copy" / "isolators" / "x.toml").is_file()
+
+
+@pytest.mark.parametrize("bad", [BREAK, ESCAPE, "\u202eevil"])
+def test_names_that_cannot_be_seen_are_refused(place, bad):
+    text = (place / "model.xml").read_text(encoding="utf-8")
+    text = text.replace('joint name="block_x"', f'joint name="{bad.replace(chr(10), "&#10;")}"')
+    with pytest.raises(ModelError, match="holds characters that cannot be seen") as raised:
+        wr.load_system(text, isolators={NAME.replace(" ", ""): wr.load_isolator(place / "device.toml")})
+    assert repr(bad) in str(raised.value)
+    device = wr.load_isolator(place / "device.toml")
+    with pytest.raises(ValueError, match="`name` must be one line of visible characters"):
+        wr.Isolator(name=bad, axial=device.axial)
+    assert "`--names` must be visible characters" in printed("compare", "a", "b", "--names", "a", bad, code=2)

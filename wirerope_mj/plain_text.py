@@ -1,0 +1,37 @@
+"""Text that others wrote, as it may be shown: a name in a model or a file is data, on a terminal and in Markdown too."""
+
+import re
+from unicodedata import category
+
+_SPECIAL = re.compile(r"[\\`*\[\]<>|&#~$!]|(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
+"""Characters to which Markdown gives a meaning; an underscore inside a word has none."""
+
+_LIST = re.compile(r"^(\s*\d*)([-+=.)])(?=[\s=-]|$)")
+"""Beginning of a line that is an item of a list, or makes a heading of the line above."""
+
+
+def plain(text: str) -> str:
+    r"""Text on one line, its invisible characters spelled out: `\x1b` for an escape, `\n` for a line break."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c == "\t" or category(c) == "Zs" else _spelled(c) for c in text)
+
+
+def plain_lines(text: str) -> str:
+    """Text as `plain` returns it, its line breaks kept."""
+    return "\n".join(plain(line) for line in text.split("\n"))
+
+
+def markdown(text: str) -> str:
+    """Markdown that shows `text` as it is, on one line: no link, picture, table, formula or HTML comes out of it."""
+    escaped = _SPECIAL.sub(lambda match: f"\\{match[0]}", plain(text).strip())
+    return _LIST.sub(r"\1\\\2", escaped)
+
+
+def markdown_lines(text: str) -> str:
+    """Markdown that shows `text` as it is, its lines and paragraphs kept."""
+    return "\n".join(markdown(line) for line in text.split("\n"))
+
+
+def _spelled(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")
