@@ -160,7 +160,7 @@ GOOD = "time [s],z [g]\n"
             'line 3: "1,5" in column "z" is not a number. Decimals are written with a point',
         ),
         (GOOD + "0,1\n1\n", "line 3: 1 cells where the header has 2 columns"),
-        (GOOD + "0,1\n1_0,1\n", "the rows cannot be read as numbers"),
+        (GOOD + "0,1\n1_0,1\n", 'line 3: "1_0" in column "time" is not a number'),
         (
             "time [s],z\n0,1\n1,1\n",
             'line 1: column "z" has no unit. Write it behind the name, for instance "z [m/s^2]"',
@@ -177,13 +177,46 @@ GOOD = "time [s],z [g]\n"
         ),
         ("time [s]\n0\n1\n", "no column is named x, y or z; the columns are time"),
         ("time [s],x [g],ax [g]\n0,1,1\n1,1,1\n", '"ax" is a second column for direction x'),
-        (bytes(range(256)), "line 1: the first column must be time"),
+        (bytes(range(256)), "line 1: the header holds NUL characters: this is no text, or text in UTF-16"),
+        (b"\x80\xff,1\n0,1\n", "line 1: the first column must be time"),
+        (GOOD + "0,1\n1,2,3\n", "line 3: 3 cells where the header has 2 columns. Decimals are written with a point"),
+        (
+            "time [s];z [g]\n0,1\n1,1\n",
+            "line 2: 1 cells .* The header's cells are separated by semicolons, those of this",
+        ),
+        (GOOD + "0,1\n0.001,1e300\n", 'line 3: 1e300 in column "z" is no measured value; cut or repair'),
+        (GOOD + "0,1\n1e300,1\n", 'line 3: 1e300 in column "time" is no measured value'),
     ],
 )
 def test_a_bad_file_gets_one_clear_message(record_file, text, message):
     pattern = re.escape(message).replace(r"\.\*", ".*")
     with pytest.raises(RecordError, match=pattern):
         load_record(record_file(text))
+
+
+@pytest.mark.parametrize(
+    ("header", "row"),
+    [
+        ("time [s],z [g]", "{t},{a}"),
+        ("time [s],x [g],z [g]", "{t},{a},{a}"),
+        ("time [s],z [g],note", "{t},{a},"),
+    ],
+)
+def test_decimal_commas_between_commas_never_play_another_motion(record_file, header, row):
+    rows = [row.format(t=f"{0.001 * i:.3f}", a=f"{np.sin(0.1 * i):.4f}").replace(".", ",") for i in range(200)]
+    with pytest.raises(RecordError, match=r"line 2: \d cells where .* Decimals are written with a point"):
+        load_record(record_file("\n".join([header, *rows])))
+
+
+def test_rows_that_lack_a_cell_are_refused_even_if_it_is_not_used(record_file):
+    text = "time [s],y [g],z [g],temperature\n0,1,2,20\n1,2,20\n"  # which one is missing, nobody knows
+    with pytest.raises(RecordError, match="line 3: 3 cells where the header has 4 columns"):
+        load_record(record_file(text))
+
+
+def test_a_scale_beyond_all_measure_is_refused(record_file):
+    with pytest.raises(ValueError, match=r"`scale` makes 1e\+300 times a peak of 9.807 m/s\^2"):
+        load_record(record_file(GOOD + "0,0\n1,1\n"), scale=1e300)
 
 
 def test_empty_cells_and_nan_are_filled_with_straight_lines_only_on_request(record_file):

@@ -182,3 +182,22 @@ def test_a_rate_that_is_no_simple_fraction_is_refused(csv):
             load_record(path, gaps="cut")
         with pytest.raises(ValueError, match='`unit` must be "m/s\\^2", .*"ft/s\\^2", got \'V\''):
             load_record(path, unit="V")
+
+
+@pytest.mark.parametrize("gaps", ["refuse", "fill"])
+@pytest.mark.parametrize("place", [9, 4])
+@pytest.mark.parametrize("jitter", [0.0, 0.3])
+def test_a_time_stamp_far_from_all_others_is_refused_and_asks_for_no_memory(csv, gaps, place, jitter):
+    time = (np.arange(10) + jitter * (np.arange(10) % 2)) * 1e-3
+    time[place:] += 2e10  # as a clock that was set in between
+    path = csv(time, np.ones(10), fmt="%.17g")
+    with pytest.raises(
+        RecordError, match=r"its time goes from 0\.00\d+ to 2e\+10 s in one row.* Is a time stamp wrong"
+    ):
+        load_record(path, gaps=gaps)
+
+
+def test_a_rate_that_asks_for_more_than_ten_million_samples_is_refused(csv):
+    path = csv(np.arange(5000) * 1e-3, np.ones(5000))
+    with pytest.raises(ValueError, match=r"`resample` would make 5e\+07 samples of 5000, got 10000000"):
+        load_record(path, resample=1e7)

@@ -1,6 +1,5 @@
 """Reading measured loops from the CSV file of a cyclic test; whatever is wrong with it is named with its line."""
 
-import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -11,7 +10,7 @@ import numpy.typing as npt
 
 from wirerope_mj.bench.files import DEFLECTION_UNITS, FORCE_UNITS
 from wirerope_mj.errors import RecordError
-from wirerope_mj.excitation.record_file import TIME_UNITS, Header, parse_header
+from wirerope_mj.excitation.record_file import LARGEST, TIME_UNITS, Header, parse_header, parse_number, require_cells
 from wirerope_mj.laws import Loop
 
 _EXAMPLE = '"loop, time [s], deflection [mm], force [kN]"'
@@ -150,16 +149,14 @@ def _rows(header: Header, lines: list[tuple[int, str]]) -> Iterator[tuple[int, s
                 "A file has one header and one unit for each quantity: convert the rows, or use two files."
             )
         cells = [cell.strip().strip('"').strip() for cell in text.split(header.delimiter)]
-        if len(cells) != len(header.names):
-            hint = " Decimals are written with a point." if len(cells) == 2 * len(header.names) else ""
-            raise RecordError(f"{where}: {len(cells)} cells where the header has {len(header.names)} columns.{hint}")
+        require_cells(header, where, cells)
         yield number, where, cells
 
 
 def _number(where: str, name: str, cell: str) -> float:
     """Return the finite number in a cell."""
     try:
-        value = float(cell)
+        value = parse_number(cell)
     except ValueError:
         hint = ""
         if re.fullmatch(r"[-+.\deE]+\s*[a-zA-Zµ]+", cell):
@@ -167,8 +164,10 @@ def _number(where: str, name: str, cell: str) -> float:
         elif "," in cell:
             hint = " Decimals are written with a point."
         raise RecordError(f'{where}: "{cell}" in column "{name}" is not a number.{hint}') from None
-    if not math.isfinite(value):
-        raise RecordError(f'{where}: {cell} in column "{name}"; cut or repair the loop before it is used.')
+    if not abs(value) <= LARGEST:
+        raise RecordError(
+            f'{where}: {cell} in column "{name}" is no measured value; cut or repair the loop before it is used.'
+        )
     return value
 
 

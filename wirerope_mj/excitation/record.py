@@ -29,7 +29,7 @@ from wirerope_mj.excitation.piecewise import PiecewiseLinear
 from wirerope_mj.excitation.record_baseline import BASELINES, without_baseline
 from wirerope_mj.excitation.record_checks import doubts_about_motion, doubts_about_reading
 from wirerope_mj.excitation.record_csv import csv_channels, read_csv
-from wirerope_mj.excitation.record_file import ACCELERATION_UNITS
+from wirerope_mj.excitation.record_file import ACCELERATION_UNITS, LARGEST
 from wirerope_mj.excitation.record_sampling import even, resampled
 from wirerope_mj.excitation.record_uff import is_uff, read_uff, uff_channels
 from wirerope_mj.units import STANDARD_GRAVITY
@@ -224,6 +224,7 @@ def load_record(
         reading = resampled(reading, rate)
     time, samples = reading.time, reading.samples
     time += start - time[0]
+    _require_scale(samples, scale)
     samples *= scale
     time, samples = without_baseline(time, samples, baseline, highpass)
     for doubt in doubts_about_motion(time, samples, baseline):
@@ -250,6 +251,13 @@ def _one_of(name: str, value: str, known: Sequence[str]) -> None:
     if value not in known:
         listed = ", ".join(f'"{item}"' for item in known[:-1])
         raise ValueError(f'`{name}` must be {listed} or "{known[-1]}", got {value!r}.')
+
+
+def _require_scale(samples: NDArray[np.float64], scale: float) -> None:
+    """Raises ValueError if a factor makes numbers of a record that it would not be allowed to hold."""
+    peak = max(float(samples.max()), -float(samples.min()))
+    if peak * abs(scale) > LARGEST * STANDARD_GRAVITY:
+        raise ValueError(f"`scale` makes {abs(scale):.3g} times a peak of {peak:.4g} m/s^2, got {scale!r}.")
 
 
 def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:

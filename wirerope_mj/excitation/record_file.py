@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -35,6 +35,12 @@ ACCELERATION_UNITS = {
 
 _BLOCK = 50_000
 """Rows that are read at once: a record may be longer than what fits into memory several times over."""
+
+_SIGNS = {",": "commas", ";": "semicolons", "\t": "tabs"}
+
+LARGEST = 1e15
+"""Largest number that a record may hold, in its own units: beyond all that was ever measured, or any clock counts, in any known
+unit, and integrals of what is left are finite."""
 
 
 @dataclass(frozen=True)
@@ -88,6 +94,10 @@ def read_header(path: Path) -> Header:
 
 def parse_header(path: Path, line: int, text: str) -> Header:
     """Return the header that a line of names, each with a unit in brackets or without, makes."""
+    if "\0" in text:
+        raise RecordError(
+            f"{path}, line {line}: the header holds NUL characters: this is no text, or text in UTF-16. Save it in UTF-8."
+        )
     delimiter = next((sign for sign in "\t;" if sign in text), ",")
     names, units = [], []
     for cell in text.split(delimiter):
@@ -111,23 +121,27 @@ def _time_first(header: Header) -> Header:
 def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False) -> Iterator[NDArray[np.float64]]:
     """Yields the columns' numbers block by block, shape (n, n_columns); the first of them is time.
 
+    Every row must have the header's number of cells: in one that has more or fewer, such as one with decimal commas between
+    commas, nothing says which number belongs to which column.
+
     Args:
         header: Of the file.
         columns: Numbers of the columns.
         missing: Whether cells behind the time may be empty or NaN; both are NaN then.
 
     Raises:
-        RecordError: A row is short, no number or not finite.
+        RecordError: A row has another number of cells than the header, or a cell is no number or not finite.
     """
     with header.path.open(encoding="latin-1") as file:  # numbers are ASCII; comments of any encoding are skipped
         for _ in range(header.line):
             file.readline()
+        rows = _whole_rows(header, file)
         while True:
             try:
                 with warnings.catch_warnings():
                     warnings.simplefilter("ignore", UserWarning)  # empty lines, and no line at all at the end
                     block = np.loadtxt(
-                        file, delimiter=header.delimiter, comments=None, usecols=columns, ndmin=2, max_rows=_BLOCK,
+                        rows, delimiter=header.delimiter, comments=None, usecols=columns, ndmin=2, max_rows=_BLOCK,
                         converters=_number_or_nan if missing else None,
                     )  # fmt: skip
             except ValueError as error:
@@ -135,9 +149,41 @@ def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False
                 raise RecordError(f"{header.path}: the rows cannot be read as numbers ({error}).") from None
             if not len(block):
                 return
-            if not np.all(np.isfinite(block)):
+            if not np.all(np.abs(block) <= LARGEST):
                 name_bad_line(header, columns, missing=missing)
             yield block
+
+
+def _whole_rows(header: Header, lines: Iterable[str]) -> Iterator[str]:
+    """Yields the lines that say something; ValueError at one that has not as many cells as the header has columns."""
+    signs = len(header.names) - 1
+    for line in lines:
+        if line.isspace():
+            continue
+        if line.count(header.delimiter) != signs:
+            raise ValueError("a row has another number of cells than the header")
+        yield line
+
+
+def require_cells(header: Header, where: str, cells: Sequence[str]) -> None:
+    """Raises a RecordError unless a row has as many cells as the header has columns.
+
+    Args:
+        header: Of the file.
+        where: The row stands, in words.
+        cells: Of the row.
+    """
+    count, columns = len(cells), len(header.names)
+    if count == columns:
+        return
+    message = f"{where}: {count} cells where the header has {columns} columns."
+    if count > columns and header.delimiter == ",":
+        message += " Decimals are written with a point: here every comma separates two cells."
+    elif count == 1 and (sign := next((sign for sign in ";\t," if sign in cells[0]), None)):
+        message += (
+            f" The header's cells are separated by {_SIGNS[header.delimiter]}, those of this row by {_SIGNS[sign]}."
+        )
+    raise RecordError(message)
 
 
 def most_rows(path: Path) -> int:
@@ -158,8 +204,7 @@ def name_bad_line(header: Header, columns: Sequence[int], *, missing: bool = Fal
                 continue
             where = f"{header.path}, line {number}"
             cells = text.rstrip("\r\n").split(header.delimiter)
-            if len(cells) <= max(columns):
-                raise RecordError(f"{where}: {len(cells)} cells where the header has {len(header.names)} columns.")
+            require_cells(header, where, cells)
             numbers = [
                 _number(where, header.names[column], cells[column].strip(), missing=missing and place > 0)
                 for place, column in enumerate(columns)
@@ -172,7 +217,14 @@ def name_bad_line(header: Header, columns: Sequence[int], *, missing: bool = Fal
 
 
 def _number_or_nan(cell: str) -> float:
-    return float(cell) if cell.strip() else math.nan
+    return parse_number(cell) if cell.strip() else math.nan
+
+
+def parse_number(cell: str) -> float:
+    """Returns the number in a cell, or raises ValueError; 1_000, which Python would take, is none in a file."""
+    if "_" in cell:
+        raise ValueError(cell)
+    return float(cell)
 
 
 def _number(where: str, name: str, cell: str, *, missing: bool) -> float:
@@ -186,10 +238,12 @@ def _number(where: str, name: str, cell: str, *, missing: bool) -> float:
         )
         raise RecordError(f'{where}: {cell or "an empty cell"} in column "{name}"; {fill}.')
     try:
-        value = float(cell)
+        value = parse_number(cell)
     except ValueError:
         hint = " Decimals are written with a point." if "," in cell else ""
         raise RecordError(f'{where}: "{cell}" in column "{name}" is not a number.{hint}') from None
-    if not math.isfinite(value):
-        raise RecordError(f'{where}: {cell} in column "{name}"; cut or repair the record before it is used.')
+    if not abs(value) <= LARGEST:
+        raise RecordError(
+            f'{where}: {cell} in column "{name}" is no measured value; cut or repair the record before it is used.'
+        )
     return value

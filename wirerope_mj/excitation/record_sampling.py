@@ -41,6 +41,10 @@ _STOP_DB, _PASS = 80.0, 0.8
 _BLOCK = 100_000
 """Samples that are looked at together."""
 
+_MOST_MADE, _MOST_TIMES = 1_000_000, 10
+"""Samples at equal intervals that are made of a record whose own are not, at most: so many, or so many for each of its own.
+Beyond, nine tenths of it would be straight lines, from a time stamp that is wrong."""
+
 _LARGEST_FACTOR = 10_000
 """Of a change of rate, as a fraction: the filter has some fifty taps for each."""
 
@@ -54,7 +58,7 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
         gaps: `"refuse"`: a gap is an error. `"fill"`: it is filled with a straight line.
 
     Raises:
-        RecordError: There is a gap.
+        RecordError: There is a gap, or a time stamp far from all others.
     """
     time = reading.time
     step = float(time[-1] - time[0]) / (time.size - 1)
@@ -62,6 +66,7 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
         return replace(reading, time=_even_time(float(time[0]), step, time.size))
     intervals = np.diff(time)
     usual = float(np.quantile(intervals, 0.5, method="lower"))
+    _require_few(path, time, intervals, usual)
     regular = np.abs(intervals - usual) <= max(_ROUNDED * usual, 2.0 * _printed(time, usual))
     if np.mean(regular) >= _REGULAR and np.all(intervals[~regular] >= _GAP * usual):
         return _without_gaps(path, reading, np.flatnonzero(~regular), usual, fill=gaps == "fill")
@@ -73,6 +78,19 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
         stacklevel=3,
     )
     return _evened(reading, usual, float(intervals.min()))
+
+
+def _require_few(path: Path, time: NDArray[np.float64], intervals: NDArray[np.float64], usual: float) -> None:
+    """Raises RecordError if a record at its usual interval would be far longer than what was measured."""
+    count = float(time[-1] - time[0]) / usual
+    if count <= max(_MOST_MADE, _MOST_TIMES * time.size):
+        return
+    longest = int(intervals.argmax())
+    raise RecordError(
+        f"{path}: its time goes from {time[longest]:.9g} to {time[longest + 1]:.9g} s in one row, where most are {usual:.6g} s "
+        f"apart: at equal intervals, {time.size} samples would be {count:.3g}. Is a time stamp wrong? Correct it, or use what "
+        "lies before or behind."
+    )
 
 
 def _largest_miss(time: NDArray[np.float64], step: float) -> float:
@@ -110,6 +128,9 @@ def resampled(reading: Reading, rate: float) -> Reading:
         )
     if ratio == 1:
         return reading
+    made = len(reading.samples) * float(ratio)
+    if made > max(_MOST_MADE * _MOST_TIMES, _MOST_TIMES * len(reading.samples)):
+        raise ValueError(f"`resample` would make {made:.3g} samples of {len(reading.samples)}, got {rate!r}.")
     samples = _filtered(reading.samples, ratio.numerator, ratio.denominator)
     time = reading.time[0] + step / float(ratio) * np.arange(len(samples))
     inside = time <= reading.time[-1] + 1e-9 * step
