@@ -152,6 +152,32 @@ def test_wrong_entry_is_named_with_table_key_and_rule(path, value, message):
     assert str(caught.value).startswith("f.toml: ")
 
 
+MILLIMETRES = [
+    ("limits/travel/compression", 55, r"\[limits\] travel: `compression` must be in metres .*got 55\. .*write 0\.055"),
+    ("limits/travel/roll", 45.2, r"\[limits\] travel: `roll` must be in metres .*got 45\.2\. .*write 0\.0452"),
+    ("geometry/height", 120, r"\[geometry\] `height` must be in metres .*got 120\. .*write 0\.12"),
+]
+
+
+@pytest.mark.parametrize(("path", "value", "message"), MILLIMETRES)
+def test_millimetres_taken_for_metres_are_refused_with_the_number_to_write(path, value, message):
+    with pytest.raises(ModelError, match=message):
+        Isolator.from_dict(changed(path, value), where="f.toml")
+
+
+@pytest.mark.parametrize(("travel", "largest"), [("compression", 0.12), ("shear", 1.2)])
+def test_travel_is_held_against_the_height_of_the_isolator(travel, largest):
+    """A mount 0.12 m high is not compressed by 0.13 m, and does not move sideways by ten times its height."""
+    Isolator.from_dict(_high(travel, largest))
+    with pytest.raises(ModelError, match=rf"f\.toml: .*`{travel}` of .* m is more than .* `height` of 0\.12 m"):
+        Isolator.from_dict(_high(travel, 1.01 * largest), where="f.toml")
+
+
+def _high(travel, value):
+    spring = {"law": "kelvin-voigt", "k": 1e5, "c": 0.0}
+    return {"name": "a", "axial": spring, "limits": {"travel": {travel: value}}, "geometry": {"height": 0.12}}
+
+
 def test_file_without_an_axis_is_refused():
     with pytest.raises(ModelError, match="must have a law on at least one axis of roll, shear, axial"):
         Isolator.from_dict({"name": "a"})

@@ -8,6 +8,7 @@ import pytest
 from house import deck, hysteresis, mjcf, sdof, sdof_text
 
 import wirerope_mj as wr
+from wirerope_mj.system.model_files import write_model
 
 G = wr.STANDARD_GRAVITY
 LAW = wr.BoucWen(**hysteresis(alpha=1e5, z_max=60.0), k=2e4)
@@ -110,6 +111,60 @@ def test_sites_in_the_wrong_order():
     base = '<tuple name="base"><element objtype="body" objname="deck"/></tuple>'
     with pytest.raises(wr.ModelError, match=r"mount 'm2': payload site 'b2' belongs to the base; swap the two sites"):
         load(mjcf(world, [("m1", "p", "b", "a"), ("m2", "b2", "p2", "a")], custom=base))
+
+
+def test_one_mount_of_three_with_its_sites_swapped_is_named():
+    points = {f"b{i}": f'pos="{i} 0 .2"' for i in range(3)}
+    sites = "".join(f'<site name="p{i}" pos="{i} 0 -.1"/>' for i in range(3))
+    box = f'<body name="box" pos="0 0 .3"><freejoint/><geom size=".1" mass="9"/>{sites}</body>'
+    mounts = [("m0", "p0", "b0", "a"), ("m1", "b1", "p1", "a"), ("m2", "p2", "b2", "a")]
+    with pytest.raises(wr.ModelError, match=r"mount 'm1': its payload site 'b1' is on 'deck'.*Swap its two sites"):
+        load(mjcf(deck(points) + box, mounts))
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ('<site name="q" pos="0 0 nan"/>', r"site 'q': its `pos` is \[ *0\. +0\. +nan\]"),
+        ('<body name="extra" pos="inf 0 0"/>', r"body 'extra': its `pos` is \[inf"),
+        ('<geom name="plate" size=".1" mass="0" pos="0 nan 0"/>', r"geom 'plate': its `pos` is .*nan"),
+        ('<joint name="turn" type="hinge" axis="0 0 nan"/>', r"joint 'turn': its `axis` is .*nan"),
+    ],
+)
+def test_a_number_that_is_not_finite_is_named_with_file_element_and_attribute(tmp_path, wrong, words):
+    path = tmp_path / "model.xml"
+    path.write_text(sdof_text().replace('<site name="p" pos="0 0 -.1"/>', f'<site name="p" pos="0 0 -.1"/>{wrong}'))
+    with pytest.raises(wr.ModelError, match=rf"model\.xml: {words}.*must be finite"):
+        load(path)
+
+
+def test_gravity_that_is_not_finite_is_named():
+    with pytest.raises(wr.ModelError, match=r"<option>: `gravity` is .*nan.*must be finite"):
+        load(sdof_text().replace('gravity="0 0 -0.0"', 'gravity="0 0 nan"'))
+
+
+@pytest.mark.filterwarnings("ignore:Inertia matrix is too close to singular")
+def test_slides_of_the_base_that_are_not_independent_are_named_with_the_base():
+    """x, z and (1 0 1) lie in one plane."""
+    text = mjcf(deck({"b": 'pos="0 0 .2"'}) + MASS, [("m1", "p", "b", "a")]).replace('axis="0 1 0"', 'axis="1 0 1"')
+    words = r"the joints \['deck_x', 'deck_y', 'deck_z'\] of \['deck'\] do not move in independent directions"
+    with pytest.raises(wr.ModelError, match=words):
+        load(text)
+
+
+def test_joints_of_a_payload_that_are_not_independent_are_named():
+    twice = MASS.replace("<geom", '<joint name="again" type="slide" axis="0 0 1"/><geom')
+    with pytest.raises(wr.ModelError, match=r"\['mass_z', 'again'\] of \['mass'\] do not move in independent"):
+        load(mjcf(DECK + twice, [("m1", "p", "b", "a")]))
+
+
+def test_a_model_that_only_mujoco_can_read_is_refused_where_it_is_copied(tmp_path):
+    """MuJoCo passes over a control character in a comment; XML does not allow one."""
+    path = tmp_path / "model.xml"
+    path.write_text(sdof_text().replace("<worldbody>", "<!-- \x01 --><worldbody>"))
+    system = load(path)
+    with pytest.raises(wr.ModelError, match=r"model\.xml: .*not well-formed XML \(.*line \d+, column \d+\)"):
+        write_model(system, tmp_path / "run")
 
 
 def test_a_tuple_that_does_not_hold_two_sites_and_a_text():

@@ -62,6 +62,8 @@ class Isolator:
                 raise ValueError(f"`{name}` must be a {kind.__name__}, got {getattr(self, name)!r}.")
         _ = self.coupled  # raises if the two laws cannot be coupled
         self._require_travel()
+        if self.geometry is not None:
+            self.geometry.require_room(self.limits.travel)
 
     def _require_travel(self) -> None:
         """Raise ValueError if a law does not hold as far as its axis' rated travel."""

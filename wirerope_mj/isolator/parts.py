@@ -8,6 +8,14 @@ KINDS = ("catalogue", "identified", "published", "illustrative")
 """Kinds of provenance: fitted to vendor figures, to measurements, taken from a publication, or an example."""
 
 
+LARGEST = 2.0
+"""Largest travel, height or width [m]: the vendors' tables reach 0.24 m, and 2 mm taken for metres are as much."""
+
+HEIGHTS = {"compression": 1.0, "tension": 10.0, "shear": 10.0, "roll": 10.0}
+"""Largest rated travel in heights of the isolator: it cannot become shorter than nothing; in the other directions the 72 parts
+of the vendors' tables reach 0.7, and 10 keeps clear of inches (26), centimetres and millimetres taken for metres."""
+
+
 def _require_positive(part: Any, *names: str) -> None:
     """Raise ValueError unless each named attribute is None or a finite number > 0."""
     for name in names:
@@ -16,6 +24,21 @@ def _require_positive(part: Any, *names: str) -> None:
             continue
         if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
             raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")
+
+
+def _require_metres(part: Any, *names: str) -> None:
+    """Raise ValueError if a named attribute is so large that it is probably not in metres."""
+    for name in names:
+        value = getattr(part, name)
+        if value is not None and value > LARGEST:
+            raise ValueError(
+                f"`{name}` must be in metres and at most {LARGEST:g} m, got {value:.6g}. {_in_metres(value)}"
+            )
+
+
+def _in_metres(value: float) -> str:
+    """Return the hint for a length that was perhaps meant in millimetres."""
+    return f"If these are millimetres, write {1e-3 * value:.6g}."
 
 
 def _require_text(part: Any, *names: str) -> None:
@@ -44,7 +67,8 @@ class Travel:
     roll: float | None = None
 
     def __post_init__(self) -> None:
-        _require_positive(self, "compression", "tension", "shear", "roll")
+        _require_positive(self, *HEIGHTS)
+        _require_metres(self, *HEIGHTS)
 
     @property
     def stated(self) -> dict[str, float]:
@@ -79,6 +103,16 @@ class Geometry:
 
     def __post_init__(self) -> None:
         _require_positive(self, "height", "width")
+        _require_metres(self, "height", "width")
+
+    def require_room(self, travel: Travel) -> None:
+        """Raise ValueError if a rated travel is larger than a mount of this height can have."""
+        for name, rated in travel.stated.items():
+            if self.height is not None and rated > HEIGHTS[name] * self.height:
+                raise ValueError(
+                    f"[limits] travel: `{name}` of {rated:.6g} m is more than {HEIGHTS[name]:g} times the `height` of "
+                    f"{self.height:.6g} m in [geometry]; both must be in metres. {_in_metres(rated)}"
+                )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the geometry as it stands in an isolator file."""

@@ -1,11 +1,13 @@
 """The mounts that an MJCF model declares, resolved to ids of the compiled model."""
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator import Isolator, find_isolator, load_isolator
@@ -164,12 +166,33 @@ def base_body(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> int:
     roots = [{int(model.body_rootid[model.site_bodyid[site]]) for site in sites} for sites in _sites(mounts)]
     candidates = sorted(roots[1] - roots[0])
     if len(candidates) != 1:
+        _check_order(model, mounts)
         found = [model.body(body).name for body in candidates]
         raise ModelError(
             f"the base is not unique: {found or 'none'} of the bodies carry base sites and no payload site. Name it by "
             '<tuple name="base"><element objtype="body" objname="..."/></tuple> in <custom>.'
         )
     return candidates[0]
+
+
+def _check_order(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
+    """Raise ModelError if a mount stands the other way round between the two bodies than most others do."""
+    ways = {mount.name: tuple(int(root) for root in _roots(model, mount)) for mount in mounts}
+    counts = Counter(ways.values())
+    for mount in mounts:
+        payload, base = ways[mount.name]
+        if 0 < counts[payload, base] < counts[base, payload]:
+            names = [model.site(site).name for site in (mount.payload_site, mount.base_site)]
+            raise ModelError(
+                f"mount {mount.name!r}: its payload site {names[0]!r} is on {model.body(payload).name!r} and its base site "
+                f"{names[1]!r} on {model.body(base).name!r}; {counts[base, payload]} other mounts stand the other way round. "
+                "Swap its two sites."
+            )
+
+
+def _roots(model: mujoco.MjModel, mount: DeclaredMount) -> npt.NDArray[np.int32]:
+    """Return the children of the world above the payload site and the base site of a mount, (2,)."""
+    return np.asarray(model.body_rootid[model.site_bodyid[[mount.payload_site, mount.base_site]]])
 
 
 def _sites(mounts: list[DeclaredMount]) -> tuple[list[int], list[int]]:

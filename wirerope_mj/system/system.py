@@ -14,6 +14,7 @@ from wirerope_mj.limits import PayloadLimit
 from wirerope_mj.system.assembly import Assembly, assemble
 from wirerope_mj.system.changes import Changes
 from wirerope_mj.system.declared import DeclaredMount, base_body, check_names, check_visible, declared_mounts
+from wirerope_mj.system.finite import check_joints, check_numbers
 from wirerope_mj.system.limits import declared_limits
 
 
@@ -89,14 +90,23 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
     """
     text, path = _read(source)
     try:
+        return _system(text, path, isolators or {})
+    except ModelError as error:
+        raise ModelError(f"{path}: {error}" if path else str(error)) from error
+
+
+def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> System:
+    """Return the system of an MJCF text, which stands in the file `path` if there is one."""
+    try:
         spec = mujoco.MjSpec.from_file(str(path)) if path else mujoco.MjSpec.from_string(text)
         check_names(spec)
         plain = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
-        where = f"{path}: " if path else ""
-        raise ModelError(f"{where}MuJoCo cannot compile the model. {' '.join(str(error).split())}") from None
+        raise ModelError(f"MuJoCo cannot compile the model. {' '.join(str(error).split())}") from None
     check_visible(plain)
-    declared = declared_mounts(spec, plain, folder=path.parent if path else None, isolators=isolators or {})
+    check_numbers(plain)
+    check_joints(plain)
+    declared = declared_mounts(spec, plain, folder=path.parent if path else None, isolators=isolators)
     base = base_body(plain, declared)
     _check_payloads(plain, declared, base)
     assembly = assemble(spec, declared, base)
