@@ -11,7 +11,7 @@ from wirerope_mj.resources import scenarios_folder
 
 PACKAGE = Path(wirerope_mj.__file__).parent
 LAYERS = (
-    ("errors", "units", "resources", "state", "jit", "whole", "limits", "option_file", "plain_text"),
+    ("errors", "units", "resources", "state", "jit", "whole", "limits", "option_file", "plain_text", "inside"),
     ("laws", "excitation", "spectra"),
     ("isolator", "bench", "oscillator"),
     ("identification",),

@@ -1,5 +1,6 @@
 """Commands of `wirerope`, and how their errors become one message and an exit code."""
 
+import math
 import os
 import sys
 import warnings
@@ -9,7 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 from signal import SIGTERM, default_int_handler, signal
 from threading import current_thread, main_thread
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import App, Parameter
 from cyclopts.exceptions import CycloptsError
@@ -29,6 +30,9 @@ from wirerope_mj.cli.study import list_studies, study_command
 from wirerope_mj.cli.study_report import study_report
 from wirerope_mj.errors import ClusterWarning, RecordWarning, StudyWarning, WireRopeError
 from wirerope_mj.plain_text import plain, plain_lines
+
+if TYPE_CHECKING:
+    from wirerope_mj.runfolder import Replay
 
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
 """Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers."""
@@ -111,7 +115,10 @@ def show(folder: Path, *, web: Annotated[bool, Parameter(negative=())] = False) 
 
 @app.command
 def replay(folder: Path) -> int:
-    """Simulate a run again from its folder alone and say whether the numbers agree: exit code 0, or 1 if they do not.
+    """Simulate a run again from its folder alone and say whether the numbers agree and which files were altered.
+
+    Compared are all stored numbers: samples, peaks, states, and those of summary.json. The exit code is 0, or 1 if they do not
+    agree or a file was altered or removed since the run was written.
 
     Args:
         folder: folder of a run.
@@ -119,14 +126,22 @@ def replay(folder: Path) -> int:
     from wirerope_mj.runfolder import replay as replay_run
 
     result = replay_run(folder, progress=sys.stderr.isatty())
-    if result.identical:
-        print(f"{plain(str(folder))}: every sample and every peak is bit-identical.")
+    print(plain(f"{folder}: {_replayed(result)}"))
+    if result.alterations is None:
+        print("There is no checksums.txt here: what else was altered since the run was written is not known.")
     else:
-        where = f" in {result.column}" if result.column else ": only the peaks between samples differ"
-        word = "rounding, as of another processor" if result.agrees else "the numbers do not agree"
-        text = f"{folder}: largest difference {result.largest_difference:.3g} of the column's peak{where}; {word}."
-        print(plain(text))
-    return 0 if result.agrees else DIFFERENT
+        print(plain(result.alterations.text or "No file was altered since the run was written."))
+    return 0 if result.agrees and result.intact else DIFFERENT
+
+
+def _replayed(result: "Replay") -> str:
+    """Return a sentence on whether the numbers are the same."""
+    if result.identical:
+        return "every stored number is bit-identical: samples, peaks, states and summary."
+    if math.isinf(result.largest_difference):
+        return f"{result.column} is not what is computed from the folder; the numbers do not agree."
+    word = "rounding, as of another processor" if result.agrees else "the numbers do not agree"
+    return f"largest difference {result.largest_difference:.3g}, relative to the peak, in {result.column}; {word}."
 
 
 app.command(loops)

@@ -37,12 +37,15 @@ def compare(
     from wirerope_mj.recording.overlay import write_overlay
     from wirerope_mj.recording.overlay_runs import overlay_of
     from wirerope_mj.response import load_response
+    from wirerope_mj.runfolder.checksums import warn_of_alterations
     from wirerope_mj.runfolder.inputs import run_inputs
 
     if len(runs) < 2:
         raise ValueError(f"compare takes two runs or more, got {len(runs)}: wirerope compare RUN RUN [RUN ..]")
     called = _names(runs, names)
     target = _target(out, force=force)
+    for folder in runs:
+        warn_of_alterations(folder)
     responses = {name: load_response(folder) for name, folder in zip(called, runs, strict=True)}
     inputs = {name: run_inputs(folder) for name, folder in zip(called, runs, strict=True)}
     overlay = overlay_of(responses, align)

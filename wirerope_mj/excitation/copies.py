@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.motion import BaseMotion
+from wirerope_mj.inside import file_inside
 
 
 def copy_records(motions: Sequence[BaseMotion], folder: Path) -> dict[Path, str]:
@@ -24,11 +24,8 @@ def copy_records(motions: Sequence[BaseMotion], folder: Path) -> dict[Path, str]
 
 
 def check_records(motion: Mapping[str, Any], folder: Path) -> None:
-    """Raises RecordError if a motion that `folder` holds, as `to_dict` stored it, names a record outside the folder."""
-    if "path" in motion and not (folder / motion["path"]).resolve().is_relative_to(folder.resolve()):
-        raise RecordError(
-            f"{folder}: the record {motion['path']!r} lies outside this folder and is not read; a folder holds all that it "
-            "needs. Simulate the scenario again, and the record is copied."
-        )
+    """Raises RecordError if a motion that `folder` holds, as `to_dict` stored it, names a record that is not in the folder."""
+    if "path" in motion:
+        file_inside(folder, motion["path"], "record")
     for part in (*motion.get("terms", []), *([motion["motion"]] if "motion" in motion else [])):
         check_records(part, folder)

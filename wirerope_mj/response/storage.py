@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.errors import RecordError
+from wirerope_mj.response.checked import check_content
 from wirerope_mj.response.columns import ColumnPlan
 from wirerope_mj.response.peaks import Peaks
 from wirerope_mj.response.response import BLOCK_ROWS, Numerics, Response
@@ -22,6 +23,7 @@ Array = npt.NDArray[np.float64]
 FILE = "response.parquet"
 _KEY = b"wirerope_mj"
 FORMAT = 1
+_AGAIN = "The file was damaged or edited: take it from another copy of the folder, or simulate the run again."
 
 
 @dataclass(frozen=True)
@@ -33,9 +35,7 @@ class FileSamples:
 
     def columns(self, first: int, last: int) -> Array:
         """Return columns `first` to `last` (exclusive), (n_t, last - first)."""
-        import pyarrow.parquet as pq
-
-        with pq.ParquetFile(self.path) as file:
+        with self._open() as file:
             values, row = np.empty((file.metadata.num_rows, last - first)), 0
             for block in self._blocks(file, first, last):  # read at once, the columns would stand in memory twice
                 values[row : row + len(block)] = block
@@ -44,16 +44,38 @@ class FileSamples:
 
     def blocks(self, first: int, last: int) -> Iterator[Array]:
         """Yield these columns some rows after the other."""
+        with self._open() as file:
+            yield from self._blocks(file, first, last)
+
+    def _open(self) -> Any:
         import pyarrow.parquet as pq
 
-        with pq.ParquetFile(self.path) as file:
-            yield from self._blocks(file, first, last)
+        try:
+            return pq.ParquetFile(self.path, page_checksum_verification=True)
+        except (OSError, ValueError):
+            raise RecordError(f"{self.path}: this file was removed or damaged since it was opened. {_AGAIN}") from None
 
     def _blocks(self, file: Any, first: int, last: int) -> Iterator[Array]:
         if first == last:  # a mount without internal states
             return
-        for batch in file.iter_batches(BLOCK_ROWS, columns=self.names[first:last]):
-            yield np.column_stack([column.to_numpy() for column in batch.columns])
+        batches, row = file.iter_batches(BLOCK_ROWS, columns=self.names[first:last]), 0
+        while (block := self._block(batches, first)) is not None:
+            if not np.isfinite(block).all():
+                wrong, column = np.argwhere(~np.isfinite(block))[0]
+                name = self.names[first + int(column)]
+                raise RecordError(f"{self.path}: column {name!r} is not finite at sample {row + int(wrong)}. {_AGAIN}")
+            row += len(block)
+            yield block
+
+    def _block(self, batches: Iterator[Any], first: int) -> Array | None:
+        """Return the next rows, or None at the end."""
+        try:
+            batch = next(batches, None)
+            return batch and np.column_stack([column.to_numpy(zero_copy_only=False) for column in batch.columns])
+        except (OSError, ValueError):  # pyarrow's words say what byte of a page, and of no use to a user
+            raise RecordError(
+                f"{self.path}: the samples are damaged in column {self.names[first]!r} or one of those behind it. {_AGAIN}"
+            ) from None
 
 
 class SampleWriter:
@@ -69,8 +91,9 @@ class SampleWriter:
         self._schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in names])
         # Byte-stream split makes smooth float64 columns compressible; dictionaries would not.
         self._writer = pq.ParquetWriter(
-            self._beside, self._schema, compression="zstd", use_dictionary=False, use_byte_stream_split=True
-        )
+            self._beside, self._schema, compression="zstd", use_dictionary=False, use_byte_stream_split=True,
+            write_page_checksum=True,
+        )  # fmt: skip
 
     def write(self, values: Array) -> None:
         """Append samples, (n, n_columns)."""
@@ -141,29 +164,52 @@ def load_response(folder: str | Path) -> Response:
         folder: where `response.parquet` stands; or such a file itself, whatever its name.
 
     Raises:
-        RecordError: the folder holds no response, or the file is damaged.
+        RecordError: the folder holds no response, or the file is damaged: names the column or the key of its metadata. What a
+            damaged page of samples holds is found when it is read.
     """
     path = Path(folder)
     path = path if path.is_file() else path / FILE
     if not path.is_file():
         raise RecordError(f"{folder}: there is no {FILE} here; a run folder holds one.")
-    try:
-        import pyarrow.parquet as pq
+    names, content = _read(path)
+    response = build_response(
+        names=names, column_reader=lambda names: FileSamples(names, path), content=content, path=path
+    )
+    if not response.time.size or (np.diff(response.time) <= 0.0).any():
+        raise RecordError(f"{path}: column 'time' must hold instants that grow from sample to sample. {_AGAIN}")
+    return response
 
+
+def _read(path: Path) -> tuple[list[str], dict[str, Any]]:
+    """Return the names of the columns and the metadata of a file, both checked; RecordError if they cannot be a response's."""
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    try:
         file = pq.read_metadata(path)
-        content = json.loads((file.metadata or {})[_KEY])
-        if content["format"] != FORMAT:
-            raise RecordError(f"{path}: format {content['format']} is not {FORMAT}; use the version that wrote it.")
-        return build_response(
-            names=list(file.schema.names),
-            column_reader=lambda names: FileSamples(names, path),
-            content=content,
-            path=path,
-        )
-    except (OSError, KeyError, ValueError, TypeError) as error:
+        schema = file.schema.to_arrow_schema()
+    except (OSError, ValueError):
         raise RecordError(
-            f"{path}: this is not a response of wirerope_mj ({error.__class__.__name__}: {error})."
+            f"{path}: this is not a response of wirerope_mj, nor a whole Parquet file. {_AGAIN}"
         ) from None
+    try:
+        content = json.loads((file.metadata or {})[_KEY])
+    except (KeyError, ValueError, RecursionError):
+        raise RecordError(
+            f"{path}: this is not a response of wirerope_mj: there is no readable metadata {_KEY.decode()!r}. {_AGAIN}"
+        ) from None
+    if isinstance(content, dict) and content.get("format") != FORMAT:
+        raise RecordError(
+            f"{path}: `format` is {content.get('format')!r}, not {FORMAT}; use the version that wrote it."
+        )
+    try:
+        check_content(content, schema.names)
+    except ValueError as error:
+        raise RecordError(f"{path}: {error} {_AGAIN}") from None
+    strange = [field.name for field in schema if field.type != pa.float64()]
+    if strange:
+        raise RecordError(f"{path}: column {strange[0]!r} must hold float64 numbers. {_AGAIN}")
+    return schema.names, content
 
 
 def build_response(

@@ -9,6 +9,7 @@ summary.json       peaks, limits, verdicts, how it was computed
 run.rrd            the view
 histories.png, loops.png
 report.html        everything of these that an engineer hands over, on one page
+checksums.txt      SHA-256 of every other file, as sha256sum writes them: what says later which were altered
 ```
 """
 

@@ -1,82 +1,105 @@
 """A run computed again from its folder alone."""
 
 import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
+from wirerope_mj.errors import WireRopeError
 from wirerope_mj.response import Response, load_response
-from wirerope_mj.runfolder.sources import scenario_content, system_and_motion
+from wirerope_mj.runfolder.checksums import Alterations, alterations
+from wirerope_mj.runfolder.differences import (
+    Difference,
+    other_differences,
+    peak_differences,
+    sample_differences,
+    summary_differences,
+)
+from wirerope_mj.runfolder.scenario_file import scenario_content
+from wirerope_mj.runfolder.sources import check_one_run, system_and_motion
 from wirerope_mj.runfolder.write import is_streamed
 from wirerope_mj.simulation import simulate
+from wirerope_mj.simulation.simulate import versions
 
 AGREES = 1e-9
 """Largest difference relative to a column's peak that another processor's rounding explains; a wrong input is far above."""
 
-_BLOCK = 64  # columns that are compared at once
-
 
 @dataclass(frozen=True, kw_only=True)
 class Replay:
-    """Whether a run computed again gives the same numbers.
+    """Whether a run computed again gives the same numbers, and which files of its folder were altered.
 
     Attributes:
-        identical: every sample and every peak has the same bits.
-        largest_difference: of a sample, relative to the largest of its column; infinite where the columns differ.
-        column: where it is; "" if all samples are identical.
+        identical: every stored number has the same bits: samples, peaks, states, scene, events, step, and those of
+            summary.json.
+        largest_difference: of a stored number: of a sample relative to the largest of its column, of a peak to the largest of
+            its components; infinite where a text differs, or where there is something else.
+        column: where it is, a column or what else is stored; "" if all is identical.
         response: what was computed; None if its samples were streamed and are gone.
+        alterations: files that are not as they were written; None without checksums, as in older runs.
     """
 
     identical: bool
     largest_difference: float
     column: str
     response: Response | None
+    alterations: Alterations | None = None
 
     @property
     def agrees(self) -> bool:
         """Whether the numbers are the same but for what rounding on another processor explains."""
         return self.identical or self.largest_difference <= AGREES
 
+    @property
+    def intact(self) -> bool:
+        """Whether no file is known to be altered or missing."""
+        return self.alterations is None or self.alterations.intact
+
 
 def replay(folder: str | Path, *, progress: bool = False) -> Replay:
     """Return the comparison of a run with itself computed again; nothing outside its folder is read.
 
     Raises:
-        RecordError: the folder is not a complete run.
+        RecordError: the folder is not a complete run, or its files are damaged or not of one run; names those that were
+            altered since it was written.
+        ModelError: the model or an isolator in it is not what it must be.
     """
     folder = Path(folder)
-    content = scenario_content(folder)
-    system, motion = system_and_motion(folder, content)
-    arguments = {key: value for key, value in content["simulate"].items() if key != "accuracy"}
-    stored = load_response(folder)
-    long = is_streamed(arguments)
-    with tempfile.TemporaryDirectory() as place:
-        again = simulate(system, motion, **arguments, out=place if long else None, progress=progress)
-        difference, column = _difference(stored, again)
-        same_peaks = stored.peaks.to_dict() == again.peaks.to_dict()
+    altered = alterations(folder) if folder.is_dir() else None
+    with _naming(altered):
+        content = scenario_content(folder)
+        system, motion = system_and_motion(folder, content)
+        stored = load_response(folder)
+        check_one_run(folder, content, system, stored)
+        same_version = stored.numerics.versions.get("wirerope-mj") == versions()["wirerope-mj"]
+        found = list(summary_differences(folder, content["name"], motion, stored, texts=same_version))
+        arguments = {key: value for key, value in content["simulate"].items() if key != "accuracy"}
+        long = is_streamed(arguments)
+        with tempfile.TemporaryDirectory() as place:
+            again = simulate(system, motion, **arguments, out=place if long else None, progress=progress)
+            for compare in (sample_differences, peak_differences, other_differences):
+                found += compare(stored, again)
+    difference, where = _largest(found)
     return Replay(
-        identical=not column and same_peaks,
+        identical=not where,
         largest_difference=difference,
-        column=column,
+        column=where,
         response=None if long else again,
+        alterations=altered,
     )
 
 
-def _difference(stored: Response, again: Response) -> tuple[float, str]:
-    """Return the largest relative difference of a sample and its column."""
-    names = stored.samples.names
-    if names != again.samples.names or not np.array_equal(stored.time, again.time):
-        return np.inf, "the columns or the sample instants themselves"
-    worst, where = 0.0, ""
-    for first in range(0, len(names), _BLOCK):
-        a = stored.samples.columns(first, min(first + _BLOCK, len(names)))
-        b = again.samples.columns(first, min(first + _BLOCK, len(names)))
-        if np.array_equal(a, b):
-            continue
-        scale = np.maximum(np.abs(a).max(axis=0), np.finfo(float).tiny)
-        share = np.abs(a - b).max(axis=0) / scale
-        place = int(share.argmax())
-        if share[place] > worst:
-            worst, where = float(share[place]), names[first + place]
-    return worst, where
+@contextmanager
+def _naming(altered: Alterations | None) -> Iterator[None]:
+    """Name the altered files in the message of what they led to."""
+    try:
+        yield
+    except (WireRopeError, ValueError) as error:
+        if altered is None or altered.intact:
+            raise
+        raise type(error)(f"{error} {altered.text}") from None
+
+
+def _largest(found: list[Difference]) -> Difference:
+    return max((one for one in found if one[0] > 0.0), default=(0.0, ""))

@@ -17,11 +17,13 @@ from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.modes import modes
 from wirerope_mj.report import Absent, FinishedRun, report_content, report_html, worst_names
 from wirerope_mj.response import Response, load_response
+from wirerope_mj.runfolder.checksums import update_checksums, warn_of_alterations
 from wirerope_mj.runfolder.frequency_response import KIND, MARKS
 from wirerope_mj.runfolder.page import page_files, write_page
 from wirerope_mj.runfolder.record_doubts import record_doubts
 from wirerope_mj.runfolder.run_spectra import run_densities, run_spectra
-from wirerope_mj.runfolder.sources import scenario_content, system_and_motion
+from wirerope_mj.runfolder.scenario_file import scenario_content
+from wirerope_mj.runfolder.sources import check_one_run, system_and_motion
 from wirerope_mj.statics import History, StaticTable, static_table
 from wirerope_mj.system import System
 
@@ -41,15 +43,19 @@ def write_report(
         force: whether files at `out` are replaced.
 
     Raises:
-        RecordError: the folder is not a run, or a file is there and must not be replaced.
+        RecordError: the folder is not a run, its files are damaged or not of one run, or a file is there and must not be
+            replaced.
         WireRopeError: a PDF cannot be made here.
     """
     folder = Path(folder)
     files = page_files(folder, out, pdf=pdf, force=force)
-    content = scenario_content(_run_folder(folder))
+    warn_of_alterations(_run_folder(folder))
+    content = scenario_content(folder)
     system, motion = system_and_motion(folder, content)
-    text = report_page(content, system, motion, load_response(folder))
-    write_page(text, files)
+    response = load_response(folder)
+    check_one_run(folder, content, system, response)
+    write_page(report_page(content, system, motion, response), files)
+    update_checksums(folder, files)
     return files
 
 

@@ -1,44 +1,24 @@
-"""What a run is computed from: scenario, system and motion, read from its folder alone."""
+"""What a run is computed from: system and motion, read from its folder alone, and whether its response is theirs."""
 
-import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.errors import RecordError
+import numpy as np
+
+from wirerope_mj.errors import ModelError, RecordError
 from wirerope_mj.excitation.copies import check_records
 from wirerope_mj.excitation.motion import BaseMotion
 from wirerope_mj.excitation.restore import motion_from_dict
-from wirerope_mj.runfolder.folder import FORMAT, SCENARIO
+from wirerope_mj.response import Response
+from wirerope_mj.runfolder.folder import SCENARIO
+from wirerope_mj.simulation.recorder import column_plan
 from wirerope_mj.system import Changes, System, load_system
 from wirerope_mj.system.model_files import missing_isolators, read_changes
 from wirerope_mj.system.named_files import check_inside
 from wirerope_mj.system.varied import with_changes
 
-
-def scenario_content(folder: Path) -> dict[str, Any]:
-    """Return the scenario of a run as it stands in its folder.
-
-    Raises:
-        RecordError: the folder is not a run, or its scenario is damaged.
-    """
-    path = folder / SCENARIO
-    if not path.is_file():
-        raise RecordError(f"{folder}: this is not a run; there is no {SCENARIO} here.")
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-        if content["format"] != FORMAT:
-            raise RecordError(f"{path}: format {content['format']} is not {FORMAT}; use the version that wrote it.")
-        for table, key in (
-            ("model", "file"),
-            ("simulate", "duration"),
-            ("simulate", "sample_rate"),
-            ("motion", "kind"),
-        ):
-            content[table][key]
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError) as error:
-        raise RecordError(f"{path}: this is not the scenario of a run ({type(error).__name__}: {error}).") from None
-    return content
+_REMEDY = "One of the two was changed or belongs to another run: take them from one copy of the folder."
 
 
 def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, BaseMotion]:
@@ -49,7 +29,8 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
         content: what `scenario_content` returned.
 
     Raises:
-        RecordError: one of their files is not in the folder.
+        RecordError: one of their files is not in the folder, or the motion's parameters are not what they must be.
+        ModelError: the model or an isolator is not.
     """
     model = check_inside(folder, content["model"])
     motion = {key: value for key, value in content["motion"].items() if key != "description"}
@@ -57,8 +38,55 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
     system = load_system(model)
     missing = missing_isolators(system, model.parent)
     if missing:  # the catalogue stepped in, which may have changed since
-        raise RecordError(f"{folder}: the isolator file {missing[0]!r} is missing in {model.parent.name}/.")
-    return with_changes(system, _changes(folder, content["model"])), motion_from_dict(motion, folder=folder)
+        raise RecordError(
+            f"{folder}: the isolator file {missing[0]!r} is missing in {model.parent.name}/. Take it from another copy of the "
+            "folder."
+        )
+    system = with_changes(system, _changes(folder, content["model"]))
+    try:
+        return system, motion_from_dict(motion, folder=folder)
+    except (ModelError, ValueError) as error:
+        raise RecordError(
+            f"{folder / SCENARIO}: `motion`: {error} Put it right, or take the file from another copy of the folder."
+        ) from None
+
+
+def check_one_run(folder: Path, content: Mapping[str, Any], system: System, response: Response) -> None:
+    """Raise RecordError unless the response in a run's folder is that of the scenario and the model beside it.
+
+    Compared is what both hold: the motion, the sampling, the step, and the names of bodies, points and mounts.
+    """
+    simulate, numerics = content["simulate"], response.numerics
+    samples = np.floor((simulate["duration"] + 1e-10) * simulate["sample_rate"]) + 1.0  # as simulations sample
+    pairs = [
+        ("simulate.duration x sample_rate, in samples", float(samples), response.time.size),
+        ("simulate.timestep", simulate["timestep"], numerics.timestep),
+        ("simulate.callback", simulate["callback"], numerics.callback),
+        *_motion_pairs(content["motion"], response.motion, "motion"),
+    ]
+    if "accuracy" in simulate:
+        pairs.append(("simulate.accuracy", simulate["accuracy"], numerics.accuracy))
+    for name, here, there in pairs:
+        if here != there:
+            raise RecordError(
+                f"{folder / SCENARIO}: `{name}` is {here}, and the response was computed with {there}. {_REMEDY}"
+            )
+    if column_plan(system).names != response.samples.names:
+        raise RecordError(
+            f"{folder}: the bodies, points and mounts of {content['model']['file']} are not those of the response. {_REMEDY}"
+        )
+
+
+def _motion_pairs(here: Any, there: Any, where: str) -> Iterator[tuple[str, Any, Any]]:
+    """Yield name and both values of every parameter of two stored motions; records lie elsewhere in the folder."""
+    if isinstance(here, dict) and isinstance(there, dict):
+        for key in sorted({*here, *there} - {"path", "description"}):
+            yield from _motion_pairs(here.get(key), there.get(key), f"{where}.{key}")
+    elif isinstance(here, list) and isinstance(there, list) and len(here) == len(there):
+        for i, (one, other) in enumerate(zip(here, there, strict=True)):
+            yield from _motion_pairs(one, other, f"{where}.{i}")
+    else:
+        yield where, here, there
 
 
 def _changes(folder: Path, model: Mapping[str, Any]) -> tuple[Changes, ...]:

@@ -17,6 +17,7 @@ from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.excitation.copies import copy_records
 from wirerope_mj.plain_text import markdown, markdown_lines
 from wirerope_mj.response import Response, load_response
+from wirerope_mj.runfolder.checksums import write_checksums
 from wirerope_mj.runfolder.folder import FORMAT, SCENARIO, SUMMARY, check_target, written_whole
 from wirerope_mj.runfolder.record_doubts import record_doubts
 from wirerope_mj.scenario import Scenario
@@ -64,9 +65,11 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
             response.save(beside)
         text = _scenario_text(scenario, response, beside, model=model_table(system, model), arguments=arguments)
         (beside / SCENARIO).write_text(text, encoding="utf-8")
-        (beside / SUMMARY).write_text(_summary_text(scenario, response, seconds), encoding="utf-8")
+        content = summary_content(scenario.name, scenario.motion, response, seconds=round(seconds, 3))
+        (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         _write_pictures(scenario, response, beside)
         _write_report(text, system, scenario.motion, response, beside)
+        write_checksums(beside)
         del response  # a streamed response reads a file that is about to be renamed
     return load_response(target)
 
@@ -127,13 +130,14 @@ def _scenario_text(
     return tomli_w.dumps(content, multiline_strings=True)
 
 
-def _summary_text(scenario: Scenario, response: Response, seconds: float) -> str:
+def summary_content(name: str, motion: BaseMotion, response: Response, *, seconds: float) -> dict[str, Any]:
+    """Return what summary.json says of a run; `seconds` is how long it took."""
     numerics = response.numerics
-    content = {
+    return {
         "format": FORMAT,
-        "name": scenario.name,
-        "motion": scenario.motion.description,
-        "record_warnings": list(record_doubts(scenario.motion)),
+        "name": name,
+        "motion": motion.description,
+        "record_warnings": list(record_doubts(motion)),
         **summary(response),
         "numerics": {
             "timestep_s": numerics.timestep,
@@ -142,11 +146,10 @@ def _summary_text(scenario: Scenario, response: Response, seconds: float) -> str
             "callback": numerics.callback,
             "accuracy": None if math.isnan(numerics.accuracy) else numerics.accuracy,
             "estimated_error": numerics.error_estimate if math.isfinite(numerics.error_estimate) else None,
-            "seconds": round(seconds, 3),
+            "seconds": seconds,
             "versions": numerics.versions,
         },
     }
-    return json.dumps(content, indent=2, allow_nan=False) + "\n"
 
 
 def _write_pictures(scenario: Scenario, response: Response, folder: Path) -> None:

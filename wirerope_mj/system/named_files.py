@@ -5,6 +5,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from wirerope_mj.errors import ModelError, RecordError
+from wirerope_mj.inside import file_inside, is_inside
 
 _FOLDERS = ("assetdir", "meshdir", "texturedir")
 """Attributes of a `compiler` element that say where files are."""
@@ -35,13 +36,10 @@ def check_inside(folder: Path, stated: Mapping[str, str]) -> Path:
         ModelError: a file is not well-formed XML.
     """
     for name in stated.values():
-        if not _inside(folder / name, folder) or not (folder / name).is_file():
-            raise RecordError(
-                f"{folder}: the file {name!r} of its model is not in this folder. Copy the whole folder again."
-            )
+        file_inside(folder, name, "model file")
     model = folder / stated["file"]
     for name, path in (*named_files(model), *_isolator_files(model)):
-        if not _inside(path, folder):
+        if not is_inside(path, folder):
             raise RecordError(
                 f"{folder}: {model.name} names {name!r}, which lies outside this folder and is not read; a folder holds all "
                 "that it needs. Simulate the scenario again, and the files are copied."
@@ -64,7 +62,7 @@ def _trees(model: Path) -> Iterator[tuple[ElementTree.Element, tuple[Path, ...]]
     seen = set()
     while todo:
         file, searched = todo.pop(0)
-        if file.resolve() in seen or not _inside(file, model.parent):
+        if file.resolve() in seen or not is_inside(file, model.parent):
             continue  # a file may include itself, which MuJoCo refuses
         seen.add(file.resolve())
         tree = _tree(file)
@@ -93,7 +91,3 @@ def _tree(file: Path) -> ElementTree.Element:
             f"{file}, line {line}, column {column + 1}: this is not well-formed XML, so that the files the model needs cannot "
             "be found. Write & as &amp; and < as &lt;, close every element, and give no attribute twice."
         ) from None
-
-
-def _inside(path: Path, folder: Path) -> bool:
-    return path.resolve().is_relative_to(folder.resolve())

@@ -1,0 +1,158 @@
+"""Differences between the numbers that a run's folder holds and those that are computed again."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.errors import RecordError
+from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.response import Response
+from wirerope_mj.response.scene import scene_to_dict
+from wirerope_mj.runfolder.folder import SUMMARY
+from wirerope_mj.runfolder.write import summary_content
+
+Array = npt.NDArray[np.float64]
+Difference = tuple[float, str]
+"""A difference, relative to what its kind of number is compared with, and where it is; infinite for texts and NaN."""
+
+NEGLIGIBLE = 1e-9
+"""Next to the largest number of its vector: what is smaller is rounding, as along an axis in which nothing moves."""
+
+_BLOCK = 64  # columns that are compared at once
+_OF_THIS_TIME = ("numerics.seconds", "numerics.versions")  # of summary.json: not the same when it is computed again
+_LABELS = ("criterion", "subject", "name")
+
+
+def sample_differences(stored: Response, again: Response) -> Iterator[Difference]:
+    """Yield the differences of samples, relative to the largest of their column."""
+    names = stored.samples.names
+    if names != again.samples.names or not np.array_equal(stored.time, again.time):
+        yield np.inf, "the columns or the sample instants themselves"
+        return
+    for first in range(0, len(names), _BLOCK):
+        a = stored.samples.columns(first, min(first + _BLOCK, len(names)))
+        b = again.samples.columns(first, min(first + _BLOCK, len(names)))
+        if np.array_equal(a, b):
+            continue
+        scale = np.maximum(np.abs(a).max(axis=0), np.finfo(float).tiny)
+        ratio = np.abs(a - b).max(axis=0) / scale
+        place = int(ratio.argmax())
+        yield float(ratio[place]), names[first + place]
+
+
+def peak_differences(stored: Response, again: Response) -> Iterator[Difference]:
+    """Yield the differences of peaks: values relative to the largest of their peak, instants to the end of the run."""
+    end = max(float(stored.time[-1]), again.timestep)
+    other = _flat(again.peaks.to_dict())
+    for where, number in (mine := _flat(stored.peaks.to_dict())).items():
+        peak, index = where.rsplit(".", 1)
+        instant = int(index) in _INSTANTS
+        value = _INSTANTS.get(int(index))
+        if instant and value is not None and abs(other[f"{peak}.{value}"]) <= NEGLIGIBLE * other[f"{peak}.0"]:
+            scale = np.inf if abs(mine[f"{peak}.{value}"]) <= NEGLIGIBLE * other[f"{peak}.0"] else end
+        else:
+            scale = end if instant else max(abs(other[f"{peak}.0"]), abs(mine[f"{peak}.0"]))
+        if number != other[where]:
+            yield abs(number - other[where]) / max(scale, np.finfo(float).tiny), f"peaks.{peak}"
+
+
+_INSTANTS = {1: None} | {8 + axis: 5 + axis for axis in range(3)} | {14 + axis: 11 + axis for axis in range(3)}
+"""Which of a peak's numbers are instants, and the number that is reached there if that is a component."""
+
+
+def other_differences(stored: Response, again: Response) -> Iterator[Difference]:
+    """Yield the differences of states, scene, events and step, relative to themselves; of states at least to `NEGLIGIBLE`."""
+    for name in ("initial_state", "final_state"):
+        a, b = getattr(stored, name), getattr(again, name)
+        if a.values.shape != b.values.shape or a.time != b.time:
+            yield np.inf, name
+            continue
+        floor = max(NEGLIGIBLE * float(np.abs(b.values).max(initial=0.0)), np.finfo(float).tiny)
+        ratio = np.abs(a.values - b.values) / np.maximum(np.maximum(np.abs(a.values), np.abs(b.values)), floor)
+        yield float(ratio.max(initial=0.0)), name
+    pairs = {
+        "scene": (scene_to_dict(stored.scene), scene_to_dict(again.scene)),
+        "events": ([list(event) for event in stored.events], [list(event) for event in again.events]),
+        "numerics": tuple({key: asdict(one.numerics)[key] for key in ("timestep", "steps")} for one in (stored, again)),
+    }
+    for name, (mine, other) in pairs.items():
+        yield from _plain_differences(mine, other, name)
+
+
+def summary_differences(
+    folder: Path, name: str, motion: BaseMotion, stored: Response, *, texts: bool
+) -> Iterator[Difference]:
+    """Yield the differences between summary.json and what the stored response gives.
+
+    Args:
+        folder: of the run.
+        name: of the run.
+        motion: of its base.
+        stored: the response in the folder.
+        texts: whether texts and the entries themselves are compared, which another version may write otherwise.
+
+    Raises:
+        RecordError: summary.json is missing or damaged.
+    """
+    path = folder / SUMMARY
+    try:
+        mine = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise RecordError(f"{folder}: there is no {SUMMARY} here. Take it from another copy of the folder.") from None
+    except (OSError, ValueError, RecursionError):
+        raise RecordError(
+            f"{path}: this is not a summary, nor JSON. Take it from another copy of the folder."
+        ) from None
+    other = summary_content(name, motion, stored, seconds=0.0)
+    yield from _plain_differences(mine, other, SUMMARY, texts=texts, without=_OF_THIS_TIME)
+
+
+def _plain_differences(
+    mine: Any, other: Any, where: str, *, texts: bool = True, without: tuple[str, ...] = ()
+) -> Iterator[Difference]:
+    """Yield the differences between plain values: numbers relative to themselves, anything else infinite."""
+    one, two = _flat(mine), _flat(other)
+    for key in dict.fromkeys((*one, *two)):
+        if key.startswith(without) if without else False:
+            continue
+        if key not in one or key not in two:
+            if texts:
+                yield np.inf, f"{where} {key}"
+            continue
+        a, b = one[key], two[key]
+        if _is_number(a) and _is_number(b):
+            if a != b and not (a != a and b != b):  # NaN says in both that something is not known
+                yield (
+                    abs(a - b) / max(abs(a), abs(b)) if np.isfinite(a) and np.isfinite(b) else np.inf,
+                    f"{where} {key}",
+                )
+        elif a != b and (texts or _is_number(a) or _is_number(b)):
+            yield np.inf, f"{where} {key}"
+
+
+def _flat(value: Any, where: str = "") -> dict[str, Any]:
+    """Return the numbers and texts in nested tables and lists by name; entries of a list by what they are called."""
+    if isinstance(value, Mapping):
+        items = [(str(key), item) for key, item in value.items()]
+    elif isinstance(value, list | tuple):
+        items = [(_label(item, number), item) for number, item in enumerate(value)]
+    else:
+        return {where: value}
+    found = {} if items or not where else {where: len(items)}
+    for key, item in items:
+        found |= _flat(item, f"{where}.{key}" if where else key)
+    return found
+
+
+def _label(item: Any, number: int) -> str:
+    known = [str(item[key]) for key in _LABELS if key in item] if isinstance(item, Mapping) else []
+    return " of ".join(known) or str(number)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
