@@ -15,7 +15,8 @@ from wirerope_mj.scenario import Scenario, load_scenario
 from wirerope_mj.verdicts import mount_peaks
 
 FILES = {
-    "scenario.toml", "response.parquet", "summary.json", "run.rrd", "histories.png", "loops.png", "report.html", "model", "checksums.txt",
+    "scenario.toml", "response.parquet", "summary.json", "run.rrd", "histories.png", "loops.png", "report.html", "model",
+    "checksums.txt",
 }  # fmt: skip
 
 

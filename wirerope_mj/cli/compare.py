@@ -38,6 +38,7 @@ def compare(
     from wirerope_mj.recording.overlay_runs import overlay_of
     from wirerope_mj.response import load_response
     from wirerope_mj.runfolder.checksums import warn_of_alterations
+    from wirerope_mj.runfolder.headline import read_headline
     from wirerope_mj.runfolder.inputs import run_inputs
 
     if len(runs) < 2:
@@ -50,7 +51,8 @@ def compare(
     inputs = {name: run_inputs(folder) for name, folder in zip(called, runs, strict=True)}
     overlay = overlay_of(responses, align)
     write_overlay(overlay, target, inputs=inputs)
-    print_comparison(overlay, inputs, target)
+    headlines = {name: read_headline(folder) for name, folder in zip(called, runs, strict=True)}
+    print_comparison(overlay, inputs, headlines, target)
     return 0
 
 

@@ -1,7 +1,7 @@
 """What `wirerope compare` prints: inputs that differ, peaks side by side, and where and when runs differ."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich import box
@@ -24,11 +24,16 @@ _MOST_MOUNTS = 8
 """Mounts that are printed: those that use most of their rated travel in any run."""
 
 
-def print_comparison(overlay: Overlay, inputs: Inputs, target: Path) -> None:
-    """Print what differs between the runs, and where the recording is."""
+def print_comparison(overlay: Overlay, inputs: Inputs, headlines: Mapping[str, str], target: Path) -> None:
+    """Print the headline of every run, what differs between them, and where the recording is."""
     screen = console()
     names = [run.name for run in overlay.runs]
     screen.print(f"\n[bold]{escape(' and '.join(names))}[/]\n")
+    said = [f"{name}: {headline}" for name, headline in headlines.items() if headline]
+    for line in said:
+        screen.print(Padding(escape(line), (0, 0, 0, 2)))
+    if said:
+        screen.print()
     given = different_inputs(overlay, inputs)
     if given:
         screen.print(_inputs(names, given), "")

@@ -16,6 +16,7 @@ from wirerope_mj.excitation import Sweep
 from wirerope_mj.isolator.travel import RATINGS
 from wirerope_mj.plain_text import plain_lines
 from wirerope_mj.response import Response
+from wirerope_mj.runfolder.headline import read_headline
 from wirerope_mj.scenario import Scenario
 from wirerope_mj.units import STANDARD_GRAVITY
 from wirerope_mj.verdicts import MountPeak, body_peaks, mount_peaks, verdict_lines
@@ -60,6 +61,7 @@ def print_run(scenario: Scenario, response: Response, folder: Path, *, seconds: 
         out.print()
         out.print(_mounts(response))
         out.print()
+    out.print(f"  [bold]{escape(read_headline(folder))}[/]", soft_wrap=True)
     for line in verdict_lines(response):
         out.print(f"  {escape(line)}")
     out.print(f"\n  {_numerics(response)}; {seconds:.1f} s in all")

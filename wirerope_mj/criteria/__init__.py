@@ -15,7 +15,10 @@ from wirerope_mj.criteria.ship import velocity_lines as velocity_lines
 from wirerope_mj.criteria.srs import spectrum_verdict as spectrum_verdict
 from wirerope_mj.criteria.transmissibility import transmissibility_verdict as transmissibility_verdict
 from wirerope_mj.criteria.travel import travel_verdicts as travel_verdicts
+from wirerope_mj.criteria.verdict import CLEAR as CLEAR
 from wirerope_mj.criteria.verdict import EXCEEDED as EXCEEDED
 from wirerope_mj.criteria.verdict import NOT_JUDGED as NOT_JUDGED
+from wirerope_mj.criteria.verdict import STRUCK as STRUCK
+from wirerope_mj.criteria.verdict import TOUCHING as TOUCHING
 from wirerope_mj.criteria.verdict import WITHIN as WITHIN
 from wirerope_mj.criteria.verdict import Verdict as Verdict

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 WITHIN, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
+STRUCK, TOUCHING, CLEAR = "struck", "touching from the start", "not touched"
+"""Verdicts on contact pairs, which have no limit: a struck stop is a finding in itself."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,6 +21,7 @@ class Verdict:
         unit: SI unit of both, "" for a ratio.
         time: instant at which the value was reached [s]; None if it has none.
         note: why nothing is judged, or what the figure rests on.
+        contact: STRUCK, TOUCHING or CLEAR for a contact pair; "" for everything else.
     """
 
     criterion: str
@@ -28,6 +31,7 @@ class Verdict:
     unit: str
     time: float | None = None
     note: str = ""
+    contact: str = ""
 
     def __post_init__(self) -> None:
         if self.limit is not None and not 0.0 < self.limit < math.inf:
@@ -51,7 +55,9 @@ class Verdict:
 
     @property
     def verdict(self) -> str:
-        """Return "within", "exceeded" or "not judged"; a value at its limit is within."""
+        """Return "within", "exceeded" or "not judged", or what became of a contact pair; a value at its limit is within."""
+        if self.contact:
+            return self.contact
         share = self.share
         if share is None:
             return NOT_JUDGED

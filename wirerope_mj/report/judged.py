@@ -4,27 +4,22 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from wirerope_mj.criteria import EXCEEDED, NOT_JUDGED, WITHIN, Verdict
+from wirerope_mj.criteria import CLEAR, EXCEEDED, NOT_JUDGED, STRUCK, TOUCHING, WITHIN, Verdict
 from wirerope_mj.criteria.travel import COMBINED
 from wirerope_mj.report.content import Block, Cell, Listing, Mark, Paragraph, Table
-from wirerope_mj.report.display import ABSENT, fixed, listed, several, shown, shown_unit, with_unit
+from wirerope_mj.report.display import ABSENT, fixed, listed, shown, shown_unit, with_unit
+from wirerope_mj.verdicts import headline as verdicts_headline
 
-TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"}
+TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
 _NAMED = 3  # verdicts that the answer names one by one
 _AMPLE = 10.0  # margin from which only its size is said: nobody needs 1234 %
 
 
 def headline(verdicts: Sequence[Verdict]) -> Mark:
-    """Return the answer in a few words."""
-    judged, over = _judged(verdicts), _exceeded(verdicts)
-    if not judged:
-        return Mark(text="Nothing is judged: no limit is stated for anything in this run.", tone="unjudged")
-    left = several(len(verdicts) - len(judged), "figure is not judged", "figures are not judged")
-    rest = f"; {left}" if len(judged) < len(verdicts) else ""
-    if over:
-        # "of" the judged, so that it is not read as a share of everything
-        return Mark(text=f"Exceeded: {len(over)} of {several(len(judged), 'limit')}{rest}.", tone="exceeded")
-    return Mark(text=f"Within {'its limit' if len(judged) == 1 else f'all {len(judged)} limits'}{rest}.", tone="within")
+    """Return the answer in one sentence, coloured by the worst that it says."""
+    words = {row.verdict for row in verdicts}
+    tone = next((TONE[word] for word in (EXCEEDED, STRUCK, WITHIN) if word in words), "unjudged")
+    return Mark(text=verdicts_headline(verdicts), tone=tone)
 
 
 def answer(verdicts: Sequence[Verdict]) -> tuple[Block, ...]:
@@ -137,7 +132,7 @@ def _sentence(row: Verdict) -> str:
 
 
 def _judged(verdicts: Sequence[Verdict]) -> list[Verdict]:
-    return [row for row in ordered(verdicts) if row.verdict != NOT_JUDGED]
+    return [row for row in ordered(verdicts) if row.verdict in (WITHIN, EXCEEDED)]
 
 
 def _exceeded(verdicts: Sequence[Verdict]) -> list[Verdict]:

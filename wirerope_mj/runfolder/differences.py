@@ -10,11 +10,9 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.errors import RecordError
-from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response import Response
 from wirerope_mj.response.scene import scene_to_dict
 from wirerope_mj.runfolder.folder import SUMMARY
-from wirerope_mj.runfolder.write import summary_content
 
 Array = npt.NDArray[np.float64]
 Difference = tuple[float, str]
@@ -84,16 +82,12 @@ def other_differences(stored: Response, again: Response) -> Iterator[Difference]
         yield from _plain_differences(mine, other, name)
 
 
-def summary_differences(
-    folder: Path, name: str, motion: BaseMotion, stored: Response, *, texts: bool
-) -> Iterator[Difference]:
+def summary_differences(folder: Path, computed: Mapping[str, Any], *, texts: bool) -> Iterator[Difference]:
     """Yield the differences between summary.json and what the stored response gives.
 
     Args:
         folder: of the run.
-        name: of the run.
-        motion: of its base.
-        stored: the response in the folder.
+        computed: what `summary_content` returns of the stored response.
         texts: whether texts and the entries themselves are compared, which another version may write otherwise.
 
     Raises:
@@ -108,8 +102,7 @@ def summary_differences(
         raise RecordError(
             f"{path}: this is not a summary, nor JSON. Take it from another copy of the folder."
         ) from None
-    other = summary_content(name, motion, stored, seconds=0.0)
-    yield from _plain_differences(mine, other, SUMMARY, texts=texts, without=_OF_THIS_TIME)
+    yield from _plain_differences(mine, computed, SUMMARY, texts=texts, without=_OF_THIS_TIME)
 
 
 def _plain_differences(

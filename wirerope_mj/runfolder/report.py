@@ -1,34 +1,30 @@
 """The report of a run, from its folder alone: what the run does not hold, statics, modes and spectra, is computed here."""
 
-import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from datetime import datetime
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
-from wirerope_mj.criteria import Verdict, judge
-from wirerope_mj.criteria.mount_load import starting_load_verdicts
-from wirerope_mj.criteria.static_load import static_load_verdicts
-from wirerope_mj.errors import RecordError, WireRopeError
+from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.modes import modes
-from wirerope_mj.report import Absent, FinishedRun, report_content, report_html, worst_names
+from wirerope_mj.report import FinishedRun, report_content, report_html, worst_names
 from wirerope_mj.response import Response, load_response
 from wirerope_mj.runfolder.checksums import update_checksums, warn_of_alterations
 from wirerope_mj.runfolder.frequency_response import KIND, MARKS
+from wirerope_mj.runfolder.judged import JudgedRun, found_or_absent, judged_run
 from wirerope_mj.runfolder.page import page_files, write_page
 from wirerope_mj.runfolder.record_doubts import record_doubts
 from wirerope_mj.runfolder.run_spectra import run_densities, run_spectra
 from wirerope_mj.runfolder.scenario_file import scenario_content
 from wirerope_mj.runfolder.sources import check_one_run, system_and_motion
-from wirerope_mj.statics import History, StaticTable, static_table
+from wirerope_mj.statics import History
 from wirerope_mj.system import System
 
 _HISTORIES: tuple[History, ...] = ("virgin", "relaxed")
-Found = TypeVar("Found")
 
 
 def write_report(
@@ -54,12 +50,14 @@ def write_report(
     system, motion = system_and_motion(folder, content)
     response = load_response(folder)
     check_one_run(folder, content, system, response)
-    write_page(report_page(content, system, motion, response), files)
+    write_page(report_page(content, system, motion, response, judged_run(system, response)), files)
     update_checksums(folder, files)
     return files
 
 
-def report_page(content: Mapping[str, Any], system: System, motion: BaseMotion, response: Response) -> str:
+def report_page(
+    content: Mapping[str, Any], system: System, motion: BaseMotion, response: Response, judged: JudgedRun
+) -> str:
     """Return the report of a run as one HTML page.
 
     Args:
@@ -67,13 +65,13 @@ def report_page(content: Mapping[str, Any], system: System, motion: BaseMotion, 
         system: that was simulated.
         motion: of its base.
         response: what came out.
+        judged: verdicts on it.
     """
     arguments, written = content["simulate"], content.get("written")
     initial = str(arguments.get("initial", "settled"))
     gravity = float(np.linalg.norm(system.model.opt.gravity))
     histories = _HISTORIES if gravity else _HISTORIES[:1]  # without a load there is nothing to relax
     names = worst_names(response)
-    statics = _found(partial(static_table, system))
     run = FinishedRun(
         name=str(content.get("name", response.scene.name)),
         question=str(content.get("question", "")),
@@ -88,42 +86,14 @@ def report_page(content: Mapping[str, Any], system: System, motion: BaseMotion, 
         response=response,
         isolators={name: mount.isolator for name, mount in system.mounts.items()},
         gravity=gravity,
-        statics=statics,
-        modes={history: _found(partial(modes, system, history=history)) for history in histories},
+        statics=judged.statics,
+        modes={history: found_or_absent(partial(modes, system, history=history)) for history in histories},
         spectra=run_spectra(motion, response, names, float(arguments["sample_rate"])),
         densities=run_densities(motion, response, names),
-        verdicts=_verdicts(response, statics if gravity else None),
+        verdicts=judged.verdicts,
         versions=content.get("versions", {}),
     )
     return report_html(report_content(run))
-
-
-def _verdicts(response: Response, statics: StaticTable | Absent | None) -> tuple[Verdict, ...]:
-    """Return the verdicts on a run; static loads on the first loading and relaxed, where these are known, not at its start."""
-    found = judge(response)
-    if not isinstance(statics, StaticTable):
-        return found
-    missing = [
-        Verdict(
-            criterion=f"static load in compression, {history}",
-            subject="every mount",
-            value=math.nan,
-            limit=None,
-            unit="N",
-            note=reason.rstrip("."),
-        )
-        for history, reason in statics.missing.items()
-    ]
-    start = {verdict.criterion for verdict in starting_load_verdicts(response)}
-    return (*(verdict for verdict in found if verdict.criterion not in start), *static_load_verdicts(statics), *missing)
-
-
-def _found(compute: Callable[[], Found]) -> Found | Absent:
-    """Return what is computed, or a sentence that says why there is none: a report shows what can be shown."""
-    try:
-        return compute()
-    except (WireRopeError, ValueError) as error:
-        return Absent(reason=str(error))
 
 
 def _run_folder(folder: Path) -> Path:

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import tomli_w
 
@@ -26,6 +26,9 @@ from wirerope_mj.system import System, load_system
 from wirerope_mj.system.model_files import model_table, write_model
 from wirerope_mj.system.varied import with_changes
 from wirerope_mj.verdicts import summary, verdict_lines
+
+if TYPE_CHECKING:
+    from wirerope_mj.runfolder.judged import JudgedRun
 
 STREAM_SAMPLES = 10_000
 """Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
@@ -65,10 +68,11 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
             response.save(beside)
         text = _scenario_text(scenario, response, beside, model=model_table(system, model), arguments=arguments)
         (beside / SCENARIO).write_text(text, encoding="utf-8")
-        content = summary_content(scenario.name, scenario.motion, response, seconds=round(seconds, 3))
+        judged = _judged(system, response)
+        content = summary_content(scenario.name, scenario.motion, response, judged, seconds=round(seconds, 3))
         (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        _write_pictures(scenario, response, beside)
-        _write_report(text, system, scenario.motion, response, beside)
+        _write_pictures(scenario, response, judged, beside)
+        _write_report(text, system, scenario.motion, response, judged, beside)
         write_checksums(beside)
         del response  # a streamed response reads a file that is about to be renamed
     return load_response(target)
@@ -130,7 +134,15 @@ def _scenario_text(
     return tomli_w.dumps(content, multiline_strings=True)
 
 
-def summary_content(name: str, motion: BaseMotion, response: Response, *, seconds: float) -> dict[str, Any]:
+def _judged(system: System, response: Response) -> "JudgedRun":
+    from wirerope_mj.runfolder.judged import judged_run  # late, as the pictures
+
+    return judged_run(system, response)
+
+
+def summary_content(
+    name: str, motion: BaseMotion, response: Response, judged: "JudgedRun", *, seconds: float
+) -> dict[str, Any]:
     """Return what summary.json says of a run; `seconds` is how long it took."""
     numerics = response.numerics
     return {
@@ -138,7 +150,7 @@ def summary_content(name: str, motion: BaseMotion, response: Response, *, second
         "name": name,
         "motion": motion.description,
         "record_warnings": list(record_doubts(motion)),
-        **summary(response),
+        **summary(response, judged.verdicts),
         "numerics": {
             "timestep_s": numerics.timestep,
             "steps": numerics.steps,
@@ -152,7 +164,7 @@ def summary_content(name: str, motion: BaseMotion, response: Response, *, second
     }
 
 
-def _write_pictures(scenario: Scenario, response: Response, folder: Path) -> None:
+def _write_pictures(scenario: Scenario, response: Response, judged: "JudgedRun", folder: Path) -> None:
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
     from wirerope_mj.plots.histories import save_histories, save_mount_loops
     from wirerope_mj.plots.record_baseline import records_of, save_record_baseline
@@ -160,7 +172,8 @@ def _write_pictures(scenario: Scenario, response: Response, folder: Path) -> Non
     from wirerope_mj.report.display import title_of
 
     title, text = title_of(scenario.name), _scenario_markdown(scenario)
-    record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=verdict_lines(response))
+    verdicts = [f"**{judged.headline}**", *verdict_lines(response)]
+    record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=verdicts)
     save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
     if response.scene.mounts:
         save_mount_loops(response, folder / "loops.png", title=title)
@@ -169,11 +182,13 @@ def _write_pictures(scenario: Scenario, response: Response, folder: Path) -> Non
         save_record_baseline(record, folder / name, title=title)
 
 
-def _write_report(text: str, system: System, motion: BaseMotion, response: Response, folder: Path) -> None:
+def _write_report(
+    text: str, system: System, motion: BaseMotion, response: Response, judged: "JudgedRun", folder: Path
+) -> None:
     from wirerope_mj.runfolder.page import REPORT  # late, as the pictures
     from wirerope_mj.runfolder.report import report_page
 
-    page = report_page(tomllib.loads(text), system, motion, response)
+    page = report_page(tomllib.loads(text), system, motion, response, judged)
     (folder / REPORT).write_text(page, encoding="utf-8")
 
 

@@ -1,5 +1,6 @@
 """A response in the words and figures of its verdicts: peaks beside ratings, sentences, and plain values for a file."""
 
+from wirerope_mj.verdicts.headline import headline as headline
 from wirerope_mj.verdicts.peaks import BodyPeak as BodyPeak
 from wirerope_mj.verdicts.peaks import MountPeak as MountPeak
 from wirerope_mj.verdicts.peaks import body_peaks as body_peaks

@@ -56,7 +56,9 @@ def _travel_lines(response: Response) -> list[str]:
         lines.append(f"{worst.name} uses most of its rated travel: {100 * (worst.share or 0.0):.0f} % in {axis}.")
         over = {rating: [row.name for row in judged if (row.shares[rating] or 0.0) > 1.0] for rating in RATINGS}
         words = [f"in {rating} by {', '.join(names)}" for rating, names in over.items() if names]
-        lines.append(f"Rated travel exceeded {'; '.join(words)}." if words else "No mount exceeds a rated travel.")
+        lines.append(
+            f"Rated travel exceeded {'; '.join(words)}." if words else "No mount exceeds a rated travel along one axis."
+        )
         lines += _combined_line(response)
     flat = [row.subject for row in bottoming_verdicts(response) if row.verdict == EXCEEDED]
     if flat:

@@ -1,20 +1,23 @@
 """Peaks, limits and verdicts as plain values."""
 
+from collections.abc import Sequence
 from typing import Any
 
-from wirerope_mj.criteria import judge
+from wirerope_mj.criteria import Verdict
 from wirerope_mj.isolator import AXES
 from wirerope_mj.response import Response
+from wirerope_mj.verdicts.headline import headline
 from wirerope_mj.verdicts.peaks import body_peaks, mount_peaks
 from wirerope_mj.verdicts.sentences import verdict_lines
 
 
-def summary(response: Response) -> dict[str, Any]:
-    """Return peaks, limits and verdicts as plain values: accelerations [g], deflections [m], forces [N]."""
+def summary(response: Response, verdicts: Sequence[Verdict]) -> dict[str, Any]:
+    """Return headline, peaks, limits and `verdicts` as plain values: accelerations [g], deflections [m], forces [N]."""
     travel = {mount.name: mount.travel for mount in response.scene.mounts}
     return {
+        "headline": headline(verdicts),
         "verdicts": verdict_lines(response),
-        "judged": [verdict.to_dict() for verdict in judge(response)],
+        "judged": [verdict.to_dict() for verdict in verdicts],
         "accelerations": [
             {"name": row.name, "kind": row.kind, "peak_g": row.value, "time_s": row.time, "axes_g": list(row.axes)}
             for row in body_peaks(response)
