@@ -163,7 +163,7 @@ def test_a_model_that_only_mujoco_can_read_is_refused_where_it_is_copied(tmp_pat
     path = tmp_path / "model.xml"
     path.write_text(sdof_text().replace("<worldbody>", "<!-- \x01 --><worldbody>"))
     system = load(path)
-    with pytest.raises(wr.ModelError, match=r"model\.xml: .*not well-formed XML \(.*line \d+, column \d+\)"):
+    with pytest.raises(wr.ModelError, match=r"model\.xml, line \d+, column \d+: .*not well-formed XML"):
         write_model(system, tmp_path / "run")
 
 
