@@ -12,6 +12,7 @@ from wirerope_mj.criteria import judge as judge
 from wirerope_mj.errors import ClusterWarning as ClusterWarning
 from wirerope_mj.errors import ConvergenceError as ConvergenceError
 from wirerope_mj.errors import ModelError as ModelError
+from wirerope_mj.errors import ModelWarning as ModelWarning
 from wirerope_mj.errors import RecordError as RecordError
 from wirerope_mj.errors import RecordWarning as RecordWarning
 from wirerope_mj.errors import SimulationError as SimulationError

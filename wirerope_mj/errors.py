@@ -9,6 +9,10 @@ class ModelError(WireRopeError):
     """A model, an isolator file or a scenario does not describe a system that can be simulated."""
 
 
+class ModelWarning(UserWarning):
+    """A model can be simulated, but what it describes is perhaps not what was meant."""
+
+
 class RecordError(WireRopeError):
     """A measured record or a results folder cannot be read as what it should be."""
 

@@ -28,7 +28,7 @@ from wirerope_mj.cli.shock import shock
 from wirerope_mj.cli.statics import statics
 from wirerope_mj.cli.study import list_studies, study_command
 from wirerope_mj.cli.study_report import study_report
-from wirerope_mj.errors import ClusterWarning, RecordWarning, StudyWarning, WireRopeError
+from wirerope_mj.errors import ClusterWarning, ModelWarning, RecordWarning, StudyWarning, WireRopeError
 from wirerope_mj.plain_text import plain, plain_lines
 
 if TYPE_CHECKING:
@@ -197,8 +197,8 @@ def fit(datasheet: Path, out: Path) -> int:
 
 @contextmanager
 def _warnings_said() -> Iterator[None]:
-    """Print what makes a record or a study doubtful, or keeps it waiting, as one line each on standard error, without code."""
-    ours = (RecordWarning, ClusterWarning, StudyWarning)
+    """Print warnings about a model, a record or a study, as one line each on standard error, without code."""
+    ours = (ModelWarning, RecordWarning, ClusterWarning, StudyWarning)
     with warnings.catch_warnings():
         for kind in ours:
             warnings.simplefilter("always", kind)

@@ -36,6 +36,9 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         history: how it came to rest: "virgin" or "relaxed", see `equilibrium`.
         amplitude: largest deflection amplitude of any mount [m]; None: vanishing.
 
+    Warns:
+        ModelWarning: no mount, joint or stop resists a motion of a body, see `equilibrium`.
+
     Raises:
         ValueError: the amplitude is not a finite number > 0, or a law has no closed cycle of that size.
         ConvergenceError: there is no such equilibrium.
@@ -63,7 +66,7 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     whole = np.zeros((system.model.nv, order.size))
     whole[rest.free] = scaled
     return Modes(
-        frequencies=frequency_of(values[order]),
+        frequencies=np.where((values[order] < 0.0) & bool(found.free), 0.0, frequency_of(values[order])),
         damping_ratio=damping[order],
         loading=bracket[0][order],
         unloading=bracket[1][order],
@@ -71,7 +74,7 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         payloads=payload_shapes(system, rest, scaled),
         mounts={name: (mount.jacobian @ scaled).T for name, mount in rest.mounts.items()},
         participation=participation_of(system, rest, scaled),
-        words=words_of(system, rest, scaled),
+        words=_with_fate(words_of(system, rest, scaled), values[order]),
         history=history,
         amplitude=amplitude,
         stability=stability_of(system, rest, small if history == "virgin" else springs.lasting(), loading),
@@ -80,6 +83,12 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         stiffness=held.real,
         equilibrium=found,
     )
+
+
+def _with_fate(words: tuple[str, ...], values: Array) -> tuple[str, ...]:
+    """Return the words of modes with what becomes of those that nothing brings back; `values` are eigenvalues, (n_modes,)."""
+    fates = ["" if value > 0.0 else " (free)" if value == 0.0 else " (tips over)" for value in values]
+    return tuple(word + fate for word, fate in zip(words, fates, strict=True))
 
 
 class _Springs:

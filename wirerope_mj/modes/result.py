@@ -38,7 +38,8 @@ class Modes:
     amplitude they are the motion. Unless an amplitude is given everything is the limit of small closed cycles.
 
     Attributes:
-        frequencies: [Hz], (n_modes,); NaN where nothing brings a displacement back: the system tips over that way.
+        frequencies: [Hz], (n_modes,); 0 for a motion that nothing holds, of all that tip over too if the equilibrium
+            names a motion that no mount resists; else NaN where the weight wins over the mounts and the system tips over.
         damping_ratio: of the closed cycles and of dampers, (n_modes,).
         loading, unloading: frequencies with every mount's tangent on further loading and on unloading from its history [Hz],
             (n_modes,): the first quarter cycle feels the one or the other.
@@ -46,7 +47,7 @@ class Modes:
         payloads: motion of every payload.
         mounts: deflection of every mount in its axes, (n_modes, 3).
         participation: share of the moving mass that takes part along x, y and z, (n_modes, 3); each column sums to 1.
-        words: what each mode is, such as "rocking about y + sway x".
+        words: what each mode is, such as "rocking about y + sway x"; "(free)" or "(tips over)" ends it where it does.
         history: which equilibrium it is about.
         amplitude: largest deflection of any mount [m]; None: vanishing.
         stability: against tipping over.

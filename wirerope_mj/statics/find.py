@@ -1,7 +1,9 @@
 """Equilibrium of a system under gravity, by a static solve along the loading path."""
 
+import warnings
 from weakref import WeakKeyDictionary
 
+from wirerope_mj.errors import ModelWarning
 from wirerope_mj.statics.loading import Loading
 from wirerope_mj.statics.result import Equilibrium, History
 from wirerope_mj.system import System
@@ -16,6 +18,9 @@ def equilibrium(system: System, *, history: History = "virgin") -> Equilibrium:
     included; the hysteretic states of a trial position are integrated along the law from the last step's, so that they lie
     exactly on the loading path.
 
+    Warns:
+        ModelWarning: no mount, joint or stop resists a motion of a body; `free` says which.
+
     Raises:
         ConvergenceError: there is no equilibrium, or it was not found; names the mount that cannot carry its load.
     """
@@ -25,4 +30,6 @@ def equilibrium(system: System, *, history: History = "virgin") -> Equilibrium:
     if history not in found:
         with system.assembly.scratch.data(system.model) as data:
             found[history] = Loading(system, history, data).solve()
+    for sentence in found[history].free:
+        warnings.warn(sentence, ModelWarning, stacklevel=2)
     return found[history]

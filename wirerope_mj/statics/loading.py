@@ -7,9 +7,11 @@ from wirerope_mj.control import installed
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import ConvergenceError
 from wirerope_mj.state import State
+from wirerope_mj.statics.payloads import payloads_of
 from wirerope_mj.statics.result import Array, Equilibrium, History, MountLoad
 from wirerope_mj.statics.roots import Roots
 from wirerope_mj.statics.slow_path import SlowPath
+from wirerope_mj.statics.unresisted import unresisted
 from wirerope_mj.system import System
 
 LOAD_STEPS = 20
@@ -26,6 +28,12 @@ TOLERANCE = 1e-11
 ACCEPTED = 1e-8
 """What is accepted where rounding or a contact's own iteration stops Newton's method earlier; relative to gravity."""
 
+MOST = 10_000
+"""Positions that are tried before a search is given up: eighty times what the shipped models take."""
+
+FARTHEST = 10.0
+"""Deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables."""
+
 WITHOUT_SENSORS = 1
 """What `mj_forwardSkip` takes to leave out the sensors, which measure a motion and do not act."""
 
@@ -41,6 +49,7 @@ class Loading:
         self.model = system.model.__copy__() if self.gravity.any() else system.model
         self.free = np.delete(np.arange(self.model.nv), system.assembly.driven_dofs)
         self.path = SlowPath(system) if history == "virgin" else None
+        self.tried = 0
 
     def solve(self) -> Equilibrium:
         """Return the equilibrium under the full weight."""
@@ -54,14 +63,16 @@ class Loading:
                 trial_load = min(load + step, 1.0)
                 self.model.opt.gravity[:] = trial_load * self.gravity
                 trial, residual = roots.find(qpos, TOLERANCE * scale)
-                if residual > ACCEPTED * scale:
+                carried = residual <= ACCEPTED * scale  # not if it is no number
+                if self.tried > MOST or (not carried and step < 2.0 * SMALLEST_LOAD_STEP):
+                    self._accelerations(qpos)  # back to the last load that was carried
+                    raise ConvergenceError(self._diagnosis(trial_load, residual))
+                if not carried:
                     step /= 2.0
                     roots.forget()
-                    if step < SMALLEST_LOAD_STEP:
-                        self._accelerations(qpos)  # back to the last load that was carried
-                        raise ConvergenceError(self._diagnosis(trial_load, residual))
                     continue
                 qpos, load = trial, trial_load
+                self._check_deflections(load)
                 if self.path is not None:
                     self._go_to(qpos)
                     self.path.rest_at(self.data)
@@ -75,6 +86,7 @@ class Loading:
 
     def _accelerations(self, qpos: Array) -> Array:
         """Return MuJoCo's accelerations of the free coordinates at rest in `qpos`."""
+        self.tried += 1
         self._go_to(qpos)
         if self.path is not None:
             first, states = self.system.assembly.activation, self.path.states_at(self.data)
@@ -87,23 +99,55 @@ class Loading:
         mujoco.mj_fwdPosition(self.model, self.data)
 
     def _result(self, qpos: Array, residual: float) -> Equilibrium:
-        model, data, assembly = self.model, self.data, self.system.assembly
+        model, data = self.model, self.data
         self._accelerations(qpos)
         mujoco.mj_forward(model, data)  # sensors too
-        first = assembly.userdata + assembly.tables.user.mounts
-        n_mounts = len(self.system.mounts)
-        record = data.userdata[first : first + at.MOUNT_VALUES * n_mounts].reshape(n_mounts, 2, 3).copy()
+        record = self._record().copy()
         mounts = {
             name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(self.system.mounts, record, strict=True)
         }
         size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_INTEGRATION)
         values = np.empty(size)
         mujoco.mj_getState(model, data, values, mujoco.mjtState.mjSTATE_INTEGRATION)
-        return Equilibrium(state=State(values=values, time=0.0), mounts=mounts, history=self.history, residual=residual)
+        return Equilibrium(
+            state=State(values=values, time=0.0),
+            mounts=mounts,
+            history=self.history,
+            residual=residual,
+            free=self._unresisted(qpos),
+        )
+
+    def _unresisted(self, qpos: Array) -> tuple[str, ...]:
+        return unresisted(self.system, self.data, self.free, lambda step: self._accelerations(self._moved(qpos, step)))
+
+    def _check_deflections(self, load: float) -> None:
+        """Raise ConvergenceError if a mount is deflected further than any can be; `load` is the share of the weight on it."""
+        deflections = np.abs(self._record()[:, 0]).max(axis=1)
+        if deflections.max(initial=0.0) > FARTHEST:
+            name = list(self.system.mounts)[int(np.argmax(deflections))]
+            raise ConvergenceError(
+                f"there is no equilibrium that mounts can bear: {100 * load:.3g} % of the weight deflects mount {name!r} by "
+                f"{deflections.max():.3g} m. {self._loads()}"
+            )
+
+    def _loads(self) -> str:
+        """Return words for what the weight comes from, and what to check."""
+        mass = sum(payload.mass for payload in payloads_of(self.system))
+        return (
+            f"Gravity is {np.linalg.norm(self.gravity):.6g} m/s^2 and the mass on the mounts {mass:.6g} kg: check "
+            "both, and the stiffness of the isolators."
+        )
+
+    def _record(self) -> Array:
+        """Return deflection and force of every mount in the last position, (n_mounts, 2, 3)."""
+        first = self.system.assembly.userdata + self.system.assembly.tables.user.mounts
+        n_mounts = len(self.system.mounts)
+        return self.data.userdata[first : first + at.MOUNT_VALUES * n_mounts].reshape(n_mounts, 2, 3)
 
     def _diagnosis(self, load: float, residual: float) -> str:
         """Return words for why the weight cannot be carried; `load` is the share of it that failed."""
-        carried = self._axial_forces() / max(load, SMALLEST_LOAD_STEP)  # what would rest on each under the whole weight
+        # What would rest on each under the whole weight:
+        carried = self._record()[:, 1, 2] / max(load, SMALLEST_LOAD_STEP)
         for (name, mount), axial in zip(self.system.mounts.items(), carried, strict=True):
             law = mount.isolator.axes["axial"]
             if law is None or law.largest_force == np.inf:
@@ -119,12 +163,9 @@ class Loading:
                     f"law has no elastic part), but about {abs(axial):.4g} N would rest on it. Use a stiffer isolator, more "
                     "mounts, or a law with an elastic part."
                 )
+        free = " ".join(self._unresisted(self.data.qpos.copy()))
         return (
             f"no equilibrium was found beyond {100 * load:.3g} % of the weight (accelerations of {residual:.3g} m/s^2 are "
-            "left). Check that every direction has a mount with stiffness, and that the payload cannot tip over."
+            f"left). {free or self._loads()} Check that every direction has a mount with stiffness, and that the payload "
+            "cannot tip over."
         )
-
-    def _axial_forces(self) -> Array:
-        first = self.system.assembly.userdata + self.system.assembly.tables.user.mounts
-        n_mounts = len(self.system.mounts)
-        return self.data.userdata[first : first + at.MOUNT_VALUES * n_mounts].reshape(n_mounts, 2, 3)[:, 1, 2]

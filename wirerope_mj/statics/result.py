@@ -30,9 +30,12 @@ class Equilibrium:
         history: "virgin" (gravity applied slowly to the unloaded mounts) or "relaxed" (z = 0 throughout, after long
             vibration has let the hysteretic share of the load leak away).
         residual: largest acceleration left [m/s^2 or rad/s^2].
+        free: a sentence for the motions of each body that no mount, joint or stop resists, such as the rotation of a body on
+            mounts that stand in line.
     """
 
     state: State
     mounts: dict[str, MountLoad]
     history: History
     residual: float
+    free: tuple[str, ...] = ()

@@ -61,6 +61,10 @@ def _place(model: mujoco.MjModel, array: str, values: npt.NDArray[np.float64]) -
 
 def check_joints(model: mujoco.MjModel) -> None:
     """Raise ModelError if joints do not move in independent directions, so that forces do not determine accelerations."""
+    endless = np.abs(np.linalg.norm(model.jnt_axis, axis=1) - 1.0) > 1e-6  # what is too large to be made a unit vector
+    if endless.any():
+        joint = model.joint(int(np.argmax(endless)))
+        raise ModelError(f"joint {joint.name!r}: its `axis` gives no direction ({joint.axis}); write a unit vector.")
     data, mass = mujoco.MjData(model), np.zeros((model.nv, model.nv))
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
