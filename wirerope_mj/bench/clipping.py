@@ -16,6 +16,9 @@ _END = 0.05  # of the stroke beside a turning point
 _LEVEL = (
     0.03  # of the secant stiffness: less than noise and any spring beside the rope leave, 1/60 of how rope turns back
 )
+_ELASTIC, _ERRORS = 0.5, 3.0
+"""Slope over the secant stiffness that whatever is elastic exceeds, and standard errors by which a level branch stays below it:
+what has a slope that its noise hides is not known to be level."""
 
 
 def require_unclipped(deflection: Array, force: Array, where: str) -> None:
@@ -73,8 +76,13 @@ def is_level(loop: Loop) -> bool:
 
 
 def _level(loop: Loop, x: Array, f: Array) -> bool:
-    """Return whether a branch is level beside the turning point that it begins at."""
+    """Return whether a branch is level beside the turning point that it begins at, for sure beside its noise."""
     near = np.abs(x - x[0]) <= _END * float(np.ptp(loop.deflection))
     if near.sum() < 3 or np.ptp(x[near]) == 0.0:
         return False
-    return bool(np.polyfit(x[near], f[near], 1)[0] < _LEVEL * loop.secant_stiffness)
+    slope, force = np.polyfit(x[near], f[near], 1)
+    count, left = int(near.sum()), f[near] - force - slope * x[near]
+    spread = max(float(np.linalg.norm(left)) / np.sqrt(count - 2), rms_noise(loop.force))
+    error = spread / (np.sqrt(count) * float(x[near].std()))
+    least = _ELASTIC * loop.secant_stiffness
+    return bool(slope < _LEVEL * loop.secant_stiffness and slope + _ERRORS * error < least)

@@ -9,9 +9,10 @@ import numpy.typing as npt
 
 from wirerope_mj.bench.averaging import Cycle, cycle_to, mean_loop, whole_record
 from wirerope_mj.bench.clipping import require_falling, require_unclipped
+from wirerope_mj.bench.noise import is_noise, no_cycle_text
 from wirerope_mj.bench.reading import Samples, read_rows, require_likely, require_nominal
 from wirerope_mj.bench.recorded import RecordedLoop
-from wirerope_mj.bench.turning import Trace, find_turning_points, rms_noise
+from wirerope_mj.bench.turning import Trace, find_turning_points
 from wirerope_mj.errors import RecordError
 from wirerope_mj.laws import Loop
 
@@ -97,10 +98,8 @@ def _steady(x: Array, f: Array, time: Array | None, place: Place) -> list[Loop]:
     if np.ptp(x) == 0.0:
         raise ValueError(f"{whole}: the deflection never changes, it stands at {1e3 * x[0]:.6g} mm.")
     trace = find_turning_points(x, np.arange(x.size, dtype=np.float64) if time is None else time)
-    if trace.turns.size == 0:
-        raise ValueError(
-            f"{whole}: the deflection never changes by more than its noise, {1e3 * rms_noise(x):.3g} mm; there is no cycle."
-        )
+    if trace.turns.size == 0 or is_noise(x, trace.noise):
+        raise ValueError(f"{whole}: {no_cycle_text(x)}")
     if trace.strokes.size <= 3 and _ends_meet(trace):
         require_unclipped(x, f, whole)
         return [mean_loop([whole_record(trace)], x, f, 1, abs(float(f[-1] - f[0])), whole)]

@@ -9,6 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.bench.files import DEFLECTION_UNITS, FORCE_UNITS
+from wirerope_mj.bench.noise import is_noise, no_cycle_text, require_force_beyond_noise
+from wirerope_mj.bench.turning import rms_noise
 from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.record_file import LARGEST, TIME_UNITS, Header, parse_header, parse_number, require_cells
 from wirerope_mj.laws import Loop
@@ -185,6 +187,8 @@ def _loop(path: Path, samples: Samples) -> Loop:
         require_likely(extent / 2.0, place)
     except ValueError as error:
         raise RecordError(str(error)) from None
+    if is_noise(x, rms_noise(x)):
+        raise RecordError(f"{place}: {no_cycle_text(x)}")
     gap, steps = abs(float(x[-1] - x[0])), np.abs(np.diff(x))
     legs = _legs(x, _LEG * extent)
     if legs > 3 or (gap > _LEG * extent and gap > 1.5 * steps.max()):
@@ -195,6 +199,10 @@ def _loop(path: Path, samples: Samples) -> Loop:
             '"loop"; each ends where it began.'
         )
     loop = Loop.from_samples(x, force)
+    try:
+        require_force_beyond_noise(loop, place)
+    except ValueError as error:
+        raise RecordError(str(error)) from None
     if gap <= 0.5 * min(steps[0], steps[-1]):
         return loop
     return replace(Loop.from_samples(np.append(x, x[0]), np.append(force, force[0])), closure=loop.closure)
