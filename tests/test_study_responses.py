@@ -141,7 +141,7 @@ def test_a_study_killed_at_random_keeps_whole_files_and_ends_with_all_of_them(al
         for path in folder.glob("responses/0*.parquet"):
             assert bits(wr.load_response(path)) == bits(alone.response(int(path.stem)))
     assert parts
-    (folder / "responses" / ".000001.abcdefgh.part.parquet").write_bytes(b"half")
+    (folder / "responses" / ".000001.abcdefgh.wirerope.part.parquet").write_bytes(b"half")
     result = table_study().run(folder, keep="responses", workers=1, resume=True)
     assert (result.folder / "variants.parquet").read_bytes() == (alone.folder / "variants.parquet").read_bytes()
     assert kept_files(folder) == FILES

@@ -7,7 +7,8 @@ import sys
 import pytest
 
 from wirerope_mj.errors import RecordError
-from wirerope_mj.whole import check_place, clear_beside, folder_written_whole, written_whole
+from wirerope_mj.half_written import clear_half_written
+from wirerope_mj.whole import check_place, folder_written_whole, written_whole
 
 WRITER = """
 import os, pathlib, shutil, sys
@@ -15,7 +16,7 @@ from wirerope_mj.whole import folder_written_whole
 
 folder, stage, rename = pathlib.Path(sys.argv[1]), sys.argv[2], os.rename
 
-def wait(*_):
+def wait(*_, **__):
     print("here", flush=True)
     sys.stdin.read()
 
@@ -49,17 +50,17 @@ def test_what_a_killed_process_left_beside_a_folder_is_put_right(tmp_path, stage
     folder = tmp_path / "run[1].a"  # letters that mean something in patterns
     folder.mkdir()
     (folder / "mark").write_text("old")
-    others = [tmp_path / ".run[1].part", tmp_path / ".run[1].a.notes.part", tmp_path / ".run1.a.abcdefgh.part"]
+    others = [tmp_path / ".run[1].part", tmp_path / ".run[1].a.notes.part", tmp_path / ".run[1].a.abcdefgh.part"]
     for other in others:
         other.mkdir()
     process = writer(folder, stage)
     before = sorted(tmp_path.iterdir())
     assert len(before) == 5
-    clear_beside(folder)
+    clear_half_written(tmp_path)
     if stage != "removing":  # what a process that lives is writing is left to it
         assert sorted(tmp_path.iterdir()) == before
     end(process, signal.SIGKILL)
-    clear_beside(folder)
+    clear_half_written(tmp_path)
     assert sorted(tmp_path.iterdir()) == sorted([folder, *others])
     assert (folder / "mark").read_text() == kept
 

@@ -17,6 +17,10 @@ class RecordError(WireRopeError):
     """A measured record or a results folder cannot be read as what it should be."""
 
 
+class DiskFullError(RecordError):
+    """There is no space left where a result is written."""
+
+
 class RecordWarning(UserWarning):
     """A measured record can be used, but something about it is suspicious or had to be changed."""
 

@@ -1,45 +1,46 @@
 """Files and folders that are written whole or not at all."""
 
-import glob
 import os
-import re
 import shutil
-import tempfile
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
-try:
-    import fcntl
-except ImportError:  # Windows has no such locks: there what a killed process leaves must be removed by hand
-    fcntl = None  # type: ignore[assignment]
-
-from wirerope_mj.errors import RecordError
+from wirerope_mj.errors import DiskFullError, RecordError
+from wirerope_mj.half_written import (
+    TAKEN,
+    clear_half_written,
+    hidden_file,
+    hidden_folder,
+    is_full,
+    locked,
+    refusal,
+    set_aside,
+)
 
 
 @contextmanager
-def written_whole(path: Path) -> Iterator[Path]:
+def written_whole(path: Path, *, clear: bool = True) -> Iterator[Path]:
     """Rename what the block writes beside `path` to it, and leave nothing behind if the block fails.
+
+    Args:
+        path: the file.
+        clear: whether what killed processes left in its folder is removed first: for one who writes there once. Looking through
+            a folder of many thousand files for each of them would take hours.
 
     Yields:
         The file to write, in the same folder and with the same ending.
 
     Raises:
         RecordError: nothing can be written in its folder.
+        DiskFullError: its disk is full.
     """
-    try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=f".part{path.suffix}")
-    except OSError as error:
-        raise RecordError(f"{path}: cannot write here ({error.strerror}).") from None
-    os.close(handle)
-    beside = Path(name)
-    try:
+    if clear:
+        clear_half_written(path.parent)
+    with full_disk_said(path), hidden_file(path) as beside:
         yield beside
         beside.chmod(0o644)  # mkstemp makes files that nobody else may read
         os.replace(beside, path)
-    except BaseException:
-        beside.unlink(missing_ok=True)
-        raise
 
 
 def check_place(path: Path) -> None:
@@ -85,48 +86,32 @@ def check_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) 
 def folder_written_whole(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) -> Iterator[Path]:
     """Yield a new folder beside `folder` that becomes it when the block ends well, and is removed when it does not.
 
-    What a process that was killed left of the same folder is removed, too. The arguments are those of `check_folder`.
+    What killed processes left beside it is removed, too. The arguments are those of `check_folder`.
+
+    Raises:
+        RecordError: as `check_folder`; or another process is writing `folder`, or nothing can be written there.
+        DiskFullError: the disk is full.
     """
-    clear_beside(folder)
+    clear_half_written(folder.resolve().parent)
     check_folder(folder, force=force, kind=kind, marks=marks)
-    folder = folder.resolve()
+    place, folder = folder, folder.resolve()
     missing = [parent for parent in folder.parents if not parent.exists()]
     try:
-        folder.parent.mkdir(parents=True, exist_ok=True)
-        beside = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=".part", dir=folder.parent))
-    except OSError as error:
-        raise RecordError(f"{folder}: cannot write here ({error.strerror}).") from None
-    try:
-        beside.chmod(0o755)  # mkdtemp makes folders that nobody else may read
-        with _locked(beside):
+        with full_disk_said(place), hidden_folder(folder) as beside:
+            if beside is None:
+                raise RecordError(
+                    f"{place}: another process is writing this {kind}. Nothing in it was touched; wait for that one, or "
+                    "choose another folder."
+                )
+            check_folder(folder, force=force, kind=kind, marks=marks)  # another process may just have ended
             yield beside
             check_folder(folder, force=force, kind=kind, marks=marks)
             _put(beside, folder)
     except BaseException:
-        shutil.rmtree(beside, ignore_errors=True)
         for parent in missing:
-            if parent.is_dir() and not any(parent.iterdir()):
+            with suppress(OSError):  # it is not empty
                 parent.rmdir()
         raise
-
-
-def clear_beside(folder: Path) -> None:
-    """Put right what processes left beside `folder` that were killed while they wrote it whole.
-
-    What was to be replaced comes back if nothing stands in its place yet, and is removed if it was replaced.
-    """
-    folder = folder.resolve()
-    ending = re.compile(rf"\.{re.escape(folder.name)}\.[a-z0-9_]{{8}}\.(part|old)")  # as mkdtemp names what is beside
-    left = [path for path in folder.parent.glob(f".{glob.escape(folder.name)}.*") if ending.fullmatch(path.name)]
-    for part in (path for path in left if path.suffix == ".part"):
-        with _locked(part) as lock:
-            if lock == _HELD:
-                shutil.rmtree(part, ignore_errors=True)
-    for old in (path for path in left if path.suffix == ".old" and not path.with_suffix(".part").exists()):
-        if folder.exists():
-            shutil.rmtree(old, ignore_errors=True)
-        else:
-            os.rename(old, folder)
 
 
 @contextmanager
@@ -136,8 +121,8 @@ def worked_on_alone(folder: Path, *, kind: str) -> Iterator[None]:
     Raises:
         RecordError: another process holds it.
     """
-    with _locked(folder) as lock:
-        if lock == _TAKEN:
+    with locked(folder) as lock:
+        if lock == TAKEN:
             raise RecordError(
                 f"{folder}: another process works on this {kind}. Nothing in it was touched; wait for that one, or choose "
                 "another folder."
@@ -145,32 +130,20 @@ def worked_on_alone(folder: Path, *, kind: str) -> Iterator[None]:
         yield
 
 
-_HELD, _TAKEN, _UNKNOWN = "held", "taken", "unknown"
-"""What came of a lock: it is ours, or another process has it, or there are no locks here."""
-
-
 @contextmanager
-def _locked(folder: Path) -> Iterator[str]:
-    """Lock a folder for the block, and say what came of it: the lock of a process ends with it, however it ends."""
-    if fcntl is None:
-        yield _UNKNOWN
-        return
+def full_disk_said(place: Path) -> Iterator[None]:
+    """Raise DiskFullError about `place`, which people know, if the block finds the disk full, wherever it does.
+
+    Raises:
+        DiskFullError: there is no space left.
+    """
     try:
-        handle = os.open(folder, os.O_RDONLY)
-    except OSError:
-        yield _UNKNOWN
-        return
-    try:
-        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        lock = _HELD
-    except BlockingIOError:
-        lock = _TAKEN
-    except OSError:  # of a file system that knows none
-        lock = _UNKNOWN
-    try:
-        yield lock
-    finally:
-        os.close(handle)
+        yield
+    except (DiskFullError, OSError) as error:
+        reason = error.__cause__ if isinstance(error, DiskFullError) else error
+        if not isinstance(reason, OSError) or not is_full(reason):
+            raise
+        raise refusal(place, reason) from reason
 
 
 def _put(beside: Path, folder: Path) -> None:
@@ -178,11 +151,10 @@ def _put(beside: Path, folder: Path) -> None:
     if not folder.exists():
         os.rename(beside, folder)
         return
-    old = beside.with_suffix(".old")
-    os.rename(folder, old)
+    aside = set_aside(folder)
     try:
         os.rename(beside, folder)
     except BaseException:
-        os.rename(old, folder)
+        os.rename(aside, folder)
         raise
-    shutil.rmtree(old)
+    shutil.rmtree(aside, ignore_errors=True)  # another process may do the same

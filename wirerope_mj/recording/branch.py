@@ -14,8 +14,8 @@ Timelines: `point` goes from motion to motion along the branches of all levels, 
 ```
 """
 
-import uuid
 from pathlib import Path
+from typing import Any
 
 from wirerope_mj.frf import FrequencyResponse
 from wirerope_mj.frf.summary import Findings
@@ -27,7 +27,6 @@ from wirerope_mj.recording.film import film_of, strips_of
 from wirerope_mj.recording.multipliers import log_multipliers
 from wirerope_mj.recording.orbit_loops import log_orbit_loops, shown_loops
 from wirerope_mj.recording.orbit_text import log_texts
-from wirerope_mj.recording.paths import APPLICATION
 from wirerope_mj.recording.poses import frames_of
 from wirerope_mj.recording.response_curve import log_response
 from wirerope_mj.recording.scene import log_scene
@@ -50,30 +49,25 @@ def record_branches(result: FrequencyResponse, findings: list[Findings], path: s
     if not result.branches:
         raise ValueError("there is no branch to record; a sweep alone has no periodic motions.")
     target = target_of(path)
-    with recorded_whole(target) as beside:
-        _write(result, findings, beside)
+    with recorded_whole(target) as rec:
+        _write(result, findings, rec)
     return target
 
 
-def _write(result: FrequencyResponse, findings: list[Findings], path: Path) -> None:
-    import rerun as rr
-
+def _write(result: FrequencyResponse, findings: list[Findings], rec: Any) -> None:
     strips = strips_of(findings)
     film = film_of(strips[-1])  # the highest level, which the scene shows
     _, extent = scene_extent(film.response.scene)
     factor = factor_of(film.response, extent)
     scene = enlarged(film.response, factor)
     selection, frames = select(film.response), frames_of(scene)
-    with rr.RecordingStream(APPLICATION, recording_id=uuid.uuid4()) as rec:
-        rec.set_log_time_enabled(False)
-        rec.save(path)
-        layout = branch_blueprint(scene, film, frames, factor)
-        rec.send_blueprint(layout, make_active=True, make_default=True)  # before the data: right from the first moment
-        rec.send_recording_name(f"{result.name}: frequency response")
-        log_texts(rec, result, findings, film)
-        log_response(rec, findings, film, strips)
-        log_multipliers(rec, film, width=SQUARE)
-        if shown_loops(film):
-            _, width = loop_grid(len(shown_loops(film)))
-            log_orbit_loops(rec, film, strips, width=width, shape_width=SQUARE)
-        log_scene(AlongBranch(rec, film), scene, selection, frames)
+    layout = branch_blueprint(scene, film, frames, factor)
+    rec.send_blueprint(layout, make_active=True, make_default=True)  # before the data: right from the first moment
+    rec.send_recording_name(f"{result.name}: frequency response")
+    log_texts(rec, result, findings, film)
+    log_response(rec, findings, film, strips)
+    log_multipliers(rec, film, width=SQUARE)
+    if shown_loops(film):
+        _, width = loop_grid(len(shown_loops(film)))
+        log_orbit_loops(rec, film, strips, width=width, shape_width=SQUARE)
+    log_scene(AlongBranch(rec, film), scene, selection, frames)

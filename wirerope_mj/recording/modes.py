@@ -4,7 +4,6 @@ Timelines: `sim_time` [s] plays two slow periods of each mode, `mode` goes from 
 in the recording of a response, /mode the text about the mode in view, /modes the table of all.
 """
 
-import uuid
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from wirerope_mj.modes.film import ModeFilm
 from wirerope_mj.modes.result import Modes
 from wirerope_mj.plain_text import markdown
 from wirerope_mj.recording.camera import Camera, whole_scene
-from wirerope_mj.recording.paths import APPLICATION, TIMELINE, entity, nanoseconds
+from wirerope_mj.recording.paths import TIMELINE, entity, nanoseconds
 from wirerope_mj.recording.poses import Frame, frames_of
 from wirerope_mj.recording.scene import log_scene
 from wirerope_mj.recording.selection import select
@@ -63,29 +62,26 @@ def record_modes(film: ModeFilm, path: str | Path, *, title: str = "", larger: S
         RecordError: the environment variable RERUN switches recordings off.
     """
     target = target_of(path)
-    with recorded_whole(target) as beside:
-        _write(film, beside, title or film.response.scene.name, larger)
+    with recorded_whole(target) as rec:
+        _write(film, rec, title or film.response.scene.name, larger)
     return target
 
 
-def _write(film: ModeFilm, path: Path, title: str, larger: Sequence[Modes]) -> None:
+def _write(film: ModeFilm, rec: Any, title: str, larger: Sequence[Modes]) -> None:
     import rerun as rr
 
     response = film.response
     selection, frames = select(response), frames_of(response)
-    with rr.RecordingStream(APPLICATION, recording_id=uuid.uuid4()) as rec:
-        rec.set_log_time_enabled(False)
-        rec.save(path)
-        rec.send_blueprint(_blueprint(film, frames, title), make_active=True, make_default=True)
-        rec.send_recording_name(f"{title}: modes")
-        kind = rr.MediaType.MARKDOWN
-        texts = [mode_text(film.modes, mode) for mode in range(film.starts.size)]
-        index = [rr.TimeColumn(TIMELINE, duration=nanoseconds(film.starts))]
-        columns = rr.TextDocument.columns(text=texts, media_type=[kind] * len(texts))
-        along = _AlongModes(rec, film)
-        along.send_columns(entity(MODE), index, columns)
-        rec.log(entity(ALL), rr.TextDocument(modes_table(film.modes, larger), media_type=kind), static=True)
-        log_scene(along, response, selection, frames)
+    rec.send_blueprint(_blueprint(film, frames, title), make_active=True, make_default=True)
+    rec.send_recording_name(f"{title}: modes")
+    kind = rr.MediaType.MARKDOWN
+    texts = [mode_text(film.modes, mode) for mode in range(film.starts.size)]
+    index = [rr.TimeColumn(TIMELINE, duration=nanoseconds(film.starts))]
+    columns = rr.TextDocument.columns(text=texts, media_type=[kind] * len(texts))
+    along = _AlongModes(rec, film)
+    along.send_columns(entity(MODE), index, columns)
+    rec.log(entity(ALL), rr.TextDocument(modes_table(film.modes, larger), media_type=kind), static=True)
+    log_scene(along, response, selection, frames)
 
 
 def mode_text(modes: Modes, mode: int) -> str:

@@ -17,7 +17,6 @@ The timeline is `sim_time` [s] for all of them. Entities:
 RANK is 0 for the largest swing, which the viewer draws first and so behind the others.
 """
 
-import uuid
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -29,7 +28,7 @@ from wirerope_mj.recording.overlay_histories import log_overlaid_histories
 from wirerope_mj.recording.overlay_loops import log_overlaid_loops, overlaid_loops
 from wirerope_mj.recording.overlay_runs import Align, Overlay, overlay_of
 from wirerope_mj.recording.overlay_text import Inputs, log_overlay_texts
-from wirerope_mj.recording.paths import APPLICATION, Below, at, entity, root_of
+from wirerope_mj.recording.paths import Below, at, entity, root_of
 from wirerope_mj.recording.scene import log_scene
 from wirerope_mj.recording.state import log_state
 from wirerope_mj.recording.target import recorded_whole, target_of
@@ -73,33 +72,26 @@ def write_overlay(
 ) -> Path:
     """Write what `overlay_of` made of the runs, and return the path; the rest is as for `record_overlay`."""
     target = target_of(path, file=FILE)
-    with recorded_whole(target) as beside:
-        _write(overlay, beside, inputs=inputs, tab=tab, scene=scene)
+    with recorded_whole(target) as rec:
+        _write(overlay, rec, inputs=inputs, tab=tab, scene=scene)
     return target
 
 
-def _write(overlay: Overlay, path: Path, *, inputs: Inputs, tab: str, scene: str) -> None:
-    import rerun as rr
-
+def _write(overlay: Overlay, rec: Any, *, inputs: Inputs, tab: str, scene: str) -> None:
     overlaid = overlaid_loops(overlay, loop_widths(overlay))
-    with rr.RecordingStream(APPLICATION, recording_id=uuid.uuid4()) as rec:
-        rec.set_log_time_enabled(False)
-        rec.save(path)
-        blueprint = overlay_blueprint(overlay, overlaid, tab=tab, scene=scene)
-        rec.send_blueprint(
-            blueprint, make_active=True, make_default=True
-        )  # before the data: right from the first moment
-        rec.send_recording_name(" and ".join(run.name for run in overlay.runs))
-        log_overlay_texts(rec, overlay, inputs)
-        _log_events(rec, overlay)
-        for run in overlay.runs:
-            below = Below(rec, root_of(run.name))
-            log_scene(below, run.response, run.selection, run.frames, arrow=run.color)
-        log_ghosts(rec, overlay)
-        log_overlaid_histories(rec, overlay)
-        log_overlaid_loops(rec, overlaid)
-        for run in overlay.runs:
-            log_state(Below(rec, root_of(run.name)), run.response)
+    blueprint = overlay_blueprint(overlay, overlaid, tab=tab, scene=scene)
+    rec.send_blueprint(blueprint, make_active=True, make_default=True)  # before the data: right from the first moment
+    rec.send_recording_name(" and ".join(run.name for run in overlay.runs))
+    log_overlay_texts(rec, overlay, inputs)
+    _log_events(rec, overlay)
+    for run in overlay.runs:
+        below = Below(rec, root_of(run.name))
+        log_scene(below, run.response, run.selection, run.frames, arrow=run.color)
+    log_ghosts(rec, overlay)
+    log_overlaid_histories(rec, overlay)
+    log_overlaid_loops(rec, overlaid)
+    for run in overlay.runs:
+        log_state(Below(rec, root_of(run.name)), run.response)
 
 
 def _log_events(rec: Any, overlay: Overlay) -> None:

@@ -1,15 +1,14 @@
 """One response, one `run.rrd`."""
 
-import uuid
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from wirerope_mj.recording.blueprint import blueprint_of
 from wirerope_mj.recording.documents import log_documents
 from wirerope_mj.recording.events import log_events
 from wirerope_mj.recording.histories import log_histories
 from wirerope_mj.recording.loops import log_loops, loops_of
-from wirerope_mj.recording.paths import APPLICATION
 from wirerope_mj.recording.poses import frames_of
 from wirerope_mj.recording.scene import log_scene
 from wirerope_mj.recording.selection import select
@@ -42,29 +41,23 @@ def record_rerun(
         RecordError: the environment variable RERUN switches recordings off.
     """
     target = target_of(path)
-    with recorded_whole(target) as beside:
-        _write(response, beside, title=title, scenario_text=scenario_text, verdicts=verdicts, tab=tab)
+    with recorded_whole(target) as rec:
+        _write(response, rec, title=title, scenario_text=scenario_text, verdicts=verdicts, tab=tab)
     return target
 
 
 def _write(
-    response: Response, path: Path, *, title: str, scenario_text: str, verdicts: Sequence[str] | None, tab: str
+    response: Response, rec: Any, *, title: str, scenario_text: str, verdicts: Sequence[str] | None, tab: str
 ) -> None:
-    import rerun as rr
 
     selection, frames = select(response), frames_of(response)
     loops = loops_of(response, selection)
-    with rr.RecordingStream(APPLICATION, recording_id=uuid.uuid4()) as rec:
-        rec.set_log_time_enabled(False)
-        rec.save(path)
-        # Before the data: a viewer that streams the file shows the right layout from its first moment.
-        rec.send_blueprint(
-            blueprint_of(response, selection, frames, loops, tab=tab), make_active=True, make_default=True
-        )
-        rec.send_recording_name(title or response.scene.name)
-        log_documents(rec, response, selection, title=title, scenario_text=scenario_text, verdicts=verdicts)
-        log_events(rec, response, selection)
-        log_scene(rec, response, selection, frames)
-        log_histories(rec, response, selection)
-        log_loops(rec, response, selection, loops)
-        log_state(rec, response)
+    # Before the data: a viewer that streams the file shows the right layout from its first moment.
+    rec.send_blueprint(blueprint_of(response, selection, frames, loops, tab=tab), make_active=True, make_default=True)
+    rec.send_recording_name(title or response.scene.name)
+    log_documents(rec, response, selection, title=title, scenario_text=scenario_text, verdicts=verdicts)
+    log_events(rec, response, selection)
+    log_scene(rec, response, selection, frames)
+    log_histories(rec, response, selection)
+    log_loops(rec, response, selection, loops)
+    log_state(rec, response)

@@ -4,6 +4,7 @@ import base64
 import json
 import os
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -110,7 +111,8 @@ class SampleWriter:
 
     def discard(self) -> None:
         """Leave nothing behind."""
-        self._writer.close()
+        with suppress(OSError):  # what cannot be written on a full disk cannot be finished either
+            self._writer.close()
         self._beside.unlink(missing_ok=True)
 
 

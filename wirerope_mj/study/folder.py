@@ -14,15 +14,16 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import tomli_w
 
-from wirerope_mj.errors import RecordError
+from wirerope_mj.errors import DiskFullError, RecordError
 from wirerope_mj.excitation.copies import copy_records
+from wirerope_mj.half_written import clear_half_written
 from wirerope_mj.study.engines.compute import Part
 from wirerope_mj.study.inputs.distributions import distribution_to_dict
 from wirerope_mj.study.old_names import FIRST, todays_inputs
-from wirerope_mj.study.responses import PEAKS, remove_half_written, write_response
+from wirerope_mj.study.responses import PEAKS, RESPONSES, write_response
 from wirerope_mj.study.versions import versions
 from wirerope_mj.system.model_files import model_table, write_model
-from wirerope_mj.whole import check_folder, clear_beside, folder_written_whole, worked_on_alone, written_whole
+from wirerope_mj.whole import check_folder, folder_written_whole, full_disk_said, worked_on_alone, written_whole
 
 if TYPE_CHECKING:
     from wirerope_mj.study.study import Study
@@ -50,8 +51,8 @@ ROW_GROUP = 64
 
 def prepare(
     study: "Study", folder: Path, *, keep: str, resume: bool, force: bool, search: dict[str, Any] | None = None
-) -> None:
-    """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with.
+) -> str:
+    """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with; return its id.
 
     Without a single part that is done there is nothing to go on with, and nothing to lose. A table with rows of chunks whose
     process died is taken away again, but none of its parts. `search` is what a search adds to `study.toml`.
@@ -60,28 +61,61 @@ def prepare(
         RecordError: something else stands there, or a study that is neither resumed nor replaced, or on which another process
             works.
     """
-    clear_beside(folder)
-    there = (folder / STUDY).is_file()
-    if there:
-        with worked_on_alone(folder, kind="study"):
-            pass  # nobody else does
-    begun = there and bool(done(folder) or (folder / TABLE).is_file())
-    if there and (resume or not (begun or force)):
-        with tempfile.TemporaryDirectory() as place:
-            _check_same(folder, _write_inputs(study, Path(place), keep, search))
-        if dead(folder) - done(folder):
-            for name in (SUMMARY, TABLE):
-                (folder / name).unlink(missing_ok=True)
-        return
-    if there and not force:
+    clear_half_written(folder.resolve().parent)
+    if not (folder / STUDY).is_file():
+        check_folder(folder, force=force, kind="study", marks=MARKS)
+        return _begin(study, folder, keep, search, force=force)
+    with worked_on_alone(folder, kind="study"):  # nobody else, before anything is taken away
+        if resume or not (_begun(folder) or force):
+            with tempfile.TemporaryDirectory() as place:
+                _check_same(folder, _write_inputs(study, Path(place), keep, search))
+            if dead(folder):
+                for name in (SUMMARY, TABLE):
+                    (folder / name).unlink(missing_ok=True)
+            return str(read_inputs(folder)["id"])
+        if force:
+            return _begin(study, folder, keep, search, force=force)
         raise RecordError(
             f"{folder}: there is a study already. Go on with it with --resume (`resume=True`), replace it with --force "
             "(`force=True`), or choose another folder."
         )
-    check_folder(folder, force=force, kind="study", marks=MARKS)
+
+
+def _begin(study: "Study", folder: Path, keep: str, search: dict[str, Any] | None, *, force: bool) -> str:
+    """Make a new folder of a study, in which nothing is done yet, and return its id."""
     with folder_written_whole(folder, force=force, kind="study", marks=MARKS) as beside:
-        (beside / STUDY).write_text(tomli_w.dumps(_write_inputs(study, beside, keep, search)), encoding="utf-8")
+        content = _write_inputs(study, beside, keep, search)
+        (beside / STUDY).write_text(tomli_w.dumps(content), encoding="utf-8")
         (beside / PARTS).mkdir()
+    return str(content["id"])
+
+
+@contextmanager
+def computed_alone(folder: Path, identity: str) -> Iterator[None]:
+    """Hold the folder of the study of that id while the block computes; on a full disk keep what is done, if anything is.
+
+    Raises:
+        RecordError: another process works on it, or has put another study there since `prepare`.
+        DiskFullError: there is no space left.
+    """
+    with worked_on_alone(folder, kind="study"):
+        if read_inputs(folder)["id"] != identity:
+            raise RecordError(f"{folder}: another process has put another study here just now. Choose another folder.")
+        try:
+            with full_disk_said(folder):
+                yield
+        except DiskFullError as error:
+            if not _begun(folder):
+                shutil.rmtree(folder, ignore_errors=True)
+                raise
+            raise DiskFullError(
+                f"{folder}: there is no space left. What is done is kept: free some space, and go on with --resume "
+                "(`resume=True`)."
+            ) from error.__cause__
+
+
+def _begun(folder: Path) -> bool:
+    return bool(done(folder) or (folder / TABLE).is_file())
 
 
 def read_inputs(folder: Path) -> dict[str, Any]:
@@ -110,15 +144,15 @@ def done(folder: Path) -> set[int]:
 
 
 def dead(folder: Path) -> set[int]:
-    """Return the numbers of the chunks whose process died."""
-    return {int(path.name.split(".")[0]) for path in (folder / PARTS).glob(f"*{_DIED}.parquet")}
+    """Return the numbers of the chunks whose process died and that have not been computed since."""
+    return {int(path.name.split(".")[0]) for path in (folder / PARTS).glob(f"[0-9]*{_DIED}.parquet")} - done(folder)
 
 
 def write_part(folder: Path, part: Part) -> None:
     """Write the part of one chunk, each file whole or not at all; what is done stands there when all of it does."""
     for variant, content in part.responses.items():
         write_response(folder, variant, content)
-    with written_whole(part_path(folder, part.number, _DIED if part.died else "")) as beside:
+    with written_whole(part_path(folder, part.number, _DIED if part.died else ""), clear=False) as beside:
         pq.write_table(part.table, beside)
     if not part.died:
         part_path(folder, part.number, _DIED).unlink(missing_ok=True)
@@ -187,9 +221,8 @@ def finish(folder: Path, chunks: int, summary: Callable[[], dict[str, Any]]) -> 
             beside.write_text(text, encoding="utf-8")
     if not dead(folder):
         shutil.rmtree(folder / PARTS, ignore_errors=True)
-    remove_half_written(folder)
-    for left in folder.glob(".*.part.*"):  # of a process that was killed while it wrote
-        left.unlink(missing_ok=True)
+    for place in (folder, folder / RESPONSES):  # of a process that was killed while it wrote
+        clear_half_written(place)
 
 
 def _write_table(path: Path, tables: Iterator[pa.Table]) -> None:

@@ -49,7 +49,7 @@ def write_response(folder: Path, variant: int, content: bytes) -> None:
     """Write the response of a variant into the study's `folder`, whole or not at all."""
     path = _file(folder, variant)
     path.parent.mkdir(exist_ok=True)
-    with written_whole(path) as beside:
+    with written_whole(path, clear=False) as beside:
         beside.write_bytes(content)
 
 
@@ -78,12 +78,6 @@ def whole_number(variant: int) -> int:
     if isinstance(variant, bool) or not isinstance(variant, int | np.integer):
         raise ValueError(f"`variant` must be a whole number, got {variant!r}.")
     return int(variant)
-
-
-def remove_half_written(folder: Path) -> None:
-    """Remove what a process left that was killed while it wrote a response."""
-    for left in (folder / RESPONSES).glob(".*.part.*"):
-        left.unlink(missing_ok=True)
 
 
 def _file(folder: Path, variant: int) -> Path:

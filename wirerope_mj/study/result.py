@@ -99,7 +99,7 @@ class StudyResult:
     def missing(self) -> str:
         """Sentences on what a run that is complete lacks; empty if nothing."""
         found = ""
-        if dead(self.folder) - done(self.folder):
+        if dead(self.folder):
             found += " Some were not computed, since their processes died: go on with --resume (`resume=True`)."
         if self.inputs.get("keep") == RESPONSES:
             wanted = set(self.table["variant"].to_pylist()) - set(self.failed)

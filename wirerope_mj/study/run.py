@@ -12,10 +12,9 @@ from wirerope_mj.simulation.progress import share_bar
 from wirerope_mj.study.answers.summary import summary
 from wirerope_mj.study.engines.compute import Chunk, Engine
 from wirerope_mj.study.engines.local import run_local
-from wirerope_mj.study.folder import TABLE, done, finish, prepare, write_part
+from wirerope_mj.study.folder import TABLE, computed_alone, done, finish, prepare, write_part
 from wirerope_mj.study.responses import PEAKS, RESPONSES, checked_keep, most_together
 from wirerope_mj.study.result import StudyResult, load_study
-from wirerope_mj.whole import worked_on_alone
 
 if TYPE_CHECKING:
     from wirerope_mj.study.study import Study
@@ -45,8 +44,8 @@ def run_study(
     run = checked_engine(engine, workers=workers, address=address)
     checked_keep(keep)
     study.table()  # every variant is checked before anything is written
-    prepare(study, folder, keep=keep, resume=resume, force=force)
-    with worked_on_alone(folder, kind="study"):
+    identity = prepare(study, folder, keep=keep, resume=resume, force=force)
+    with computed_alone(folder, identity):
         if not (folder / TABLE).is_file():
             _compute(study, folder, keep, partial(run, workers=workers, address=address), progress)
         finish(folder, math.ceil(study.size / chunk_size(study, keep)), lambda: summary(load_study(folder)))

@@ -14,7 +14,7 @@ import pyarrow as pa
 from wirerope_mj.simulation.progress import Update, share_bar
 from wirerope_mj.study.engines.compute import Chunk, Engine, Part
 from wirerope_mj.study.engines.local import run_local
-from wirerope_mj.study.folder import TABLE, finish, part_path, prepare, read_part, write_part
+from wirerope_mj.study.folder import TABLE, computed_alone, finish, part_path, prepare, read_part, write_part
 from wirerope_mj.study.responses import RESPONSES, checked_keep
 from wirerope_mj.study.result import load_study
 from wirerope_mj.study.run import checked_engine, chunk_size
@@ -22,7 +22,6 @@ from wirerope_mj.study.search.evolution import Design, Evolution, check_installe
 from wirerope_mj.study.search.front import Array, aims, excesses
 from wirerope_mj.study.search.result import GENERATION, SearchResult
 from wirerope_mj.study.search.summary import search_summary
-from wirerope_mj.whole import worked_on_alone
 
 if TYPE_CHECKING:
     from wirerope_mj.study.search.search import Search
@@ -44,8 +43,8 @@ def run_search(
     run = checked_engine(engine, workers=workers, address=address)
     checked_keep(keep)
     added = {"optimiser": check_installed(), **search.to_dict()}
-    prepare(search.study, folder, keep=keep, resume=resume, force=force, search=added)
-    with worked_on_alone(folder, kind="study"):
+    identity = prepare(search.study, folder, keep=keep, resume=resume, force=force, search=added)
+    with computed_alone(folder, identity):
         parts = 0
         if not (folder / TABLE).is_file():
             with share_bar(
