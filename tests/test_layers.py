@@ -12,7 +12,17 @@ from wirerope_mj.resources import scenarios_folder
 PACKAGE = Path(wirerope_mj.__file__).parent
 LAYERS = (
     (
-        "errors", "units", "resources", "state", "jit", "half_written", "whole", "limits", "option_file", "plain_text", "inside",
+        "errors",
+        "units",
+        "resources",
+        "state",
+        "jit",
+        "half_written",
+        "whole",
+        "limits",
+        "option_file",
+        "plain_text",
+        "inside",
     ),
     ("laws", "excitation", "spectra"),
     ("isolator", "bench", "oscillator"),

@@ -9,6 +9,7 @@ from wirerope_mj.bench import read_cyclic_test as read_cyclic_test
 from wirerope_mj.bench import write_cyclic_test as write_cyclic_test
 from wirerope_mj.criteria import Verdict as Verdict
 from wirerope_mj.criteria import judge as judge
+from wirerope_mj.errors import AccuracyWarning as AccuracyWarning
 from wirerope_mj.errors import ClusterWarning as ClusterWarning
 from wirerope_mj.errors import ConvergenceError as ConvergenceError
 from wirerope_mj.errors import ModelError as ModelError

@@ -33,6 +33,10 @@ class StudyWarning(UserWarning):
     """What varies in a study can be computed, but is perhaps not what was meant."""
 
 
+class AccuracyWarning(UserWarning):
+    """A response is less accurate than was asked for, or depends on what nobody knows well, as struck stops."""
+
+
 class SimulationError(WireRopeError):
     """A simulation cannot start, or ended before its time."""
 

@@ -28,7 +28,14 @@ from wirerope_mj.cli.shock import shock
 from wirerope_mj.cli.statics import statics
 from wirerope_mj.cli.study import list_studies, study_command
 from wirerope_mj.cli.study_report import study_report
-from wirerope_mj.errors import ClusterWarning, ModelWarning, RecordWarning, StudyWarning, WireRopeError
+from wirerope_mj.errors import (
+    AccuracyWarning,
+    ClusterWarning,
+    ModelWarning,
+    RecordWarning,
+    StudyWarning,
+    WireRopeError,
+)
 from wirerope_mj.plain_text import plain, plain_lines
 
 if TYPE_CHECKING:
@@ -52,7 +59,7 @@ app.command(run_app)
 def run(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
     """Simulate a scenario into one folder and print its peaks against the limits.
 
-    wirerope run SCENARIO [OPTIONS] [--out FOLDER] [--force]
+    wirerope run SCENARIO [OPTIONS] [--accuracy A | --timestep SECONDS] [--out FOLDER] [--force]
 
     SCENARIO is the path of a scenario file or the name of one that ships with the package; `wirerope run --list` shows
     those, and `wirerope run SCENARIO --help` the options of one. The folder is runs/NAME-DATE-TIME unless --out names
@@ -197,8 +204,8 @@ def fit(datasheet: Path, out: Path) -> int:
 
 @contextmanager
 def _warnings_said() -> Iterator[None]:
-    """Print warnings about a model, a record or a study, as one line each on standard error, without code."""
-    ours = (ModelWarning, RecordWarning, ClusterWarning, StudyWarning)
+    """Print warnings about a model, a record, a response or a study, as one line each on standard error, without code."""
+    ours = (ModelWarning, RecordWarning, AccuracyWarning, ClusterWarning, StudyWarning)
     with warnings.catch_warnings():
         for kind in ours:
             warnings.simplefilter("always", kind)

@@ -2,12 +2,14 @@
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from wirerope_mj.cli.file_options import own_option, run_with_options
+from wirerope_mj.cli.numerics_options import NUMERICS, with_numerics
 from wirerope_mj.cli.tables import print_questions, print_run
 from wirerope_mj.scenario import load_scenario, shipped_scenarios
 
@@ -25,14 +27,18 @@ def list_scenarios() -> None:
 def run_command(name: str, tokens: Sequence[str]) -> None:
     """Simulate the scenario called `name` with the options in `tokens`, and print what came out."""
     scenario = load_scenario(name)
+    # A scenario with an option of such a name decides itself what becomes of it.
+    numerics = [option for option in NUMERICS if option.name not in scenario.defaults]
 
     def action(options: dict[str, Any], own: dict[str, Any]) -> None:
         from wirerope_mj.runfolder import run_scenario
 
         folder = own["out"] or Path("runs") / f"{scenario.name}-{datetime.now():%Y%m%d-%H%M%S}"
         made = scenario.make(**options)
+        asked = {option.name: own.get(option.name) for option in NUMERICS}
+        made = replace(made, simulate=with_numerics(made.simulate, **asked))
         started = perf_counter()
         response = run_scenario(made, folder, force=own["force"], progress=sys.stderr.isatty())
         print_run(made, response, folder, seconds=perf_counter() - started)
 
-    run_with_options(f"wirerope run {scenario.name}", scenario.function, _OWN, action, tokens)
+    run_with_options(f"wirerope run {scenario.name}", scenario.function, [*numerics, *_OWN], action, tokens)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
+from wirerope_mj.cli.numerics_options import with_numerics
 from wirerope_mj.errors import RecordError
 
 if TYPE_CHECKING:
@@ -39,6 +40,8 @@ def shock(
     start: float = 0.0,
     duration: float | None = None,
     sample_rate: float = 1000.0,
+    accuracy: float | None = None,
+    timestep: float | None = None,
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
@@ -60,6 +63,8 @@ def shock(
         start: instant at which the record begins [s].
         duration: simulated time [s]; until ten periods of the slowest mode after the record by default.
         sample_rate: of the response [Hz].
+        accuracy: error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default.
+        timestep: largest step [s], in place of one that is chosen; no error is estimated then.
         out: folder of the run; runs/shock-MODEL-RECORD-DATE-TIME by default.
         force: replace a run that is there.
     """
@@ -70,6 +75,7 @@ def shock(
     from wirerope_mj.simulation.stability import slowest_period
     from wirerope_mj.system import load_system
 
+    numerics = with_numerics({}, accuracy=accuracy, timestep=timestep)
     motion = load_record(
         record, channels=_channels(record, channels, direction), scale=scale, baseline=baseline, start=start,
         highpass=highpass, resample=resample, gaps=gaps, unit=unit,
@@ -85,7 +91,7 @@ def shock(
     made = Scenario(question=QUESTION, model=model, motion=motion, simulate={}, name=name, options=_given(options))
     if duration is None:
         duration = _rounded_up(motion.end + RING_DOWN * slowest_period(load_system(made.model_source())))
-    made = replace(made, simulate={"duration": duration, "sample_rate": sample_rate})
+    made = replace(made, simulate={"duration": duration, "sample_rate": sample_rate} | numerics)
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     began = perf_counter()
     response = run_scenario(made, folder, force=force, progress=sys.stderr.isatty())

@@ -11,6 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from wirerope_mj.cli.contact_table import contact_table
 from wirerope_mj.criteria import Verdict, acceleration_verdicts
 from wirerope_mj.excitation import Sweep
 from wirerope_mj.isolator.travel import RATINGS
@@ -60,6 +61,10 @@ def print_run(scenario: Scenario, response: Response, folder: Path, *, seconds: 
     if response.scene.mounts:
         out.print()
         out.print(_mounts(response))
+        out.print()
+    contacts = contact_table(response)
+    if contacts is not None:
+        out.print(contacts)
         out.print()
     out.print(f"  [bold]{escape(read_headline(folder))}[/]", soft_wrap=True)
     for line in verdict_lines(response):
@@ -149,7 +154,8 @@ def _percent(share: float | None) -> str:
 
 def _numerics(response: Response) -> str:
     numerics = response.numerics
-    words = f"{numerics.steps} steps of at most {1e3 * numerics.timestep:.4g} ms, {numerics.callback} callback"
+    limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
+    words = f"{numerics.steps} steps of at most {1e3 * numerics.timestep:.4g} ms{limit}, {numerics.callback} callback"
     if math.isfinite(numerics.error_estimate):
         missed = (
             "" if numerics.error_estimate <= numerics.accuracy else f", above the {numerics.accuracy:.0e} asked for"

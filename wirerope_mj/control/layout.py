@@ -20,8 +20,8 @@ PARAMETERS = "wirerope/parameters"
 
 # header of the layout
 N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
-MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING = range(7, 16)
-HEADER = 16
+MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONTACTS = range(7, 17)
+HEADER = 17
 
 # columns of the tables
 MOUNT_COLUMNS = (
@@ -56,6 +56,12 @@ LOW, LOW_TIME, HIGH, HIGH_TIME = 6, 9, 12, 15  # extremes of the components
 PEAK, PEAK_TIME, PEAK_VECTOR = 18, 19, 20  # of the norm
 CHANNEL_MEMORY = 23
 
+# memory of the contacts of one pair of geoms
+GEOMS, TOUCHES, FROM_START, FIRST_TOUCH, LAST_TOUCH, TOUCHED_FOR, FORCE_NOW = 0, 2, 3, 4, 5, 6, 7
+FORCE_PEAK, FORCE_TIME, DEPTH, DEPTH_TIME = 8, 9, 10, 11
+CONTACT_MEMORY = 12
+SEVERAL = -2.0  # in place of geoms: the row is shared by all pairs for which there was none left
+
 
 @dataclass(frozen=True, kw_only=True)
 class UserData:
@@ -65,6 +71,7 @@ class UserData:
     n_states: int
     n_tree: int
     n_channels: int
+    n_contacts: int
 
     @property
     def mounts(self) -> int:
@@ -87,6 +94,11 @@ class UserData:
         return self.accelerations + 6 * self.n_tree
 
     @property
+    def contacts(self) -> int:
+        """Memory of contacts, (n_contacts, CONTACT_MEMORY)."""
+        return self.channels + CHANNEL_MEMORY * self.n_channels
+
+    @property
     def size(self) -> int:
         """Number of entries."""
-        return self.channels + CHANNEL_MEMORY * self.n_channels
+        return self.contacts + CONTACT_MEMORY * self.n_contacts

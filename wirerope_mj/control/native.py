@@ -8,10 +8,11 @@ import numba
 from numba import types
 
 from wirerope_mj.control import layout as at
+from wirerope_mj.control.contacts import begin_contacts, normal_force, track_contact
 from wirerope_mj.control.mounts import apply_mounts, copy_rates, drive_base, remove_overshoot
 from wirerope_mj.control.observer import observe
-from wirerope_mj.control.pointers import float64_array, int64_array, member
-from wirerope_mj.control.structs import DATA_FIELDS, offsets
+from wirerope_mj.control.pointers import float64_array, int32_array, int32_member, int64_array, member
+from wirerope_mj.control.structs import DATA_FIELDS, offsets, size_of
 from wirerope_mj.jit import njit
 
 ACCELERATION_STAGE = 3
@@ -70,12 +71,34 @@ def _act_dyn(m, d, actuator, system, userdata, act_dot):  # type: ignore[no-unty
 
 
 @njit
-def _sensor(m, d, system, field, time):  # type: ignore[no-untyped-def]
+def _contacts(d, numeric, lay, u, w, time, place, part):  # type: ignore[no-untyped-def]
+    """Remember the contacts of this step; `place` and `part` are offsets in mjData and in mjContact, whose size is last."""
+    if u[w + at.OBSERVING] == 0.0:
+        return
+    number = int32_array(d + place[0])[0]
+    begin_contacts(numeric, lay, u, w, number)
+    if number == 0 or numeric[lay + at.N_CONTACTS] == 0.0:
+        return
+    contact, force, kinds = int64_array(d + place[1])[0], member(d, place[2]), int32_member(d, place[3])
+    for _ in range(number):
+        address = int32_array(contact + part[3])[0]
+        if address >= 0:  # otherwise MuJoCo left it out
+            geoms = int32_array(contact + part[1])
+            pressed = normal_force(force, address, kinds[address], int32_array(contact + part[2])[0])
+            track_contact(
+                numeric, lay, u, w, time, float(geoms[0]), float(geoms[1]), float64_array(contact + part[0])[0], pressed
+            )
+        contact += part[4]
+
+
+@njit
+def _sensor(m, d, system, field, time, place, part):  # type: ignore[no-untyped-def]
     found, p, prm, numeric = _find_system(m, system[0], system[1], system[2])
     if not found:
         return
     lay, q, w, a = int(prm[p + 1]), int(prm[p + 2]), int(prm[p + 3]), int(prm[p + 4])
     remove_overshoot(numeric, lay, numeric, q, member(d, field[1]), a)
+    _contacts(d, numeric, lay, member(d, field[0]), w, float64_array(d + time)[0], place, part)
     observe(
         numeric, lay, member(d, field[0]), w, member(d, field[1]), a,
         float64_array(d + time)[0],
@@ -116,6 +139,9 @@ def native_callbacks() -> Callbacks:
     control_fields = tuple(data[name] for name in CONTROL_FIELDS)
     sensor_fields = tuple(data[name] for name in SENSOR_FIELDS)
     time, userdata, act_dot = data["time"], data["userdata"], data["act_dot"]
+    place = tuple(data[name] for name in ("ncon", "contact", "efc_force", "efc_type"))
+    contact = offsets("mjContact")
+    part = (*(contact[name] for name in ("dist", "geom", "dim", "efc_address")), size_of("mjContact"))
 
     @numba.cfunc(types.void(types.intp, types.intp))
     def control(m, d):  # type: ignore[no-untyped-def]
@@ -128,7 +154,7 @@ def native_callbacks() -> Callbacks:
     @numba.cfunc(types.void(types.intp, types.intp, types.int32))
     def sensor(m, d, stage):  # type: ignore[no-untyped-def]
         if stage == ACCELERATION_STAGE:
-            _sensor(m, d, system, sensor_fields, time)
+            _sensor(m, d, system, sensor_fields, time, place, part)
 
     pointer, integer = ctypes.c_void_p, ctypes.c_int
     return Callbacks(

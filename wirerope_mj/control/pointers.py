@@ -31,6 +31,18 @@ def int64_array(address):  # type: ignore[no-untyped-def]
 
 
 @njit
+def int32_array(address):  # type: ignore[no-untyped-def]
+    """Return the int32 array that starts at `address`."""
+    return carray(_as_pointer(address), (ANY_SIZE,), types.int32)
+
+
+@njit
+def int32_member(struct, offset):  # type: ignore[no-untyped-def]
+    """Return the int32 array that the pointer at `offset` in a struct leads to."""
+    return int32_array(int64_array(struct + offset)[0])
+
+
+@njit
 def member(struct, offset):  # type: ignore[no-untyped-def]
     """Return the float64 array that the pointer at `offset` in a struct leads to."""
     return float64_array(int64_array(struct + offset)[0])

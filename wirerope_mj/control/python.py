@@ -5,6 +5,7 @@ from typing import Any
 import mujoco
 
 from wirerope_mj.control import layout as at
+from wirerope_mj.control.contacts import begin_contacts, normal_force, track_contact
 from wirerope_mj.control.mounts import apply_mounts, copy_rates, drive_base, remove_overshoot
 from wirerope_mj.control.native import ACCELERATION_STAGE, Callbacks
 from wirerope_mj.control.observer import observe
@@ -57,6 +58,8 @@ def python_callbacks() -> Callbacks:
         if not v.is_system or stage != ACCELERATION_STAGE:
             return
         remove_overshoot(v.numeric, v.layout, v.numeric, v.parameters, v.d_act, v.states)
+        if v.d_userdata[v.userdata + at.OBSERVING] != 0.0:
+            _track_contacts(v, data)
         observe(
             v.numeric, v.layout, v.d_userdata, v.userdata, v.d_act, v.states, data.time, v.d_sensordata,
             v.d_site_xpos, v.d_site_xquat, v.d_xipos, v.d_xquat, v.d_subtree_com, v.d_cvel, v.d_cdof, v.d_cdof_dot,
@@ -64,3 +67,18 @@ def python_callbacks() -> Callbacks:
         )  # fmt: skip
 
     return Callbacks(control=control, act_dyn=act_dyn, sensor=sensor)
+
+
+def _track_contacts(v: Any, data: mujoco.MjData) -> None:
+    """Remember the contacts of this step, as the native callback does."""
+    begin_contacts(v.numeric, v.layout, v.d_userdata, v.userdata, data.ncon)
+    if not data.ncon or not v.numeric[v.layout + at.N_CONTACTS]:
+        return
+    force, kinds = data.efc_force, data.efc_type
+    for contact in data.contact:
+        if contact.efc_address >= 0:
+            track_contact(
+                v.numeric, v.layout, v.d_userdata, v.userdata, data.time,
+                float(contact.geom[0]), float(contact.geom[1]), contact.dist,
+                normal_force(force, contact.efc_address, kinds[contact.efc_address], contact.dim),
+            )  # fmt: skip

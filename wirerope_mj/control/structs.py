@@ -63,6 +63,12 @@ def offsets(struct: str) -> dict[str, int]:
     return _layout_of_fields(structs.STRUCTS[struct].fields)[2]
 
 
+@cache
+def size_of(struct: str) -> int:
+    """Return the bytes that one of MuJoCo's structs takes."""
+    return _layout_of_fields(structs.STRUCTS[struct].fields)[0]
+
+
 def disagreement(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
     """Return None if the offsets lead to what the Python views of this model and data show, else what does not."""
     for owner, struct, names in ((model, "mjModel", MODEL_FIELDS), (data, "mjData", DATA_FIELDS)):
@@ -75,4 +81,6 @@ def disagreement(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
         return "mjModel.nu"
     if ctypes.c_double.from_address(data._address + offsets("mjData")["time"]).value != data.time:
         return "mjData.time"
+    if ctypes.c_int.from_address(data._address + offsets("mjData")["ncon"]).value != data.ncon:
+        return "mjData.ncon"
     return None

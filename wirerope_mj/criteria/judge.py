@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from wirerope_mj.criteria.acceleration import acceleration_verdicts
 from wirerope_mj.criteria.bottoming import bottoming_verdicts
+from wirerope_mj.criteria.contact import contact_verdicts
 from wirerope_mj.criteria.mount_load import starting_load_verdicts
 from wirerope_mj.criteria.rattle import rattle_verdicts
 from wirerope_mj.criteria.travel import travel_verdicts
@@ -13,7 +14,7 @@ from wirerope_mj.response import Response
 
 
 def judge(response: Response, limits: Sequence[PayloadLimit] | None = None) -> tuple[Verdict, ...]:
-    """Return the verdicts on accelerations, travels, bottoming, rattle space and static loads of a run.
+    """Return the verdicts on accelerations, travels, bottoming, rattle space, static loads and contacts of a run.
 
     Args:
         response: of the run.
@@ -25,4 +26,5 @@ def judge(response: Response, limits: Sequence[PayloadLimit] | None = None) -> t
         *bottoming_verdicts(response),
         *rattle_verdicts(response, limits),
         *starting_load_verdicts(response),
+        *contact_verdicts(response),
     )

@@ -46,7 +46,8 @@ def scenario_markdown(response: Response, title: str, text: str) -> str:
     """Return title, scenario and how it was computed."""
     body = _fenced(text) if _is_toml(text) else text.strip()
     numerics = response.numerics
-    how = f"{numerics.steps} steps of at most {1e3 * numerics.timestep:.4g} ms, {numerics.callback} callback"
+    limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
+    how = f"{numerics.steps} steps of at most {1e3 * numerics.timestep:.4g} ms{limit}, {numerics.callback} callback"
     if np.isfinite(numerics.error_estimate):
         how += f", estimated error {numerics.error_estimate:.1e} of the peaks"
     return "\n\n".join(part for part in (f"### {markdown(title or response.scene.name)}", body, f"*{how}*") if part)

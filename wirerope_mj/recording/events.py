@@ -61,7 +61,21 @@ def events_of(response: Response, selection: Selection) -> list[Event]:
         found.append(Event(time=_short(peak.time), level="INFO", text=text))
     for mount in response.scene.mounts:
         found += [event for axis in AXES for event in _travel_events(response, mount, axis)]
+    found += _contact_events(response)
     return sorted(event for event in found if event.time <= response.time[-1])
+
+
+def _contact_events(response: Response) -> list[Event]:
+    """Return when stops are struck first, and how hard at most."""
+    contacts = response.peaks.contacts or {}
+    return [
+        Event(
+            time=_short(contacts[name].first_touch or 0.0),
+            level="WARN",
+            text=f"{name}: struck, at most {1e-3 * contacts[name].force:.3g} kN",
+        )
+        for name in response.peaks.struck
+    ]
 
 
 def _travel_events(response: Response, mount: SceneMount, axis: str) -> list[Event]:

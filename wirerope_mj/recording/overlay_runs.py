@@ -124,11 +124,13 @@ def _moved(response: Response, by: float) -> Response:
         }
         for room in ("bodies", "points", "mounts")
     }
+    known = response.peaks.contacts
+    contacts = None if known is None else {name: contact.later(by) for name, contact in known.items()}
     return replace(
         response,
         time=response.time + by,
         events=tuple((time + by, text) for time, text in response.events),
-        peaks=Peaks(**peaks),
+        peaks=Peaks(**peaks, contacts=contacts),
     )
 
 

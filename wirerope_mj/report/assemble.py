@@ -2,6 +2,7 @@
 
 import math
 
+from wirerope_mj.report.contacts import contacts_section
 from wirerope_mj.report.content import ReportContent, Section, Table
 from wirerope_mj.report.display import number, several
 from wirerope_mj.report.judged import answer, full_table, headline
@@ -41,6 +42,7 @@ def report_content(run: FinishedRun) -> ReportContent:
             motion_section(run),
             response_section(run),
             mounts_section(run),
+            contacts_section(run),
             _numerics_section(run),
             _annex(run),
         ),
@@ -53,6 +55,7 @@ def _numerics_section(run: FinishedRun) -> Section:
     rows = [
         ("simulated", f"{run.duration:g} s from {_START.get(run.initial, run.initial)}"),
         ("steps", f"{several(numerics.steps, 'step')} of at most {number(1e3 * numerics.timestep, digits=4)} ms"),
+        ("step limited by", numerics.limited_by or "not recorded"),
         ("estimated error", _error(run)),
         ("samples", f"{run.response.time.size} at {run.sample_rate:g} Hz; peaks are those of every step"),
         ("mount forces by", f"{numerics.callback} callback"),

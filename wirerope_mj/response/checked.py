@@ -17,6 +17,7 @@ from wirerope_mj.isolator import AXES
 from wirerope_mj.isolator.travel import RATINGS
 from wirerope_mj.limits import PayloadLimit
 from wirerope_mj.response.columns import ColumnPlan
+from wirerope_mj.response.contacts import ContactPeak
 from wirerope_mj.response.response import Numerics
 from wirerope_mj.response.scene import Geom, Scene, SceneBody, SceneMount
 
@@ -81,6 +82,25 @@ def _check_peaks(peaks: Any, plan: ColumnPlan) -> None:
             _table(entry, f"peaks.{room}.{name}", quantities, exactly=True)
             for quantity in quantities:
                 _numbers(entry[quantity], f"peaks.{room}.{name}.{quantity}", _PEAK)
+    contacts = peaks.get("contacts")  # older responses have none
+    if contacts is not None:
+        _table(contacts, "peaks.contacts", ())
+        for name, contact in contacts.items():
+            _check_contact(contact, f"peaks.contacts.{name}")
+
+
+def _check_contact(contact: Any, where: str) -> None:
+    _record(contact, where, ContactPeak)
+    for key in ("geoms", "bodies"):
+        for i, name in enumerate(_sequence(contact[key], f"{where}.{key}", 2)):
+            _text(name, f"{where}.{key}.{i}")
+    for key in ("touches", "duration", "force", "penetration"):
+        _number(contact.get(key, 0.0), f"{where}.{key}")
+    for key in ("first_touch", "force_time", "penetration_time"):
+        if contact.get(key) is not None:  # of a pair that never touched
+            _number(contact[key], f"{where}.{key}")
+    if not isinstance(contact.get("from_start", False), bool):
+        raise ValueError(f"`{where}.from_start` must be true or false, got {_shown(contact['from_start'])}.")
 
 
 def _check_scene(scene: Any, plan: ColumnPlan) -> None:
@@ -211,7 +231,7 @@ def _record(value: Any, where: str, kind: Any) -> None:
     _table(value, where, needed)
     _table({key: None for key in value if key not in known}, where, (), exactly=True)
     for name, field in known.items():
-        if field.type is str:
+        if field.type is str and name in value:
             _text(value[name], f"{where}.{name}")
 
 

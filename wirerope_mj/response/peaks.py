@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.response.contacts import ContactPeak
+
 Array = npt.NDArray[np.float64]
 
 
@@ -76,25 +78,48 @@ class MountPeaks:
 
 @dataclass(frozen=True, kw_only=True)
 class Peaks:
-    """Peaks by name of body, point and mount."""
+    """Peaks by name of body, point, mount and pair of geoms that may touch.
+
+    Attributes:
+        bodies, points, mounts: by name.
+        contacts: by name of the pair, "stop_1 on pad_1"; None where they were not recorded, as in older responses.
+    """
 
     bodies: dict[str, BodyPeaks]
     points: dict[str, PointPeaks]
     mounts: dict[str, MountPeaks]
+    contacts: dict[str, ContactPeak] | None = None
+
+    @property
+    def struck(self) -> list[str]:
+        """Names of the pairs of geoms that came together during the run, the first to touch first."""
+        found = {name: contact.first_touch or 0.0 for name, contact in (self.contacts or {}).items() if contact.struck}
+        return sorted(found, key=lambda name: found[name])
+
+    def same_as(self, other: "Peaks") -> bool:
+        """Return whether all peaks have the same bits; contacts are left out if only one of the two recorded them."""
+        one, two = self.to_dict(), other.to_dict()
+        if self.contacts is None or other.contacts is None:
+            one["contacts"] = two["contacts"] = None
+        return one == two
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the peaks as plain lists."""
-        return {
+        """Return the peaks as plain values."""
+        contacts = self.contacts
+        found: dict[str, Any] = {
             room: {
                 name: {key: getattr(entry, key).to_list() for key in entry.__dataclass_fields__}
                 for name, entry in getattr(self, room).items()
             }
             for room in ("bodies", "points", "mounts")
         }
+        found["contacts"] = None if contacts is None else {name: pair.to_dict() for name, pair in contacts.items()}
+        return found
 
     @classmethod
     def from_dict(cls, content: dict[str, Any]) -> "Peaks":
         """Return the peaks that `to_dict` wrote."""
+        contacts = content.get("contacts")  # older responses have none
         kinds = {"bodies": BodyPeaks, "points": PointPeaks, "mounts": MountPeaks}
         return cls(
             **{
@@ -103,5 +128,6 @@ class Peaks:
                     for name, entry in content[room].items()
                 }
                 for room, kind in kinds.items()
-            }
+            },
+            contacts=None if contacts is None else {n: ContactPeak.from_dict(pair) for n, pair in contacts.items()},
         )

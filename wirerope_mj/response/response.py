@@ -158,6 +158,7 @@ class Numerics:
         steps: number of steps.
         callback: "native" or "python".
         versions: of the packages that computed it.
+        limited_by: what keeps the step from being longer, in words; "" for older responses, which do not say it.
     """
 
     timestep: float
@@ -166,6 +167,7 @@ class Numerics:
     steps: int
     callback: str
     versions: dict[str, str]
+    limited_by: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)

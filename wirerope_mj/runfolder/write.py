@@ -158,6 +158,7 @@ def summary_content(
             "callback": numerics.callback,
             "accuracy": None if math.isnan(numerics.accuracy) else numerics.accuracy,
             "estimated_error": numerics.error_estimate if math.isfinite(numerics.error_estimate) else None,
+            "limited_by": numerics.limited_by,
             "seconds": seconds,
             "versions": numerics.versions,
         },

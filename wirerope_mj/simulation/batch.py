@@ -24,6 +24,7 @@ from wirerope_mj.simulation.recorder import Recorder
 from wirerope_mj.simulation.run import run
 from wirerope_mj.simulation.same_layout import check_same_layout
 from wirerope_mj.simulation.simulate import check_arguments, check_direction, checked_corners, checked_step, versions
+from wirerope_mj.simulation.timestep import GIVEN
 from wirerope_mj.state import State
 from wirerope_mj.system import System
 
@@ -235,7 +236,7 @@ def _result(
     if recorder is not None:
         numerics = Numerics(
             timestep=timestep, accuracy=math.nan, error_estimate=math.nan, steps=steps, callback=callback,
-            versions=dict(versions()),
+            versions=dict(versions()), limited_by=GIVEN,
         )  # fmt: skip
         response = recorder.finish(variant.start, final, peaks, numerics)
     return BatchResult(

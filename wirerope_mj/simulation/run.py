@@ -12,6 +12,7 @@ from wirerope_mj.control import layout as at
 from wirerope_mj.control.install import Kind
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response.peaks import BodyPeaks, MountPeaks, Peak, Peaks, PointPeaks
+from wirerope_mj.simulation.contacts import contacts_of
 from wirerope_mj.simulation.grid import TimeGrid
 from wirerope_mj.simulation.stages import StageTables
 from wirerope_mj.simulation.stepper import Stepper
@@ -32,7 +33,6 @@ class Run:
         final_state: state at the grid's end.
         peaks: peaks over every step.
         callback: what made the forces.
-        touches: whether bodies touched.
         steps: number of steps.
         largest_step: largest of them [s].
     """
@@ -40,7 +40,6 @@ class Run:
     final_state: State
     peaks: Peaks
     callback: Kind
-    touches: bool
     steps: int
     largest_step: float
 
@@ -71,7 +70,7 @@ def run(
     """
     stepper = Stepper(system, motion, initial)
     data, values = stepper.data, stepper.data.sensordata[system.assembly.sensor :]
-    sample, touches, all_steps, largest = 0, False, 0, 0.0
+    sample, all_steps, largest = 0, 0, 0.0
     tables = StageTables(motion, system.assembly.tables.drive)
     with installed(stepper.model, data, callback) as kind:
         for block in grid.blocks():
@@ -89,7 +88,6 @@ def run(
                     mujoco.mj_step(stepper.model, data)
                     sink(sample, values)
                     sample, steps = sample + 1, steps - 1
-                    touches |= data.ncon > 0
                 if steps:
                     mujoco.mj_step(stepper.model, data, nstep=steps)
         final = stepper.finish()
@@ -102,7 +100,6 @@ def run(
         final_state=final,
         peaks=peaks_of(system, stepper.user, tables.peak),
         callback=kind,
-        touches=touches,
         steps=all_steps,
         largest_step=largest,
     )
@@ -121,7 +118,7 @@ def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
         for site in assembly.subjects.points
     }
     mounts = {name: MountPeaks(deflection=next(channels), force=next(channels)) for name in system.mounts}
-    return Peaks(bodies=bodies, points=points, mounts=mounts)
+    return Peaks(bodies=bodies, points=points, mounts=mounts, contacts=contacts_of(system, user))
 
 
 def _peak(row: Array) -> Peak:

@@ -20,7 +20,8 @@ from wirerope_mj.simulation.progress import progress_bar
 from wirerope_mj.simulation.recorder import Recorder
 from wirerope_mj.simulation.run import run
 from wirerope_mj.simulation.stability import stable_step
-from wirerope_mj.simulation.timestep import ChosenStep, choose_timestep
+from wirerope_mj.simulation.timestep import GIVEN, ChosenStep, choose_timestep
+from wirerope_mj.simulation.uncertain import warn_of_uncertainty
 from wirerope_mj.state import State
 from wirerope_mj.system import System
 
@@ -64,6 +65,9 @@ def simulate(
         RecordError: `out` already holds a response, which an open `Response` may be reading.
         SimulationError: the step is too large, or the engine reported that the state is not valid any more.
         ConvergenceError: there is no equilibrium to start from.
+
+    Warns:
+        AccuracyWarning: the estimated error is above `accuracy`, or stops were struck.
     """
     check_arguments(duration=duration, sample_rate=sample_rate, accuracy=accuracy, timestep=timestep)
     check_direction(system, motion)
@@ -73,7 +77,7 @@ def simulate(
     if timestep is None:
         step = choose_timestep(system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy)
     else:
-        step = ChosenStep(timestep=checked_step(system, timestep), error=math.nan)
+        step = ChosenStep(timestep=checked_step(system, timestep), error=math.nan, limited_by=GIVEN)
     grid = time_grid(
         start=start.time, duration=duration, sample_rate=sample_rate, timestep=step.timestep, motion=motion,
         corners=checked_corners(corners),
@@ -89,11 +93,14 @@ def simulate(
             steps=done.steps,
             callback=done.callback,
             versions=dict(versions()),
+            limited_by=step.limited_by,
         )
-        return recorder.finish(start, done.final_state, done.peaks, numerics)
+        response = recorder.finish(start, done.final_state, done.peaks, numerics)
     except BaseException:
         recorder.discard()
         raise
+    warn_of_uncertainty(response)
+    return response
 
 
 @cache

@@ -1,6 +1,6 @@
 """Choosing the step before the run: pilots of the same system and motion, halved until samples and peaks agree."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,18 @@ HALVINGS = 11
 HALVINGS_IN_CONTACT = 4
 """The same where bodies touch: an impact's error falls slowly and irregularly, so the error reached is reported instead."""
 
+LUCK = 2
+"""Halvings before which errors in contact say little: where in a step the touch falls is luck."""
+
+ENOUGH_IN_CONTACT = 1e-3
+"""Error aimed at where bodies touch and the accuracy asked for is out of reach: no stop is known better than that."""
+
+SAMPLES, STABILITY, DURATION = "the sample interval", "the stability of the stiffest mount", "the duration"
+CORNERS = "the corners of the motion, such as the samples of a record"
+ACCURACY, GIVEN = "the accuracy asked for", "the timestep asked for"
+CONTACTS = "contacts, where finer steps bring too little"
+"""What a step is limited by."""
+
 RICHARDSON = 4.0 / 3.0
 """Error of the coarser of two runs from their difference at order 2, the order that reversals of the mounts leave to RK4."""
 
@@ -44,10 +56,11 @@ WINDOWED = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class ChosenStep:
-    """A step [s] and the error estimated for it, relative to the peaks."""
+    """A step [s], the error estimated for it, relative to the peaks, and what keeps it from being longer, in words."""
 
     timestep: float
     error: float
+    limited_by: str
 
 
 def choose_timestep(
@@ -62,12 +75,13 @@ def choose_timestep(
     """Return the largest step of a halving series whose pilots keep samples and refined peaks within `accuracy`.
 
     The series starts at the sample interval or the stability limit, whichever is shorter. A pilot is the run itself if that
-    is short, else windows of it that start from `start`. Where bodies touch, `accuracy` may not be reached; the error says
-    what was.
+    is short, else windows of it that start from `start`. Where bodies touch, `accuracy` may not be reached: refining ends as
+    soon as that shows, and the error says what was reached.
     """
     windows = _windows(system, motion, start, duration)
-    step = min(1.0 / sample_rate, stable_step(system), duration)
-    step = _step_between_corners(motion, windows, sample_rate, step)
+    step, limit = min((1.0 / sample_rate, SAMPLES), (stable_step(system), STABILITY), (duration, DURATION))
+    between = _step_between_corners(motion, windows, sample_rate, step)
+    step, limit = (between, CORNERS) if between < step else (step, limit)
 
     failures: list[str] = []
 
@@ -80,6 +94,7 @@ def choose_timestep(
 
     wanted = accuracy if len(windows) == 1 else WINDOWED * accuracy
     coarse = pilots(step)
+    in_contact: list[ChosenStep] = []
     for halving in range(HALVINGS):
         fine = pilots(step / 2.0)
         error = RICHARDSON * _difference(coarse, fine)
@@ -90,10 +105,12 @@ def choose_timestep(
             if factor > 1.15:
                 longer = _difference(pilots(factor * step), fine) * factor**2 / (factor**2 - 0.25)
                 if longer <= wanted:
-                    return ChosenStep(timestep=factor * step, error=longer)
-            return ChosenStep(timestep=step, error=error)
-        if touches and halving == HALVINGS_IN_CONTACT:
-            return ChosenStep(timestep=step, error=error)
+                    return ChosenStep(timestep=factor * step, error=longer, limited_by=ACCURACY)
+            return ChosenStep(timestep=step, error=error, limited_by=ACCURACY if halving else limit)
+        if touches:
+            in_contact.append(ChosenStep(timestep=step, error=error, limited_by=CONTACTS))
+            if halving >= LUCK and not _pays(error, halving, wanted):
+                return _best(in_contact)
         step, coarse = step / 2.0, fine
     if coarse is None:
         raise SimulationError(f"the run fails at every step down to {step:.3g} s: {failures[-1]}")
@@ -101,6 +118,23 @@ def choose_timestep(
         f"no step down to {step:.3g} s keeps samples and peaks within {accuracy:.3g} of the peaks; the last error was "
         f"{error:.3g}. Ask for less (a larger `accuracy`), or give the `timestep`."
     )
+
+
+def _pays(error: float, halving: int, wanted: float) -> bool:
+    """Return whether halving the step further will do in contact, where an error falls with order 1 at best.
+
+    Either it brings the accuracy that is wanted within the halvings that are left, or, where that is out of reach, one that
+    is enough and not reached yet.
+    """
+    in_reach = error / 2.0 ** (HALVINGS_IN_CONTACT - halving)
+    return in_reach <= wanted or in_reach <= ENOUGH_IN_CONTACT < error
+
+
+def _best(tried: list[ChosenStep]) -> ChosenStep:
+    """Return the step of the least error; what finer ones differ by, if it is more, counts as its error."""
+    errors = [step.error for step in tried]
+    least = errors.index(min(errors))
+    return replace(tried[least], error=max(errors[least:]))
 
 
 def _step_between_corners(
@@ -162,7 +196,11 @@ def _pilot(
         at_begin = moving_with_base(system, motion, at_begin)
     done = run(system, motion, grid, at_begin, callback="native", sink=sink)
     names, rows = _peak_rows(done.peaks)
-    return _Pilot(vectors=history, peaks=rows[judged], kinds=[names[i] for i in judged], touches=done.touches)
+    return _Pilot(vectors=history, peaks=rows[judged], kinds=[names[i] for i in judged], touches=_touches(done.peaks))
+
+
+def _touches(peaks: Peaks) -> bool:
+    return any(contact.touches for contact in (peaks.contacts or {}).values())
 
 
 def _peak_rows(peaks: Peaks) -> tuple[list[str], Array]:

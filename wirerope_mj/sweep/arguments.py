@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -11,7 +12,7 @@ from wirerope_mj.excitation import Sine, Sweep
 from wirerope_mj.excitation.checks import checked_direction, positive, unit_vector
 from wirerope_mj.simulation.stability import stable_step
 from wirerope_mj.simulation.stepper import STATE
-from wirerope_mj.simulation.timestep import ChosenStep, choose_timestep
+from wirerope_mj.simulation.timestep import GIVEN, ChosenStep, choose_timestep
 from wirerope_mj.state import State
 from wirerope_mj.statics import History, equilibrium
 from wirerope_mj.sweep.channels import Channels
@@ -72,14 +73,14 @@ def chosen_step(
             accuracy=positive("accuracy", accuracy),
         )  # fmt: skip
         longest = motion.shortest_time / STEPS_PER_CYCLE * math.sqrt(accuracy / REFERENCE)
-        return ChosenStep(timestep=min(chosen.timestep, longest), error=chosen.error)
+        return replace(chosen, timestep=min(chosen.timestep, longest))
     given, limit = positive("timestep", timestep), stable_step(system)
     if given > limit:
         raise SimulationError(
             f"a step of {given:.4g} s is too large for the stiffest mount: RK4 is stable up to {limit:.4g} s here. Give a "
             "smaller `timestep`, or None to have it chosen."
         )
-    return ChosenStep(timestep=given, error=math.nan)
+    return ChosenStep(timestep=given, error=math.nan, limited_by=GIVEN)
 
 
 def acceleration_of(quantity: str, amplitude: float, frequency: float) -> float:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from wirerope_mj.control import layout as at
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.laws.kernels import MASING
+from wirerope_mj.system.contact_pairs import contact_rows
 from wirerope_mj.system.declared import DeclaredMount
 
 Array = npt.NDArray[np.float64]
@@ -103,10 +104,17 @@ def make_tables(
     header[at.MOUNTS : at.CHANNELS + 1] = starts[:-1]
     header[at.SENSOR] = sensor
     header[at.N_SLIPPING] = _slipping(axes)
+    header[at.N_CONTACTS] = n_contacts = contact_rows(model)
     return Tables(
         layout=np.concatenate([header, *flat]),
         parameters=np.concatenate([*parameters, []]),
-        user=at.UserData(n_mounts=len(declared), n_states=n_states, n_tree=int(model.nbody), n_channels=len(channels)),
+        user=at.UserData(
+            n_mounts=len(declared),
+            n_states=n_states,
+            n_tree=int(model.nbody),
+            n_channels=len(channels),
+            n_contacts=n_contacts,
+        ),
         drive=drive,
         channels=np.array(channels, dtype=np.int64),
         base_channels=_base_channels(model, on),

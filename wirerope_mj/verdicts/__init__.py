@@ -5,5 +5,6 @@ from wirerope_mj.verdicts.peaks import BodyPeak as BodyPeak
 from wirerope_mj.verdicts.peaks import MountPeak as MountPeak
 from wirerope_mj.verdicts.peaks import body_peaks as body_peaks
 from wirerope_mj.verdicts.peaks import mount_peaks as mount_peaks
+from wirerope_mj.verdicts.sentences import contact_lines as contact_lines
 from wirerope_mj.verdicts.sentences import verdict_lines as verdict_lines
 from wirerope_mj.verdicts.summary import summary as summary

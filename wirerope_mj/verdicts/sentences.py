@@ -15,10 +15,36 @@ from wirerope_mj.response import Response
 from wirerope_mj.units import shown_in
 from wirerope_mj.verdicts.peaks import mount_peaks
 
+_NAMED = 4  # contact pairs that a sentence names
+
 
 def verdict_lines(response: Response) -> list[str]:
     """Return the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged."""
-    return _payload_lines(response) + _travel_lines(response)
+    return _payload_lines(response) + _travel_lines(response) + contact_lines(response)
+
+
+def contact_lines(response: Response) -> list[str]:
+    """Return which pair of geoms was struck hardest and how many others were, and what touches from the start."""
+    contacts = response.peaks.contacts or {}
+    lines, struck = [], response.peaks.struck
+    if struck:
+        first, hardest = contacts[struck[0]], max(struck, key=lambda name: contacts[name].force)
+        lines.append(
+            f"Struck: {_listed(struck)}; first {struck[0]} at {first.first_touch:.4f} s, hardest {hardest} with "
+            f"{1e-3 * contacts[hardest].force:.3g} kN. Accelerations are uncertain from the first touch on."
+        )
+    elif contacts and not any(contact.touches for contact in contacts.values()):
+        lines.append(f"No stop is struck: {len(contacts)} pair{'s' if len(contacts) > 1 else ''} may touch, none did.")
+    resting = [name for name, contact in contacts.items() if contact.from_start and not contact.struck]
+    if resting:
+        lines.append(f"Touching from the start: {_listed(resting)}.")
+    return lines
+
+
+def _listed(names: list[str]) -> str:
+    """Return some names and how many more there are."""
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return ", ".join(names[:_NAMED]) + more
 
 
 def _payload_lines(response: Response) -> list[str]:

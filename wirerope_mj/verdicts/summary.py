@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from wirerope_mj.criteria import Verdict
+from wirerope_mj.criteria import Verdict, contact_verdicts
 from wirerope_mj.isolator import AXES
 from wirerope_mj.response import Response
 from wirerope_mj.verdicts.headline import headline
@@ -35,4 +35,28 @@ def summary(response: Response, verdicts: Sequence[Verdict]) -> dict[str, Any]:
             }
             for row in mount_peaks(response)
         ],
+        "contacts": _contacts(response),
     }
+
+
+def _contacts(response: Response) -> list[dict[str, Any]] | None:
+    """Return what is known of every pair of geoms that may touch; None where contacts were not recorded."""
+    if response.peaks.contacts is None:
+        return None
+    return [
+        {
+            "name": name,
+            "geoms": list(contact.geoms),
+            "bodies": list(contact.bodies),
+            "verdict": verdict.verdict,
+            "from_start": contact.from_start,
+            "touches": contact.touches,
+            "first_touch_s": contact.first_touch,
+            "duration_s": contact.duration,
+            "peak_force_N": contact.force,
+            "peak_force_time_s": contact.force_time,
+            "penetration_m": contact.penetration,
+            "penetration_time_s": contact.penetration_time,
+        }
+        for (name, contact), verdict in zip(response.peaks.contacts.items(), contact_verdicts(response), strict=True)
+    ]

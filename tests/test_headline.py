@@ -1,0 +1,78 @@
+"""The answer of a run in one sentence: the same string wherever a run is shown."""
+
+import json
+import re
+import shutil
+
+import pytest
+from test_cli import wirerope
+from test_recording import column, entities
+
+from wirerope_mj.criteria import CLEAR, STRUCK, TOUCHING, Verdict
+from wirerope_mj.verdicts import headline
+
+
+def row(value=1.0, limit=2.0, **changes):
+    return Verdict(criterion="travel in roll", subject="m1", value=value, limit=limit, unit="m", **changes)
+
+
+def test_terminal_summary_report_recording_and_comparison_say_the_same_sentence(tmp_path):
+    done = wirerope("run", "floating_floor_shock", "--duration", "0.12", "--out", "here", cwd=tmp_path)
+    sentence = json.loads((tmp_path / "here" / "summary.json").read_text(encoding="utf-8"))["headline"]
+    assert re.match(r"Exceeded: \d+ of \d+ limits; .*\.$", sentence)
+    assert sentence in [line.strip() for line in done.stdout.splitlines()]
+    page = (tmp_path / "here" / "report.html").read_text(encoding="utf-8")
+    assert re.findall(r'<p class="verdict exceeded">(.*?)</p>', page) == [sentence]
+    (text,) = column(entities(tmp_path / "here" / "run.rrd")["/peaks"], "TextDocument:text").to_pylist()
+    assert f"- **{sentence}**\n" in text[0]
+    shutil.copytree(tmp_path / "here", tmp_path / "there")
+    compared = wirerope("compare", "here", "there", cwd=tmp_path).stdout
+    assert f"here: {sentence}" in " ".join(compared.split())
+
+
+def test_every_verdict_that_the_headline_counts_stands_in_the_summary(tmp_path):
+    wirerope(
+        "run",
+        "shock_table",
+        "--duration",
+        "0.12",
+        "--level-g",
+        "60",
+        "--timestep",
+        "5e-4",
+        "--out",
+        "here",
+        cwd=tmp_path,
+    )
+    summary = json.loads((tmp_path / "here" / "summary.json").read_text(encoding="utf-8"))
+    told = [row["verdict"] for row in summary["judged"]]
+    over, judged = told.count("exceeded"), told.count("exceeded") + told.count("within")
+    struck, pairs = told.count("struck"), sum(row["criterion"] == "contact" for row in summary["judged"])
+    rest = len(told) - judged - pairs
+    assert summary["headline"] == (
+        f"Exceeded: {over} of {judged} limits; {struck} of {pairs} contact pairs struck; {rest} figures are not judged."
+    )
+    assert struck == pairs == 4
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ([], "Nothing is judged: no limit is stated for anything in this run."),
+        ([row()], "Within its limit."),
+        ([row(), row(3.0)], "Exceeded: 1 of 2 limits."),
+        ([row(limit=None)], "Nothing is judged: no limit is stated for anything in this run."),
+        ([row(), row(limit=None)], "Within its limit; 1 figure is not judged."),
+        (
+            [row(limit=None, contact=STRUCK)],
+            "Nothing is judged: no limit is stated for anything in this run; 1 of 1 contact pair struck.",
+        ),
+        (
+            [row(), row(), *(row(limit=None, contact=word) for word in (STRUCK, TOUCHING, CLEAR))],
+            "Within all 2 limits; 1 of 3 contact pairs struck.",
+        ),
+        ([row(), row(limit=None, contact=CLEAR)], "Within its limit."),
+    ],
+)
+def test_the_sentence_counts_what_is_exceeded_struck_and_not_judged(rows, said):
+    assert headline(rows) == said

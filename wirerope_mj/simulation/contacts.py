@@ -1,0 +1,50 @@
+"""The contacts of a run, from the tracker's memory in the system's userdata."""
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.control import layout as at
+from wirerope_mj.response.contacts import ContactPeak
+from wirerope_mj.system import System
+from wirerope_mj.system.contact_pairs import contact_name, geom_name, payload_first
+
+OTHERS = "further pairs"
+"""What pairs of geoms beyond the memory's last row are called together."""
+
+
+def contacts_of(system: System, user: npt.NDArray[np.float64]) -> dict[str, ContactPeak]:
+    """Return the contacts by name: the model's declared pairs, touched or not, then what else touched."""
+    model, places, base = system.model, system.assembly.tables.user, system.assembly.subjects.base
+    declared = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True) if places.n_contacts else ()
+    pairs = [payload_first(model, base, pair) for pair in declared]
+    found = {contact_name(model, pair): _contact(system, pair) for pair in pairs}
+    for row in user[places.contacts : places.size].reshape(-1, at.CONTACT_MEMORY):
+        if row[at.TOUCHES] and row[at.GEOMS] == at.SEVERAL:
+            found[OTHERS] = _touched(ContactPeak(geoms=(OTHERS, ""), bodies=("", "")), row)
+        elif row[at.TOUCHES]:
+            pair = payload_first(model, base, (int(row[at.GEOMS]), int(row[at.GEOMS + 1])))
+            found[contact_name(model, pair)] = _touched(_contact(system, pair), row)
+    return found
+
+
+def _contact(system: System, pair: tuple[int, int]) -> ContactPeak:
+    """Return a contact that has not touched."""
+    model = system.model
+    bodies = [model.body(model.geom_bodyid[geom]).name if geom >= 0 else "" for geom in pair]
+    return ContactPeak(geoms=(geom_name(model, pair[0]), geom_name(model, pair[1])), bodies=(bodies[0], bodies[1]))
+
+
+def _touched(contact: ContactPeak, row: npt.NDArray[np.float64]) -> ContactPeak:
+    force, depth = float(row[at.FORCE_PEAK]), float(row[at.DEPTH])
+    return ContactPeak(
+        geoms=contact.geoms,
+        bodies=contact.bodies,
+        touches=int(row[at.TOUCHES]),
+        from_start=bool(row[at.FROM_START]),
+        first_touch=float(row[at.FIRST_TOUCH]),
+        duration=float(row[at.TOUCHED_FOR]),
+        force=force,
+        force_time=float(row[at.FORCE_TIME]) if force else None,
+        penetration=depth,
+        penetration_time=float(row[at.DEPTH_TIME]) if depth else None,
+    )

@@ -1,0 +1,27 @@
+"""Warnings about a response that is less certain than its digits."""
+
+import warnings
+
+from wirerope_mj.errors import AccuracyWarning
+from wirerope_mj.response import Response
+
+
+def warn_of_uncertainty(response: Response) -> None:
+    """Warn where stops were struck, and where the estimated error is above the accuracy that was asked for."""
+    numerics, contacts, struck = response.numerics, response.peaks.contacts or {}, response.peaks.struck
+    if struck:
+        warnings.warn(
+            f"{len(struck)} of {len(contacts)} contact pairs were struck, first {struck[0]} at "
+            f"{contacts[struck[0]].first_touch:.4f} s: accelerations are uncertain from there on, because they depend on "
+            "stiffness and damping of the stops.",
+            AccuracyWarning,
+            stacklevel=3,
+        )
+    if numerics.error_estimate > numerics.accuracy:
+        warnings.warn(
+            f"the estimated error, {numerics.error_estimate:.1e} of the peaks, is above the accuracy asked for, "
+            f"{numerics.accuracy:.1e}: the step of {1e3 * numerics.timestep:.4g} ms is limited by {numerics.limited_by}. "
+            "Ask for less (a larger `accuracy`), or give a smaller `timestep`.",
+            AccuracyWarning,
+            stacklevel=3,
+        )

@@ -1,0 +1,45 @@
+"""Pairs of geoms that may touch: how many a system's memory of contacts must hold, and what they are called."""
+
+import mujoco
+import numpy as np
+
+MOST = 32
+"""Rows of the memory of contacts: more pairs than that seldom touch in one run, and each row is part of a state."""
+
+
+def contact_rows(model: mujoco.MjModel) -> int:
+    """Return the rows that the memory of contacts needs: one for every pair that may touch, but not more than `MOST`."""
+    if model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CONTACT:
+        return 0
+    if model.nflex:
+        return MOST
+    return min(int(model.npair) + _pairs_by_type(model), MOST)
+
+
+def contact_name(model: mujoco.MjModel, geoms: tuple[int, int]) -> str:
+    """Return what a pair of geoms is called, "stop_1 on pad_1"."""
+    one, other = (geom_name(model, geom) for geom in geoms)
+    return f"{one} on {other}"
+
+
+def geom_name(model: mujoco.MjModel, geom: int) -> str:
+    """Return a geom's name, or its number and the body that it belongs to."""
+    if geom < 0:
+        return "a flexible body"
+    return model.geom(geom).name or f"geom {geom} of {model.body(model.geom_bodyid[geom]).name or 'the world'}"
+
+
+def payload_first(model: mujoco.MjModel, base: int, pair: tuple[int, int]) -> tuple[int, int]:
+    """Return a pair of geoms with the one that is fixed to the base, or to the world, last; MuJoCo orders them by shape."""
+    fixed = [geom < 0 or model.body_weldid[model.geom_bodyid[geom]] in (0, base) for geom in pair]
+    return (pair[1], pair[0]) if fixed[0] and not fixed[1] else pair
+
+
+def _pairs_by_type(model: mujoco.MjModel) -> int:
+    """Return how many pairs of geoms MuJoCo may let touch by their contact types, those declared as `pair` besides."""
+    types, affinities = model.geom_contype, model.geom_conaffinity
+    meet = (types[:, np.newaxis] & affinities) != 0
+    meet |= meet.T
+    bodies = model.body_weldid[model.geom_bodyid]
+    meet &= bodies[:, np.newaxis] != bodies
+    return int(np.count_nonzero(np.triu(meet, 1)))
