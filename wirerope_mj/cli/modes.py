@@ -16,9 +16,10 @@ def modes(
 ) -> int:
     """Print the modes of a model about its sagged position: frequencies, damping, what moves, and how far from tipping over.
 
-    Frequencies of small cycles stand first, between those of the tangents on further loading and on unloading from the chosen
-    history; then, for every amplitude, those of cycles of that size with their damping. The folder holds the figures and a
-    recording in which the model swings in one mode after the other.
+    Frequencies of small cycles stand first, the limit as their amplitude vanishes; then those of the tangents at rest on
+    further loading and on unloading from the chosen history; then, for every amplitude, those of cycles of that size with their
+    damping. Small cycles lie between the tangents unless a law has gamma > beta or an elastic part that bends. The folder holds
+    the figures and a recording in which the model swings in one mode after the other.
 
     Args:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.

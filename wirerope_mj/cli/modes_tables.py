@@ -5,6 +5,7 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 
+import numpy as np
 from rich.markup import escape
 from rich.table import Table
 
@@ -13,6 +14,7 @@ from wirerope_mj.cli.statics_tables import plain_table, stability_words
 from wirerope_mj.cli.tables import console
 from wirerope_mj.errors import RecordError
 from wirerope_mj.isolator import AXES
+from wirerope_mj.laws.hysteresis import Hysteresis
 from wirerope_mj.modes import Modes, modes
 from wirerope_mj.runfolder.folder import check_target
 from wirerope_mj.runfolder.modes import KIND, MARKS, write_modes
@@ -49,6 +51,8 @@ def modes_command(
         write_modes(system, path.stem, [small, *large], target, force=force)
     print_modes(path.stem, small, large)
     screen = console()
+    for sentence in about_small(system, small):
+        screen.print(f"  {sentence}", soft_wrap=True, markup=False)
     for sentence in beyond_rating(system, large):
         screen.print(f"  {sentence}", soft_wrap=True, markup=False)
     place = f"{target}" if alone else f"{target}/"
@@ -65,11 +69,34 @@ def print_modes(name: str, small: Modes, large: Sequence[Modes]) -> None:
     screen.print()
     screen.print(f"  {stability_words(small.stability)}", soft_wrap=True, markup=False)
     screen.print(
-        "  Small cycles: their limit, between the tangents on further loading and on unloading. Damping in brackets. x, y, z: "
-        "share of the moving mass that takes part.",
-        soft_wrap=True,
-        markup=False,
+        "  Damping in brackets. x, y, z: share of the moving mass that takes part.", soft_wrap=True, markup=False
     )
+
+
+def about_small(system: System, small: Modes) -> Iterator[str]:
+    """Yield what the frequencies of small cycles are, beside those of the tangents at rest."""
+    slack = 1e-6  # of a frequency: laws whose tangents are all one differ by the rounding of their differences
+    pair = np.nan_to_num(
+        np.stack([small.loading, small.unloading])
+    )  # one that tips over has a frequency below all others
+    outside = (small.frequencies > (1.0 + slack) * pair.max(axis=0)) | (
+        small.frequencies < (1.0 - slack) * pair.min(axis=0)
+    )
+    words = "Small cycles: their limit as the amplitude vanishes, in which the hysteretic force has faded"
+    if not outside.any():
+        yield f"{words}; between the tangents at rest on further loading and on unloading."
+    else:
+        which = ", ".join(str(row + 1) for row in np.flatnonzero(outside))
+        yield (
+            f"{words}. In mode {which} it is not between the tangents at rest on further loading and on unloading: with "
+            "gamma > beta, and with an elastic part that bends, both can lie to one side of it."
+        )
+    laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
+    if any(getattr(law, "n", 1.0) < 1.0 for law in laws if isinstance(law, Hysteresis)):
+        yield (
+            "A law with n < 1 is near that limit only at amplitudes that no rig shows: --amplitude-mm gives the frequencies of "
+            "larger cycles."
+        )
 
 
 def beyond_rating(system: System, large: Sequence[Modes]) -> Iterator[str]:

@@ -1,6 +1,10 @@
 """Forces of rate-independent laws without wear, in the steady state of a cycle; no work is summed, which costs most.
 
 The laws are those with a closed form and all of the Bouc-Wen family, for any exponent.
+
+Paths of one state do not cross, and a cycle forgets: from where a cycle gains the closed one starts higher, from where it loses
+lower. Every cycle followed so brackets the closed one, whatever the kinks between. A secant without the bracket was thrown to
+1e16 N by the bend of a Bouc-Wen law with n < 1, where nothing changes any more and all seems closed.
 """
 
 import numpy as np
@@ -45,14 +49,43 @@ def follow_force(law, p, deflection, z, n_states):
 
 
 @njit
+def next_start(starts, gains, bracket):
+    """Return where a cycle that gains nothing starts, from the last two, (2,) each, and update `bracket`, (2,).
+
+    The secant through the two, at most eight times their distance; the middle of the bracket where the last step did not
+    halve the gain or the secant leaves the bracket; where the last cycle ended, which is inside, while there is no bracket.
+    A gain of zero before the last says that there was no cycle before it.
+    """
+    start, gain = starts[1], gains[1]
+    if gain > 0.0:
+        bracket[0] = max(bracket[0], start)
+    else:
+        bracket[1] = min(bracket[1], start)
+    bounded = bracket[1] - bracket[0] < np.inf
+    if bounded and abs(gain) > 0.5 * abs(gains[0]):
+        return 0.5 * (bracket[0] + bracket[1])
+    step = gain
+    if gains[0] != 0.0 and starts[0] != start:
+        slope = (gain - gains[0]) / (start - starts[0])
+        # A cycle that forgets gains less the farther it starts: a slope outside (-1, 0) comes from a kink between the two.
+        if -1.0 < slope < 0.0:
+            most = 8.0 * max(abs(start - starts[0]), abs(gain))
+            step = min(max(-gain / slope, -most), most)
+    if bracket[0] < start + step < bracket[1]:
+        return start + step
+    return 0.5 * (bracket[0] + bracket[1]) if bounded else start + gain
+
+
+@njit
 def settle(law, p, turning, n_states, tolerance):
     """Return the states (n_states,) at the start of a cycle of turning points once they repeat within `tolerance` [N].
 
     After 200 cycles they are returned as they are; NaN if the law leaves the finite numbers.
     """
-    z, before, last = np.zeros(n_states), np.zeros(n_states), 0.0
+    z, before = np.zeros(n_states), np.zeros(n_states)
+    starts, gains, bracket = np.zeros(2), np.zeros(2), np.array([-np.inf, np.inf])
     c, a = np.empty(ORDER + 1), np.empty(ORDER + 1)
-    for cycle in range(200):
+    for _ in range(200):
         before[:] = z
         for t in range(1, turning.size):
             if not carry(law, p, turning[t - 1], turning[t], z, c, a):
@@ -63,9 +96,8 @@ def settle(law, p, turning, n_states, tolerance):
             step = max(step, abs(z[e] - before[e]))
         if step <= tolerance:
             break
-        # The memory of the start fades geometrically, slowly in small loops: two steps tell where it ends (Aitken).
-        change = z[0] - before[0]
-        if n_states == 1 and cycle % 3 == 2 and 0.0 < abs(change) < 0.999 * abs(last):
-            z[0] = before[0] + change / (1.0 - change / last)
-        last = change
+        if n_states == 1:
+            starts[0], gains[0] = starts[1], gains[1]
+            starts[1], gains[1] = before[0], z[0] - before[0]
+            z[0] = next_start(starts, gains, bracket)
     return z

@@ -42,7 +42,8 @@ class Modes:
             names a motion that no mount resists; else NaN where the weight wins over the mounts and the system tips over.
         damping_ratio: of the closed cycles and of dampers, (n_modes,).
         loading, unloading: frequencies with every mount's tangent on further loading and on unloading from its history [Hz],
-            (n_modes,): the first quarter cycle feels the one or the other.
+            (n_modes,): the first quarter cycle feels the one or the other. Those of small cycles lie between them where
+            beta >= gamma; with gamma > beta both tangents are softer than alpha.
         shapes: velocity coordinates of MuJoCo as columns, (n_v, n_modes); the driven base stands still.
         payloads: motion of every payload.
         mounts: deflection of every mount in its axes, (n_modes, 3).

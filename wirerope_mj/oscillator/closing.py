@@ -10,7 +10,7 @@ from wirerope_mj.jit import njit
 from wirerope_mj.laws.cubic import position, reversals
 from wirerope_mj.laws.kernels import evaluate
 from wirerope_mj.laws.power import ORDER
-from wirerope_mj.laws.steady import carry
+from wirerope_mj.laws.steady import carry, next_start
 from wirerope_mj.laws.timed import follow_time
 
 _ROUNDS = 200
@@ -64,26 +64,16 @@ def round_path(law, p, turning, z, c, a):
 
 
 @njit
-def next_start(starts, gains):
-    """Return where a cycle that gains nothing starts, by the secant through two that gain something, or else the last end."""
-    slope = (gains[1] - gains[0]) / (starts[1] - starts[0])
-    # A cycle that forgets gains less the farther it starts: a slope outside (-1, 0) comes from a kink between the two.
-    if -1.0 < slope < 0.0:
-        return starts[1] - gains[1] / slope
-    return starts[1] + gains[1]
-
-
-@njit
 def closed_states(law, p, turning, n_states):
     """Return the states (n_states,) with which a rate-independent law enters a cycle that it leaves with the same ones.
 
-    The law enters unloaded at zero deflection. One state is found by the secant on what it gains in a cycle, several by going
-    round; NaN where the force leaves the finite numbers.
+    The law enters unloaded at zero deflection. One state is found by the secant on what it gains in a cycle, within a bracket,
+    several by going round; NaN where the force leaves the finite numbers.
     """
     z, start, before = np.zeros(n_states), np.zeros(n_states), np.zeros(n_states)
     c, a = np.empty(ORDER + 1), np.empty(ORDER + 1)
     fine = carry(law, p, 0.0, turning[0], z, c, a) if n_states > 0 else True
-    starts, gains = np.zeros(2), np.zeros(2)
+    starts, gains, bracket = np.zeros(2), np.zeros(2), np.array([-np.inf, np.inf])
     for cycle in range(_ROUNDS if n_states > 0 else 0):
         start[:] = z
         fine = fine and round_path(law, p, turning, z, c, a)
@@ -99,8 +89,7 @@ def closed_states(law, p, turning, n_states):
         starts[1], gains[1] = start[0], z[0] - start[0]
         if cycle > 3 and abs(gains[1]) >= abs(gains[0]) and abs(gains[1]) < 1e-13 * abs(z[0]):
             break  # rounding
-        if cycle > 0 and starts[0] != starts[1]:
-            z[0] = next_start(starts, gains)
+        z[0] = next_start(starts, gains, bracket)
     if not fine:
         start[:] = np.nan
     return start
@@ -126,7 +115,7 @@ def steady_force(law, p, deflection, rate, interval, n_states):
 def closed_states_in_time(law, p, time, deflection, rate, n_states):
     """Do the same for a law that depends on the rate: `time` [s], `deflection` and `rate` of one closed cycle."""
     z, start = np.zeros(n_states), np.zeros(n_states)
-    starts, gains = np.zeros(2), np.zeros(2)
+    starts, gains, bracket = np.zeros(2), np.zeros(2), np.array([-np.inf, np.inf])
     for cycle in range(_ROUNDS if n_states > 0 else 0):
         start[:] = z
         _, states, _ = follow_time(law, p, time, deflection, rate, z, n_states)
@@ -139,6 +128,5 @@ def closed_states_in_time(law, p, time, deflection, rate, n_states):
         starts[1], gains[1] = start[0], z[0] - start[0]
         if cycle > 3 and abs(gains[1]) >= abs(gains[0]) and abs(gains[1]) < 1e-12 * np.abs(states).max():
             break  # rounding of the integration
-        if cycle > 0 and starts[0] != starts[1]:
-            z[0] = next_start(starts, gains)
+        z[0] = next_start(starts, gains, bracket)
     return start
