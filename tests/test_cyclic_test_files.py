@@ -212,3 +212,19 @@ def test_missing_empty_and_unreadable_files_are_named(tmp_path):
         wr.read_cyclic_test(tmp_path / "empty.csv")
     with pytest.raises(RecordError, match="cannot be read"):
         wr.read_cyclic_test(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda x, f: (x, -f), "the force falls where the deflection grows"),
+        (lambda x, f: (x[::-1], f[::-1]), r"the cycle gives [\d.]+ J away"),
+        (lambda x, f: (x, 0.0 * f + 3.0), "the force never changes, it stands at 3 N"),
+    ],
+)
+def test_a_cycle_that_no_isolator_could_make_is_refused(tmp_path, change, message):
+    angle = 2.0 * np.pi * np.arange(101) / 100
+    deflection, force = change(1e-3 * np.sin(angle), 1e3 * np.sin(angle + 0.3))
+    lines = [f"{x!r},{f!r}" for x, f in zip(deflection.tolist(), force.tolist(), strict=True)]
+    with pytest.raises(RecordError, match=rf"lines 2 to 102: {message}"):
+        wr.read_cyclic_test(write(tmp_path, *lines, header="deflection [m],force [N]"))

@@ -219,6 +219,15 @@ def test_a_scale_beyond_all_measure_is_refused(record_file):
         load_record(record_file(GOOD + "0,0\n1,1\n"), scale=1e300)
 
 
+def test_a_start_where_samples_fall_on_one_instant_is_refused(record_file):
+    path = record_file(GOOD + "0,0\n0.001,1\n0.002,0\n")
+    with pytest.raises(
+        ValueError, match=r"`start` is so far from 0 that its last digit, 1\.6e\+04 s.* the 0\.001 s between"
+    ):
+        load_record(path, start=1e20)
+    assert load_record(path, start=-1.7e8 + 0.1).time[0] == -1.7e8 + 0.1
+
+
 def test_empty_cells_and_nan_are_filled_with_straight_lines_only_on_request(record_file):
     rows = ["0,1,0", "1,2,", "2,NaN,4", "3, ,6", "4,8,8"]
     path = record_file("time [s],x [m/s^2],z [m/s^2]\n" + "\n".join(rows))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.bench.noise import area_in_noise, noise_text, require_force_beyond_noise, stiffness_in_noise
+from wirerope_mj.bench.passive import require_area, require_passive
 from wirerope_mj.bench.recorded import RecordedLoop
 from wirerope_mj.bench.tips import reach_of, tip_of
 from wirerope_mj.bench.turning import Trace
@@ -16,7 +16,6 @@ POINTS = 200
 """Samples of a loop: chords then lose 2e-4 of its area, and a fit does not slow down with the rate of the acquisition."""
 
 _AT_TIP = 0.05  # of a bin, within which samples stand at a turning point: a chord to the next loses 1e-4 of a stroke
-_THIN = 0.01  # of stroke times force range: an area that a lag by 1/80 of a radian takes away
 
 
 @dataclass(frozen=True)
@@ -105,7 +104,8 @@ def mean_loop(cycles: list[Cycle], x: Array, f: Array, count: int, gap: float, w
     loop = RecordedLoop.from_samples(np.append(mean_x, mean_x[0]), np.append(mean_f, mean_f[0]), cycles=count)
     assert isinstance(loop, RecordedLoop)
     loop = replace(loop, scatter=_scatter(cycles, force, bins))
-    _require_loop(loop, where)
+    require_passive(loop, where)
+    require_area(loop, where)
     elapsed = np.mean([cycle.elapsed(np.flatnonzero(filled) / bins) for cycle in cycles], axis=0)
     return replace(loop, closure=gap / float(np.ptp(mean_f)), elapsed=np.append(elapsed, 1.0))
 
@@ -137,30 +137,3 @@ def _scatter(cycles: list[Cycle], forces: list[Array], bins: int) -> float:
     each = [_mean_over_bins([cycle], [force], bins) for cycle, force in zip(cycles, forces, strict=True)]
     variance = np.stack(each)[:, np.all(filled, axis=0)].var(axis=0, ddof=1)
     return float(np.sqrt(variance.mean() / len(cycles))) if variance.size else 0.0
-
-
-def _require_loop(loop: RecordedLoop, where: str) -> None:
-    """Raise ValueError unless a loop could be that of an isolator."""
-    if np.ptp(loop.force) == 0.0:
-        raise ValueError(f"{where}: the force never changes, it stands at {loop.force[0]:.6g} N.")
-    require_force_beyond_noise(loop, where)
-    if loop.secant_stiffness < 0.0 and not stiffness_in_noise(loop):
-        raise ValueError(
-            f"{where}: the force falls where the deflection grows; both are positive in tension. It has {noise_text(loop)}."
-        )
-    cycle = f"{where}: the cycle of +-{1e3 * loop.amplitude:.4g} mm"
-    if loop.secant_stiffness < 0.0 or (loop.dissipated_energy <= 0.0 and area_in_noise(loop)):
-        what = "shows no stiffness" if loop.secant_stiffness < 0.0 else "encloses no area"
-        raise ValueError(
-            f"{cycle} {what} beside its noise ({noise_text(loop)}); leave it out, or measure more cycles of it."
-        )
-    if loop.dissipated_energy <= 0.0 and -loop.dissipated_energy < _THIN * np.ptp(loop.deflection) * np.ptp(loop.force):
-        raise ValueError(
-            f"{cycle} encloses no area: it gives {-loop.dissipated_energy:.3g} J away, so little that one channel lagging "
-            "shortly behind the other does it. Leave it out, or give both channels the same filter."
-        )
-    if loop.dissipated_energy <= 0.0:
-        raise ValueError(
-            f"{where}: the cycle gives {-loop.dissipated_energy:.3g} J away, and no isolator does. Is the order of the "
-            f"samples that of time, and do both channels have the same filter? The force has {noise_text(loop)}."
-        )

@@ -47,20 +47,6 @@ def noise_text(loop: Loop) -> str:
     return f"noise of {noise:.3g} N, {100.0 * min(noise / own, 1.0):.3g} % of the force's rms value"
 
 
-def require_force_beyond_noise(loop: Loop, where: str) -> None:
-    """Raise ValueError if a loop's force is nothing but noise.
-
-    Args:
-        loop: one cycle, or the mean of some.
-        where: it stands, as text.
-    """
-    if is_noise(loop.force[:-1], force_noise(loop)):
-        raise ValueError(
-            f"{where}: the force is {noise_text(loop)}: it does not follow the deflection of +-{1e3 * loop.amplitude:.4g} mm. "
-            "Was this channel connected, and is its range right? Leave the loop out, or measure more cycles of it."
-        )
-
-
 def stiffness_in_noise(loop: Loop) -> bool:
     """Return whether the forces at the two turning points differ by no more than their noise does."""
     return abs(loop.secant_stiffness) * 2.0 * loop.amplitude <= _SURE * np.sqrt(2.0) * force_noise(loop)

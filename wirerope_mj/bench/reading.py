@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.bench.files import DEFLECTION_UNITS, FORCE_UNITS
-from wirerope_mj.bench.noise import is_noise, no_cycle_text, require_force_beyond_noise
+from wirerope_mj.bench.noise import is_noise, no_cycle_text
+from wirerope_mj.bench.passive import require_passive
 from wirerope_mj.bench.turning import rms_noise
 from wirerope_mj.errors import RecordError
 from wirerope_mj.excitation.record_file import LARGEST, TIME_UNITS, Header, parse_header, parse_number, require_cells
@@ -200,7 +201,7 @@ def _loop(path: Path, samples: Samples) -> Loop:
         )
     loop = Loop.from_samples(x, force)
     try:
-        require_force_beyond_noise(loop, place)
+        require_passive(loop, place)
     except ValueError as error:
         raise RecordError(str(error)) from None
     if gap <= 0.5 * min(steps[0], steps[-1]):

@@ -37,6 +37,8 @@ from wirerope_mj.units import STANDARD_GRAVITY
 # A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.
 _SAMPLES_PER_PERIOD = 4
 
+_EVEN = 1e-3  # of an interval, by which the last digit of an instant may shift it: as much as counts as even in a file
+
 _BLOCK = 100_000  # samples that are looked at together, so that a long record is not copied
 
 
@@ -223,7 +225,9 @@ def load_record(
     if rate is not None:
         reading = resampled(reading, rate)
     time, samples = reading.time, reading.samples
-    time += start - time[0]
+    time -= time[0]
+    _require_start(time, start)
+    time += start  # apart, so that the first instant is `start` to the last digit
     _require_scale(samples, scale)
     samples *= scale
     time, samples = without_baseline(time, samples, baseline, highpass)
@@ -258,6 +262,16 @@ def _require_scale(samples: NDArray[np.float64], scale: float) -> None:
     peak = max(float(samples.max()), -float(samples.min()))
     if peak * abs(scale) > LARGEST * STANDARD_GRAVITY:
         raise ValueError(f"`scale` makes {abs(scale):.3g} times a peak of {peak:.4g} m/s^2, got {scale!r}.")
+
+
+def _require_start(time: NDArray[np.float64], start: float) -> None:
+    """Raises ValueError if instants [s] from 0 on cannot be told from each other so late or so early."""
+    step, digit = float(time[-1]) / (time.size - 1), float(np.spacing(abs(start)))
+    if digit > _EVEN * step:
+        raise ValueError(
+            f"`start` is so far from 0 that its last digit, {digit:.2g} s, is large beside the {step:.6g} s between samples, "
+            f"got {start!r}."
+        )
 
 
 def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:

@@ -221,8 +221,8 @@ def _number_or_nan(cell: str) -> float:
 
 
 def parse_number(cell: str) -> float:
-    """Returns the number in a cell, or raises ValueError; 1_000, which Python would take, is none in a file."""
-    if "_" in cell:
+    """Returns the number in a cell, or raises ValueError; 1_000 and digits of other scripts, which Python takes, are none."""
+    if "_" in cell or not cell.isascii():
         raise ValueError(cell)
     return float(cell)
 

@@ -134,6 +134,10 @@ def resampled(reading: Reading, rate: float) -> Reading:
     samples = _filtered(reading.samples, ratio.numerator, ratio.denominator)
     time = reading.time[0] + step / float(ratio) * np.arange(len(samples))
     inside = time <= reading.time[-1] + 1e-9 * step
+    if np.count_nonzero(inside) < 2:
+        raise ValueError(
+            f"`resample` leaves one sample of a record of {step * (len(reading.samples) - 1):.6g} s, got {rate!r}."
+        )
     return replace(reading, time=time[inside], samples=samples[inside])
 
 

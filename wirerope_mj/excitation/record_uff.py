@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wirerope_mj.errors import RecordError, RecordWarning
 from wirerope_mj.excitation.checks import Direction
-from wirerope_mj.excitation.record_file import ACCELERATION_UNITS, TIME_UNITS
+from wirerope_mj.excitation.record_file import ACCELERATION_UNITS, LARGEST, TIME_UNITS
 from wirerope_mj.excitation.record_reading import Reading, axes_of
 
 _ENDS = {1: "x", 2: "y", 3: "z", -1: "-x", -2: "-y", -3: "-z"}
@@ -28,6 +28,7 @@ _SAME_CLOCK = 1e-3
 
 
 _CUT = ": it was cut off before the line -1 that ends a dataset. Export or copy it again."
+_DAMAGED = " whose header or values are damaged or do not fit each other. Export or copy it again."
 
 
 def is_uff(path: Path) -> bool:
@@ -95,8 +96,8 @@ def _histories(path: Path, unit: str | None) -> tuple[list[tuple[int, dict[str, 
         kinds = [int(kind) for kind in file.get_set_types()]
         heads = [(n, file.read_sets(n, header_only=True)) for n, kind in enumerate(kinds) if kind == 58]
         systems = [file.read_sets(n) for n, kind in enumerate(kinds) if kind == 164]
-    except Exception as error:  # the reader knows no other class
-        raise RecordError(f"{path}: this universal file cannot be read ({error})") from None
+    except Exception:  # the reader knows no other class, and does not say what it met
+        raise RecordError(f"{path}: this universal file cannot be read, it has a dataset{_DAMAGED}") from None
     if not kinds:
         raise RecordError(f"{path}: this universal file holds no complete dataset{_CUT}")
     found = [(n, head) for n, head in heads if _is_acceleration(head, unit)]
@@ -125,7 +126,7 @@ def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:
     if not systems:
         return None
     code, factor = int(systems[-1]["units_code"]), float(systems[-1]["length"])
-    if factor <= 0.0 or (code == _SI and abs(factor - 1.0) > 1e-6):
+    if not 1.0 / LARGEST < factor < LARGEST or (code == _SI and abs(factor - 1.0) > 1e-6):
         raise RecordError(
             f"{path}: dataset 164 contradicts itself: units code {code}, but {factor:g} units of length in a metre. "
             'Say the unit of the accelerations, for instance unit="m/s^2" (--unit).'
@@ -195,14 +196,16 @@ def _values(path: Path, number: int, name: str) -> tuple[NDArray[np.float64], ND
     """Returns instants [s] and values of a history; RecordError if it is cut off or not finite."""
     try:
         content = _open(path).read_sets(number)
-    except Exception as error:  # the reader knows no other class
-        raise RecordError(f"{path}: {name} cannot be read ({error})") from None
+    except Exception:  # the reader knows no other class, and does not say what it met
+        raise RecordError(f"{path}: {name} cannot be read, its dataset is one{_DAMAGED}") from None
     count = int(content["num_pts"])
     time, values = np.asarray(content["x"], dtype=float)[:count], np.asarray(content["data"], dtype=float)[:count]
     if values.size < count or count < 2:
         raise RecordError(f"{path}: {name} holds {values.size} values where its header says {count}; 2 at least.")
-    if not (np.all(np.isfinite(values)) and np.all(np.isfinite(time)) and np.all(time[1:] > time[:-1])):
-        raise RecordError(f"{path}: {name} has a value that is not finite, or its times do not increase.")
+    if not (np.all(np.abs(values) <= LARGEST) and np.all(np.abs(time) <= LARGEST) and np.all(time[1:] > time[:-1])):
+        raise RecordError(
+            f"{path}: {name} has a value or a time that is not finite or beyond {LARGEST:.0e}, or its times do not increase."
+        )
     factor = TIME_UNITS.get(_label(content, "abscissa") or "s")
     if factor is None:
         raise RecordError(
