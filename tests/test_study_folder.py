@@ -154,7 +154,8 @@ def test_chunks_whose_process_died_are_told_with_the_way_on(tmp_path, monkeypatc
         patch.setattr(local, "compute", deadly)
         result = table_study(variants=3).run(tmp_path / "study", workers=1)
     assert result.message.endswith(
-        "Some were not computed, since their processes died: go on with --resume (`resume=True`)."
+        "Some were not computed, since their processes died or found no memory, threads or files: go on with --resume "
+        "(`resume=True`)."
     )
     result = table_study(variants=3).run(tmp_path / "study", workers=1, resume=True)
     assert result.message == "3 variants, none failed."

@@ -14,6 +14,7 @@ import pytest
 from table_study import FILES, VARY, rows, table_study
 
 import wirerope_mj as wr
+from wirerope_mj.cli.study_run import compute_and_print
 from wirerope_mj.study import folder as study_folder
 from wirerope_mj.study.answers.summary import summary
 from wirerope_mj.study.engines import local
@@ -195,3 +196,32 @@ def test_variants_that_failed_by_physics_are_not_computed_again(tmp_path, monkey
     assert first.failed
     monkeypatch.setattr(local, "compute", None)  # nobody asks for it
     assert table_study(**asked).run(tmp_path / "study", workers=1, resume=True).failed == first.failed
+
+
+@pytest.mark.parametrize("accident", [MemoryError(), OSError(24, "Too many open files"), RuntimeError("no new thread")])
+def test_what_no_memory_threads_or_files_were_there_for_is_no_result_and_computed_again(
+    alone, tmp_path, monkeypatch, accident
+):
+    folder = tmp_path / "study"
+
+    def fails(*_, **__):
+        raise accident
+
+    def short(work, chunk):
+        with monkeypatch.context() as patch:
+            if chunk.number == 3:
+                patch.setattr("wirerope_mj.study.engines.compute.simulate_batch", fails)
+            return compute(work, chunk)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(local, "compute", short)
+        first = table_study().run(folder, workers=1)
+        assert sorted(first.failed) == [9, 10, 11]
+        assert type(accident).__name__ in first.failed[9]
+        assert "Some were not computed" in first.message
+        with pytest.raises(wr.WireRopeError, match=r"study: Some were not computed, .* go on with --resume"):
+            compute_and_print(table_study, "study", resume=True, out=folder, by=None, open_worst=0, workers=1)
+    again = table_study().run(folder, workers=1, resume=True)
+    assert again.failed == {}
+    for name in ("variants.parquet", "summary.json"):
+        assert (folder / name).read_bytes() == (alone.folder / name).read_bytes()

@@ -12,10 +12,11 @@ from rich.markup import escape
 from wirerope_mj.cli.search_tables import print_search
 from wirerope_mj.cli.study_tables import print_study, print_varied
 from wirerope_mj.cli.tables import console
+from wirerope_mj.errors import WireRopeError
 from wirerope_mj.study.answers.answer import answer_of
-from wirerope_mj.study.folder import STUDY
+from wirerope_mj.study.folder import STUDY, dead
 from wirerope_mj.study.measures import measure_names
-from wirerope_mj.study.result import StudyResult
+from wirerope_mj.study.result import NOT_COMPUTED, StudyResult
 from wirerope_mj.study.search.result import SearchResult
 from wirerope_mj.study.search.search import Search
 from wirerope_mj.study.study import Study
@@ -55,7 +56,10 @@ def compute_and_print(
         raise ValueError(f"`--by`: there is no measure {by!r}; there are {', '.join(names[:8])}, ...")
     print_varied(study.study if isinstance(study, Search) else study)
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
-    _print(_computed(study, folder, resume=resume, **how), by, open_worst)
+    result = _computed(study, folder, resume=resume, **how)
+    _print(result, by, open_worst)
+    if dead(folder):  # tables and pictures are there, but a script must not take them for those of the whole study
+        raise WireRopeError(f"{folder}: {NOT_COMPUTED}")
 
 
 def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:

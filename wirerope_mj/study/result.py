@@ -36,6 +36,11 @@ from wirerope_mj.system.named_files import check_inside
 if TYPE_CHECKING:
     from wirerope_mj.study.study import Study
 
+NOT_COMPUTED = (
+    "Some were not computed, since their processes died or found no memory, threads or files: go on with --resume "
+    "(`resume=True`)."
+)
+
 
 @dataclass(frozen=True, kw_only=True)
 class StudyResult:
@@ -100,7 +105,7 @@ class StudyResult:
         """Sentences on what a run that is complete lacks; empty if nothing."""
         found = ""
         if dead(self.folder):
-            found += " Some were not computed, since their processes died: go on with --resume (`resume=True`)."
+            found += f" {NOT_COMPUTED}"
         if self.inputs.get("keep") == RESPONSES:
             wanted = set(self.table["variant"].to_pylist()) - set(self.failed)
             if gone := len(wanted - kept_numbers(self.folder)):

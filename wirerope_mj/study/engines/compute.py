@@ -44,7 +44,8 @@ class Part:
         number: of the chunk.
         table: its rows of the table.
         responses: by variant the content of the file of its response, if it is kept; of those that failed there is none.
-        died: whether no process lived long enough to compute it: its rows say so, and it is computed again on resume.
+        died: whether no process lived long enough to compute it, or an accident kept one from it: its rows say so, and it is
+            computed again on resume.
     """
 
     number: int
@@ -61,6 +62,10 @@ Engine = Callable[..., Generator[Part, None, None]]
 """
 
 
+_RESULTS = (ValueError, ArithmeticError, WireRopeError)
+"""Errors that a variant's own numbers lead to, the next time too."""
+
+
 def schema(work: Work) -> pa.Schema:
     """Return names and types of the table's columns."""
     fields = [("variant", pa.int64()), *((column.name, arrow_type(column)) for column in work.columns)]
@@ -72,12 +77,17 @@ def compute(work: Work, chunk: Chunk) -> Part:
     """Return what comes of a chunk, the same in any process; variants that fail have rows, too."""
     responses: dict[int, bytes] = {}
     outcomes = _outcomes(work, chunk.rows, responses if chunk.responses else None)
-    return Part(number=chunk.number, table=_table(work, chunk, outcomes), responses=responses)
+    accident = any(isinstance(outcome, Accident) for outcome in outcomes)
+    return Part(number=chunk.number, table=_table(work, chunk, outcomes), responses=responses, died=accident)
 
 
 def died(work: Work, chunk: Chunk, message: str) -> Part:
     """Return what there is of a chunk whose process died each time."""
     return Part(number=chunk.number, table=_table(work, chunk, [message] * len(chunk.rows)), died=True)
+
+
+class Accident(str):
+    """Message of an error that says nothing about its variant, as of a machine without memory, threads or files."""
 
 
 Outcome = dict[str, float] | str
@@ -107,7 +117,8 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, b
     except Exception as error:  # whatever one variant does must not cost the others their results
         if len(rows) > 1:
             return [outcome for row in rows for outcome in _outcomes(work, [row], responses)]
-        return [f"{type(error).__name__}: {error}"]
+        message = f"{type(error).__name__}: {error}"
+        return [message if isinstance(error, _RESULTS) else Accident(message)]
     for place, system, result in zip(places, systems, results, strict=True):
         found[place] = _outcome(work, system, result)
         if responses is not None and isinstance(result, BatchResult) and result.response is not None:

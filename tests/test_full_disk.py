@@ -1,0 +1,104 @@
+"""A disk that is full: one message, exit code 2, nothing left, and an end within seconds."""
+
+import subprocess
+import sys
+
+import pytest
+
+from wirerope_mj.errors import DiskFullError
+from wirerope_mj.whole import folder_written_whole, written_whole
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limits of file sizes")
+
+# A file that may not grow meets the same errors as one on a full disk, and needs neither a disk nor rights.
+LIMITED = """
+import resource, sys
+from wirerope_mj.cli import main
+import wirerope_mj as wr
+
+size, what, folder = int(sys.argv[1]), sys.argv[2], sys.argv[3]
+system = wr.load_system("shock_table.xml")
+motion = wr.HalfSine(peak=100.0, duration=0.011, direction="z")
+resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+if what == "recording":
+    try:
+        wr.record_rerun(wr.simulate(system, motion, duration=0.05), folder + "/run.rrd")
+    except wr.RecordError as error:
+        sys.exit(f"{type(error).__name__}: {error}")
+if what == "samples":
+    try:
+        wr.simulate(system, motion, duration=0.5, out=folder)
+    except OSError as error:
+        sys.exit(f"{type(error).__name__}")
+sys.exit(main(["run", "shock_table", "--duration", "0.1", "--out", folder + "/run"]))
+"""
+
+
+def limited(size, what, folder):
+    """Return exit code and message of a process whose files may not be larger [bytes]; one that hangs is an error."""
+    done = subprocess.run(
+        [sys.executable, "-c", LIMITED, str(size), what, folder], capture_output=True, text=True, timeout=300.0
+    )
+    return done.returncode, done.stderr
+
+
+def test_a_recording_that_finds_no_space_ends_with_an_error_and_leaves_nothing(tmp_path):
+    code, told = limited(100_000, "recording", tmp_path)
+    assert code == 1
+    assert f"DiskFullError: {tmp_path}/run.rrd: there is no space left for it" in told
+    assert list(tmp_path.iterdir()) == []
+
+
+# 8 kB: less than summary or model; 100 kB: less than the samples; 500 kB: less than the recording
+@pytest.mark.parametrize("size", [2_000, 30_000, 500_000])
+def test_a_run_that_finds_no_space_is_one_message_and_nothing_is_left(tmp_path, size):
+    code, told = limited(size, "run", tmp_path)
+    assert code == 2
+    *_, last = told.strip().splitlines()
+    assert last.startswith(f"wirerope: {tmp_path}/run: there is no space left for it")
+    assert "Free some space, or choose another place." in last
+    assert "Traceback" not in told
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("number", ["ENOSPC", "EDQUOT", "EFBIG"])
+def test_the_error_names_the_place_that_people_know_and_not_the_hidden_one(tmp_path, number):
+    import errno
+
+    def write():
+        with (
+            folder_written_whole(tmp_path / "run", force=False, kind="run", marks=()) as folder,
+            written_whole(folder / "picture.png"),
+        ):
+            raise OSError(getattr(errno, number), "", "hidden")
+
+    with pytest.raises(DiskFullError, match=r"/run: there is no space left for it") as told:
+        write()
+    assert "picture" not in str(told.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_other_errors_of_the_operating_system_are_left_as_they_are(tmp_path):
+    with pytest.raises(FileNotFoundError), written_whole(tmp_path / "a.txt"):
+        (tmp_path / "absent").read_text()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("megabytes", [1, 2])
+def test_a_run_into_a_small_file_system_ends_with_one_message(tmp_path, megabytes):
+    small = tmp_path / "small"
+    small.mkdir()
+    if subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", f"size={megabytes}m", "tmpfs", small], capture_output=True
+    ).returncode:
+        pytest.skip("only root may mount a small file system")
+    try:
+        code = "import sys; from wirerope_mj.cli import main; sys.exit(main())"
+        words = ["run", "shock_table", "--out", str(small / "run")]
+        done = subprocess.run([sys.executable, "-c", code, *words], capture_output=True, text=True, timeout=300.0)
+        assert list(small.iterdir()) == []
+    finally:
+        subprocess.run(["umount", small], check=True)
+    assert done.returncode == 2
+    assert f"{small}/run: there is no space left for it (No space left on device)" in done.stderr
