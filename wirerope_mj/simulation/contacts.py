@@ -13,7 +13,11 @@ OTHERS = "further pairs"
 
 
 def contacts_of(system: System, user: npt.NDArray[np.float64]) -> dict[str, ContactPeak]:
-    """Return the contacts by name: the model's declared pairs, touched or not, then what else touched."""
+    """Return the contacts by name: the model's declared pairs, touched or not, then what else touched.
+
+    Where more touched than the memory has rows for, the last row is of all further pairs together, and what is not known to
+    have touched is left out.
+    """
     model, places, base = system.model, system.assembly.tables.user, system.assembly.subjects.base
     declared = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True) if places.n_contacts else ()
     pairs = [payload_first(model, base, pair) for pair in declared]
@@ -24,7 +28,7 @@ def contacts_of(system: System, user: npt.NDArray[np.float64]) -> dict[str, Cont
         elif row[at.TOUCHES]:
             pair = payload_first(model, base, (int(row[at.GEOMS]), int(row[at.GEOMS + 1])))
             found[contact_name(model, pair)] = _touched(_contact(system, pair), row)
-    return found
+    return {name: contact for name, contact in found.items() if contact.touches} if OTHERS in found else found
 
 
 def _contact(system: System, pair: tuple[int, int]) -> ContactPeak:

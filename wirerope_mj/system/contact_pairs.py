@@ -4,16 +4,16 @@ import mujoco
 import numpy as np
 
 MOST = 32
-"""Rows of the memory of contacts: more pairs than that seldom touch in one run, and each row is part of a state."""
+"""Rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state."""
 
 
 def contact_rows(model: mujoco.MjModel) -> int:
-    """Return the rows that the memory of contacts needs: one for every pair that may touch, but not more than `MOST`."""
+    """Return the rows of the memory of contacts: one for each declared pair, up to `MOST` for what else may touch."""
     if model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CONTACT:
         return 0
     if model.nflex:
-        return MOST
-    return min(int(model.npair) + _pairs_by_type(model), MOST)
+        return int(model.npair) + MOST
+    return int(model.npair) + min(_pairs_by_type(model), MOST)
 
 
 def contact_name(model: mujoco.MjModel, geoms: tuple[int, int]) -> str:

@@ -1,0 +1,155 @@
+"""What limits a step, and that refining ends where it does not pay."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.resources import models_folder
+from wirerope_mj.scenario import Scenario, load_scenario
+from wirerope_mj.simulation import timestep as module
+from wirerope_mj.simulation.timestep import ACCURACY, CONTACTS, CORNERS, GIVEN, SAMPLES, STABILITY, choose_timestep
+
+G = wr.STANDARD_GRAVITY
+
+
+@pytest.fixture(scope="module")
+def table():
+    return wr.load_system(models_folder() / "shock_table.xml")
+
+
+def pulse_record(path):
+    """Write a half-sine of 1 g, sampled at 4 kHz."""
+    time = np.arange(400) / 4000.0
+    values = np.where((time > 0.02) & (time < 0.04), np.sin(np.pi * (time - 0.02) / 0.02), 0.0)
+    np.savetxt(path, np.column_stack([time, values]), delimiter=",", header="time [s],z [g]", comments="", fmt="%.9g")
+
+
+def choice(system, errors, monkeypatch, accuracy=1e-4):
+    """Return what is chosen from 1 ms on if the pilots touch and differ by `errors`, halving by halving, and the pilots."""
+    tried = []
+    pilot = SimpleNamespace(touches=True)
+    monkeypatch.setattr(module, "_pilot", lambda *arguments: tried.append(arguments[-1]) or pilot)
+    differences = iter(errors)
+    monkeypatch.setattr(module, "_difference", lambda *_: next(differences) / module.RICHARDSON)
+    start = wr.equilibrium(system).state
+    motion = wr.HalfSine(peak=G, duration=0.011, direction="z", start=0.01)
+    chosen = choose_timestep(system, motion, start, duration=0.2, sample_rate=1000.0, accuracy=accuracy)
+    return chosen, tried
+
+
+# Differences as they were measured: a block that just reaches its stops under a record (the step fell to a sixteenth, and
+# the error stayed above what was asked), one that strikes them, and one whose errors do fall as they should.
+@pytest.mark.parametrize(
+    ("errors", "halvings", "error", "pilots"),
+    [
+        ([3.0e-2, 3.2e-3, 9.6e-4, 3.4e-3, 2.4e-4], 2, 9.6e-4, 4),
+        ([7.3e-3, 1.2e-3, 5.8e-4, 3.1e-4, 4.6e-4], 2, 5.8e-4, 4),
+        (
+            [3.4e-3, 5.2e-3, 8.0e-3, 4.0e-3, 2.0e-3],
+            0,
+            8.0e-3,
+            4,
+        ),  # the best, but what finer ones differ by is its error
+        ([1.9e-2, 3.1e-3, 1.5e-3, 2.3e-3, 3.9e-4], 2, 2.3e-3, 5),  # 1.5e-3 could still have become 1e-3
+        ([1.3e-3, 6.0e-4, 3.1e-4, 1.2e-4, 6.8e-5], 4, 6.8e-5, 6),  # within reach: to the end
+    ],
+)
+def test_refining_in_contact_ends_where_the_accuracy_is_out_of_reach(
+    table, monkeypatch, errors, halvings, error, pilots
+):
+    chosen, tried = choice(table, errors, monkeypatch)
+    assert chosen.timestep == pytest.approx(tried[0] / 2**halvings, rel=1e-12)
+    assert chosen.error == pytest.approx(error, rel=1e-12)
+    assert len(tried) == pilots
+    assert chosen.limited_by == (ACCURACY if error <= 1e-4 else CONTACTS)
+
+
+def test_what_is_reached_and_what_was_asked_is_a_warning(table):
+    with pytest.warns(wr.AccuracyWarning) as caught:
+        r = wr.simulate(
+            table, wr.HalfSine(peak=60 * G, duration=0.011, direction="z", start=0.05), duration=0.12, accuracy=1e-5
+        )
+    assert r.estimated_error > 1e-5
+    said = [str(warning.message) for warning in caught]
+    assert len(said) == 2
+    assert f"{r.estimated_error:.1e} of the peaks, is above the accuracy asked for, 1.0e-05" in said[1]
+    assert f"limited by {CONTACTS}" in said[1]
+    assert "a larger `accuracy`" in said[1]
+    assert "a smaller `timestep`" in said[1]
+    assert r.numerics.limited_by == CONTACTS
+
+
+def test_every_step_says_what_limits_it(table, tmp_path):
+    motion = wr.HalfSine(peak=5 * G, duration=0.011, direction="z", start=0.05)
+    limited = lambda **options: wr.simulate(table, motion, duration=0.1, **options).numerics.limited_by  # noqa: E731
+    assert limited(timestep=1e-3) == GIVEN
+    assert limited(accuracy=1e-2) == SAMPLES
+    assert limited(accuracy=1e-2, sample_rate=50.0) in (STABILITY, ACCURACY)
+    assert limited(accuracy=1e-7) == ACCURACY
+    pulse_record(tmp_path / "deck.csv")
+    record = wr.load_record(tmp_path / "deck.csv")
+    assert wr.simulate(table, record, duration=0.1, accuracy=1e-2).numerics.limited_by == CORNERS
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """Scenarios that the commands hand over in place of simulating them."""
+    found: list[Scenario] = []
+    monkeypatch.setattr("wirerope_mj.runfolder.run_scenario", lambda scenario, folder, **_: found.append(scenario))
+    monkeypatch.setattr("wirerope_mj.cli.run.print_run", lambda *_, **__: None)
+    monkeypatch.setattr("wirerope_mj.cli.tables.print_run", lambda *_, **__: None)
+    return found
+
+
+@pytest.fixture
+def commands(tmp_path):
+    """Arguments of `wirerope run` and `wirerope shock`."""
+    pulse_record(tmp_path / "deck.csv")
+    return [
+        ["run", "shock_table"],
+        ["shock", "shock_table", "--record", str(tmp_path / "deck.csv"), "--duration", "0.1"],
+    ]
+
+
+def test_run_and_shock_take_an_accuracy_or_a_step(made, commands):
+    for command in commands:
+        assert main([*command, "--accuracy", "1e-3"]) == 0
+        assert main([*command, "--timestep", "2e-4"]) == 0
+        by_accuracy, by_step = made[-2:]
+        assert by_accuracy.simulate["accuracy"] == 1e-3
+        assert "timestep" not in by_accuracy.simulate
+        assert by_step.simulate["timestep"] == 2e-4
+        assert "accuracy" not in by_step.simulate
+        assert by_step.simulate["duration"] == by_accuracy.simulate["duration"]
+
+
+def test_a_step_of_the_scenario_gives_way_to_the_accuracy_asked_for(made, tmp_path):
+    text = load_scenario("shock_table").path.read_text(encoding="utf-8")
+    (tmp_path / "stepped.py").write_text(text.replace("simulate={", 'simulate={"timestep": 1e-4, '), encoding="utf-8")
+    assert main(["run", str(tmp_path / "stepped.py"), "--accuracy", "1e-3"]) == 0
+    assert "timestep" not in made[-1].simulate
+    assert main(["run", str(tmp_path / "stepped.py")]) == 0
+    assert made[-1].simulate["timestep"] == 1e-4
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--accuracy", "1e-3", "--timestep", "1e-4"], "`--accuracy` and `--timestep` exclude each other"),
+        (["--accuracy", "0"], "`--accuracy` is a fraction of the peaks, above 0 and below 1, got 0."),
+        (["--accuracy", "2"], "`--accuracy` is a fraction of the peaks, above 0 and below 1, got 2."),
+        (["--accuracy", "nan"], "above 0 and below 1, got nan."),
+        (["--timestep", "-1"], "`--timestep` must be a positive number of seconds, got -1."),
+        (["--timestep", "inf"], "`--timestep` must be a positive number of seconds, got inf."),
+    ],
+)
+def test_what_is_no_accuracy_and_no_step_is_refused(made, commands, capsys, options, message):
+    for command in commands:
+        assert main([*command, *options]) == 2
+        said = capsys.readouterr().err
+        assert message in said
+        assert said.count("\n") == 1
+    assert made == []
