@@ -5,9 +5,10 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.identification.coordinates import FAMILIES
+from wirerope_mj.identification.coordinates import FAMILIES, Scales
 from wirerope_mj.identification.measured import prepare
 from wirerope_mj.identification.residuals import area_residual
+from wirerope_mj.identification.validity import validity_of
 
 TRAVEL = 0.01
 TESTED = TRAVEL * np.array([0.05, 0.15, 0.4, 0.7, 1.0])
@@ -125,3 +126,29 @@ def test_a_loop_run_through_backwards_is_refused_and_a_thin_one_is_not():
     assert np.isfinite(residual).all()
     assert np.abs(residual).max() < 50.0  # at most the whole rectangle over the share that counts as thin, 1 / 0.02
     assert np.isfinite(wr.identify([thin, *loops[1:]], law=wr.BoucWen, start=TRUTHS[0], grid=False).residual)
+
+
+@pytest.mark.parametrize(("least", "bound"), [(1e-2, 0.1772), (1e-3, 0.1115), (1e-4, 0.1)])
+def test_n_is_not_searched_for_below_what_the_least_amplitude_shows(least, bound):
+    """ln 2 / ln(A_max / (0.02 A_min)): half of the slope at z = 0 is then lost within what its samples show."""
+    scales = Scales(deflection=1e-2, least=least, force=500.0)
+    for kind in (wr.BoucWen, wr.Ozdemir, wr.SymmetricBoucWen, wr.AsymmetricBoucWen):
+        (n,) = [c for c in FAMILIES[kind].coordinates(scales) if c.name == "n"]
+        assert n.lower == pytest.approx(bound, abs=1e-4)
+
+
+def test_a_fit_of_a_gradual_law_names_its_range_and_what_it_does_not_show():
+    """x_y (1/2)^(1/n) of the truth is 0.6 um, and 2 % of the least amplitude 40 um: samples cannot know alpha."""
+    truth = wr.BoucWen.from_normalised(z_max=60.0, x_y=6e-4, sigma=0.7, n=0.1, k=1e5)
+    result = wr.identify(noisy_loops(truth, seed=3, amplitudes=[2e-3, 5e-3, 1e-2]), law=wr.BoucWen, profiles=False)
+    assert result.law.n >= 0.1255 * (1.0 - 1e-3)  # ln 2 / ln 250
+    assert result.validity.startswith("valid for cycles of 2 to 10 mm amplitude between -10 and 10 mm")
+    assert result.validity in str(result)
+    unseen = result.law.normalised.x_y * 0.5 ** (1.0 / result.law.n) < 0.02 * 2e-3
+    assert ("the stiffness of smaller cycles is a guess" in result.validity) == unseen
+    sharp = validity_of(TRUTHS[0], result.loops)
+    assert (
+        sharp
+        == "valid for cycles of 2 to 10 mm amplitude between -10 and 10 mm, which were tested; extrapolated beyond"
+    )
+    assert "n = 0.1 half of the slope alpha is lost within 0.00059 mm" in validity_of(truth, result.loops)

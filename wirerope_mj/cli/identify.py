@@ -192,7 +192,7 @@ def _isolator(request: Request, result: Identification, fits: Sequence[FittedLoo
         source=f"cyclic tests: {', '.join(path.name for path in request.files)}",
         fitted_to=(
             f"{request.axis} force over cycles of amplitude [mm] (error of the force over half its range) {sizes}, "
-            f"about {', '.join(f'{point:g}' for point in points)} mm"
+            f"about {', '.join(f'{point:g}' for point in points)} mm; {result.validity}"
         ),
         assumed=tuple(assumed),
     )

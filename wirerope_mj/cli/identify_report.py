@@ -117,11 +117,12 @@ def meanings(result: Identification) -> list[str]:
 
 
 def sentences(result: Identification, fits: Sequence[FittedLoop]) -> list[str]:
-    """Return how the fit ended, whether noise is all it left, and what the data leave open."""
+    """Return how the fit ended, what the data leave open, where the law is valid, and whether noise is all it left."""
     found = [f"{'converged' if result.converged else 'NOT CONVERGED'}: {result.message}"]
     found += [f"open: {words}" for words in result.open_combinations]
     if not result.open_combinations:
         found.append("the data fix every free parameter")
+    found.append(result.validity)
     together = neighbours_correlation(fits)
     if together > _BENT:
         found.append(

@@ -16,11 +16,15 @@ from wirerope_mj.errors import RecordError
 from wirerope_mj.isolator import AXES
 from wirerope_mj.laws.hysteresis import Hysteresis
 from wirerope_mj.modes import Modes, modes
+from wirerope_mj.modes.carried import carried
 from wirerope_mj.runfolder.folder import check_target
 from wirerope_mj.runfolder.modes import KIND, MARKS, write_modes
 from wirerope_mj.statics import History
 from wirerope_mj.system import System, load_system
 from wirerope_mj.whole import check_place
+
+APART = 0.01
+"""Relative difference of the frequencies about rest and about where the weight is carried, from which on it is said."""
 
 
 def modes_command(
@@ -53,7 +57,7 @@ def modes_command(
     screen = console()
     for sentence in about_small(system, small):
         screen.print(f"  {sentence}", soft_wrap=True, markup=False)
-    for sentence in beyond_rating(system, large):
+    for sentence in (*beyond_rating(system, large), *about_rest(system, small, large)):
         screen.print(f"  {sentence}", soft_wrap=True, markup=False)
     place = f"{target}" if alone else f"{target}/"
     screen.print(f"\n  written to {escape(place)}", soft_wrap=True)
@@ -109,6 +113,26 @@ def beyond_rating(system: System, large: Sequence[Modes]) -> Iterator[str]:
                 f"{1e3 * (found.amplitude or 0.0):g} mm takes mounts beyond their rated travel: {', '.join(shares)} "
                 f"({worst} up to {100.0 * shares[worst]:.0f} % of it, sag included). Nobody vouches for the law there."
             )
+
+
+def about_rest(system: System, small: Modes, large: Sequence[Modes]) -> Iterator[str]:
+    """Yield for each amplitude a sentence on the modes that lie elsewhere where the cycles' mean force carries the weight."""
+    for found in large:
+        there = carried(system, found)
+        with np.errstate(invalid="ignore"):
+            off = ~(np.abs(there.frequencies / found.frequencies - 1.0) <= APART) & np.isfinite(found.frequencies)
+        if not off.any():
+            continue
+        rows = {place: row + 1 for row, place in enumerate(small.places_in(found))}
+        words = ", ".join(
+            f"mode {rows[int(at)]} at {there.frequencies[at]:.3f} instead of {found.frequencies[at]:.3f} Hz "
+            f"({there.mounts[at]} {1e3 * there.shift[at]:.2g} mm from rest)"
+            for at in np.flatnonzero(off)
+        )
+        yield (
+            f"{1e3 * (found.amplitude or 0.0):g} mm about the {found.history} position does not carry on average what rests on "
+            f"the mounts. In lasting vibration they move to where it does: {words}."
+        )
 
 
 def _share_of_travel(system: System, found: Modes, name: str) -> float:

@@ -95,13 +95,21 @@ class Family:
     read: Callable[[Law], dict[str, float]]
 
 
+def least_exponent(s: Scales) -> float:
+    """Return the n below which samples cannot show what it does: then half of the slope at z = 0 is lost before they see it.
+
+    That is at x_y (1/2)^(1/n). A law that yields at the largest amplitude loses it there within what is seen of the least one.
+    """
+    return max(0.1, math.log(2.0) / math.log(s.deflection / (SEEN * s.least)))
+
+
 def _hysteresis(s: Scales, *, sigma: bool = True) -> list[Coordinate]:
     # A yield deflection far above the amplitudes is elastic, far below them plain friction.
     rows = [
         Coordinate(name="z_max", unit="N", lower=1e-4 * s.force, upper=1e3 * s.force, linear=True),
         Coordinate(name="x_y", unit="m", lower=1e-4 * s.deflection, upper=1e3 * s.deflection),
         Coordinate(name="sigma", unit="-", lower=1e-3, upper=1e3),
-        Coordinate(name="n", unit="-", lower=0.1, upper=20.0),
+        Coordinate(name="n", unit="-", lower=least_exponent(s), upper=20.0),
     ]
     return rows if sigma else [row for row in rows if row.name != "sigma"]
 

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from wirerope_mj.identification.certainty import Certainty, Parameter
 from wirerope_mj.identification.measured import MeasuredLoop
 from wirerope_mj.identification.stages import Stage
+from wirerope_mj.identification.validity import validity_of
 from wirerope_mj.laws import Law
 
 
@@ -43,8 +44,13 @@ class Identification:
     started: str
     loops: tuple[MeasuredLoop, ...]
 
+    @property
+    def validity(self) -> str:
+        """The amplitudes and deflections for which the law stands, in words."""
+        return validity_of(self.law, self.loops)
+
     def __str__(self) -> str:
-        """The law, how well it fits, its parameters with units and errors, and what is open."""
+        """The law, how well it fits, its parameters with units and errors, what is open, and its range of validity."""
         lines = [
             repr(self.law),
             f"error {100.0 * self.residual:.3g} % of half the force range over {len(self.loops)} loops; "
@@ -55,4 +61,4 @@ class Identification:
             error = "given" if p.fixed else f"{p.standard_error:.2g}"
             note = "  at its bound" if p.at_bound else ""
             lines.append(f"{p.name:12s}{p.value:14.6g}{error:>16s}  {p.unit}{note}")
-        return "\n".join([*lines, *(f"open: {words}" for words in self.open_combinations)])
+        return "\n".join([*lines, *(f"open: {words}" for words in self.open_combinations), self.validity])

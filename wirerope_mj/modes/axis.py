@@ -95,18 +95,29 @@ def closed_cycle(law: Law, deflection: float, amplitude: float, *, frequency: fl
     Raises:
         ValueError: the law wears and has no closed cycle, or its force leaves the finite numbers on the way.
     """
-    require_steady(law)
-    angle = 2.0 * np.pi * np.arange(SAMPLES + 1) / SAMPLES
-    shape, rate = amplitude * np.cos(angle), -2.0 * np.pi * frequency * amplitude * np.sin(angle)
-    with np.errstate(over="ignore", invalid="ignore"):
-        force = cycle_force(law, deflection + shape, rate, period=1.0 / frequency)[:-1]
+    angle, force = _closed(law, deflection, amplitude, frequency)
     if not np.isfinite(force).all():
         raise ValueError(
             f"`amplitude` is too large: the force of {law.name} leaves the finite numbers within {amplitude:.6g} m of the "
             f"deflection of {deflection:.6g} m."
         )
-    harmonic = 2.0 * complex(force @ np.exp(-1j * angle[:-1])) / (SAMPLES * amplitude)
+    harmonic = 2.0 * complex(force @ np.exp(-1j * angle)) / (SAMPLES * amplitude)
     return complex(harmonic)
+
+
+def mean_force(law: Law, deflection: float, amplitude: float, *, frequency: float) -> float:
+    """Return the mean force of the same cycle [N]; NaN if the force leaves the finite numbers on the way."""
+    return float(_closed(law, deflection, amplitude, frequency)[1].mean())
+
+
+def _closed(law: Law, deflection: float, amplitude: float, frequency: float) -> tuple[Array, Array]:
+    """Return phase and force of a closed cycle at its samples, (SAMPLES,) each."""
+    require_steady(law)
+    angle = 2.0 * np.pi * np.arange(SAMPLES + 1) / SAMPLES
+    shape, rate = amplitude * np.cos(angle), -2.0 * np.pi * frequency * amplitude * np.sin(angle)
+    with np.errstate(over="ignore", invalid="ignore"):
+        force = cycle_force(law, deflection + shape, rate, period=1.0 / frequency)
+    return angle[:-1], force[:-1]
 
 
 def _force(law: Law, deflection: float, rate: float, states: Array) -> tuple[float, Array]:
