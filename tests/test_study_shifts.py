@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 import tomli_w
-from genset import CENTRE, genset_study
+from genset import CENTRE, genset_study, genset_text
 from table_study import rows, table_study
 
 import wirerope_mj as wr
@@ -121,6 +121,20 @@ def test_a_centre_is_said_in_the_bodys_axes_and_a_shift_of_it_in_the_worlds():
     )
     said = {one.name: one.model for study in (value, shift) for one in varied_of(study)}
     assert said == {"body/box/centre/x": "0.1 m", "body/box/centre_shift/z": "-0.1 m"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("<freejoint/>", '<freejoint align="true"/>'), ("<mujoco>", '<mujoco><compiler alignfree="true"/>')],
+)
+def test_a_body_whose_origin_mujoco_has_moved_into_its_centre_takes_shifts_alone(old, new):
+    model = genset_text().replace(old, new)
+    with pytest.raises(
+        ValueError, match="has moved the origin of body 'genset' .* say shifts: 'body/genset/centre_shift/z'"
+    ):
+        genset_study(VALUE, variants=2, model=model)
+    moved = genset_study(SHIFT, variants=2, model=model)
+    assert heights(moved) == pytest.approx(np.asarray(moved.table()["body/genset/centre_shift/z"]), abs=1e-15)
 
 
 def test_one_position_for_bodies_that_stand_apart_and_two_ways_for_one_body_are_refused():

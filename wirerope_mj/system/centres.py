@@ -23,3 +23,17 @@ def body_axes(system: System, body: str) -> Array:
     with system.assembly.scratch.data(system.model) as data:
         mujoco.mj_kinematics(system.model, data)
         return np.array(data.body(body).xmat, dtype=np.float64).reshape(3, 3)
+
+
+def is_aligned(system: System, body: str) -> bool:
+    """Return whether MuJoCo has moved the body's origin into its centre of mass (`align` of its free joint, `alignfree`).
+
+    Then its centre of mass is at 0 in the compiled model, wherever the model as written has it.
+    """
+    spec = mujoco.MjSpec.from_file(str(system.path)) if system.path else mujoco.MjSpec.from_string(system.mjcf)
+    written = spec.body(body)
+    if written is None:  # it has its name from us
+        return False
+    auto, yes = mujoco.mjtAlignFree.mjALIGNFREE_AUTO, mujoco.mjtAlignFree.mjALIGNFREE_TRUE
+    free = [joint for joint in written.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
+    return any(joint.align == yes or (joint.align == auto and spec.compiler.alignfree) for joint in free)

@@ -10,6 +10,7 @@ from wirerope_mj.study.inputs.distributions import Choice, Distribution, Normal,
 from wirerope_mj.study.inputs.nominal import SHIFTS, model_unit, nominal, nominal_text
 from wirerope_mj.study.inputs.quantities import Column, Quantity
 from wirerope_mj.system import System
+from wirerope_mj.system.centres import is_aligned
 
 Array = npt.NDArray[np.float64]
 
@@ -41,8 +42,15 @@ def check_centres(quantities: Sequence[Quantity], system: System) -> None:
 
 
 def _check_centre(quantity: Quantity, column: Column, system: System) -> None:
+    shift = column.name.replace("/centre/", "/centre_shift/")
+    for body in column.targets:
+        if is_aligned(system, body):
+            raise ValueError(
+                f"`vary`: {column.name!r}: MuJoCo has moved the origin of body {body!r} into its centre of mass (`align` of "
+                f"its free joint), so that positions in its axes are not those of the model; say shifts: {shift!r}."
+            )
     values = nominal(column, system, ())
-    shift, there = column.name.replace("/centre/", "/centre_shift/"), nominal_text(values, "m")
+    there = nominal_text(values, "m")
     if max(values) - min(values) > NEAR:
         raise ValueError(
             f"`vary`: {column.name!r} is one position for bodies whose centres of mass stand at {there} in the model; name "
