@@ -115,7 +115,9 @@ def show(folder: Path, *, web: Annotated[bool, Parameter(negative=())] = False) 
         web: show it in a browser of this machine instead of a window.
     """
     from wirerope_mj.recording import show as show_recording
+    from wirerope_mj.runfolder.checksums import warn_of_alterations
 
+    warn_of_alterations(folder)
     show_recording(folder, web=web)
     return 0
 

@@ -244,7 +244,7 @@ def _sequence(value: Any, where: str, size: int | None = None) -> list[Any]:
 
 def _text(value: Any, where: str) -> None:
     if not isinstance(value, str):
-        raise ValueError(f"`{where}` must be a text, got {_shown(value)}.")
+        raise ValueError(f"`{where}` must be a string, got {_shown(value)}.")
 
 
 def _numbers(value: Any, where: str, size: int | None = None) -> None:

@@ -60,7 +60,7 @@ def _check(content: dict[str, Any]) -> None:
         if name not in content:
             raise ValueError(f"`{name}` is missing.")
         if name != "format" and not isinstance(content[name], str):
-            raise ValueError(f"`{name}` must be a text, got {content[name]!r}.")
+            raise ValueError(f"`{name}` must be a string, got {content[name]!r}.")
     for table, needed in _NEEDED.items():
         if not isinstance(content.get(table), dict):
             raise ValueError(f"the table `{table}` is missing.")
@@ -73,7 +73,7 @@ def _check(content: dict[str, Any]) -> None:
     for table, names in (("model", _TABLES["model"]), ("motion", _NEEDED["motion"]), ("versions", content["versions"])):
         for key in names:
             if not isinstance(content[table].get(key, ""), str):
-                raise ValueError(f"`{table}.{key}` must be a text, got {content[table][key]!r}.")
+                raise ValueError(f"`{table}.{key}` must be a string, got {content[table][key]!r}.")
     _check_simulate(content["simulate"])
     check_motion(content["motion"], "motion")
 

@@ -11,6 +11,7 @@ from wirerope_mj.excitation.copies import check_records
 from wirerope_mj.excitation.motion import BaseMotion
 from wirerope_mj.excitation.restore import motion_from_dict
 from wirerope_mj.response import Response
+from wirerope_mj.response.storage import FILE
 from wirerope_mj.runfolder.folder import SCENARIO
 from wirerope_mj.simulation.recorder import column_plan
 from wirerope_mj.system import Changes, System, load_system
@@ -58,8 +59,12 @@ def check_one_run(folder: Path, content: Mapping[str, Any], system: System, resp
     """
     simulate, numerics = content["simulate"], response.numerics
     samples = np.floor((simulate["duration"] + 1e-10) * simulate["sample_rate"]) + 1.0  # as simulations sample
+    if response.time.size != samples:
+        raise RecordError(
+            f"{folder / SCENARIO}: `simulate.duration` and `simulate.sample_rate` make {samples:.0f} samples, and {FILE} holds "
+            f"{response.time.size}. {_REMEDY}"
+        )
     pairs = [
-        ("simulate.duration x sample_rate, in samples", float(samples), response.time.size),
         ("simulate.timestep", simulate["timestep"], numerics.timestep),
         ("simulate.callback", simulate["callback"], numerics.callback),
         *_motion_pairs(content["motion"], response.motion, "motion"),
@@ -69,11 +74,11 @@ def check_one_run(folder: Path, content: Mapping[str, Any], system: System, resp
     for name, here, there in pairs:
         if here != there:
             raise RecordError(
-                f"{folder / SCENARIO}: `{name}` is {here}, and the response was computed with {there}. {_REMEDY}"
+                f"{folder / SCENARIO}: `{name}` is {here}, and {FILE} was computed with {there}. {_REMEDY}"
             )
     if column_plan(system).names != response.samples.names:
         raise RecordError(
-            f"{folder}: the bodies, points and mounts of {content['model']['file']} are not those of the response. {_REMEDY}"
+            f"{folder}: the bodies, points and mounts of {content['model']['file']} are not those of {FILE}. {_REMEDY}"
         )
 
 
