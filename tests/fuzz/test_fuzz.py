@@ -4,7 +4,7 @@ import pytest
 from campaign import FAULTS, attempt, target
 
 
-@pytest.mark.parametrize("name", ["records", "cycles"])
+@pytest.mark.parametrize("name", ["models", "isolators", "records", "cycles", "folders"])
 def test_no_mutated_input_gets_another_answer_than_a_documented_one(name):
     outcomes = [attempt(*target(name), seed) for seed in range(25)]
     assert not [outcome for outcome in outcomes if outcome.kind in FAULTS]
