@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 from small_search import beam_search
 from table_study import rows, table_study
@@ -104,6 +105,22 @@ def test_a_damaged_table_is_called_so_with_its_remedy(done):
         wr.load_study(done.folder).table.num_rows  # noqa: B018
     again = table_study(variants=3).run(done.folder, workers=1, keep="responses", force=True)
     assert again.table.num_rows == 3
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda table: table.drop_columns(["status"]), "column 'status' must hold string in every row"),
+        (lambda table: table.take([1, 0, 2]), "column 'variant' must number the rows from 0 on"),
+        (lambda table: table.slice(0, 2), "the study has 3 variants, and this table 2 rows"),
+        (lambda table: table.set_column(0, "variant", table["variant"].cast("float64")), "'variant' must hold int64"),
+    ],
+)
+def test_a_table_that_was_changed_is_refused_by_file_and_column(done, change, message):
+    path = done.folder / "variants.parquet"
+    pq.write_table(change(pq.read_table(path)), path)
+    with pytest.raises(wr.RecordError, match=rf"variants\.parquet: .*{message}.*Put a copy in its place"):
+        wr.load_study(done.folder).table.num_rows  # noqa: B018
 
 
 def test_a_damaged_part_is_called_so_and_computed_again_when_it_is_gone(tmp_path, monkeypatch):

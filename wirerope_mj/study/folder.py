@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import tomli_w
@@ -129,13 +130,16 @@ def read_inputs(folder: Path) -> dict[str, Any]:
         raise RecordError(f"{folder}: this is not a study; there is no {STUDY} here.")
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
-        if content["format"] not in (FIRST, FORMAT):
-            raise RecordError(f"{path}: format {content['format']} is not {FORMAT}; use the version that wrote it.")
-        if content["id"] != _identity(content):
-            raise RecordError(f"{path}: this file was changed after it had been written; its study cannot go on.")
-        return todays_inputs(content)
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError) as error:
-        raise RecordError(f"{path}: this is not the file of a study ({type(error).__name__}: {error}).") from None
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+        raise RecordError(f"{path}: this is not the file of a study, nor TOML. Take it from another copy.") from None
+    if "format" in content and content["format"] not in (FIRST, FORMAT):
+        raise RecordError(f"{path}: `format` is {content['format']!r}, not {FORMAT}; use the version that wrote it.")
+    for key in ("format", *_WORDS):
+        if key not in content or (key in _WORDS and not isinstance(content[key], str)):
+            raise RecordError(f"{path}: this is not the file of a study: `{key}` is missing or no string.")
+    if content["id"] != _identity(content):  # a digest of all other keys: they are what was written
+        raise RecordError(f"{path}: this file was changed after it had been written; its study cannot go on.")
+    return todays_inputs(content)
 
 
 def done(folder: Path) -> set[int]:
@@ -181,9 +185,28 @@ def read_part(path: Path) -> pa.Table:
 
 
 def read_table(folder: Path, columns: Sequence[str] | None = None) -> pa.Table:
-    """Return the table of a study that is complete, or some columns of it; RecordError if its file is damaged."""
+    """Return the table of a study that is complete, or some columns of it; RecordError if its file is damaged or changed."""
     with _table_file(folder) as path:
-        return pq.read_table(path, columns=columns)
+        table = pq.read_table(path, columns=columns)
+    _check_table(folder / TABLE, table, [name for name in _ALWAYS if columns is None or name in columns])
+    return table
+
+
+def _check_table(path: Path, table: pa.Table, names: Sequence[str]) -> None:
+    """Raise RecordError unless the columns of these names are what studies write, and the variants are numbered in order."""
+    for name in names:
+        if name not in table.column_names or table[name].type != _ALWAYS[name] or table[name].null_count:
+            raise RecordError(
+                f"{path}: column {name!r} must hold {_ALWAYS[name]} in every row; the table was changed. {_COPY}"
+            )
+    if "variant" in names and not np.array_equal(table["variant"].to_numpy(), np.arange(table.num_rows)):
+        raise RecordError(f"{path}: column 'variant' must number the rows from 0 on; the table was changed. {_COPY}")
+
+
+_ALWAYS = {"variant": pa.int64(), "status": pa.string(), "message": pa.string()}
+"""Columns of every study's table, and their types."""
+
+_COPY = "Put a copy in its place, or compute the study again with --force (`force=True`)."
 
 
 def read_schema(folder: Path) -> pa.Schema:
@@ -201,8 +224,7 @@ def _table_file(folder: Path) -> Iterator[Path]:
         remedy = (
             "Remove it, and go on with --resume (`resume=True`): the parts that made it are there."
             if (folder / PARTS).is_dir()
-            else "The parts that made it are gone: put a copy in its place, or compute the study again with --force "
-            "(`force=True`)."
+            else f"The parts that made it are gone: {_COPY[0].lower()}{_COPY[1:]}"
         )
         raise RecordError(f"{folder / TABLE}: this table is damaged. {remedy}") from None
 

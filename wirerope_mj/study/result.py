@@ -207,6 +207,10 @@ def load_study(folder: str | Path) -> StudyResult:
 
         designs = read_table(folder, ["variant"]).num_rows if complete else 0
         return SearchResult(folder=folder, inputs=content, variants=designs, complete=complete)
-    return StudyResult(
-        folder=folder, inputs=content, variants=int(content["sampling"]["variants"]), complete=complete
-    )  # fmt: skip
+    variants = int(content["sampling"]["variants"])
+    if complete and (rows := read_table(folder, ["variant"]).num_rows) != variants:
+        raise RecordError(
+            f"{folder / TABLE}: the study has {variants} variants, and this table {rows} rows: it was changed, or is that of "
+            "another study. Put a copy in its place, or compute the study again with --force (`force=True`)."
+        )
+    return StudyResult(folder=folder, inputs=content, variants=variants, complete=complete)
