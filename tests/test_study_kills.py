@@ -3,6 +3,7 @@
 import functools
 import itertools
 import os
+import pickle
 import random
 import shutil
 import signal
@@ -225,3 +226,18 @@ def test_what_no_memory_threads_or_files_were_there_for_is_no_result_and_compute
     assert again.failed == {}
     for name in ("variants.parquet", "summary.json"):
         assert (folder / name).read_bytes() == (alone.folder / name).read_bytes()
+
+
+def test_a_worker_ends_in_the_middle_of_a_chunk_when_nobody_waits_for_it_any_more():
+    study = table_study(variants=1, duration=1e5)  # a hundred million steps
+    worker = local._Process(pickle.dumps(study.work))
+    process = worker._process
+    process.stdin.write(pickle.dumps(next(chunks(study, [0]))))
+    process.stdin.flush()
+    time.sleep(1.0)  # it has begun
+    assert process.poll() is None
+    process.stdin.close()  # as when the process that asks is killed
+    try:
+        assert process.wait(timeout=30.0) == 0
+    finally:
+        worker.kill()
