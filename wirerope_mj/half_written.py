@@ -11,6 +11,7 @@ import re
 import secrets
 import shutil
 import tempfile
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -76,10 +77,14 @@ def hidden_file(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def hidden_folder(folder: Path) -> Iterator[Path | None]:
+def hidden_folder(folder: Path, *, patience: float = 0.0) -> Iterator[Path | None]:
     """Lend the hidden folder in which `folder` is written, empty, and hold it; it is removed if it is still there.
 
     There is one for each folder, so that two processes never write the same one. Where there are no locks nobody is kept out.
+
+    Args:
+        folder: what is written.
+        patience: how long another process may hold the hidden folder [s], perhaps only to remove what was left in it.
 
     Yields:
         The hidden folder, or None if another process writes `folder`.
@@ -88,7 +93,7 @@ def hidden_folder(folder: Path) -> Iterator[Path | None]:
         RecordError: no folder can be made there.
     """
     try:
-        hidden, lock, handle = _made(folder)
+        hidden, lock, handle = _made(folder, patience)
     except OSError as error:
         raise refusal(folder, error) from error
     if lock == TAKEN:
@@ -99,19 +104,20 @@ def hidden_folder(folder: Path) -> Iterator[Path | None]:
             _put_right(folder, hidden)
         yield hidden
     finally:
-        if handle is None or _names(
-            hidden, handle
-        ):  # else it has become `folder`, and another process may hold a new one
+        # Else it has become `folder`, and another process may hold a new one.
+        if handle is None or _names(hidden, handle):
             shutil.rmtree(hidden, ignore_errors=True)
         if handle is not None:
             os.close(handle)
 
 
-def _made(folder: Path) -> tuple[Path, str, int | None]:
+def _made(folder: Path, patience: float) -> tuple[Path, str, int | None]:
     """Make the hidden folder of `folder`, and return it, what came of its lock, and the handle that holds it."""
     hidden = folder.parent / f".{folder.name}.{_MARK}.part"
-    lock, handle = GONE, None
-    while lock == GONE and not hidden.is_symlink():
+    lock, handle, end = GONE, None, time.monotonic() + patience
+    while (lock == GONE and not hidden.is_symlink()) or (lock == TAKEN and time.monotonic() < end):
+        if lock == TAKEN:
+            time.sleep(0.05)
         with suppress(FileExistsError):
             hidden.mkdir(parents=True)
         lock, handle = _lock(hidden)

@@ -18,6 +18,9 @@ from wirerope_mj.half_written import (
     set_aside,
 )
 
+_PATIENCE = 1.0
+"""A command that removes what was left of a folder is done with it in a few milliseconds; one that writes it is not [s]."""
+
 
 @contextmanager
 def written_whole(path: Path, *, clear: bool = True) -> Iterator[Path]:
@@ -97,7 +100,7 @@ def folder_written_whole(folder: Path, *, force: bool, kind: str, marks: Sequenc
     place, folder = folder, folder.resolve()
     missing = [parent for parent in folder.parents if not parent.exists()]
     try:
-        with full_disk_said(place), hidden_folder(folder) as beside:
+        with full_disk_said(place), hidden_folder(folder, patience=_PATIENCE) as beside:
             if beside is None:
                 raise RecordError(
                     f"{place}: another process is writing this {kind}. Nothing in it was touched; wait for that one, or "
