@@ -301,7 +301,7 @@ def test_a_folder_without_a_sweep_says_so(tmp_path):
     with pytest.raises(RecordError, match=r"there is no frequency_sweep\.parquet here"):
         wr.FrequencySweep.load(tmp_path)
     (tmp_path / "frequency_sweep.parquet").write_bytes(b"not a table")
-    with pytest.raises(RecordError, match="this is not a sweep of wirerope_mj"):
+    with pytest.raises(RecordError, match="this is not a table that `FrequencySweep.save` wrote"):
         wr.FrequencySweep.load(tmp_path)
 
 

@@ -12,17 +12,8 @@ from wirerope_mj.resources import scenarios_folder
 PACKAGE = Path(wirerope_mj.__file__).parent
 LAYERS = (
     (
-        "errors",
-        "units",
-        "resources",
-        "state",
-        "jit",
-        "half_written",
-        "whole",
-        "limits",
-        "option_file",
-        "plain_text",
-        "inside",
+        "errors", "units", "resources", "state", "jit", "half_written", "whole", "limits", "option_file", "plain_text",
+        "inside", "toml_file",
     ),
     ("laws", "excitation", "spectra"),
     ("isolator", "bench", "oscillator"),
@@ -35,7 +26,7 @@ LAYERS = (
     ("plots", "recording", "report"),
     ("runfolder",),
     ("cli",),
-)
+)  # fmt: skip
 LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}
 ENGINE_ROOMS = {"system", "control", "statics", "simulation", "modes", "sweep", "periodic"}
 OWNERS = {

@@ -10,6 +10,8 @@ from typing import Any
 
 from wirerope_mj.errors import ModelError, WireRopeError
 
+_PACKAGE = Path(__file__).resolve().parent
+
 
 def defines(path: Path, name: str) -> bool:
     """Return whether a Python file defines the function `name`; it is read, not executed."""
@@ -50,7 +52,7 @@ def load_function(path: Path, name: str) -> Callable[..., Any]:
     guarded(path, lambda: loader.exec_module(module))
     function = getattr(module, name, None)
     if not inspect.isfunction(function):
-        raise ModelError(f"{path}: there is no function `{name}` here.")
+        raise ModelError(f"{path}: there is no function `{name}` here; a {name} is what `def {name}(*, ...)` returns.")
     for option, parameter in inspect.signature(function).parameters.items():
         if parameter.kind is not parameter.KEYWORD_ONLY or parameter.default is parameter.empty:
             raise ModelError(f"{path}: `{option}` of `{name}` must be a keyword-only argument with a default.")
@@ -83,14 +85,15 @@ def guarded(path: Path, action: Callable[[], Any]) -> Any:
     """Return what `action` returns; ModelError with file and line if the file's own code fails."""
     try:
         return action()
-    except (WireRopeError, ValueError) as error:
-        raise ModelError(f"{path}{_line_in(path, error)}: {error}") from error
+    except SyntaxError as error:
+        place = f", line {error.lineno}" if error.lineno else ""
+        quoted = f"`{error.text.strip()}`" if error.text else "this"
+        raise ModelError(f"{path}{place}: {quoted} is not Python: {error.msg}.") from error
     except Exception as error:
-        raise ModelError(f"{path}{_line_in(path, error)}: {type(error).__name__}: {error}") from error
-
-
-def _line_in(path: Path, error: Exception) -> str:
-    """Return words for the last line of the file that an error passed through."""
-    lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if Path(f.filename) == path.resolve()]
-    lines += [error.lineno] if isinstance(error, SyntaxError) and error.lineno else []
-    return f", line {lines[-1]}" if lines else ""
+        frames = traceback.extract_tb(error.__traceback__)
+        own = [frame for frame in frames if Path(frame.filename) == path.resolve()]
+        place = f", line {own[-1].lineno}" if own else ""
+        if isinstance(error, WireRopeError) or _PACKAGE in Path(frames[-1].filename).parents:
+            raise ModelError(f"{path}{place}: {error}") from error  # the message is ours, and says what is wrong
+        quoted = f"`{own[-1].line}` ends with " if own else ""
+        raise ModelError(f"{path}{place}: {quoted}{type(error).__name__}: {error}") from error

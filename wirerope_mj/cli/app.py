@@ -21,6 +21,7 @@ from wirerope_mj.cli.identify_options import identify_records
 from wirerope_mj.cli.isolators import print_isolator, print_isolators
 from wirerope_mj.cli.loops_options import loops
 from wirerope_mj.cli.modes import modes
+from wirerope_mj.cli.option_errors import option_message
 from wirerope_mj.cli.report import report
 from wirerope_mj.cli.run import list_scenarios, run_command
 from wirerope_mj.cli.select_options import select
@@ -232,10 +233,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; an error is one message on standard error."""
     if current_thread() is main_thread():  # a batch system ends a job as Ctrl-C does: nothing may be left behind
         signal(SIGTERM, default_int_handler)
+    given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         with _warnings_said():
             code = app(
-                list(sys.argv[1:] if arguments is None else arguments),
+                given,
                 exit_on_error=False,
                 print_error=False,
                 result_action="return_value",
@@ -252,6 +254,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for words in error.args:  # how it goes on
             _say(words)
         return INTERRUPTED
-    except (WireRopeError, ValueError, OSError, CycloptsError) as error:
+    except CycloptsError as error:
+        _say(option_message(error, given))
+        return BAD_INPUT
+    except (WireRopeError, ValueError, OSError) as error:
         _say(str(error))
         return BAD_INPUT

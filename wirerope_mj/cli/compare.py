@@ -73,8 +73,10 @@ def _names(runs: Sequence[Path], names: Sequence[str] | None) -> list[str]:
     twice = [name for name in names if list(names).count(name) > 1]
     if twice:
         raise ValueError(f"`--names` must be different names, got {twice[0]!r} {len(twice)} times.")
+    if not all(name.strip() for name in names):
+        raise ValueError("`--names` must not be empty.")
     for name in names:
-        if not name.strip() or plain(name) != name:
+        if plain(name) != name:
             raise ValueError(f"`--names` must be visible characters on one line, got {name!r}.")
     return list(names)
 

@@ -2,7 +2,6 @@
 
 import math
 import shutil
-import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -31,6 +30,7 @@ from wirerope_mj.identification.result import Identification
 from wirerope_mj.isolator import Isolator, Provenance, read_law
 from wirerope_mj.laws import LAWS, AsymmetricBoucWen, Law, Masing
 from wirerope_mj.runfolder.folder import check_target, written_whole
+from wirerope_mj.toml_file import read_toml
 
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
@@ -143,12 +143,9 @@ def _fixed(words: Sequence[str]) -> dict[str, float]:
 
 def _start(path: Path, axis: str) -> Law:
     """Return the law of a law file, or of one axis of an isolator file."""
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise ModelError(f"{path}: no such file. A search starts at a law file or at an isolator file.") from None
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-        raise ModelError(f"{path}: not valid TOML ({error}).") from None
+    if not path.is_file():
+        raise ModelError(f"{path}: no such file. A search starts at a law file or at an isolator file.")
+    content = read_toml(path, "start of a search")
     table, place = (content, f"{path}:") if "law" in content else (content.get(axis), f"{path}: [{axis}]")
     if not isinstance(table, dict):
         raise ModelError(f"{place} is missing; a search on this axis has no start there.")

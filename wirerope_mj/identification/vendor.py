@@ -6,13 +6,13 @@ the vendor states figures at 45 degrees: they are compared, never fitted.
 """
 
 import math
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.identification.shapes import Points, Stiffnesses
+from wirerope_mj.toml_file import read_toml
 
 _UNITS = {
     "mm": 1e-3,
@@ -70,13 +70,7 @@ class DataSheet:
 
 def read_datasheet(path: str | Path) -> DataSheet:
     """Return the data sheet in a TOML file; ModelError names file, table, key and rule."""
-    try:
-        content = tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except OSError as error:
-        raise ModelError(f"{path}: cannot read this data sheet: {error.strerror}.") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ModelError(f"{path}: not valid TOML: {error}.") from error
-    return _Reader(str(path)).sheet(content)
+    return _Reader(str(path)).sheet(read_toml(path, "data sheet"))
 
 
 @dataclass(frozen=True)

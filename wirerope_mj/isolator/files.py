@@ -1,11 +1,11 @@
 """Isolator files on disk: found by name or path, and loaded."""
 
-import tomllib
 from pathlib import Path
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator.device import Isolator
 from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.toml_file import read_toml
 
 
 def load_isolator(path: str | Path) -> Isolator:
@@ -14,17 +14,7 @@ def load_isolator(path: str | Path) -> Isolator:
     Raises:
         ModelError: the file is missing, is not TOML, or breaks a rule; the message names file, axis, key and rule.
     """
-    path = Path(path)
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not a text file"
-        raise ModelError(f"{path}: cannot read this isolator file: {reason}.") from error
-    try:
-        content = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise ModelError(f"{path}: not valid TOML: {error}.") from error
-    return Isolator.from_dict(content, where=str(path))
+    return Isolator.from_dict(read_toml(path, "isolator file"), where=str(path))
 
 
 def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path:

@@ -50,7 +50,8 @@ class Shot:
     @property
     def gap(self) -> Array:
         """Difference of end and start in units of the scales, (n_x,)."""
-        return (self.track.end - self.x) / self.scale
+        with np.errstate(divide="ignore", invalid="ignore"):  # nothing moves, or it went astray: `residual` is infinite
+            return (self.track.end - self.x) / self.scale
 
     @property
     def residual(self) -> float:

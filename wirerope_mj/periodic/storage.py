@@ -34,7 +34,7 @@ def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise RecordError(f"{folder}: no folder can be made there ({error.strerror}).") from None
+        raise RecordError(f"{folder}: no folder can be made there ({error.strerror}). Choose another one.") from None
     columns: dict[str, Any] = {
         name: [getattr(row, name) for row in rows]
         for name in (
@@ -73,7 +73,10 @@ def load_rows(folder: Path, content: dict[str, Any]) -> tuple[list[Row], list[Bi
         table = pq.read_table(path)
         stored = json.loads(table.schema.metadata[_KEY])
     except Exception as error:
-        raise RecordError(f"{path}: no branch can be read from it ({error}).") from None
+        raise RecordError(
+            f"{path}: this is not the table of a branch, or it is damaged ({type(error).__name__}). Remove it, and "
+            "the branch is followed anew, or give another folder."
+        ) from None
     for key, value in content.items():
         if key in stored and stored[key] != value and key not in ("complete", "message", "model_steps", "gaps"):
             raise RecordError(

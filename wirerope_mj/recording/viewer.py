@@ -14,6 +14,9 @@ from wirerope_mj.recording.paths import FILE
 STUDY, WORST, OVERLAY = "study.toml", "worst", "worst.rrd"
 """In the folder of a study: what it is known by, its worst variants, and their recording."""
 
+_BEGINNING = b"RRF"
+"""First bytes of every recording."""
+
 _LOCAL = "127.0.0.1"
 """The viewer listens on this machine only; its own default is every network."""
 
@@ -55,6 +58,11 @@ def find_recording(path_or_folder: str | Path) -> Path:
         raise RecordError(
             f"{path}: there is no such recording. A folder that `wirerope run` has written holds a {FILE}."
         )
+    with path.open("rb") as file:
+        if not file.read(len(_BEGINNING)).startswith(_BEGINNING):
+            raise RecordError(
+                f"{path}: this is not a recording of rerun; `wirerope show` takes a run's folder or its {FILE}."
+            )
     return path
 
 

@@ -138,7 +138,8 @@ def read_table(path: Path, series: Series) -> list[Part]:
     try:
         numbered = list(enumerate(path.read_text(encoding="utf-8").splitlines(), start=1))
     except (OSError, UnicodeDecodeError) as error:
-        raise ModelError(f"{path}: cannot read this table of isolators: {error}.") from error
+        reason = getattr(error, "strerror", None) or "it is not a text file in UTF-8"
+        raise ModelError(f"{path}: cannot read this table of isolators: {reason}. Install wirerope-mj again.") from None
     lines = [(number, line) for number, line in numbered if line.strip() and not line.startswith("#")]
     if not lines:
         raise ModelError(f"{path}: the table is empty.")

@@ -97,7 +97,8 @@ def load_sweep(folder: Path) -> FrequencySweep:
         return _built(np.column_stack([column.to_numpy() for column in columns]), content)
     except (OSError, KeyError, ValueError, TypeError) as error:
         raise RecordError(
-            f"{path}: this is not a sweep of wirerope_mj ({error.__class__.__name__}: {error})."
+            f"{path}: this is not a table that `FrequencySweep.save` wrote, or it is damaged ({type(error).__name__}). Copy it "
+            "again, or compute the sweep again."
         ) from None
 
 

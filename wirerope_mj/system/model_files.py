@@ -68,7 +68,10 @@ def read_changes(path: Path) -> tuple[Changes, ...]:
     try:
         return tuple(Changes.from_dict(one) for one in tomllib.loads(path.read_text(encoding="utf-8"))["changes"])
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError, ModelError) as error:
-        raise RecordError(f"{path}: these are not the changes of a system ({type(error).__name__}: {error}).") from None
+        raise RecordError(
+            f"{path}: this file was written beside the model and says what the variant differs by; it cannot be read, or was "
+            f"changed since ({type(error).__name__}). Copy the whole folder again."
+        ) from None
 
 
 def missing_isolators(system: System, folder: Path) -> list[str]:
