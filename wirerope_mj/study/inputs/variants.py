@@ -101,14 +101,13 @@ class Maker:
             elif column.kind == "centre" or column.kind in shifts:
                 if not math.isfinite(value):
                     raise ValueError(f"{column.name} must be finite, got {value}.")
+                along = WORLD.index(column.key[0])
                 for target in column.targets:
                     if column.kind == "centre":
-                        centres.setdefault(target, centre_of_mass(self._system, target))[WORLD.index(column.key[0])] = (
-                            value
-                        )
-                        continue
-                    shift = shifts[column.kind].setdefault(target, [0.0, 0.0, 0.0])
-                    shift[WORLD.index(column.key[0])] = -value if target in column.mirrored else value
+                        centres.setdefault(target, centre_of_mass(self._system, target))[along] = value
+                    else:
+                        shift = shifts[column.kind].setdefault(target, [0.0, 0.0, 0.0])
+                        shift[along] = -value if target in column.mirrored else value
             else:
                 acts = value != (column.kind == "fitted") if isinstance(value, bool) else True
                 targets = ([value] if value else []) if isinstance(value, str) else column.targets if acts else ()
