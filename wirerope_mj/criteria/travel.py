@@ -19,7 +19,7 @@ def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
     """Return a verdict on every mount for compression, tension, shear, roll and for all of them combined.
 
     Deflections count from the unloaded mount, so that the sag is part of them. Beyond its rated compression a wire-rope
-    isolator bottoms; for how long is in the note. Stops of the model are contacts, which a response does not hold: what
+    isolator bottoms; for how long is in the note. Stops of the model are contacts, judged by `contact_verdicts`: what
     they stop shows as a deflection that ends there.
 
     No standard and no vendor gives a rule for several axes at once: the ellipsoid through the rated travels, beyond which
