@@ -12,6 +12,9 @@ LEAST_EXPONENT = 0.05
 """Least n of a law. States are followed to rounding below it too; but there (1/2)^(1/n), a millionth of its bound, is the z at
 which half of the slope is gone, which no test shows, and 1 % of beta + gamma is 1 / n % of the bound, more than 20 %."""
 
+LARGEST_EXPONENT = 100.0
+"""Largest n of a law: its loop is within 3 % of a parallelogram, and beyond it the corner is a jump of the tangent."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Normalised:
@@ -91,6 +94,10 @@ class Hysteresis(Law):
                 f"`n` must be >= {LEAST_EXPONENT}, got {self.n}: below, beta + gamma would have to be known to far better "
                 "than 1 % to give the bound of z, (alpha / (beta + gamma))^(1/n), to 20 %, and half of the slope alpha is lost "
                 "at a millionth of it. Such a loop is dry friction: take enhanced-dry-friction or masing."
+            )
+        if anywhere(self.n > LARGEST_EXPONENT):
+            raise ValueError(
+                f"`n` must be <= {LARGEST_EXPONENT:g}, got {self.n}: beyond, the loop is that of dry friction: take masing."
             )
 
     @property

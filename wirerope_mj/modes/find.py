@@ -1,11 +1,13 @@
 """Modes about the sagged position, for small amplitudes and for given ones."""
 
 import math
+from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
+from wirerope_mj.errors import ConvergenceError
 from wirerope_mj.modes.eigen import frequency_of, iterate, solve
 from wirerope_mj.modes.motion import participation_of, payload_shapes, words_of
 from wirerope_mj.modes.rest import AtRest, linearise
@@ -16,6 +18,7 @@ from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
+AnyArray = TypeVar("AnyArray", Array, ComplexArray)
 
 STEPS = 6
 """Amplitudes, each twice the last, by which a mode is led from the small one to the one asked for: so it stays itself."""
@@ -100,9 +103,9 @@ class _Springs:
     def held(self, shape: Array, amplitude: float, frequency: float) -> ComplexArray:
         """Return the complex stiffness of the free coordinates [N/m, ...], (n, n), when the motion is amplitude * shape."""
         total = (self.rest.other + self.rest.weight).astype(np.complex128)
-        for mount in self.rest.mounts.values():
+        for name, mount in self.rest.mounts.items():
             sizes = amplitude * np.abs(mount.jacobian @ shape)
-            total += mount.jacobian.T @ (mount.stiffness(sizes, frequency)[:, None] * mount.jacobian)
+            total += mount.jacobian.T @ (_finite(name, mount.stiffness(sizes, frequency))[:, None] * mount.jacobian)
         return total
 
     def mode(
@@ -124,8 +127,8 @@ class _Springs:
     def tangents(self) -> tuple[Array, Array]:
         """Return the stiffness of the mounts on further loading and on unloading, (n, n) each."""
         loading, unloading = np.zeros_like(self.rest.mass), np.zeros_like(self.rest.mass)
-        for mount in self.rest.mounts.values():
-            on, off = mount.tangents()
+        for name, mount in self.rest.mounts.items():
+            on, off = (_finite(name, part) for part in mount.tangents())
             loading += mount.jacobian.T @ on @ mount.jacobian
             unloading += mount.jacobian.T @ off @ mount.jacobian
         return loading, unloading
@@ -136,6 +139,15 @@ class _Springs:
         largest = float(np.abs(shape).max())
         size = max(sizes) if max(sizes) > 1e-9 * largest else largest  # a motion that deflects no mount
         return np.asarray(shape / size * np.sign(shape[int(np.argmax(np.abs(shape)))]))
+
+
+def _finite(name: str, stiffness: AnyArray) -> AnyArray:
+    """Return the stiffness of a mount, or raise ConvergenceError if it is not finite."""
+    if np.isfinite(stiffness).all():
+        return stiffness
+    raise ConvergenceError(
+        f"mount {name!r}: where it rests its laws have a stiffness that is not finite. Check the parameters of its isolator."
+    )
 
 
 def _matched(rest: AtRest, shapes: Array, stiffness: Array) -> Array:

@@ -163,9 +163,12 @@ class Loading:
                     f"law has no elastic part), but about {abs(axial):.4g} N would rest on it. Use a stiffer isolator, more "
                     "mounts, or a law with an elastic part."
                 )
-        free = " ".join(self._unresisted(self.data.qpos.copy()))
+        qpos = self.data.qpos.copy()
+        fastest = self.free[int(np.argmax(np.abs(self._accelerations(qpos))))]
+        body = self.model.body(self.model.dof_bodyid[fastest]).name
+        free = " ".join(self._unresisted(qpos))
         return (
-            f"no equilibrium was found beyond {100 * load:.3g} % of the weight (accelerations of {residual:.3g} m/s^2 are "
-            f"left). {free or self._loads()} Check that every direction has a mount with stiffness, and that the payload "
-            "cannot tip over."
+            f"no equilibrium was found beyond {100 * load:.3g} % of the weight: body {body!r} still accelerates by "
+            f"{residual:.3g} m/s^2. {free or self._loads()} Check that every direction has a mount with stiffness, and that "
+            "the payload cannot tip over."
         )

@@ -46,7 +46,7 @@ class Roots:
         """Return the root next to `place` and the largest residual left; larger than `tolerance` where it ended earlier."""
         value = self.residual(place)
         for _ in range(ITERATIONS):
-            if largest(value) <= tolerance:
+            if not largest(value) > tolerance or not np.isfinite(value).all():
                 break
             fresh = self.inverse is None
             inverse = self._inverse(place) if self.inverse is None else self.inverse
@@ -74,7 +74,10 @@ class Roots:
         for unit in DIFFERENCE * np.eye(self.size):
             above, below = (self.residual(self.moved(place, side)) for side in (unit, -unit))
             columns.append((above - below) / (2.0 * DIFFERENCE))
-        return np.asarray(np.linalg.pinv(np.stack(columns, axis=1), rcond=INDIFFERENT))
+        jacobian = np.stack(columns, axis=1)
+        if not np.isfinite(jacobian).all():
+            return np.zeros_like(jacobian)  # leads nowhere: the root is not found
+        return np.asarray(np.linalg.pinv(jacobian, rcond=INDIFFERENT))
 
 
 def largest(values: Array) -> float:
