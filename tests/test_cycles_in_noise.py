@@ -76,6 +76,16 @@ def test_a_force_that_is_noise_is_called_noise_and_nothing_else(tmp_path, seed):
             read(write_record(tmp_path / "t.csv", time[one], deflection[one], force[one]))
 
 
+def test_noise_of_few_samples_is_called_noise_though_it_cannot_be_measured_well(tmp_path):
+    """Sixty numbers tell their noise to a third of it; that one frequency has most of it has a chance of 1 in 10 000."""
+    angle = 2.0 * np.pi * np.arange(61) / 60
+    for seed in range(40):
+        noise = 1e3 * np.random.default_rng(seed).standard_normal(61)
+        path = write_record(tmp_path / "t.csv", angle, 5e-3 * np.sin(angle), noise)
+        with pytest.raises(RecordError, match="the force is noise of"):
+            wr.read_cyclic_test(path)
+
+
 @pytest.mark.parametrize("read", [read_cycles, wr.read_cyclic_test])
 @pytest.mark.parametrize("samples", [3 * POINTS, 5000])
 def test_a_deflection_that_is_noise_is_called_noise(tmp_path, read, samples):

@@ -64,10 +64,10 @@ def decimal_commas(table: Table, rng: np.random.Generator) -> bool | None:
 
 def decimal_commas_in_a_column(table: Table, rng: np.random.Generator) -> bool | None:
     """The decimal points of one column become commas."""
-    column = int(rng.integers(len(table.header)))
+    column, before = int(rng.integers(len(table.header))), table.text()
     for row in table.rows:
         row[column] = row[column].replace(".", ",")
-    return False
+    return table.text() == before
 
 
 def decimal_comma_in_a_row(table: Table, rng: np.random.Generator) -> bool | None:

@@ -11,6 +11,8 @@ Array = npt.NDArray[np.float64]
 
 _SURE = 4.0  # standard errors: noise alone goes beyond once in 16 000
 _OWN = 1.5  # variance of a series over that of its noise, below which noise is at least two thirds of what it shows
+_CHANCE = 1e-4  # of noise to look like a cycle
+_ENOUGH = 0.5  # share of the variance at one frequency that is a cycle, however few the samples
 _FEW = 6.0  # four standard errors of the variance of n samples, 4 sqrt(2 / n), rounded up
 
 
@@ -22,6 +24,20 @@ def is_noise(values: Array, noise: float) -> bool:
         noise: its standard deviation, in the unit of the values.
     """
     return bool(values.var() <= max(_OWN, 1.0 + _FEW / np.sqrt(values.size)) * noise**2)
+
+
+def has_cycle(force: Array) -> bool:
+    """Return whether a force has more at the frequency of its cycle than noise of its size would have there.
+
+    Of n samples of white noise, the share r that one frequency has in their variance is exceeded with the probability
+    (1 - r)^((n - 3) / 2), whatever the noise's size.
+
+    Args:
+        force: of one cycle without the sample that repeats the first [N], (n,).
+    """
+    first = np.abs(np.fft.rfft(force - force.mean())[1])
+    share = 2.0 * first**2 / (force.size**2 * force.var())
+    return bool(share > min(1.0 - _CHANCE ** (2.0 / (force.size - 3)), _ENOUGH))
 
 
 def no_cycle_text(deflection: Array) -> str:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from wirerope_mj.bench.noise import area_in_noise, force_noise, is_noise, noise_text, stiffness_in_noise
+from wirerope_mj.bench.noise import area_in_noise, force_noise, has_cycle, is_noise, noise_text, stiffness_in_noise
 from wirerope_mj.laws import Loop
 
 _THIN = 0.01  # of stroke times force range: an area that a lag by 1/80 of a radian takes away
@@ -17,7 +17,7 @@ def require_passive(loop: Loop, where: str) -> None:
     """
     if np.ptp(loop.force) == 0.0:
         raise ValueError(f"{where}: the force never changes, it stands at {loop.force[0]:.6g} N.")
-    if is_noise(loop.force[:-1], force_noise(loop)):
+    if is_noise(loop.force[:-1], force_noise(loop)) or not has_cycle(loop.force[:-1]):
         raise ValueError(
             f"{where}: the force is {noise_text(loop)}: it does not follow the deflection of +-{1e3 * loop.amplitude:.4g} mm. "
             "Was this channel connected, and is its range right? Leave the loop out, or measure more cycles of it."
