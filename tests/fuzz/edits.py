@@ -23,7 +23,8 @@ def edit(rng, holder, key, *, toml=False):
     )
     if kind == "number" and number:
         holder[key] = float(value * 1.01 if value else 1e-2) if isinstance(value, float) else value + 1
-        return f"number {value} -> {holder[key]}"
+        tiny = ", tiny" if 0.0 < abs(value) < 1e-3 else ""  # perhaps rounding next to what it is compared with
+        return f"number {value} -> {holder[key]}{tiny}"
     if kind == "remove":
         del holder[key]
     elif kind == "rename" and isinstance(holder, dict):
