@@ -1,5 +1,6 @@
 """A disk that is full: one message, exit code 2, nothing left, and an end within seconds."""
 
+import errno
 import subprocess
 import sys
 
@@ -14,22 +15,18 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no 
 LIMITED = """
 import resource, sys
 from wirerope_mj.cli import main
+from wirerope_mj.resources import models_folder
 import wirerope_mj as wr
 
 size, what, folder = int(sys.argv[1]), sys.argv[2], sys.argv[3]
-system = wr.load_system("shock_table.xml")
-motion = wr.HalfSine(peak=100.0, duration=0.011, direction="z")
 resource.setrlimit(resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
 if what == "recording":
+    motion = wr.HalfSine(peak=100.0, duration=0.011, direction="z")
+    response = wr.simulate(wr.load_system(models_folder() / "shock_table.xml"), motion, duration=0.05)
     try:
-        wr.record_rerun(wr.simulate(system, motion, duration=0.05), folder + "/run.rrd")
+        wr.record_rerun(response, folder + "/run.rrd")
     except wr.RecordError as error:
         sys.exit(f"{type(error).__name__}: {error}")
-if what == "samples":
-    try:
-        wr.simulate(system, motion, duration=0.5, out=folder)
-    except OSError as error:
-        sys.exit(f"{type(error).__name__}")
 sys.exit(main(["run", "shock_table", "--duration", "0.1", "--out", folder + "/run"]))
 """
 
@@ -49,7 +46,7 @@ def test_a_recording_that_finds_no_space_ends_with_an_error_and_leaves_nothing(t
     assert list(tmp_path.iterdir()) == []
 
 
-# 8 kB: less than summary or model; 100 kB: less than the samples; 500 kB: less than the recording
+# Less than the model, than the samples, and than the recording.
 @pytest.mark.parametrize("size", [2_000, 30_000, 500_000])
 def test_a_run_that_finds_no_space_is_one_message_and_nothing_is_left(tmp_path, size):
     code, told = limited(size, "run", tmp_path)
@@ -63,8 +60,6 @@ def test_a_run_that_finds_no_space_is_one_message_and_nothing_is_left(tmp_path, 
 
 @pytest.mark.parametrize("number", ["ENOSPC", "EDQUOT", "EFBIG"])
 def test_the_error_names_the_place_that_people_know_and_not_the_hidden_one(tmp_path, number):
-    import errno
-
     def write():
         with (
             folder_written_whole(tmp_path / "run", force=False, kind="run", marks=()) as folder,
