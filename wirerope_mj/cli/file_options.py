@@ -2,15 +2,26 @@
 
 import inspect
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, get_args, get_type_hints
 
 from cyclopts import App, Parameter
+
+from wirerope_mj.cli.whole_numbers import whole_numbers
 
 
 def own_option(name: str, kind: Any, default: Any, words: str, **more: Any) -> inspect.Parameter:
     """Return an option of the command itself: its name, type, default, and what --help says."""
     annotation = Annotated[kind, Parameter(help=words, **more)]
-    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+    return inspect.Parameter(
+        name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=_integer(annotation, kind)
+    )
+
+
+def _integer(annotation: Any, kind: Any) -> Any:
+    """Return the annotation of an option; of an integer, one that refuses 2.5 instead of cutting it to 2."""
+    if int in (kind, *get_args(kind)):
+        return Annotated[annotation, Parameter(converter=whole_numbers)]
+    return annotation
 
 
 def run_with_options(
@@ -36,7 +47,8 @@ def run_with_options(
 
     hints = get_type_hints(function)
     declared = inspect.signature(function).parameters.values()
-    options = [option.replace(annotation=hints.get(option.name, type(option.default))) for option in declared]
+    kinds = {option.name: hints.get(option.name, type(option.default)) for option in declared}
+    options = [option.replace(annotation=_integer(kinds[option.name], kinds[option.name])) for option in declared]
     command.__signature__ = inspect.Signature([*options, *own])  # type: ignore[attr-defined]
     command.__annotations__ = {option.name: option.annotation for option in [*options, *own]}
     command.__doc__ = function.__doc__

@@ -229,10 +229,15 @@ def _known(value: float | None) -> TypeGuard[float]:
     return value is not None and bool(np.isfinite(value))
 
 
+def _cell(text: str) -> str:
+    """Return a cell; what begins a list elsewhere is a sign here."""
+    return text if text in ("-", "=") else markdown(text)
+
+
 def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Return a Markdown table, its first column to the left; "" without rows."""
     if not rows:
         return ""
-    texts = [[markdown(cell) for cell in row] for row in (head, *rows)]
+    texts = [[_cell(cell) for cell in row] for row in (head, *rows)]
     lines = [texts[0], [":--", *["--:"] * (len(head) - 1)], *texts[1:]]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
