@@ -99,6 +99,13 @@ def test_replay_is_bit_identical_from_the_folder_alone(table, tmp_path, monkeypa
     assert result.largest_difference == 0.0
 
 
+def test_a_run_of_an_older_version_without_checksums_or_contacts_is_replayed():
+    result = replay(Path(__file__).parent / "data" / "run_before_checksums")
+    assert result.agrees  # bit for bit where it was written; another processor may round otherwise
+    assert result.alterations is None
+    assert result.response.peaks.contacts is not None
+
+
 def test_replay_of_a_streamed_run_is_bit_identical(tmp_path, monkeypatch):
     monkeypatch.setattr(write_module, "STREAM_SAMPLES", 100)
     response = run_scenario(short_table(), tmp_path / "run")
