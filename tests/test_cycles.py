@@ -278,11 +278,22 @@ def test_too_few_samples_in_a_cycle_are_named():
         steady_loops(deflection, force)
 
 
+def test_rows_that_are_missing_at_a_turning_point_are_named():
+    time, deflection, force = sine()
+    kept = (np.abs(time % (2.0 * np.pi) - 0.5 * np.pi) > 0.3) | (time < 2.0 * np.pi)
+    with pytest.raises(
+        ValueError, match=r"at a turning point of the cycle there are \d samples within .* rows missing"
+    ):
+        steady_loops(deflection[kept], force[kept], time=time[kept])
+
+
 def test_series_that_are_no_record_are_refused():
     _, deflection, force = sine()
     with pytest.raises(ValueError, match="must be finite series of one length"):
         steady_loops(deflection, force[:-1])
     with pytest.raises(ValueError, match="must be finite series of one length"):
         steady_loops(np.where(deflection > 9e-4, np.nan, deflection), force)
+    with pytest.raises(ValueError, match=r"without a value beyond 1e\+15"):
+        steady_loops(deflection, np.where(np.arange(force.size) == 3, 1e300, force))
     with pytest.raises(ValueError, match="`time` must be finite, as long as `deflection`, and increase"):
         steady_loops(deflection, force, time=np.zeros(force.size))

@@ -15,6 +15,7 @@ Array = npt.NDArray[np.float64]
 POINTS = 200
 """Samples of a loop: chords then lose 2e-4 of its area, and a fit does not slow down with the rate of the acquisition."""
 
+_FEWEST_AT_TIP = 3  # samples that a parabola at a turning point takes
 _AT_TIP = 0.05  # of a bin, within which samples stand at a turning point: a chord to the next loses 1e-4 of a stroke
 
 
@@ -96,6 +97,11 @@ def mean_loop(cycles: list[Cycle], x: Array, f: Array, count: int, gap: float, w
         if filled[place] and np.abs(distance[numbers == place]).max() < _AT_TIP / bins:
             continue
         near = np.abs(distance) <= reach_of(bins)
+        if near.sum() < _FEWEST_AT_TIP:
+            raise ValueError(
+                f"{where}: at a turning point of the cycle there are {near.sum()} samples within {reach_of(bins):.2g} of its "
+                "period: are rows missing there? Leave the loop out, or repeat it."
+            )
         ends = tip_of(distance[near], np.concatenate(path)[near], np.concatenate(force)[near])
         means[0][place], means[1][place] = ends
         filled[place] += 1

@@ -14,6 +14,7 @@ from wirerope_mj.bench.reading import Samples, read_rows, require_likely, requir
 from wirerope_mj.bench.recorded import RecordedLoop
 from wirerope_mj.bench.turning import Trace, find_turning_points
 from wirerope_mj.errors import RecordError
+from wirerope_mj.excitation.record_file import LARGEST
 from wirerope_mj.laws import Loop
 
 Array = npt.NDArray[np.float64]
@@ -81,9 +82,10 @@ def steady_loops(deflection: npt.ArrayLike, force: npt.ArrayLike, *, time: npt.A
     """
     x, f = np.asarray(deflection, dtype=np.float64), np.asarray(force, dtype=np.float64)
     t = None if time is None else np.asarray(time, dtype=np.float64)
-    if x.ndim != 1 or x.shape != f.shape or not (np.isfinite(x).all() and np.isfinite(f).all()):
+    if x.ndim != 1 or x.shape != f.shape or not ((np.abs(x) <= LARGEST).all() and (np.abs(f) <= LARGEST).all()):
         raise ValueError(
-            f"`deflection` and `force` must be finite series of one length, got shapes {x.shape} and {f.shape}."
+            f"`deflection` and `force` must be finite series of one length, without a value beyond {LARGEST:.0e}, got shapes "
+            f"{x.shape} and {f.shape}."
         )
     if t is not None and (t.shape != x.shape or not np.isfinite(t).all() or (np.diff(t) <= 0.0).any()):
         raise ValueError("`time` must be finite, as long as `deflection`, and increase from sample to sample.")
