@@ -21,6 +21,7 @@ from wirerope_mj.report.content import Picture, Table
 from wirerope_mj.report.display import fixed
 from wirerope_mj.report.model import model_section
 from wirerope_mj.runfolder import report as report_module
+from wirerope_mj.runfolder.judged import run_verdicts
 from wirerope_mj.runfolder.report import write_report
 from wirerope_mj.runfolder.run_spectra import run_spectra
 from wirerope_mj.scenario import Scenario, load_scenario
@@ -286,7 +287,7 @@ def test_static_loads_are_judged_after_either_history(finished):
         for history in ("virgin", "relaxed")
     }
     missing = replace(finished.statics, sags={"virgin": finished.statics.virgin}, missing={"relaxed": "it slips."})
-    verdicts = report_module._verdicts(finished.response, missing)
+    verdicts = run_verdicts(finished.response, missing)
     assert judged.unjudged([verdicts[-1]]) == ("static load in compression, relaxed of every mount: it slips.",)
     assert verdicts[-1].verdict == NOT_JUDGED
 
@@ -426,7 +427,8 @@ def test_a_response_without_mounts_has_no_sections_about_them(finished):
     run = replace(finished, response=bare, isolators={}, modes={}, verdicts=())
     content = report_content(run)
     titles = [section.title for section in content.sections if section.blocks]
-    assert titles == ["Model and mounts", "Base motion", "What reaches the payload", "Numerics, options and versions"]
+    shown = ["Model and mounts", "Base motion", "What reaches the payload", "Stops and contacts"]
+    assert titles == [*shown, "Numerics, options and versions"]
     assert content.verdict.text == "Nothing is judged: no limit is stated for anything in this run."
     Page(report_html(content))
 

@@ -9,14 +9,14 @@ from wirerope_mj.verdicts import contact_lines
 
 
 def contacts_section(run: FinishedRun) -> Section:
-    """Return what became of every pair of geoms that may touch."""
+    """Return what became of every pair of geoms that may touch; without blocks where nothing may, or nothing did."""
     title = "Stops and contacts"
     contacts = run.response.peaks.contacts
     if contacts is None:
         absent = "Contacts were not recorded: the run was made by an older version."
         return Section(title=title, blocks=(Paragraph(text=absent, tone="unjudged"),))
     if not contacts:
-        return Section(title=title, blocks=(Paragraph(text="Nothing in this model may touch, or nothing did."),))
+        return Section(title=title, blocks=())
     tone = "exceeded" if run.response.peaks.struck else ""
     blocks: list[Block] = [Paragraph(text=line, tone=tone) for line in contact_lines(run.response)]
     return Section(title=title, blocks=(*blocks, _table(run)))
@@ -41,7 +41,7 @@ def _table(run: FinishedRun) -> Table:
             )
         )
     return Table(
-        caption="Every pair that may touch",
+        caption="Pairs that the model declares, and others that touched",
         head=(
             "pair",
             "verdict",

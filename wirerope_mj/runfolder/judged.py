@@ -41,7 +41,7 @@ def judged_run(system: System, response: Response) -> JudgedRun:
     """Return the verdicts on a run of `system`."""
     statics = found_or_absent(partial(static_table, system))
     has_gravity = bool(system.model.opt.gravity.any())  # without a load there is no static load to judge
-    return JudgedRun(statics=statics, verdicts=_verdicts(response, statics if has_gravity else None))
+    return JudgedRun(statics=statics, verdicts=run_verdicts(response, statics if has_gravity else None))
 
 
 def found_or_absent(compute: Callable[[], Found]) -> Found | Absent:
@@ -52,7 +52,7 @@ def found_or_absent(compute: Callable[[], Found]) -> Found | Absent:
         return Absent(reason=str(error))
 
 
-def _verdicts(response: Response, statics: StaticTable | Absent | None) -> tuple[Verdict, ...]:
+def run_verdicts(response: Response, statics: StaticTable | Absent | None) -> tuple[Verdict, ...]:
     """Return the verdicts on a run; static loads on the first loading and relaxed, where these are known, not at its start."""
     found = judge(response)
     if not isinstance(statics, StaticTable):
