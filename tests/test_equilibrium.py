@@ -270,6 +270,29 @@ def test_a_mount_without_elastic_part_below_its_load_has_no_equilibrium():
     assert wr.equilibrium(sdof(wr.BoucWen(**hysteresis(alpha=5e4, z_max=36.0)), gravity=G)).mounts["m1"].force[2] < 0.0
 
 
+@pytest.mark.parametrize(
+    ("gravity", "words"),
+    [
+        (1e5, r"weight deflects mount 'm1' by 1\d\.\d m\. Gravity is 100000 m"),
+        (1e9, r"body 'mass' still.* Gravity is 1e\+09 m"),
+    ],
+)
+def test_a_weight_that_no_mount_can_bear_is_refused_with_gravity_and_mass(gravity, words):
+    law = wr.BoucWen(**hysteresis(alpha=1e5, z_max=60.0), k=2e4)
+    with pytest.raises(wr.ConvergenceError, match=rf"{words}/s\^2 and the mass on the mounts 3\.5 kg"):
+        wr.equilibrium(sdof(law, gravity=gravity))
+
+
+def test_a_body_beside_its_only_mount_is_named():
+    """It would swing below the mount, and that far the loading path does not lead."""
+    box = '<body name="box" pos="0 0 1"><freejoint/><geom size=".1" mass="3"/><site name="p" pos=".5 0 0"/></body>'
+    text = mjcf(deck({"b": 'pos=".5 0 1"'}) + box, [("m1", "p", "b", "a")], gravity=G)
+    spring = wr.KelvinVoigt(k=1e4, c=0.0)
+    isolator = wr.Isolator(name="a", roll=spring, shear=spring, axial=spring)
+    with pytest.raises(wr.ConvergenceError, match=r"body 'box' still accelerates.*no mount, joint or stop resists"):
+        wr.equilibrium(wr.load_system(text, isolators={"a": isolator}))
+
+
 def test_the_history_must_be_known():
     with pytest.raises(ValueError, match=r"`history` must be 'virgin' or 'relaxed', got 'old'"):
         wr.equilibrium(sdof(wr.KelvinVoigt(k=1e4, c=1.0)), history="old")

@@ -191,6 +191,8 @@ def test_kelvin_voigt_needs_time_and_returns_the_ellipse_of_its_loss_factor():
         ({"alpha": 0.0}, "`alpha` must be > 0"),
         ({"beta": -0.1}, "`beta` must be > 0, got -0.1: the law would not be passive"),
         ({"n": 0.0}, "`n` must be > 0"),
+        ({"n": 1e-6}, "`n` must be between 0.1 and 100, got 1e-06"),
+        ({"n": 1e6}, r"`n` must be between 0.1 and 100, got 1000000.0"),
         ({"k": -1.0}, "`k` must be >= 0"),
         ({"gamma": math.nan}, "`gamma` must be finite"),
         ({"gamma": True}, "`gamma` must be a number"),

@@ -1,5 +1,7 @@
 """Modes about the sagged position: closed forms of rigid bodies on springs, tipping over, histories and what is refused."""
 
+import re
+
 import mujoco
 import numpy as np
 import pytest
@@ -360,6 +362,44 @@ def test_what_nothing_holds_is_not_called_stable():
     found = modes(wr.load_system(box_text(places=SYMMETRIC, height=0.0, gravity=0.0), isolators=iso))
     assert found.stability.word == "not held"
     assert (found.frequencies[:3] == 0.0).all()  # both sways and yaw
+
+
+IN_LINE = {"p1": (0.5, 0.0), "p2": (-0.5, 0.0)}
+
+
+@pytest.mark.parametrize(
+    ("places", "words", "gone"),
+    [
+        ({"p1": (0.0, 0.0)}, r"a rotation about x or a rotation about y", 2),
+        (IN_LINE, r"resists a rotation about x; ", 1),
+    ],
+)
+def test_a_body_on_one_mount_or_on_two_in_line_is_said_to_tip_over(places, words, gone):
+    """Its centre stands above them, and nothing else holds it: an inverted pendulum, which has no natural frequency."""
+    s = wr.load_system(box_text(places=places, height=0.4), isolators=springs(6e4, 6e4, 4e4))
+    with pytest.warns(wr.ModelWarning) as said:
+        e = wr.equilibrium(s)
+    assert [str(one.message) for one in said] == list(e.free)
+    assert re.search(rf"body 'box' on 'mp1'.*{words}.*its weight tips it over", e.free[0])
+    with pytest.warns(wr.ModelWarning, match="body 'box'"):
+        found = modes(s)
+    assert np.isfinite(found.frequencies).all()
+    assert (found.frequencies[:gone] == 0.0).all()
+    assert all(word.endswith("(tips over)") for word in found.words[:gone])
+
+
+def test_a_body_that_hangs_from_two_mounts_in_line_is_held_by_its_weight():
+    s = wr.load_system(box_text(places=IN_LINE, height=-0.4), isolators=springs(6e4, 6e4, 4e4))
+    assert wr.equilibrium(s).free == ()
+    assert (modes(s).frequencies > 0.0).all()
+
+
+def test_a_body_on_two_mounts_in_line_without_weight_is_free():
+    s = wr.load_system(box_text(places=IN_LINE, height=0.4, gravity=0.0), isolators=springs(6e4, 6e4, 4e4))
+    with pytest.warns(wr.ModelWarning, match=r"body 'box'.*a rotation about x; it is free"):
+        found = modes(s)
+    assert found.frequencies[0] == 0.0
+    assert found.words[0].endswith("(free)")
 
 
 @pytest.mark.parametrize("amplitude", [0.0, -1e-3, np.nan, np.inf])

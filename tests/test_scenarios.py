@@ -148,3 +148,10 @@ def test_a_relative_model_is_looked_up_beside_the_scenario_before_the_package(tm
 def test_unknown_model_names_what_exists():
     with pytest.raises(ModelError, match="no model 'nosuch'.*floating_floor.xml"):
         Scenario("?", "nosuch", motion(), {"duration": 1.0}).model_source()
+
+
+@pytest.mark.parametrize("options", [{"level_g": "20"}, {"level_g": [20.0]}, {"level_g": True}, {"direction": 3}])
+def test_an_option_of_another_kind_than_its_default_is_named(options):
+    name = next(iter(options))
+    with pytest.raises(wr.ModelError, match=rf"cabinet_shock\.py: option `{name}` must be .*, got "):
+        load_scenario("cabinet_shock").make(**options)

@@ -5,12 +5,20 @@ import inspect
 import traceback
 from collections.abc import Callable, Mapping
 from importlib.util import module_from_spec, spec_from_file_location
-from pathlib import Path
+from numbers import Integral, Real
+from pathlib import Path, PurePath
 from typing import Any
 
 from wirerope_mj.errors import ModelError, WireRopeError
 
 _PACKAGE = Path(__file__).resolve().parent
+_KINDS: tuple[tuple[type, Any, str], ...] = (
+    (bool, bool, "true or false"),
+    (int, Integral, "an integer"),
+    (float, Real, "a number"),
+    (str, str | PurePath, "text"),
+)
+"""Types of defaults, what an option with such a default may be, and what it is called; a bool is an int as well."""
 
 
 def defines(path: Path, name: str) -> bool:
@@ -68,7 +76,19 @@ def all_options(path: Path, function: Callable[..., Any], options: dict[str, Any
     for option in options:
         if option not in values:
             raise ModelError(f"{path}: no option {option!r}; the options are {', '.join(values)}.")
+        _check_kind(path, option, values[option], options[option])
     return values | options
+
+
+def _check_kind(path: Path, option: str, default: Any, value: Any) -> None:
+    """Raise ModelError unless a value is of the kind of the option's default; None says nothing of it."""
+    for kinds, accepted, words in _KINDS:
+        if isinstance(default, kinds):
+            if not isinstance(value, accepted) or (isinstance(value, bool) and kinds is not bool):
+                raise ModelError(
+                    f"{path}: option `{option}` must be {words}, as its default {default!r} is, got {value!r}."
+                )
+            return
 
 
 def defaults(function: Callable[..., Any]) -> dict[str, Any]:

@@ -51,9 +51,11 @@ def use(case):
             if not np.isfinite(getattr(motion, name)(np.linspace(0.0, 0.1, 7))).all():
                 return f"{name} is not finite"
         system = wr.load_system(made.model_source(), isolators=made.isolators)
-        if not 0.0 < float(made.simulate["duration"]) < 2.0 or motion.corners.size > 1000:
+        duration = made.simulate["duration"]
+        if isinstance(duration, float) and (duration > 2.0 or motion.corners.size > 1000):
             return None  # a long run is a valid one
-        arguments = {**made.simulate, "duration": 0.002, "timestep": 5e-4}
+        arguments = {**made.simulate, "timestep": 5e-4}
+        arguments["duration"] = min(duration, 0.002) if isinstance(duration, float) else duration
         response = wr.simulate(system, motion, **arguments)
     else:
         arguments = case.inputs["arguments"]

@@ -25,6 +25,9 @@ from wirerope_mj.excitation.motion import StraightMotion
 from wirerope_mj.excitation.sweep_levels import FORMS, Course
 from wirerope_mj.units import STANDARD_GRAVITY
 
+SLOWEST, FASTEST = 1e-6, 1e6
+"""Frequencies of a sweep [Hz]: far beyond what moves on mounts, and near enough for all its integrals to be finite numbers."""
+
 
 @dataclass(frozen=True, init=False)
 class Sine(StraightMotion):
@@ -152,6 +155,9 @@ class Sweep(StraightMotion):
     ) -> None:
         object.__setattr__(self, "start", positive("start", start))
         object.__setattr__(self, "stop", positive("stop", stop))
+        for name in ("start", "stop"):
+            if not SLOWEST <= getattr(self, name) <= FASTEST:
+                raise ValueError(f"`{name}` must be {SLOWEST:g} to {FASTEST:g} Hz, got {getattr(self, name)!r}.")
         if self.start == self.stop:
             raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")
         object.__setattr__(self, "rate", positive("rate", rate))

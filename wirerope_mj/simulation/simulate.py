@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import version
+from numbers import Real
 from pathlib import Path
 
 import numpy as np
@@ -112,13 +113,17 @@ def versions() -> dict[str, str]:
 def check_arguments(**named: float | None) -> None:
     """Raise ValueError if one of the named numbers is not positive; None is left to be chosen."""
     for name, value in named.items():
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"`{name}` must be a positive number, got {value}.")
+        number = isinstance(value, Real) and not isinstance(value, bool)
+        if value is not None and not (number and 0.0 < value < math.inf):
+            raise ValueError(f"`{name}` must be a positive number, got {value!r}.")
 
 
 def checked_corners(corners: Sequence[float] | Array) -> Array:
     """Return instants [s] in order, or raise ValueError."""
-    instants = np.asarray(corners, dtype=np.float64)
+    try:
+        instants = np.asarray(corners, dtype=np.float64)
+    except (TypeError, ValueError):
+        instants = np.empty((0, 0))
     if instants.ndim != 1 or not np.isfinite(instants).all():
         raise ValueError(f"`corners` must be finite instants in seconds, got {corners!r}.")
     return np.sort(instants)
