@@ -273,8 +273,8 @@ def test_a_mount_without_elastic_part_below_its_load_has_no_equilibrium():
 @pytest.mark.parametrize(
     ("gravity", "words"),
     [
-        (1e5, r"weight deflects mount 'm1' by 1\d\.\d m\. Gravity is 100000 m"),
-        (1e9, r"body 'mass' still.* Gravity is 1e\+09 m"),
+        (1e5, r"deflects mount 'm1' by 1\d\.\d m\. Gravity is 100000 m"),
+        (1e9, r"'mass' still.* Gravity is 1e\+09 m"),
     ],
 )
 def test_a_weight_that_no_mount_can_bear_is_refused_with_gravity_and_mass(gravity, words):

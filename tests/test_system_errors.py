@@ -285,3 +285,16 @@ def test_an_accuracy_that_cannot_be_reached():
         wr.SimulationError, match=r"no step down to .* keeps samples and peaks within 1e-15.*larger `accuracy`"
     ):
         wr.simulate(sdof(law), SHOCK, duration=0.005, initial="unloaded", accuracy=1e-15, sample_rate=200.0)
+
+
+@pytest.mark.parametrize("name", ["duration", "sample_rate", "accuracy", "timestep"])
+@pytest.mark.parametrize("value", ["0.01", [0.01], True, 10**400])
+def test_a_number_of_another_type_is_named(name, value):
+    with pytest.raises(ValueError, match=rf"`{name}` must be a positive number, got "):
+        wr.simulate(sdof(LAW), SHOCK, **{"duration": 0.01, "timestep": 1e-4, name: value})
+
+
+@pytest.mark.parametrize("corners", ["q", 10**400, [[0.1]], [math.nan]])
+def test_corners_that_are_no_instants_are_named(corners):
+    with pytest.raises(ValueError, match="`corners` must be finite instants in seconds, got "):
+        wr.simulate(sdof(LAW), SHOCK, duration=0.01, timestep=1e-4, corners=corners)

@@ -101,4 +101,5 @@ def _peak_among(time: Array, values: Array, rows: npt.NDArray[np.bool_]) -> tupl
 
 
 def _length(time: Array, rows: npt.NDArray[np.bool_]) -> str:
-    return f"{1e3 * np.count_nonzero(rows) * (time[1] - time[0]):.3g} ms in all"
+    spacing = (time[-1] - time[0]) / max(time.size - 1, 1)  # a run shorter than that has one sample
+    return f"{1e3 * np.count_nonzero(rows) * spacing:.3g} ms in all"

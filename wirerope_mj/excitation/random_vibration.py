@@ -35,6 +35,10 @@ KNOTS_PER_PERIOD = 8
 """Knots of the acceleration in a period of the highest frequency."""
 
 
+MOST_POINTS = 1e8
+"""Points of a random vibration: a gigabyte, more than an hour up to 2 kHz."""
+
+
 @dataclass(frozen=True, init=False)
 class RandomVibration(StraightMotion):
     """Gaussian vibration of a power spectral density, between a smooth rise from rest and a smooth fall back to it.
@@ -156,7 +160,13 @@ class RandomVibration(StraightMotion):
 
     @property
     def _intervals(self) -> int:
-        return math.ceil(self.duration * self.psd[-1][0] * KNOTS_PER_PERIOD)
+        points = self.duration * self.psd[-1][0] * KNOTS_PER_PERIOD
+        if points > MOST_POINTS:
+            raise ValueError(
+                f"`duration` of {self.duration:.4g} s with frequencies up to {self.psd[-1][0]:.4g} Hz takes {points:.3g} points, "
+                f"more than {MOST_POINTS:.0g}. Make it shorter; a repeated one adds nothing to the density."
+            )
+        return math.ceil(points)
 
     @property
     def _spacing(self) -> float:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import sys
 import tomllib
 from collections.abc import Mapping
 from datetime import UTC, datetime
@@ -94,8 +95,9 @@ def _checked_arguments(scenario: Scenario) -> dict[str, Any]:
     if "duration" not in arguments:
         raise ModelError(f"scenario {scenario.name!r}: `simulate` must say the duration [s].")
     for name in ("duration", "sample_rate"):
-        if not isinstance(arguments.get(name, SAMPLE_RATE), int | float):
-            raise ModelError(f"scenario {scenario.name!r}: `{name}` must be a number, got {arguments[name]!r}.")
+        value = arguments.get(name, SAMPLE_RATE)
+        if not isinstance(value, int | float) or abs(value) > sys.float_info.max:
+            raise ModelError(f"scenario {scenario.name!r}: `{name}` must be a finite number, got {value!r:.40}.")
     if not isinstance(arguments.get("initial", "settled"), str):
         raise ModelError(
             f"scenario {scenario.name!r}: `initial` must be 'settled', 'relaxed' or 'unloaded', so that a file can say it."

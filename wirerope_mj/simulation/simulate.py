@@ -1,6 +1,7 @@
 """System + base motion -> Response."""
 
 import math
+import sys
 from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import version
@@ -114,7 +115,7 @@ def check_arguments(**named: float | None) -> None:
     """Raise ValueError if one of the named numbers is not positive; None is left to be chosen."""
     for name, value in named.items():
         number = isinstance(value, Real) and not isinstance(value, bool)
-        if value is not None and not (number and 0.0 < value < math.inf):
+        if value is not None and not (number and 0.0 < value <= sys.float_info.max):
             raise ValueError(f"`{name}` must be a positive number, got {value!r}.")
 
 
@@ -122,7 +123,7 @@ def checked_corners(corners: Sequence[float] | Array) -> Array:
     """Return instants [s] in order, or raise ValueError."""
     try:
         instants = np.asarray(corners, dtype=np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         instants = np.empty((0, 0))
     if instants.ndim != 1 or not np.isfinite(instants).all():
         raise ValueError(f"`corners` must be finite instants in seconds, got {corners!r}.")
