@@ -212,11 +212,13 @@ def _warnings_said() -> Iterator[None]:
     with warnings.catch_warnings():
         for kind in ours:
             warnings.simplefilter("always", kind)
-        others = warnings.showwarning
+        others, said = warnings.showwarning, set[str]()
 
         def say(message: Warning | str, category: type[Warning], *where: Any) -> None:
             if issubclass(category, ours):
-                _say(f"warning: {message}")
+                if str(message) not in said:
+                    said.add(str(message))
+                    _say(f"warning: {message}")
             else:
                 others(message, category, *where)
 

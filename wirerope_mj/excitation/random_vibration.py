@@ -163,7 +163,7 @@ class RandomVibration(StraightMotion):
         points = self.duration * self.psd[-1][0] * KNOTS_PER_PERIOD
         if points > MOST_POINTS:
             raise ValueError(
-                f"`duration` of {self.duration:.4g} s with frequencies up to {self.psd[-1][0]:.4g} Hz takes {points:.3g} points, "
+                f"`duration` of {self.duration:.4g} s with up to {self.psd[-1][0]:.4g} Hz takes {points:.3g} points, "
                 f"more than {MOST_POINTS:.0g}. Make it shorter; a repeated one adds nothing to the density."
             )
         return math.ceil(points)

@@ -22,7 +22,7 @@ and a body on a joint of its own with 1e-11 of the mass that it carries still pa
 def check_numbers(model: mujoco.MjModel) -> None:
     """Raise ModelError if a number of the compiled model is not finite; names the element and its attribute."""
     for name in ("gravity", "wind", "magnetic", "timestep", "density", "viscosity"):
-        if not np.isfinite(getattr(model.opt, name)).all():
+        if not (np.abs(getattr(model.opt, name)) < 1e150).all():  # so that its square is finite, too
             raise ModelError(f"<option>: `{name}` is {getattr(model.opt, name)}; {_REMEDY}")
     for name in _float_arrays():
         values = getattr(model, name)
@@ -30,7 +30,7 @@ def check_numbers(model: mujoco.MjModel) -> None:
             raise ModelError(_place(model, name, values))
 
 
-_REMEDY = "every number of a model must be finite. Correct it there, or what it is computed from."
+_REMEDY = "every number of a model must be finite, with a finite square. Correct it there, or what it is computed from."
 
 
 @cache
