@@ -24,7 +24,7 @@ def test_terminal_summary_report_recording_and_comparison_say_the_same_sentence(
     page = (tmp_path / "here" / "report.html").read_text(encoding="utf-8")
     assert re.findall(r'<p class="verdict exceeded">(.*?)</p>', page) == [sentence]
     (text,) = column(entities(tmp_path / "here" / "run.rrd")["/peaks"], "TextDocument:text").to_pylist()
-    assert f"- **{sentence}**\n" in text[0]
+    assert f"- {sentence}\n" in text[0]
     shutil.copytree(tmp_path / "here", tmp_path / "there")
     compared = wirerope("compare", "here", "there", cwd=tmp_path).stdout
     assert f"here: {sentence}" in " ".join(compared.split())

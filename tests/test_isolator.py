@@ -255,7 +255,7 @@ def test_syntax_error_is_named_with_its_line(tmp_path):
 
 
 def test_missing_file_is_named(tmp_path):
-    with pytest.raises(ModelError, match=r"nowhere\.toml: cannot read this isolator file: No such file"):
+    with pytest.raises(ModelError, match=r"nowhere\.toml: cannot read this isolator file: there is no such file"):
         load_isolator(tmp_path / "nowhere.toml")
 
 

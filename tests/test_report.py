@@ -452,7 +452,7 @@ def test_long_names_in_legends_keep_what_tells_them_apart():
     names = [short(f"starboard_quarter_mount_number_{place}") for place in range(3)]
     assert names[0] == "starboard_qua…mount_number_0"
     assert len(set(names)) == 3
-    assert short("$m_1$") == r"\$m_1\$"
+    assert short("$m_1$") == "$m_1$"  # pictures parse no formulas
 
 
 def test_a_long_response_is_thinned_to_its_extremes():

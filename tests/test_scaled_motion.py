@@ -120,7 +120,7 @@ def test_a_run_reads_no_scaled_record_outside_its_folder(tmp_path):
     record = wr.load_record(DATA / "deck_shock.csv", channels={"ax": "x"})
     stored = (PULSE + wr.Scaled(wr.Scaled(record, 2.0), 0.5)).to_dict()
     content = {"model": {"file": "model.xml"}, "motion": {"description": "", **stored}}
-    with pytest.raises(RecordError, match="deck_shock.csv' lies outside this folder"):
+    with pytest.raises(RecordError, match="deck_shock.csv' is not in this folder"):
         system_and_motion(tmp_path, content)
 
 

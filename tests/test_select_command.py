@@ -113,7 +113,7 @@ def test_the_sawtooth_of_the_rack_has_the_vendors_velocity_change():
         (("--velocity", "1", "--drop", "1"), "give one shock"),
         (("--velocity", "1", "--travel", "-5"), "`--travel` must be a finite number > 0, got -5."),
         (("--mass", "-200"), "`--mass` must be a finite number > 0, got -200."),
-        (("--mounts", "4.5", "--velocity", "1"), "--mounts: must be a whole number, got 4.5."),
+        (("--mounts", "4.5", "--velocity", "1"), "`--mounts` must be an integer, got '4.5'."),
         (("--mounts", "0"), "`--mounts` must be a whole number >= 1, got 0."),
         (("--velocity", "1", "--loops", "4", "6.5"), "`--loops` must be a whole number, got 6.5."),
         (("--velocity", "1", "--disturbance-rpm", "2400", "--disturbance-hz", "40"), "not both"),

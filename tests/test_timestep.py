@@ -79,7 +79,10 @@ def test_tighter_accuracy_takes_a_smaller_step(system):
 def test_bottoming_reports_the_accuracy_it_reached():
     system = wr.load_system(models_folder() / "shock_table.xml")
     motion = wr.HalfSine(peak=40 * G, duration=0.011, direction="z", start=0.02)
-    response = wr.simulate(system, motion, duration=0.2)
+    with pytest.warns(wr.AccuracyWarning) as told:
+        response = wr.simulate(system, motion, duration=0.2)
+    assert any("struck" in str(one.message) for one in told)
+    assert any("above the accuracy asked for" in str(one.message) for one in told)
     travel = system.mounts["m1"].isolator.limits.travel.compression
     assert -response.peaks.mounts["m1"].deflection.minimum[2] > travel, "the case is meant to bottom"
     assert np.isfinite(response.estimated_error)

@@ -273,7 +273,7 @@ def test_a_run_of_a_variant_is_complete_in_itself(system, variant, tmp_path):
     assert response.peaks.to_dict() == wr.simulate(variant, SHOCK, duration=0.04, timestep=1e-3).peaks.to_dict()
     assert replay(tmp_path / "run").identical
     (tmp_path / "run" / "model" / "changes.toml").unlink()
-    with pytest.raises(RecordError, match=r"the file 'model/changes\.toml' of its model is not in this folder"):
+    with pytest.raises(RecordError, match=r"the model file 'model/changes\.toml' is not in this folder"):
         replay(tmp_path / "run")
 
 

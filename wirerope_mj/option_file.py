@@ -113,7 +113,8 @@ def guarded(path: Path, action: Callable[[], Any]) -> Any:
         frames = traceback.extract_tb(error.__traceback__)
         own = [frame for frame in frames if Path(frame.filename) == path.resolve()]
         place = f", line {own[-1].lineno}" if own else ""
-        if isinstance(error, WireRopeError) or _PACKAGE in Path(frames[-1].filename).parents:
-            raise ModelError(f"{path}{place}: {error}") from error  # the message is ours, and says what is wrong
+        said = isinstance(error, ValueError) and bool(own) and str(own[-1].line).startswith("raise ")
+        if isinstance(error, WireRopeError) or said or _PACKAGE in Path(frames[-1].filename).parents:
+            raise ModelError(f"{path}{place}: {error}") from error  # the message says what is wrong, and is meant to
         quoted = f"`{own[-1].line}` ends with " if own else ""
         raise ModelError(f"{path}{place}: {quoted}{type(error).__name__}: {error}") from error

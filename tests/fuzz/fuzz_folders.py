@@ -99,7 +99,7 @@ def _read(case: Case) -> str | None:
     for part in response.mounts.values():
         assert np.isfinite(np.hstack([part.deflection, part.force, part.hysteretic_state])).all()
     wrong = [verdict for verdict in judge(response) if not np.isfinite(verdict.value)]
-    json.dumps(summary(response), allow_nan=False)
+    json.dumps(summary(response, judge(response)), allow_nan=False)
     run_inputs(case.inputs["run"])
     return f"{wrong[0]}" if wrong else None
 

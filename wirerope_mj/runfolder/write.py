@@ -175,7 +175,7 @@ def _write_pictures(scenario: Scenario, response: Response, judged: "JudgedRun",
     from wirerope_mj.report.display import title_of
 
     title, text = title_of(scenario.name), _scenario_markdown(scenario)
-    verdicts = [f"**{judged.headline}**", *verdict_lines(response)]
+    verdicts = [judged.headline, *verdict_lines(response)]
     record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=verdicts)
     save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
     if response.scene.mounts:

@@ -21,7 +21,7 @@ SLOW = 1e-4
 def unresisted(
     system: System, data: mujoco.MjData, free: npt.NDArray[np.int64], accelerations: Callable[[Array], Array]
 ) -> tuple[str, ...]:
-    """Return a sentence for each way in which a body moves without any mount, joint, stop or its weight bringing it back.
+    """Return a sentence for each way in which a body on mounts moves and no mount, joint, stop or weight brings it back.
 
     Mounts count as resisting in all three directions here: an axis without a law is the isolator's own property.
 
@@ -48,8 +48,21 @@ def unresisted(
     for rate, shape in zip(rates, shapes.T, strict=True):
         if rate < SLOW:
             body, words = _rotation(model, data, free, motions @ shape)
-            ways.setdefault((body, rate < -SLOW), []).append(words)
+            if _mounts_below(system, body):  # what swings on a joint of its own alone was meant to
+                ways.setdefault((body, rate < -SLOW), []).append(words)
     return tuple(_sentence(system, body, words, tips=tips) for (body, tips), words in ways.items())
+
+
+def _mounts_below(system: System, body: int) -> list[str]:
+    """Return the mounts that carry a body, or one that is attached to it."""
+    model, found = system.model, []
+    for name, mount in system.mounts.items():
+        carried = model.body(mount.payload_body).id
+        while carried not in (0, body):
+            carried = int(model.body_parentid[carried])
+        if carried == body:
+            found.append(name)
+    return found
 
 
 def _deflections(model: mujoco.MjModel, data: mujoco.MjData, sites: npt.NDArray[np.int64]) -> Array:
@@ -81,10 +94,9 @@ def _rotation(
 
 def _sentence(system: System, body: int, motions: list[str], *, tips: bool) -> str:
     model = system.model
-    mounts = [name for name, mount in system.mounts.items() if model.body(mount.payload_body).id == body]
     which = "any rotation" if len(motions) == 3 else " or ".join(sorted(motions))
-    on = f" on {', '.join(map(repr, mounts))}" if mounts else ""
+    on = ", ".join(map(repr, _mounts_below(system, body)))
     return (
-        f"body {model.body(body).name!r}{on}: no mount, joint or stop resists {which}; "
+        f"body {model.body(body).name!r} on {on}: no mount, joint or stop resists {which}; "
         f"{'its weight tips it over' if tips else 'it is free'}. Three mounts out of line hold a body, or a joint guides it."
     )
