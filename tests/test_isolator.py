@@ -315,3 +315,10 @@ def test_file_on_disk_is_plain_toml_with_the_tables_of_the_house(tmp_path):
     assert content["axial"]["law"] == "bouc-wen"
     assert content["limits"]["travel"] == {"compression": 0.04, "shear": 0.03}
     assert content["provenance"]["assumed"] == ["all of it"]
+
+
+def test_lists_in_lists_without_end_are_no_toml(tmp_path):
+    path = tmp_path / "deep.toml"
+    path.write_text("a = " + "[" * 20_000)
+    with pytest.raises(ModelError, match=r"deep\.toml: not valid TOML: .*too deeply"):
+        load_isolator(path)

@@ -248,7 +248,8 @@ def test_a_place_that_cannot_be_written_is_said_before_anything_is_printed(capsy
     monkeypatch.setattr("os.access", lambda *_: False)
     assert main(["statics", "cabinet", "--json", str(tmp_path / "statics.json")]) == 2
     captured = capsys.readouterr()
-    assert captured.err == f"wirerope: {tmp_path / 'statics.json'}: cannot write here (Permission denied).\n"
+    place = tmp_path / "statics.json"
+    assert captured.err == f"wirerope: {place}: cannot write here (Permission denied). Choose another place.\n"
     assert not captured.out
 
 

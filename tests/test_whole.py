@@ -92,7 +92,7 @@ def test_a_folder_that_cannot_be_written_is_one_sentence_without_the_hidden_name
 
     monkeypatch.setattr("tempfile.mkstemp", refuse)
     place = written_whole(tmp_path / "a.txt")
-    with pytest.raises(RecordError, match=r"a\.txt: cannot write here \(Permission denied\)\.$"):
+    with pytest.raises(RecordError, match=r"a\.txt: cannot write here \(Permission denied\)\. Choose another place\.$"):
         place.__enter__()
 
 

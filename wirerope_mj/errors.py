@@ -1,5 +1,7 @@
 """Errors of the project: what is wrong, where, what exists, what to try."""
 
+import errno
+
 
 class WireRopeError(Exception):
     """Base of every error that the project raises on purpose, besides ValueError for a bad argument."""
@@ -43,3 +45,14 @@ class SimulationError(WireRopeError):
 
 class ConvergenceError(WireRopeError):
     """An iteration ended without a solution."""
+
+
+def why_unread(error: OSError) -> str:
+    """Return why the system reads no file and what to do, as the end of a message that has named the file."""
+    if isinstance(error, FileNotFoundError) or error.errno == errno.ENAMETOOLONG:
+        return "there is no such file. Check its name and folder."
+    if isinstance(error, IsADirectoryError):
+        return "this is a folder. Name a file in it."
+    if isinstance(error, PermissionError):
+        return "you have no permission to read it. Change its permissions, or copy it to where you may read."
+    return f"the system cannot read it ({error.strerror}). Copy it to another place, and try again."

@@ -140,7 +140,7 @@ def set_aside(folder: Path) -> Path:
 def refusal(place: Path, error: OSError) -> RecordError:
     """Return the error that says why nothing can be written at `place`."""
     if not is_full(error):
-        return RecordError(f"{place}: cannot write here ({error.strerror}).")
+        return RecordError(f"{place}: cannot write here ({error.strerror}). Choose another place.")
     return DiskFullError(
         f"{place}: there is no space left for it ({os.strerror(error.errno or errno.ENOSPC)}); nothing half-written was left "
         "behind. Free some space, or choose another place."

@@ -17,6 +17,11 @@ def plain(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\t" or category(c) == "Zs" else _spelled(c) for c in text)
 
 
+def short(text: str, most: int = 200) -> str:
+    """Text as it is quoted in a message: what is longer than `most` characters is cut, and ends with three points."""
+    return text if len(text) <= most else f"{text[:most]}..."
+
+
 def plain_lines(text: str) -> str:
     """Text as `plain` returns it, its line breaks kept."""
     return "\n".join(plain(line) for line in text.split("\n"))

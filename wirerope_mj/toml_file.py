@@ -4,7 +4,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.errors import ModelError
+from wirerope_mj.errors import ModelError, why_unread
 
 
 def read_toml(path: str | Path, kind: str) -> dict[str, Any]:
@@ -18,11 +18,9 @@ def read_toml(path: str | Path, kind: str) -> dict[str, Any]:
         ModelError: the file cannot be read, is no text or is not TOML; names file, line and column, and what to do.
     """
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise ModelError(f"{path}: cannot read this {kind}: there is no such file.") from None
+        return toml_content(path)
     except OSError as error:
-        raise ModelError(f"{path}: cannot read this {kind}: {error.strerror}.") from None
+        raise ModelError(f"{path}: cannot read this {kind}: {why_unread(error)}") from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise ModelError(
@@ -32,3 +30,15 @@ def read_toml(path: str | Path, kind: str) -> dict[str, Any]:
         raise ModelError(
             f"{path}: not valid TOML: {error}. A line is `key = value`, with texts in quotes and a point, no comma, in numbers."
         ) from None
+
+
+def toml_content(path: str | Path) -> dict[str, Any]:
+    """Return the content of a TOML file.
+
+    Raises:
+        OSError, UnicodeDecodeError, tomllib.TOMLDecodeError: as reading and parsing do; lists in lists without end are no TOML.
+    """
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except RecursionError:
+        raise tomllib.TOMLDecodeError("lists or tables stand in one another too deeply") from None

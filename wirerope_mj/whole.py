@@ -57,7 +57,7 @@ def check_place(path: Path) -> None:
     if not folder.is_dir():
         raise RecordError(f"{path}: there is no folder {str(folder)!r}. Make it first, or choose another place.")
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise RecordError(f"{path}: cannot write here (Permission denied).")
+        raise RecordError(f"{path}: cannot write here (Permission denied). Choose another place.")
 
 
 def check_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) -> None:

@@ -16,6 +16,7 @@ from wirerope_mj.cli.tables import console
 from wirerope_mj.isolator import Isolator, Limits, Travel, find_isolator, load_isolator, read_law
 from wirerope_mj.laws import EnhancedDryFriction, Hysteresis, Law, Loop
 from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.toml_file import toml_content
 
 _SHARES = (0.05, 0.1, 0.25, 0.5, 1.0)
 """Default amplitudes as shares of the rated travel: enough to see where softening ends."""
@@ -78,7 +79,7 @@ def _load(source: str, axis: str | None) -> tuple[Isolator, str, bool]:
     given = Path(source)
     path = given if given.is_file() else find_isolator(source, beside=catalogue_folder())
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = toml_content(path)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
         return load_isolator(path), path.stem, True  # says what is wrong with the file
     if "law" in content:

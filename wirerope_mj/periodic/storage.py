@@ -72,9 +72,9 @@ def load_rows(folder: Path, content: dict[str, Any]) -> tuple[list[Row], list[Bi
     try:
         table = pq.read_table(path)
         stored = json.loads(table.schema.metadata[_KEY])
-    except Exception as error:
+    except Exception:  # the words of pyarrow and JSON say what byte is wrong, and of no use to a user
         raise RecordError(
-            f"{path}: this is not the table of a branch, or it is damaged ({type(error).__name__}). Remove it, and "
+            f"{path}: this is not the table of a branch, or it is damaged. Remove it, and "
             "the branch is followed anew, or give another folder."
         ) from None
     for key, value in content.items():

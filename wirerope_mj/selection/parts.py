@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
-from wirerope_mj.errors import ModelError
+from wirerope_mj.errors import ModelError, why_unread
 from wirerope_mj.resources import catalogue_folder
 
 MODES = ("compression", "45", "shear")
@@ -138,8 +138,8 @@ def read_table(path: Path, series: Series) -> list[Part]:
     try:
         numbered = list(enumerate(path.read_text(encoding="utf-8").splitlines(), start=1))
     except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "it is not a text file in UTF-8"
-        raise ModelError(f"{path}: cannot read this table of isolators: {reason}. Install wirerope-mj again.") from None
+        reason = why_unread(error) if isinstance(error, OSError) else "it is not a text file in UTF-8."
+        raise ModelError(f"{path}: cannot read this table of isolators: {reason} Install wirerope-mj again.") from None
     lines = [(number, line) for number, line in numbered if line.strip() and not line.startswith("#")]
     if not lines:
         raise ModelError(f"{path}: the table is empty.")

@@ -24,6 +24,7 @@ from wirerope_mj.study.old_names import FIRST, todays_inputs
 from wirerope_mj.study.responses import PEAKS, RESPONSES, write_response
 from wirerope_mj.study.versions import versions
 from wirerope_mj.system.model_files import model_table, write_model
+from wirerope_mj.toml_file import toml_content
 from wirerope_mj.whole import check_folder, folder_written_whole, full_disk_said, worked_on_alone, written_whole
 
 if TYPE_CHECKING:
@@ -129,7 +130,7 @@ def read_inputs(folder: Path) -> dict[str, Any]:
     if not path.is_file():
         raise RecordError(f"{folder}: this is not a study; there is no {STUDY} here.")
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = toml_content(path)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
         raise RecordError(f"{path}: this is not the file of a study, nor TOML. Take it from another copy.") from None
     if "format" in content and content["format"] not in (FIRST, FORMAT):

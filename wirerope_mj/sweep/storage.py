@@ -95,9 +95,9 @@ def load_sweep(folder: Path) -> FrequencySweep:
             raise RecordError(f"{path}: format {content['format']} is not {FORMAT}; use the version that wrote it.")
         columns = pq.read_table(path).columns
         return _built(np.column_stack([column.to_numpy() for column in columns]), content)
-    except (OSError, KeyError, ValueError, TypeError) as error:
+    except (OSError, KeyError, ValueError, TypeError):
         raise RecordError(
-            f"{path}: this is not a table that `FrequencySweep.save` wrote, or it is damaged ({type(error).__name__}). Copy it "
+            f"{path}: this is not a table that `FrequencySweep.save` wrote, or it is damaged. Copy it "
             "again, or compute the sweep again."
         ) from None
 

@@ -14,6 +14,7 @@ from wirerope_mj.errors import ModelError, RecordError
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.system import Changes, System
 from wirerope_mj.system.named_files import named_files
+from wirerope_mj.toml_file import toml_content
 
 CHANGES = "changes.toml"
 """What a variant differs by from the model beside it."""
@@ -66,11 +67,11 @@ def read_changes(path: Path) -> tuple[Changes, ...]:
         RecordError: the file does not hold changes.
     """
     try:
-        return tuple(Changes.from_dict(one) for one in tomllib.loads(path.read_text(encoding="utf-8"))["changes"])
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError, ModelError) as error:
+        return tuple(Changes.from_dict(one) for one in toml_content(path)["changes"])
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError, ModelError):
         raise RecordError(
             f"{path}: this file was written beside the model and says what the variant differs by; it cannot be read, or was "
-            f"changed since ({type(error).__name__}). Copy the whole folder again."
+            f"changed since. Copy the whole folder again."
         ) from None
 
 
