@@ -26,15 +26,67 @@ def load(text, isolators=ISOLATORS):
 
 
 def test_a_model_file_that_does_not_exist(tmp_path):
-    with pytest.raises(wr.ModelError, match=r"absent\.xml: the model cannot be read"):
+    with pytest.raises(wr.ModelError, match=r"absent\.xml: the model cannot be read: there is no such file"):
         wr.load_system(tmp_path / "absent.xml")
 
 
 def test_a_model_that_is_not_mjcf(tmp_path):
     path = tmp_path / "broken.xml"
     path.write_text("<mujoco><worldbody></mujoco>")
-    with pytest.raises(wr.ModelError, match=r"broken\.xml: MuJoCo cannot compile the model\. .*XML"):
+    with pytest.raises(
+        wr.ModelError, match=r"broken\.xml: .*line 1, column 22 is not well-formed XML\. .*close every element"
+    ):
         wr.load_system(path)
+
+
+def test_a_name_that_is_no_file_lists_what_is_expected_and_what_ships():
+    with pytest.raises(wr.ModelError, match=r"^sdof_shaker: .*path of an MJCF file, or MJCF text.*sdof_shaker\.xml"):
+        wr.load_system("sdof_shaker")
+
+
+@pytest.mark.parametrize("source", [None, 3, b"<mujoco/>"])
+def test_a_source_that_is_neither_path_nor_text_is_named(source):
+    with pytest.raises(ValueError, match=f"`source` must be the path of an MJCF file, or MJCF text, got {source!r}"):
+        wr.load_system(source)
+
+
+@pytest.mark.parametrize("source", ["mujoco " * 200, "a\0b"])
+def test_what_no_path_can_be_is_no_file(source):
+    with pytest.raises(wr.ModelError, match="there is no such file") as caught:
+        wr.load_system(source)
+    assert len(str(caught.value)) < 600  # the text is cut, however long
+
+
+def test_a_folder_and_bytes_that_are_no_text_are_no_model(tmp_path):
+    with pytest.raises(wr.ModelError, match="this is a folder"):
+        wr.load_system(tmp_path)
+    path = tmp_path / "binary.xml"
+    path.write_bytes(b"<mujoco>\n\xff\xfe\x89PNG")
+    with pytest.raises(wr.ModelError, match=r"binary\.xml, line 2: .*not text in UTF-8\. .*save it in UTF-8") as caught:
+        wr.load_system(path)
+    assert "codec" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("part", "instead", "message"),
+    [
+        ('mass="3.5"', 'masss="3.5"', r"element 'geom', line \d+: unrecognized attribute: 'masss'\. .*XMLreference"),
+        ('mass="3.5"', 'mass="0"', r"element 'mass', line \d+: mass and inertia .* 1e-15 kg.* Give this body mass"),
+        ('size=".1"', 'size=".1" material="blue"', r"line \d+: .*'blue'.* Name one that the model has"),
+        (
+            "<worldbody>",
+            '<include file="rig.xml"/><worldbody>',
+            r"'include', line \d+ .*'rig\.xml'\. Put the file there",
+        ),
+        ("<worldbody>", '<asset><mesh file="box.stl"/></asset><worldbody>', r"'box\.stl'\. Put the file there"),
+        ("</mujoco>", '<sensor><clock name="mount/m1"/></sensor></mujoco>', r"repeated name 'mount/m1' .*mount/NAME"),
+    ],
+)
+def test_what_mujoco_refuses_is_said_with_element_line_and_remedy(part, instead, message):
+    text = mjcf(DECK + MASS, [("m1", "p", "b", "a")])
+    assert part in text
+    with pytest.raises(wr.ModelError, match=message):
+        load(text.replace(part, instead, 1))
 
 
 def test_a_mount_whose_site_does_not_exist():

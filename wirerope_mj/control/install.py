@@ -46,9 +46,20 @@ def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native")
     try:
         yield kind
     except mujoco.FatalError as error:
-        raise SimulationError(f"MuJoCo gave up: {' '.join(str(error).split())}") from None
+        raise SimulationError(_given_up(model, " ".join(str(error).split()))) from None
     finally:
         _release()
+
+
+def _given_up(model: mujoco.MjModel, words: str) -> str:
+    """Return what to say of a model that MuJoCo cannot step any further, from its own words."""
+    name = model.names.split(b"\0", 1)[0].decode("utf-8", "replace")
+    remedy = (
+        'Its contacts and constraints need more memory: write <size memory="100M"/> into the model.'
+        if "memory" in words
+        else "Step it with a smaller `timestep`, or look for bodies that overlap in the modelled geometry."
+    )
+    return f"model {name!r}: MuJoCo gave up: {words.rstrip('.')}. {remedy}"
 
 
 def _verified(model: mujoco.MjModel, data: mujoco.MjData) -> Kind:

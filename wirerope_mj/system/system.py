@@ -2,20 +2,24 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from os import PathLike
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.errors import ModelError
+from wirerope_mj.errors import ModelError, why_unread
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.limits import PayloadLimit
+from wirerope_mj.plain_text import short
+from wirerope_mj.resources import models_folder
 from wirerope_mj.system.assembly import Assembly, assemble
 from wirerope_mj.system.changes import Changes
 from wirerope_mj.system.declared import DeclaredMount, base_body, check_names, check_visible, declared_mounts
 from wirerope_mj.system.finite import check_joints, check_numbers
 from wirerope_mj.system.limits import declared_limits
+from wirerope_mj.system.refused import refused
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,6 +90,7 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
         isolators: isolators in memory by the name that follows `isolator/` in the model; they go before files.
 
     Raises:
+        ValueError: `source` is neither a path nor text.
         ModelError: the model cannot be read, or its mounts, sites, isolators or base are not what they must be.
     """
     text, path = _read(source)
@@ -102,14 +107,17 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
         check_names(spec)
         plain = spec.compile()
     except (ValueError, mujoco.FatalError) as error:
-        raise ModelError(f"MuJoCo cannot compile the model. {' '.join(str(error).split())}") from None
+        raise ModelError(refused(str(error), text)) from None
     check_visible(plain)
     check_numbers(plain)
     check_joints(plain)
     declared = declared_mounts(spec, plain, folder=path.parent if path else None, isolators=isolators)
     base = base_body(plain, declared)
     _check_payloads(plain, declared, base)
-    assembly = assemble(spec, declared, base)
+    try:
+        assembly = assemble(spec, declared, base)
+    except (ValueError, mujoco.FatalError) as error:  # a name that is added to every model, taken by the model's own
+        raise ModelError(refused(str(error), text)) from None
     model = assembly.model
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
@@ -145,11 +153,23 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
 def _read(source: str | Path) -> tuple[str, Path | None]:
     if isinstance(source, str) and source.lstrip().startswith("<"):
         return source, None
+    if not isinstance(source, str | PathLike):
+        raise ValueError(f"`source` must be the path of an MJCF file, or MJCF text, got {source!r}.")
     path = Path(source)
     try:
         text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        raise ModelError(f"{path}: the model cannot be read ({error.__class__.__name__}: {error}).") from None
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise ModelError(
+            f"{path}, line {line}: the model cannot be read: this is not text in UTF-8. An MJCF file is XML; save it in UTF-8."
+        ) from None
+    except (OSError, ValueError) as error:  # a path that holds NUL is a ValueError
+        why = why_unread(error if isinstance(error, OSError) else FileNotFoundError())
+        shipped = ", ".join(sorted(file.name for file in models_folder().glob("*.xml")))
+        raise ModelError(
+            f"{short(str(path))}: the model cannot be read: {why} Expected is the path of an MJCF file, or MJCF text, which "
+            f"begins with <. The package ships {shipped} in {models_folder()}."
+        ) from None
     if not text.lstrip("\ufeff").lstrip().startswith("<"):
         raise ModelError(f"{path}: this is not a model; an MJCF file is XML and begins with <mujoco>.")
     if "\\" in path.resolve().as_posix():
