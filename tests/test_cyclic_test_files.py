@@ -228,3 +228,20 @@ def test_a_cycle_that_no_isolator_could_make_is_refused(tmp_path, change, messag
     lines = [f"{x!r},{f!r}" for x, f in zip(deflection.tolist(), force.tolist(), strict=True)]
     with pytest.raises(RecordError, match=rf"lines 2 to 102: {message}"):
         wr.read_cyclic_test(write(tmp_path, *lines, header="deflection [m],force [N]"))
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"PK\x03\x04\x14 zipped", "line 1: the header holds control characters: this is no text"),
+        (b"\x89PNG\r\n", "line 1: .*the file is not text in UTF-8, save it as CSV"),
+        (b"column," * 2_000 + b"\n1,2\n", 'line 1: there is no column "deflection". .*column, column'),
+        (b"deflection [mm],force [kN]\n0," + b"x" * 9_000 + b"\n", 'line 2: "x+\\.\\.\\." in column "force"'),
+    ],
+)
+def test_bytes_that_are_no_text_and_endless_cells_are_refused_in_few_words(tmp_path, content, said):
+    path = tmp_path / "t.csv"
+    path.write_bytes(content)
+    with pytest.raises(RecordError, match=said) as caught:
+        wr.read_cyclic_test(path)
+    assert len(str(caught.value).replace(str(path), "")) < 500  # two lines of a wide screen, not the whole file

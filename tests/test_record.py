@@ -178,7 +178,8 @@ GOOD = "time [s],z [g]\n"
         ("time [s]\n0\n1\n", "no column is named x, y or z; the columns are time"),
         ("time [s],x [g],ax [g]\n0,1,1\n1,1,1\n", '"ax" is a second column for direction x'),
         (bytes(range(256)), "line 1: the header holds NUL characters: this is no text, or text in UTF-16"),
-        (b"\x80\xff,1\n0,1\n", "line 1: the first column must be time"),
+        (b"\x80\xff,1\n0,1\n", "line 1: the first column must be time.*not text in UTF-8, save it as CSV"),
+        (b"PAR1\x15\x04,1\n0,1\n", "line 1: the header holds control characters: this is no text"),
         (GOOD + "0,1\n1,2,3\n", "line 3: 3 cells where the header has 2 columns. Decimals are written with a point"),
         (
             "time [s];z [g]\n0,1\n1,1\n",

@@ -12,9 +12,10 @@ from wirerope_mj.bench.files import DEFLECTION_UNITS, FORCE_UNITS
 from wirerope_mj.bench.noise import is_noise, no_cycle_text
 from wirerope_mj.bench.passive import require_passive
 from wirerope_mj.bench.turning import rms_noise
-from wirerope_mj.errors import RecordError
+from wirerope_mj.errors import RecordError, why_unread
 from wirerope_mj.excitation.record_file import LARGEST, TIME_UNITS, Header, parse_header, parse_number, require_cells
 from wirerope_mj.laws import Loop
+from wirerope_mj.plain_text import short
 
 _EXAMPLE = '"loop, time [s], deflection [mm], force [kN]"'
 _NAMES = {
@@ -81,7 +82,7 @@ def _lines(path: Path) -> list[tuple[int, str]]:
     except FileNotFoundError:
         raise RecordError(f"{path}: no such file. A cyclic test is a CSV file with the columns {_EXAMPLE}.") from None
     except OSError as error:
-        raise RecordError(f"{path}: cannot be read ({error.strerror}).") from None
+        raise RecordError(f"{path}: the cyclic test cannot be read: {why_unread(error)}") from None
     rows = enumerate(text.splitlines(), start=1)
     said = [(number, line) for number, line in rows if line.strip() and not line.lstrip().startswith("#")]
     if not said:
@@ -107,7 +108,7 @@ def _header(path: Path, lines: list[tuple[int, str]]) -> tuple[Header, dict[str,
     for quantity in ("deflection", "force"):
         if quantity not in columns:
             raise RecordError(
-                f'{path}, line {number}: there is no column "{quantity}". The columns are {", ".join(names)}; '
+                f'{path}, line {number}: there is no column "{quantity}". The columns are {header.listed()}; '
                 f"expected a header such as {_EXAMPLE}."
             )
     return header, columns
@@ -129,7 +130,8 @@ def _group(header: Header, columns: dict[str, int], lines: list[tuple[int, str]]
         if samples is None or label != samples.label:
             if label in groups:
                 raise RecordError(
-                    f"{where}: {key} {label} goes on here after another; its rows ended in line {groups[label].lines[-1]}. "
+                    f"{where}: {key} {short(label)} goes on here after another; its rows ended in line "
+                    f"{groups[label].lines[-1]}. "
                     'Rows of one loop stand together; give a repeated amplitude its own number in a column "loop".'
                 )
             samples = groups[label] = Samples(label, values.get("amplitude"))
@@ -148,7 +150,7 @@ def _rows(header: Header, lines: list[tuple[int, str]]) -> Iterator[tuple[int, s
         where = f"{header.path}, line {number}"
         if "[" in text:
             raise RecordError(
-                f'{where}: "{text.strip()}" looks like a second header after that in line {header.line}. '
+                f'{where}: "{short(text.strip())}" looks like a second header after that in line {header.line}. '
                 "A file has one header and one unit for each quantity: convert the rows, or use two files."
             )
         cells = [cell.strip().strip('"').strip() for cell in text.split(header.delimiter)]
@@ -166,7 +168,7 @@ def _number(where: str, name: str, cell: str) -> float:
             hint = " Units stand in the header only, one for each column."
         elif "," in cell:
             hint = " Decimals are written with a point."
-        raise RecordError(f'{where}: "{cell}" in column "{name}" is not a number.{hint}') from None
+        raise RecordError(f'{where}: "{short(cell)}" in column "{short(name)}" is not a number.{hint}') from None
     if not abs(value) <= LARGEST:
         raise RecordError(
             f'{where}: {cell} in column "{name}" is no measured value; cut or repair the loop before it is used.'

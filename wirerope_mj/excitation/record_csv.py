@@ -102,9 +102,7 @@ def _named_columns(header: Header, wanted: Mapping[str, Direction]) -> dict[int,
         found = header.names[1:].count(name)
         if found != 1:
             fault = f'there is no column "{name}"' if found == 0 else f'there are {found} columns "{name}"'
-            raise RecordError(
-                f"{header.path}, line {header.line}: {fault}; the columns are {', '.join(header.names[1:])}."
-            )
+            raise RecordError(f"{header.path}, line {header.line}: {fault}; the columns are {header.listed(1)}.")
     return {header.names.index(name, 1): direction for name, direction in wanted.items()}
 
 
@@ -126,7 +124,7 @@ def _axis_columns(header: Header) -> dict[int, Direction]:
         alone = " or, with one column, --direction z" if len(header.names) == 2 else ""
         raise RecordError(
             f"{header.path}, line {header.line}: no column is named x, y or z; the columns are "
-            f"{', '.join(header.names)}. Say which one moves the base where, for instance "
+            f"{header.listed()}. Say which one moves the base where, for instance "
             f'channels={{"{example}": "z"}} (--channels {_quoted(example + "=z")}{alone}).'
         )
     return found

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wirerope_mj.errors import RecordError
+from wirerope_mj.errors import RecordError, why_unread
+from wirerope_mj.plain_text import short
 from wirerope_mj.units import STANDARD_GRAVITY
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3}
@@ -35,6 +36,9 @@ ACCELERATION_UNITS = {
 
 _BLOCK = 50_000
 """Rows that are read at once: a record may be longer than what fits into memory several times over."""
+
+_CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
+"""Characters that no text holds, but for tabs and what ends a line or a page."""
 
 _SIGNS = {",": "commas", ";": "semicolons", "\t": "tabs"}
 
@@ -61,18 +65,23 @@ class Header:
     names: tuple[str, ...]
     units: tuple[str | None, ...]
 
+    def listed(self, first: int = 0) -> str:
+        """Returns the names of the columns, from the number `first` on, as messages list them, and whether they are no text."""
+        names = short(", ".join(self.names[first:]))
+        return f"{names}; the file is not text in UTF-8, save it as CSV in UTF-8" if "\ufffd" in names else names
+
     def factor(self, column: int, known: dict[str, float]) -> float:
         """Returns what the column's unit is in SI; no unit or an unknown one is a RecordError."""
         name, unit = self.names[column], self.units[column]
         example = next(iter(known))
         if unit is None:
             raise RecordError(
-                f'{self.path}, line {self.line}: column "{name}" has no unit. '
-                f'Write it behind the name, for instance "{name} [{example}]"; known units: {", ".join(known)}.'
+                f'{self.path}, line {self.line}: column "{short(name)}" has no unit. '
+                f'Write it behind the name, for instance "{short(name)} [{example}]"; known units: {", ".join(known)}.'
             )
         if unit not in known:
             raise RecordError(
-                f'{self.path}, line {self.line}: column "{name}" has the unknown unit "{unit}". '
+                f'{self.path}, line {self.line}: column "{short(name)}" has the unknown unit "{short(unit)}". '
                 f"Known units: {', '.join(known)}."
             )
         return known[unit]
@@ -88,15 +97,16 @@ def read_header(path: Path) -> Header:
     except FileNotFoundError:
         raise RecordError(f"{path}: no such file. A record is a CSV file of time and acceleration.") from None
     except OSError as error:
-        raise RecordError(f"{path}: cannot be read ({error.strerror}).") from None
+        raise RecordError(f"{path}: the record cannot be read: {why_unread(error)}") from None
     raise RecordError(f'{path}: the file is empty. Expected a header such as "time [s], z [g]" and rows of numbers.')
 
 
 def parse_header(path: Path, line: int, text: str) -> Header:
     """Return the header that a line of names, each with a unit in brackets or without, makes."""
-    if "\0" in text:
+    if _CONTROL.search(text):
+        kind = "NUL" if "\0" in text else "control"
         raise RecordError(
-            f"{path}, line {line}: the header holds NUL characters: this is no text, or text in UTF-16. Save it in UTF-8."
+            f"{path}, line {line}: the header holds {kind} characters: this is no text, or text in UTF-16. Save it in UTF-8."
         )
     delimiter = next((sign for sign in "\t;" if sign in text), ",")
     names, units = [], []
@@ -109,11 +119,11 @@ def parse_header(path: Path, line: int, text: str) -> Header:
 
 def _time_first(header: Header) -> Header:
     """Return the header, or raise RecordError if its first column is not time."""
-    path, line, names = header.path, header.line, header.names
-    if names[0].lower() not in ("time", "t"):
+    path, line = header.path, header.line
+    if header.names[0].lower() not in ("time", "t"):
         raise RecordError(
             f'{path}, line {line}: the first column must be time, as in "time [s], z [g]"; '
-            f"the columns are {', '.join(names)}."
+            f"the columns are {header.listed()}."
         )
     return header
 
@@ -144,9 +154,12 @@ def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False
                         rows, delimiter=header.delimiter, comments=None, usecols=columns, ndmin=2, max_rows=_BLOCK,
                         converters=_number_or_nan if missing else None,
                     )  # fmt: skip
-            except ValueError as error:
+            except ValueError:
                 name_bad_line(header, columns, missing=missing)
-                raise RecordError(f"{header.path}: the rows cannot be read as numbers ({error}).") from None
+                raise RecordError(
+                    f"{header.path}: a row behind the header in line {header.line} holds something else than numbers. Write "
+                    "it again as plain CSV in UTF-8."
+                ) from None
             if not len(block):
                 return
             if not np.all(np.abs(block) <= LARGEST):
@@ -241,7 +254,7 @@ def _number(where: str, name: str, cell: str, *, missing: bool) -> float:
         value = parse_number(cell)
     except ValueError:
         hint = " Decimals are written with a point." if "," in cell else ""
-        raise RecordError(f'{where}: "{cell}" in column "{name}" is not a number.{hint}') from None
+        raise RecordError(f'{where}: "{short(cell)}" in column "{short(name)}" is not a number.{hint}') from None
     if not abs(value) <= LARGEST:
         raise RecordError(
             f'{where}: {cell} in column "{name}" is no measured value; cut or repair the record before it is used.'
