@@ -9,6 +9,8 @@ from test_cli import wirerope
 from test_recording import column, entities
 
 from wirerope_mj.criteria import CLEAR, STRUCK, TOUCHING, Verdict
+from wirerope_mj.errors import RecordError
+from wirerope_mj.runfolder.headline import read_headline
 from wirerope_mj.verdicts import headline
 
 
@@ -76,3 +78,19 @@ def test_every_verdict_that_the_headline_counts_stands_in_the_summary(tmp_path):
 )
 def test_the_sentence_counts_what_is_exceeded_struck_and_not_judged(rows, said):
     assert headline(rows) == said
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b'{"headline": }', r"summary\.json, line 1, column 14: .*nor JSON"),
+        (b"[1, 2]", r"summary\.json: this is not the summary of a run"),
+        (b"\xff\xfe", r"summary\.json: .*nor JSON in UTF-8"),
+        (b"[" * 20_000, r"summary\.json: .*nor JSON in UTF-8"),
+    ],
+)
+def test_a_damaged_summary_is_named_with_what_to_do(tmp_path, content, said):
+    (tmp_path / "summary.json").write_bytes(content)
+    with pytest.raises(RecordError, match=f"{said}.* Take the file from another copy") as caught:
+        read_headline(tmp_path)
+    assert "Error" not in str(caught.value)  # neither JSON's words nor the interpreter's

@@ -11,6 +11,8 @@ from wirerope_mj.errors import ModelError, RecordError
 from wirerope_mj.resources import catalogue_folder, models_folder
 from wirerope_mj.runfolder import replay, run_scenario
 from wirerope_mj.runfolder import write as write_module
+from wirerope_mj.runfolder.checksums import digest_of
+from wirerope_mj.runfolder.scenario_file import scenario_content
 from wirerope_mj.scenario import Scenario, load_scenario
 from wirerope_mj.verdicts import mount_peaks
 
@@ -236,3 +238,29 @@ def test_arguments_that_the_run_decides_are_refused(tmp_path):
         run_scenario(Scenario("?", "shock_table", motion, {"duration": 1.0, "out": "x"}), tmp_path / "run")
     with pytest.raises(ModelError, match="must say the duration"):
         run_scenario(Scenario("?", "shock_table", motion, {}), tmp_path / "run")
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b'format = "1"\n\xff', r"scenario\.toml, line 2: .*nor text in UTF-8"),
+        (b"format = 1,5", r"scenario\.toml: .*nor TOML: .*line 1"),
+        (b"a = " + b"[" * 20_000, r"scenario\.toml: .*nor TOML: .*too deeply"),
+    ],
+)
+def test_a_scenario_that_is_no_toml_is_named_with_line_and_remedy(tmp_path, content, said):
+    (tmp_path / "scenario.toml").write_bytes(content)
+    with pytest.raises(RecordError, match=f"{said}.* take the file from another copy"):
+        scenario_content(tmp_path)
+
+
+def test_a_file_of_a_run_that_the_system_does_not_read_is_named(tmp_path, monkeypatch):
+    with pytest.raises(RecordError, match=f"{tmp_path}: this is a folder. Name a file in it"):
+        digest_of(tmp_path)
+
+    def refused(*_, **__):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(Path, "open", refused)
+    with pytest.raises(RecordError, match=r"deck\.xml: you have no permission to read it"):
+        digest_of(tmp_path / "deck.xml")

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from wirerope_mj.errors import RecordError, RecordWarning
+from wirerope_mj.errors import RecordError, RecordWarning, why_unread
 from wirerope_mj.whole import written_whole
 
 CHECKSUMS = "checksums.txt"
@@ -47,7 +47,7 @@ class Alterations:
 
 def write_checksums(folder: Path) -> None:
     """Write `checksums.txt` of all files in a folder and below it, as its last file."""
-    _write(folder, {name: _digest(folder / name) for name in _names(folder)})
+    _write(folder, {name: digest_of(folder / name) for name in _names(folder)})
 
 
 def update_checksums(folder: Path, files: Sequence[Path]) -> None:
@@ -58,7 +58,7 @@ def update_checksums(folder: Path, files: Sequence[Path]) -> None:
     """
     inside = [file.resolve() for file in files if file.resolve().is_relative_to(folder.resolve())]
     if inside and (folder / CHECKSUMS).is_file():
-        new = {file.relative_to(folder.resolve()).as_posix(): _digest(file) for file in inside}
+        new = {file.relative_to(folder.resolve()).as_posix(): digest_of(file) for file in inside}
         _write(folder, _read(folder / CHECKSUMS) | new)
 
 
@@ -72,7 +72,7 @@ def alterations(folder: Path) -> Alterations | None:
         return None
     stored, there = _read(folder / CHECKSUMS), _names(folder)
     return Alterations(
-        altered=tuple(name for name in there if name in stored and _digest(folder / name) != stored[name]),
+        altered=tuple(name for name in there if name in stored and digest_of(folder / name) != stored[name]),
         missing=tuple(name for name in sorted(stored) if name not in there),
         added=tuple(name for name in there if name not in stored),
     )
@@ -90,12 +90,13 @@ def _names(folder: Path) -> list[str]:
     return sorted(name for path in files if (name := path.relative_to(folder).as_posix()) != CHECKSUMS)
 
 
-def _digest(path: Path) -> str:
+def digest_of(path: Path) -> str:
+    """Return the SHA-256 of a file in hexadecimal digits; RecordError if it cannot be read."""
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
-        raise RecordError(f"{path}: this file cannot be read ({error.strerror}).") from None
+        raise RecordError(f"{path}: {why_unread(error)}") from None
 
 
 def _write(folder: Path, digests: dict[str, str]) -> None:

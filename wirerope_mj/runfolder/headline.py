@@ -3,8 +3,10 @@
 import json
 from pathlib import Path
 
-from wirerope_mj.errors import RecordError
+from wirerope_mj.errors import RecordError, why_unread
 from wirerope_mj.runfolder.folder import SUMMARY
+
+_REMEDY = "Take the file from another copy of the folder, or repeat the run."
 
 
 def read_headline(folder: str | Path) -> str:
@@ -17,6 +19,15 @@ def read_headline(folder: str | Path) -> str:
     if not path.is_file():
         return ""
     try:
-        return str(json.loads(path.read_text(encoding="utf-8")).get("headline", ""))
-    except (OSError, ValueError, AttributeError) as error:
-        raise RecordError(f"{path}: this is not the summary of a run ({type(error).__name__}: {error}).") from None
+        summary = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise RecordError(f"{path}: {why_unread(error)}") from None
+    except json.JSONDecodeError as error:
+        raise RecordError(
+            f"{path}, line {error.lineno}, column {error.colno}: this is not the summary of a run, nor JSON. {_REMEDY}"
+        ) from None
+    except (UnicodeDecodeError, RecursionError):
+        raise RecordError(f"{path}: this is not the summary of a run, nor JSON in UTF-8. {_REMEDY}") from None
+    if not isinstance(summary, dict):
+        raise RecordError(f"{path}: this is not the summary of a run, which has names and values in braces. {_REMEDY}")
+    return str(summary.get("headline", ""))

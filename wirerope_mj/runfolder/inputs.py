@@ -1,9 +1,9 @@
 """What a run was given, as names and values: what tells two runs apart before anything is computed."""
 
-import hashlib
 from pathlib import Path
 from typing import Any
 
+from wirerope_mj.runfolder.checksums import digest_of
 from wirerope_mj.runfolder.folder import SCENARIO
 from wirerope_mj.runfolder.scenario_file import scenario_content
 
@@ -15,7 +15,7 @@ def run_inputs(folder: str | Path) -> dict[str, str]:
     """Return scenario, options, motion, simulation, versions and the digests of the model's files; {} without a scenario.
 
     Raises:
-        RecordError: the scenario cannot be read.
+        RecordError: the scenario or a file of the model cannot be read; names it.
     """
     path = Path(folder) / SCENARIO
     if not path.is_file():  # a response that was saved alone
@@ -26,7 +26,7 @@ def run_inputs(folder: str | Path) -> dict[str, str]:
         inputs |= {f"{_prefix(table)}{key}": _text(value) for key, value in content[table].items()}
     for file in sorted(path.parent.glob("model/**/*")):
         if file.is_file():
-            digest = hashlib.sha256(file.read_bytes()).hexdigest()[:_CHARACTERS]
+            digest = digest_of(file)[:_CHARACTERS]
             inputs[f"{file.relative_to(path.parent)}"] = f"digest {digest}"
     return inputs
 

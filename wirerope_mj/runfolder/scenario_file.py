@@ -5,9 +5,10 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.errors import RecordError
+from wirerope_mj.errors import RecordError, why_unread
 from wirerope_mj.response.checked import check_motion
 from wirerope_mj.runfolder.folder import FORMAT, SCENARIO
+from wirerope_mj.toml_file import toml_content
 
 _TABLES = {
     "model": ("file", "changes"),
@@ -22,6 +23,7 @@ _NEEDED = {
     "options": (),
     "versions": (),
 }
+_REMEDY = "Put it right, or take the file from another copy of the folder."
 _CHOICES = {"initial": ("settled", "relaxed", "unloaded"), "callback": ("native", "python")}
 
 
@@ -35,22 +37,22 @@ def scenario_content(folder: Path) -> dict[str, Any]:
     if not path.is_file():
         raise RecordError(f"{folder}: this is not a run; there is no {SCENARIO} here.")
     try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
+        content = toml_content(path)
     except OSError as error:
-        raise RecordError(f"{path}: this file cannot be read ({error.strerror}).") from None
+        raise RecordError(f"{path}: {why_unread(error)}") from None
     except UnicodeDecodeError as error:
-        raise RecordError(f"{path}: this is not the scenario of a run: byte {error.start} is no text.") from None
+        line = error.object[: error.start].count(b"\n") + 1
+        raise RecordError(
+            f"{path}, line {line}: this is not the scenario of a run, nor text in UTF-8. {_REMEDY}"
+        ) from None
     except tomllib.TOMLDecodeError as error:
-        raise RecordError(f"{path}: this is not the scenario of a run, nor TOML: {error}.") from None
+        raise RecordError(f"{path}: this is not the scenario of a run, nor TOML: {error}. {_REMEDY}") from None
     if "format" in content and content["format"] != FORMAT:
         raise RecordError(f"{path}: `format` is {content['format']!r}, not {FORMAT}; use the version that wrote it.")
     try:
         _check(content)
     except ValueError as error:
-        raise RecordError(
-            f"{path}: this is not the scenario of a run as it was written: {error} Put it right, or take the file from "
-            "another copy of the folder."
-        ) from None
+        raise RecordError(f"{path}: this is not the scenario of a run as it was written: {error} {_REMEDY}") from None
     return content
 
 
