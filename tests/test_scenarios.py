@@ -6,6 +6,7 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation import HalfSine
+from wirerope_mj.option_file import load_function
 from wirerope_mj.scenario import Scenario, load_scenario, shipped_scenarios
 from wirerope_mj.simulation import simulate
 from wirerope_mj.system import load_system
@@ -155,3 +156,19 @@ def test_an_option_of_another_kind_than_its_default_is_named(options):
     name = next(iter(options))
     with pytest.raises(wr.ModelError, match=rf"cabinet_shock\.py: option `{name}` must be .*, got "):
         load_scenario("cabinet_shock").make(**options)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (None, "there is no such file"),
+        (b"\x89PNG\0\0", "this is not text; a scenario is a Python file"),
+        (b'a = "\xe4"\n', "line 1: .* is not text in UTF-8. Save it in UTF-8"),
+    ],
+)
+def test_a_file_that_is_no_python_text_is_named(tmp_path, content, said):
+    path = tmp_path / "mine.py"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(ModelError, match=rf"mine\.py.*{said}"):
+        load_function(path, "scenario")

@@ -9,7 +9,8 @@ from numbers import Integral, Real
 from pathlib import Path, PurePath
 from typing import Any
 
-from wirerope_mj.errors import ModelError, WireRopeError
+from wirerope_mj.errors import ModelError, WireRopeError, why_unread
+from wirerope_mj.plain_text import short
 
 _PACKAGE = Path(__file__).resolve().parent
 _KINDS: tuple[tuple[type, Any, str], ...] = (
@@ -56,6 +57,7 @@ def load_function(path: Path, name: str) -> Callable[..., Any]:
     spec = spec_from_file_location(path.stem, path.resolve())
     if path.suffix != ".py" or spec is None or spec.loader is None:
         raise ModelError(f"{path}: a {name} is a Python file; its name ends with .py.")
+    _check_text(path, name)
     module, loader = module_from_spec(spec), spec.loader
     guarded(path, lambda: loader.exec_module(module))
     function = getattr(module, name, None)
@@ -68,6 +70,16 @@ def load_function(path: Path, name: str) -> Callable[..., Any]:
     _, arguments, options = (inspect.getdoc(function) or "").partition("Args:")
     function.__doc__ = f"{(inspect.getdoc(module) or '').strip()}\n\n{arguments}{options}".strip()
     return function
+
+
+def _check_text(path: Path, name: str) -> None:
+    """Raise ModelError if a file cannot be read, or holds bytes that no text has."""
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ModelError(f"{path}: this {name} cannot be read: {why_unread(error)}") from None
+    if b"\0" in content:
+        raise ModelError(f"{path}: this is not text; a {name} is a Python file, saved as text in UTF-8.")
 
 
 def all_options(path: Path, function: Callable[..., Any], options: dict[str, Any]) -> dict[str, Any]:
@@ -107,8 +119,9 @@ def guarded(path: Path, action: Callable[[], Any]) -> Any:
         return action()
     except SyntaxError as error:
         place = f", line {error.lineno}" if error.lineno else ""
-        quoted = f"`{error.text.strip()}`" if error.text else "this"
-        raise ModelError(f"{path}{place}: {quoted} is not Python: {error.msg}.") from error
+        quoted = f"`{short(error.text.strip())}`" if error.text else "this"
+        what = "is not text in UTF-8. Save it in UTF-8" if "codec" in error.msg else f"is not Python: {error.msg}"
+        raise ModelError(f"{path}{place}: {quoted} {what}.") from error
     except Exception as error:
         frames = traceback.extract_tb(error.__traceback__)
         own = [frame for frame in frames if Path(frame.filename) == path.resolve()]
@@ -116,5 +129,5 @@ def guarded(path: Path, action: Callable[[], Any]) -> Any:
         said = isinstance(error, ValueError) and bool(own) and str(own[-1].line).startswith("raise ")
         if isinstance(error, WireRopeError) or said or _PACKAGE in Path(frames[-1].filename).parents:
             raise ModelError(f"{path}{place}: {error}") from error  # the message says what is wrong, and is meant to
-        quoted = f"`{own[-1].line}` ends with " if own else ""
+        quoted = f"`{short(own[-1].line or '')}` ends with " if own else ""
         raise ModelError(f"{path}{place}: {quoted}{type(error).__name__}: {error}") from error
