@@ -1,6 +1,7 @@
 """A study that runs: the same table whatever computes it and however often it is stopped."""
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -18,7 +19,7 @@ from wirerope_mj.resources import models_folder
 from wirerope_mj.response.peaks import MountPeaks, Peak, Peaks
 from wirerope_mj.study import folder as study_folder
 from wirerope_mj.study.engines import local
-from wirerope_mj.study.engines.compute import compute
+from wirerope_mj.study.engines.compute import Accident, compute, why_not
 from wirerope_mj.study.measures import measures
 from wirerope_mj.study.run import chunk_size, chunks
 
@@ -267,3 +268,17 @@ def test_arguments_of_a_run_are_checked(tmp_path, arguments, message):
     with pytest.raises(ValueError, match=message):
         table_study().run(tmp_path / "study", **arguments)
     assert not (tmp_path / "study").exists()
+
+
+@pytest.mark.parametrize(
+    ("error", "said", "accident"),
+    [
+        (wr.SimulationError("body 'rack' left its travel."), "^body 'rack' left its travel.$", False),
+        (np.linalg.LinAlgError("Singular matrix"), "numbers of this variant .*Singular matrix.* vary less far", False),
+        (TypeError("unhashable"), "not this variant's numbers, .*TypeError: unhashable.* --resume", True),
+    ],
+)
+def test_why_a_variant_has_no_result_is_said_with_what_to_do(error, said, accident):
+    message = why_not(error)
+    assert re.search(said, message)
+    assert isinstance(message, Accident) is accident

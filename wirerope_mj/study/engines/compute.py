@@ -117,13 +117,28 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, b
     except Exception as error:  # whatever one variant does must not cost the others their results
         if len(rows) > 1:
             return [outcome for row in rows for outcome in _outcomes(work, [row], responses)]
-        message = f"{type(error).__name__}: {error}"
-        return [message if isinstance(error, _RESULTS) else Accident(message)]
+        return [why_not(error)]
     for place, system, result in zip(places, systems, results, strict=True):
         found[place] = _outcome(work, system, result)
         if responses is not None and isinstance(result, BatchResult) and result.response is not None:
             responses[int(rows[place]["variant"])] = packed(result.response)
     return [found[place] for place in range(len(rows))]
+
+
+def why_not(error: Exception) -> str:
+    """Return the message of an error: an Accident if it is none that the variant's own numbers lead to."""
+    if isinstance(error, WireRopeError):
+        return str(error)
+    quoted = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    if isinstance(error, _RESULTS):
+        return (
+            f"the numbers of this variant cannot be computed with ({quoted}). Simulate it alone, or vary less far from the "
+            "nominal system."
+        )
+    return Accident(
+        f"the computer or the program, not this variant's numbers, kept it from being computed ({quoted}). Free memory, or "
+        "use fewer `workers`, and go on with --resume (`resume=True`)."
+    )
 
 
 def _outcome(work: Work, system: System, result: BatchResult | BatchFailure) -> Outcome:
