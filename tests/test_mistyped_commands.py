@@ -25,7 +25,7 @@ SLIPS = {
     "run shock_table --nope 3": "Unknown option: --nope",
     "run empty.py": "empty.py: there is no function `scenario` here; a scenario is what `def scenario(*, ...)` returns",
     "run syntax.py": "syntax.py, line 1: `def scenario(:` is not Python: invalid syntax",
-    "run binary.py": "binary.py: this is not Python",
+    "run binary.py": "binary.py: this is not text; a scenario is a Python file",
     "run raises.py": "raises.py, line 5: `return np.zeros(3).reshape(2, 2)` ends with ValueError: cannot reshape",
     "run none.py": "none.py: `scenario` must return a wirerope_mj.Scenario, got None",
     "run folder": "there is no scenario 'folder'",
