@@ -89,7 +89,7 @@ def test_exceeded_travel_is_an_error_and_says_which_mount_and_by_how_much():
     texts = [event.text for event in events_of(response, select(response)) if event.level == "ERROR"]
     assert levels == {"INFO", "ERROR"}
     assert len(texts) == 8
-    assert all("of the rated 10.0 mm, bottoms" in text for text in texts)
+    assert all("of the rated 10.0 mm" in text for text in texts)
     assert "exceeded" in peaks_markdown(response, select(response), None)
 
 

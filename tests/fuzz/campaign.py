@@ -44,7 +44,7 @@ acceptance that should be a refusal or a wrong result, no answer in time, the en
 _VAGUE = re.compile(
     r"SVD did not converge|Singular matrix|must not contain infs or NaNs|array is too big|Unable to allocate|broadcast|"
     r"ufunc|dtype|object is not|has no attribute|unexpected keyword|positional argument|list index|index out of|"
-    r"invalid literal|could not convert|not well-formed|ArrowInvalid|ndarray|NoneType|engine error|zero-size"
+    r"invalid literal|could not convert|not well-formed \(|ArrowInvalid|ndarray|NoneType|engine error|zero-size"
 )
 """Words of NumPy, SciPy, MuJoCo, pyarrow and the interpreter that say nothing of the user's input by themselves."""
 

@@ -22,8 +22,8 @@ def contact_table(response: Response) -> Table | None:
         show_edge=False,
         padding=(0, 1, 0, 0),
     )
-    table.add_column("pair", no_wrap=True)
-    for head in ("first [s]", "touches", "in all [ms]", "peak [kN]", "at [s]", "depth [mm]"):
+    table.add_column("pair", overflow="fold")
+    for head in ("first\n[s]", "\ntouches", "in all\n[ms]", "peak\n[kN]", "at\n[s]", "depth\n[mm]"):
         table.add_column(escape(head), justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
     for verdict, contact in rows:

@@ -12,7 +12,8 @@ from rich.table import Table
 from rich.text import Text
 
 from wirerope_mj.cli.contact_table import contact_table
-from wirerope_mj.criteria import Verdict, acceleration_verdicts
+from wirerope_mj.criteria import EXCEEDED, Verdict, acceleration_verdicts, travel_verdicts
+from wirerope_mj.criteria.travel import COMBINED
 from wirerope_mj.excitation import Sweep
 from wirerope_mj.isolator.travel import RATINGS
 from wirerope_mj.plain_text import plain_lines
@@ -116,14 +117,16 @@ def _mounts(response: Response) -> Table:
     units = ("axial [mm]", "shear [mm]", "roll [mm]", "axial [kN]", "shear [kN]", "roll [kN]")
     shares = [f"{name.replace('compression', 'compr.')} [%]" for name in ratings]
     title = "Peaks of the mounts, and their share of the rated travel [%]"
+    combined = {row.subject: row for row in travel_verdicts(response) if row.criterion == COMBINED}
+    shares += ["comb. [%]"] if ratings else []
     table = _table(title, "mount", [name.replace(" ", "\n") for name in (*units, *shares)])
     table.add_column("verdict", no_wrap=True)
     for row in rows:
         deflection = [_range(row, 2), _largest(row, 1), _largest(row, 0)]
         force = [f"{1e-3 * value:.2f}" for value in reversed(row.force)]
-        table.add_row(
-            escape(row.name), *deflection, *force, *[_percent(row.shares[name]) for name in ratings], _short(row)
-        )
+        used = [_percent(row.shares[name]) for name in ratings]
+        used += [_percent(combined[row.name].share)] if ratings else []
+        table.add_row(escape(row.name), *deflection, *force, *used, _short(row, combined[row.name]))
     return table
 
 
@@ -164,6 +167,6 @@ def _numerics(response: Response) -> str:
     return f"{words}, step given: no error estimated"
 
 
-def _short(row: MountPeak) -> str:
-    """Return the verdict in a word; the coloured shares say in which direction."""
-    return "exceeded" if row.verdict.startswith("exceeds") else row.verdict
+def _short(row: MountPeak, combined: Verdict) -> str:
+    """Return the verdict in a word; the coloured figures say in which direction, or that it is all of them together."""
+    return EXCEEDED if row.verdict.startswith("exceeds") or combined.verdict == EXCEEDED else row.verdict

@@ -93,12 +93,11 @@ def _travel_events(response: Response, mount: SceneMount, axis: str) -> list[Eve
         level = min(share, 1.0) if share >= 1.0 else NEAR
         beyond = np.flatnonzero(deflection / limit >= level)
         how = (("compression", "tension")[side] if number == AXIAL else axis) + f" {1e3 * abs(value):.1f} mm"
-        bottoms = ", bottoms" if share >= 1.0 and number == AXIAL and side == 0 else ""
         found.append(
             Event(
                 time=_short(float(response.time[beyond[0]]) if beyond.size else instant),
                 level="ERROR" if share >= 1.0 else "WARN",
-                text=f"{mount.name}: {how} is {100 * share:.0f} % of the rated {1e3 * abs(limit):.1f} mm{bottoms}",
+                text=f"{mount.name}: {how} is {100 * share:.0f} % of the rated {1e3 * abs(limit):.1f} mm",
             )
         )
     return found

@@ -11,6 +11,7 @@ from wirerope_mj.report.display import ABSENT, fixed, listed, shown, shown_unit,
 from wirerope_mj.verdicts import headline as verdicts_headline
 
 TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
+_ORDER = (EXCEEDED, STRUCK, WITHIN, TOUCHING, CLEAR, NOT_JUDGED)
 _NAMED = 3  # verdicts that the answer names one by one
 _AMPLE = 10.0  # margin from which only its size is said: nobody needs 1234 %
 
@@ -95,8 +96,8 @@ def full_table(verdicts: Sequence[Verdict]) -> Table | None:
 
 
 def ordered(verdicts: Sequence[Verdict]) -> list[Verdict]:
-    """Return the verdicts, smallest margin first; those not judged last."""
-    return sorted(verdicts, key=lambda row: math.inf if row.share is None else -row.share)
+    """Return the verdicts: what is exceeded or struck first, then the smallest margin, those not judged last."""
+    return sorted(verdicts, key=lambda row: (_ORDER.index(row.verdict), -(row.share or 0.0)))
 
 
 def margin(row: Verdict) -> str:
