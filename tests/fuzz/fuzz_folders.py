@@ -84,7 +84,7 @@ def mutate(rng: np.random.Generator, folder: Path) -> Case:
         write_checksums(target)
     act = str(rng.choice(["read", "replay", "report", "compare"], p=[0.42, 0.5, 0.03, 0.05]))
     inputs = {"run": target, "beside": run, "act": act, "sums": sums, "changed": changed}
-    return Case(f"{act}, checksums {sums}: {words}", inputs, tuple(names))
+    return Case(f"{act}, checksums {sums}: {words}", inputs, (*names, "the model file", "the record"))
 
 
 def use(case: Case) -> str | None:

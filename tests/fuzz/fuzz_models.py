@@ -88,7 +88,7 @@ def mutate(rng, folder):
     wr.Isolator(name="A", roll=LAW, shear=LAW, axial=LAW).save(folder / "a.toml")
     names = re.findall(r'name="([^"/]{2,})', text)
     inputs = {"folder": folder, "way": int(rng.integers(12))}
-    return Case(mutation, inputs, names=("model.xml", "part.xml", "a.toml", "gravity", *names))
+    return Case(mutation, inputs, names=("model.xml", "part.xml", "a.toml", "gravity", "`accuracy`", *names))
 
 
 def _values(text):
