@@ -153,3 +153,18 @@ def test_what_is_no_accuracy_and_no_step_is_refused(made, commands, capsys, opti
         assert message in said
         assert said.count("\n") == 1
     assert made == []
+
+
+def test_what_never_ends_is_refused_with_the_number_of_steps(table):
+    motion = wr.HalfSine(peak=10.0, duration=0.011, direction="z")
+    with pytest.raises(wr.SimulationError, match=r"`timestep` of 1e-12 s makes 5\.0e\+10 steps of 0\.05 s"):
+        wr.simulate(table, motion, duration=0.05, timestep=1e-12)
+    with pytest.raises(ValueError, match=r"`accuracy` must be at least 1e-15, got 1e-300"):
+        wr.simulate(table, motion, duration=0.05, accuracy=1e-300)
+
+
+def test_a_given_step_longer_than_the_sample_interval_does_not_limit(table):
+    motion = wr.HalfSine(peak=10.0, duration=0.011, direction="z")
+    response = wr.simulate(table, motion, duration=0.05, timestep=2e-3, sample_rate=1000.0)
+    assert response.numerics.limited_by == "the sample interval"
+    assert response.timestep == pytest.approx(1e-3, rel=1e-9)

@@ -165,7 +165,7 @@ def test_what_has_failed_carries_nothing_and_the_others_carry_its_share():
             "there is no quantity 'mount/m1/heave/alpha'. What can vary: mount",
         ),
         ({"body/table/height": wr.Normal(1, 0.1)}, "there is no quantity 'body/table/height'"),
-        ({"body/box/mass": wr.Normal(1, 0.1)}, "there is no moving body with a mass 'box'. There is: table, block"),
+        ({"body/box/mass": wr.Normal(1, 0.1)}, "there is no moving body with a mass .*'box'. There is: block"),
         ({"motion/speed": wr.Normal(1, 0.1)}, "there is no quantity 'motion/speed'"),
         ({"mount/m1/failed": wr.Choice("m2")}, "there is no mount 'm2' there; choose from"),
         ({"mount/m1/spread": wr.Specimens()}, "of mount 'm1' has no \\[spread\\]"),

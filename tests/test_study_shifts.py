@@ -17,6 +17,7 @@ from wirerope_mj.cli.study_tables import print_varied
 from wirerope_mj.report.study import varied_table
 from wirerope_mj.runfolder.study_report import write_study_report
 from wirerope_mj.study.answers.answer import answer_of
+from wirerope_mj.study.answers.sentences import sentences
 from wirerope_mj.study.answers.varied import varied_of
 from wirerope_mj.study.folder import STUDY, TABLE, _identity
 from wirerope_mj.study.from_scenario import what_can_vary
@@ -58,7 +59,7 @@ def test_the_genset_leaves_its_travel_as_often_whichever_way_its_centre_is_said(
 def test_a_position_that_looks_like_a_shift_is_refused_and_both_names_are_said():
     with pytest.raises(ValueError, match=r"centre/z' is the position .* 0\.35 m .*say 'body/genset/centre_shift/z'"):
         genset_study(OLD)
-    with pytest.raises(ValueError, match=r"with values around -0\.34 m"):
+    with pytest.raises(ValueError, match=r"with shifts that bring it there, -0\.34 m"):
         genset_study({"body/genset/centre/z": wr.Uniform(0.0, 0.02)})
     with pytest.raises(ValueError, match="values around 0.01 m"):
         genset_study({"body/genset/centre/z": wr.Choice(0.0, 0.01, 0.02)})
@@ -120,7 +121,7 @@ def test_a_centre_is_said_in_the_bodys_axes_and_a_shift_of_it_in_the_worlds():
         0.1 - shift.row(0)["body/box/centre_shift/z"], abs=1e-16
     )
     said = {one.name: one.model for study in (value, shift) for one in varied_of(study)}
-    assert said == {"body/box/centre/x": "0.1 m", "body/box/centre_shift/z": "-0.1 m"}
+    assert said == {"body/box/centre/x": "0.1 m", "body/box/centre_shift/z": "shifted from -0.1 m"}
 
 
 @pytest.mark.parametrize(
@@ -162,12 +163,12 @@ def test_kind_unit_and_nominal_value_stand_beside_every_distribution():
     )
     assert cells(SHIFT)["body/genset/centre_shift/z"][:3] == (
         "shift [m]",
-        "0.35 m",
+        "shifted from 0.35 m",
         "normal, mean 0, standard deviation 0.03",
     )
     assert found["mount/*/axial/alpha"][:2] == ("factor", "3.205e+05")
     assert found["mount/*/axial/k1"][:2] == ("value [SI]", "2.925e+05")
-    assert found["mount/m[12]/position_shift/x"][:2] == ("shift [m]", "-0.8 to 0 m")
+    assert found["mount/m[12]/position_shift/x"][:2] == ("shift [m]", "shifted from -0.8 to 0 m")
     assert found["mount/m[12]/position_shift/x"][3] == "each its own"
     assert found["body/genset/mass"][:2] == ("factor", "1200 kg")
     assert found["motion/level"][:2] == ("factor", "1")
@@ -188,7 +189,7 @@ def test_the_screen_the_page_the_summary_and_labels_say_what_stands_in_the_model
         assert words in out
     (page,) = write_study_report(done.folder, out=tmp_path / "page.html")
     assert "0.35 m" in page.read_text(encoding="utf-8")
-    assert varied_table(done.study).rows[0][1:3] == ("shift [m]", "0.35 m")
+    assert varied_table(done.study).rows[0][1:3] == ("shift [m]", "shifted from 0.35 m")
     varied = json.loads((done.folder / "summary.json").read_text(encoding="utf-8"))["varied"]
     assert varied[0] == {
         "name": "body/genset/centre_shift/z", "kind": "shift", "unit": "m", "nominal": CENTRE, "nominal_unit": "m",
@@ -257,3 +258,28 @@ def test_a_group_is_a_word_with_or_without_quotes():
     assert bare == quoted == wr.Normal(1.0, 0.1, group="axial")
     with pytest.raises(ValueError, match="'axial' must be a number"):
         read_vary(["a = Normal(1, 0.1, low=axial)"])
+
+
+def test_a_body_that_stands_turned_is_told_without_an_axis_of_the_other_kind():
+    with pytest.raises(ValueError, match="'body/box/centre_shift/AXIS', along the world's axes"):
+        turned_study({"body/box/centre/z": wr.Normal(0.0, 0.001)})
+
+
+def test_values_about_1_of_what_is_far_from_1_are_warned_of():
+    with pytest.warns(wr.StudyWarning, match="factors on the model's value, say `relative`"):
+        table_study(vary={"body/block/mass": wr.Normal(1.0, 0.1)}, variants=4).table()
+
+
+def test_the_driven_base_has_no_mass_that_could_matter():
+    with pytest.raises(wr.ModelError, match=r"no moving body with a mass .*'table'. There is: block"):
+        table_study(vary={"body/table/mass": wr.Normal(1.0, 0.1, relative=True)}, variants=4)
+
+
+def test_a_study_says_in_how_many_variants_stops_were_struck(tmp_path, capsys):
+    levels = wr.Choice([1.0, 6.0])
+    result = table_study(vary={"motion/level": levels}, variants=2, sampling="grid").run(tmp_path / "study")
+    struck = np.asarray(result.table["struck"])
+    assert sorted(struck > 0.0) == [False, True]
+    (sentence,) = [one for one in sentences(result) if one.startswith("Stops are struck in 1 of 2 variants")]
+    assert "uncertain" in sentence
+    assert json.loads((result.folder / "summary.json").read_text())["struck"] == 1

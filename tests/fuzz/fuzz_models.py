@@ -214,7 +214,8 @@ def rest_and_shake(system, way):
         return f"equilibrium: residual {e.residual}"
     if way % 3:
         modes = wr.modes(system, history=e.history)
-        if not np.isfinite(modes.frequencies).all():
+        said = np.array(["(tips over)" in words for words in modes.words])
+        if not np.isfinite(modes.frequencies[~said]).all():
             return f"modes: {modes.frequencies}"
     motion = (
         SHOCK if len(system.assembly.driven_dofs) else wr.HalfSine(peak=1e-9, duration=0.001, direction="z", start=9.0)

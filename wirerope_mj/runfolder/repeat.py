@@ -16,6 +16,7 @@ from wirerope_mj.runfolder.differences import (
     sample_differences,
     summary_differences,
 )
+from wirerope_mj.runfolder.folder import SUMMARY
 from wirerope_mj.runfolder.judged import judged_run
 from wirerope_mj.runfolder.scenario_file import scenario_content
 from wirerope_mj.runfolder.sources import check_one_run, system_and_motion
@@ -105,4 +106,8 @@ def _naming(altered: Alterations | None) -> Iterator[None]:
 
 
 def _largest(found: list[Difference]) -> Difference:
-    return max((one for one in found if one[0] > 0.0), default=(0.0, ""))
+    """Return the largest difference; the summary repeats what the response says, which is named first."""
+    apart = [one for one in found if one[0] > 0.0]
+    worst = max(apart, default=(0.0, ""))
+    of_response = max((one for one in apart if not one[1].startswith(SUMMARY)), default=worst)
+    return of_response if (of_response[0] > AGREES) == (worst[0] > AGREES) else worst

@@ -24,7 +24,7 @@ from wirerope_mj.simulation.recorder import Recorder
 from wirerope_mj.simulation.run import run
 from wirerope_mj.simulation.same_layout import check_same_layout
 from wirerope_mj.simulation.simulate import check_arguments, check_direction, checked_corners, checked_step, versions
-from wirerope_mj.simulation.timestep import GIVEN
+from wirerope_mj.simulation.timestep import limit_of_given
 from wirerope_mj.state import State
 from wirerope_mj.system import System
 
@@ -122,7 +122,7 @@ def simulate_batch(
     check_same_layout(systems)
     found: dict[int, BatchResult | BatchFailure] = {}
     variants = []
-    step = cache(lambda system: checked_step(system, timestep))
+    step = cache(lambda system: checked_step(system, timestep, duration))
     for number, (system, motion, start) in enumerate(zip(systems, motions, starts, strict=True)):
         try:
             check_direction(system, motion)
@@ -191,7 +191,7 @@ def _together(
             for place in side_by_side.live.tolist():
                 final, peaks = side_by_side.result(place)
                 found[variants[place].number] = _result(
-                    variants[place], final, peaks, recorders[place] if responses else None,
+                    variants[place], grid, final, peaks, recorders[place] if responses else None,
                     timestep=side_by_side.largest_step, steps=side_by_side.steps, callback=kind,
                 )  # fmt: skip
             found |= {variants[i].number: BatchFailure(error=error) for i, error in side_by_side.errors.items()}
@@ -209,7 +209,7 @@ def _alone(variant: _Variant, grid: TimeGrid, kind: Kind, responses: bool) -> Ba
     except WireRopeError as error:
         return BatchFailure(error=error)
     return _result(
-        variant, done.final_state, done.peaks, recorder,
+        variant, grid, done.final_state, done.peaks, recorder,
         timestep=done.largest_step, steps=done.steps, callback=done.callback,
     )  # fmt: skip
 
@@ -229,14 +229,14 @@ def _forget(sample: int, values: Array) -> None:
 
 
 def _result(
-    variant: _Variant, final: State, peaks: Peaks, recorder: Recorder | None,
+    variant: _Variant, grid: TimeGrid, final: State, peaks: Peaks, recorder: Recorder | None,
     *, timestep: float, steps: int, callback: Kind,
 ) -> BatchResult:  # fmt: skip
     response = None
     if recorder is not None:
         numerics = Numerics(
             timestep=timestep, accuracy=math.nan, error_estimate=math.nan, steps=steps, callback=callback,
-            versions=dict(versions()), limited_by=GIVEN,
+            versions=dict(versions()), limited_by=limit_of_given(grid.timestep, grid.sample_rate),
         )  # fmt: skip
         response = recorder.finish(variant.start, final, peaks, numerics)
     return BatchResult(

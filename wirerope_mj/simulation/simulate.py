@@ -22,7 +22,7 @@ from wirerope_mj.simulation.progress import progress_bar
 from wirerope_mj.simulation.recorder import Recorder
 from wirerope_mj.simulation.run import run
 from wirerope_mj.simulation.stability import stable_step
-from wirerope_mj.simulation.timestep import GIVEN, ChosenStep, choose_timestep
+from wirerope_mj.simulation.timestep import ChosenStep, choose_timestep, limit_of_given
 from wirerope_mj.simulation.uncertain import warn_of_uncertainty
 from wirerope_mj.state import State
 from wirerope_mj.system import System
@@ -72,6 +72,8 @@ def simulate(
         AccuracyWarning: the estimated error is above `accuracy`, or stops were struck.
     """
     check_arguments(duration=duration, sample_rate=sample_rate, accuracy=accuracy, timestep=timestep)
+    if accuracy < FINEST:
+        raise ValueError(f"`accuracy` must be at least {FINEST:.0e}, got {accuracy:.3g}: rounding hides what is finer.")
     check_direction(system, motion)
     if out is not None and (Path(out) / FILE).exists():
         raise RecordError(f"{out}: a response stands here already; give another `out`, or remove {FILE}.")
@@ -79,7 +81,8 @@ def simulate(
     if timestep is None:
         step = choose_timestep(system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy)
     else:
-        step = ChosenStep(timestep=checked_step(system, timestep), error=math.nan, limited_by=GIVEN)
+        given = checked_step(system, timestep, duration)
+        step = ChosenStep(timestep=given, error=math.nan, limited_by=limit_of_given(timestep, sample_rate))
     grid = time_grid(
         start=start.time, duration=duration, sample_rate=sample_rate, timestep=step.timestep, motion=motion,
         corners=checked_corners(corners),
@@ -130,8 +133,20 @@ def checked_corners(corners: Sequence[float] | Array) -> Array:
     return np.sort(instants)
 
 
-def checked_step(system: System, timestep: float) -> float:
-    """Return the step that was asked for, or raise SimulationError if RK4 is not stable with it."""
+FINEST = 1e-15
+"""Accuracy that can be asked for: the rounding of one number."""
+
+MOST_STEPS = 1e9
+"""Steps of a run at the most: hours of computing, and far beyond where rounding outweighs the error of a step."""
+
+
+def checked_step(system: System, timestep: float, duration: float) -> float:
+    """Return the step that was asked for, or raise SimulationError if RK4 is not stable with it or never ends."""
+    if duration / timestep > MOST_STEPS:
+        raise SimulationError(
+            f"`timestep` of {timestep:.3g} s makes {duration / timestep:.1e} steps of {duration:.4g} s; at most "
+            f"{MOST_STEPS:.0e} are computed. Give a longer `timestep`, or None to have it chosen."
+        )
     limit = stable_step(system)
     if timestep > limit:
         raise SimulationError(

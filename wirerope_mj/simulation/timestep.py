@@ -63,6 +63,11 @@ class ChosenStep:
     limited_by: str
 
 
+def limit_of_given(timestep: float, sample_rate: float) -> str:
+    """Return what limits the steps where `timestep` [s] was given: samples are ends of steps as well."""
+    return GIVEN if timestep <= 1.0 / sample_rate else SAMPLES
+
+
 def choose_timestep(
     system: System,
     motion: BaseMotion,

@@ -20,7 +20,7 @@ NAN = math.nan
 def measure_names(system: System) -> list[str]:
     """Return the names of all measures, the columns of the table between inputs and status."""
     bodies, points = payload_bodies(system), payload_points(system)
-    names = ["acceleration", "travel", "static_load", "fragility", "mounts"]
+    names = ["acceleration", "travel", "static_load", "fragility", "mounts", "struck"]
     names += [f"acceleration/{name}" for name in (*bodies, *points)]
     names += [f"displacement/{name}" for name in points]
     for mount in system.mounts:
@@ -37,7 +37,8 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     positive; force/MOUNT: largest norm [N]. static_load: largest share of a rated static load [-] of any mount at rest;
     static_load/MOUNT: of one, not judged where it hangs or carries more across its axis than along it.
     displacement/POINT: largest norm relative to the base [m]. fragility: largest share [-] of an acceleration that the model
-    states as a limit. mounts: number of mounts that are fitted and have not failed. NaN where nothing is rated or stated.
+    states as a limit. mounts: number of mounts that are fitted and have not failed. struck: number of pairs of geoms, such as
+    a stop and its pad, that came together. NaN where nothing is rated or stated.
     """
     bodies, points = payload_bodies(system), payload_points(system)
     at = {name: peaks.bodies[name].acceleration for name in bodies}
@@ -45,6 +46,7 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     found = {"acceleration": _largest(at[name].value for name in bodies)}
     found |= dict.fromkeys(("travel", "static_load", "fragility"), NAN)
     found["mounts"] = float(sum(acts(mount.isolator) for mount in system.mounts.values()))
+    found["struck"] = float(len(peaks.struck))
     found |= {f"acceleration/{name}": peak.value for name, peak in at.items()}
     found |= {f"displacement/{name}": peaks.points[name].relative_displacement.value for name in points}
     shares = []

@@ -1,12 +1,15 @@
 """The numbers of a compiled model: finite, and joints that move in directions of their own."""
 
 from functools import cache
+from pathlib import Path
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.errors import ModelError
+from wirerope_mj.system.named_files import model_trees
 
 _ELEMENTS = {"site": "site", "jnt": "joint", "geom": "geom", "body": "body", "eq": "equality"}
 """What the names of a model's arrays begin with, and the element; of several numbers that are not finite the first is named."""
@@ -17,6 +20,27 @@ _WRITTEN = ("pos", "quat", "axis", "size", "mass")
 REGULAR = 1e-12
 """Smallest eigenvalue of a matrix whose diagonal is scaled to 1: dependent joints leave rounding, 1e-16. Slides 1e-6 rad apart
 and a body on a joint of its own with 1e-11 of the mass that it carries still pass."""
+
+
+def check_written(text: str, path: Path | None) -> None:
+    """Raise ModelError if a number of a model as written is NaN, which MuJoCo takes for one that is not given.
+
+    Args:
+        text: the MJCF.
+        path: the file in which it stands, None if it was given as text.
+    """
+    if "nan" not in text.lower() and "<include" not in text:
+        return
+    try:
+        trees = [ElementTree.fromstring(text)] if path is None else [tree for tree, _ in model_trees(path)]
+    except (ElementTree.ParseError, ModelError):
+        return  # MuJoCo says what it cannot read
+    names = {element.get("name") for tree in trees for element in tree.iter()}  # something may be called nan
+    for element in (element for tree in trees for element in tree.iter()):
+        for key, value in element.attrib.items():
+            if "nan" in value.lower().split() and value not in names:
+                named = f"{element.tag} {element.get('name')!r}" if element.get("name") else f"<{element.tag}>"
+                raise ModelError(f"{named}: its `{key}` is {value!r}; {_REMEDY}")
 
 
 def check_numbers(model: mujoco.MjModel) -> None:

@@ -19,7 +19,7 @@ def named_files(model: Path) -> Iterator[tuple[str, Path]]:
     Raises:
         ModelError: a file is not well-formed XML.
     """
-    for tree, places in _trees(model):
+    for tree, places in model_trees(model):
         for name, source, _ in _sources(tree, places):
             yield name, source
 
@@ -49,14 +49,14 @@ def check_inside(folder: Path, stated: Mapping[str, str]) -> Path:
 
 def _isolator_files(model: Path) -> Iterator[tuple[str, Path]]:
     """Yield what a model calls its isolator files, and where they are looked for first."""
-    for tree, _ in _trees(model):
+    for tree, _ in model_trees(model):
         for text in tree.iter("text"):
             if "isolator/" in text.get("name", ""):
                 name = text.get("data", "")
                 yield name, model.parent / (name if name.endswith(".toml") else f"{name}.toml")
 
 
-def _trees(model: Path) -> Iterator[tuple[ElementTree.Element, tuple[Path, ...]]]:
+def model_trees(model: Path) -> Iterator[tuple[ElementTree.Element, tuple[Path, ...]]]:
     """Yield the elements of a model file and of those that it includes or attaches, each with the folders it searches."""
     todo: list[tuple[Path, tuple[Path, ...]]] = [(model, ())]
     seen = set()

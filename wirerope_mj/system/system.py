@@ -17,7 +17,7 @@ from wirerope_mj.resources import models_folder
 from wirerope_mj.system.assembly import Assembly, assemble
 from wirerope_mj.system.changes import Changes
 from wirerope_mj.system.declared import DeclaredMount, base_body, check_names, check_visible, declared_mounts
-from wirerope_mj.system.finite import check_joints, check_numbers
+from wirerope_mj.system.finite import check_joints, check_numbers, check_written
 from wirerope_mj.system.limits import declared_limits
 from wirerope_mj.system.refused import refused
 
@@ -102,6 +102,7 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
 
 def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> System:
     """Return the system of an MJCF text, which stands in the file `path` if there is one."""
+    check_written(text, path)
     try:
         spec = mujoco.MjSpec.from_file(str(path)) if path else mujoco.MjSpec.from_string(text)
         check_names(spec)

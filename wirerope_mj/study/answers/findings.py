@@ -25,6 +25,9 @@ HEADLINES = ("travel", "acceleration", "fragility")
 
 CONFIDENCE = 0.95
 
+STRUCK = "struck"
+"""Column of the number of stops that were struck."""
+
 _BEYOND = 5
 """Variants that lie beyond a percentile that is given."""
 
@@ -37,6 +40,7 @@ _ROOMS = {
     "static_load": ("share of the rated static load", "%", 100.0, 1.0),
     "fragility": ("share of the stated acceleration limit", "%", 100.0, 1.0),
     "mounts": ("number of mounts that act", "-", 1.0, None),
+    "struck": ("number of stops struck", "-", 1.0, None),
     "deflection": ("largest deflection", *shown_in("m"), None),
     "displacement": ("largest displacement relative to the base", *shown_in("m"), None),
     "force": ("largest force", *shown_in("N"), None),
@@ -112,6 +116,11 @@ def measures_of(table: pa.Table) -> list[str]:
     """Return the names of the measures of a table."""
     first = table.column_names.index("acceleration")
     return [name for name in table.column_names[first:] if name not in _KEPT]
+
+
+def struck_variants(table: pa.Table) -> int | None:
+    """Return in how many variants stops were struck; None of older tables, which do not say it."""
+    return int(np.count_nonzero(values_of(table, STRUCK) > 0.0)) if STRUCK in table.column_names else None
 
 
 def checked_measure(table: pa.Table, name: str) -> str:

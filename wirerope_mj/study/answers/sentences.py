@@ -18,6 +18,7 @@ from wirerope_mj.study.answers.findings import (
     percent,
     random_study,
     row_of,
+    struck_variants,
     values_of,
     worst,
 )
@@ -41,6 +42,7 @@ def sentences(result: StudyResult) -> list[str]:
     ]
     if not found:
         found.append("Nothing is judged: the isolators state no rated travel and the model no limit.")
+    found += struck_sentences(result.table)
     if "travel" in headlines(result.table):
         found += travel_sentences(result.study.base)
     found += specimen_sentences(result.study.quantities)
@@ -48,6 +50,17 @@ def sentences(result: StudyResult) -> list[str]:
         every = (sobol_indices(result, name) for name in headlines(result.table))
         found += [of_indices(one) for one in every if one.factors]
     return found
+
+
+def struck_sentences(table: pa.Table) -> list[str]:
+    """Return in how many variants stops were struck; nothing of none, and of tables of older versions, which do not say it."""
+    struck = struck_variants(table)
+    if not struck:
+        return []
+    return [
+        f"Stops are struck in {struck} of {table.num_rows} variants: their accelerations are uncertain, because they depend "
+        "on stiffness and damping of the stops."
+    ]
 
 
 def _overloaded(table: pa.Table) -> list[str]:

@@ -6,7 +6,17 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from wirerope_mj.study.answers.findings import CONFIDENCE, chance_of, finite, measure_of, quantiles, values_of, worst
+from wirerope_mj.study.answers.findings import (
+    CONFIDENCE,
+    STRUCK,
+    chance_of,
+    finite,
+    measure_of,
+    quantiles,
+    struck_variants,
+    values_of,
+    worst,
+)
 from wirerope_mj.study.answers.indices import drawn, sobol_indices
 from wirerope_mj.study.answers.varied import varied_of
 from wirerope_mj.study.inputs.sampling import LISTED
@@ -25,7 +35,7 @@ def summary(result: StudyResult) -> dict[str, Any]:
     Of variants that were drawn percentiles, as far as five variants lie beyond them, and the probability beyond the limit with
     its bounds; of those for Sobol's indices these, too; of listed ones the smallest, the middle and the largest value.
     """
-    result = result.narrowed(("variant", "status", "message", *SUMMARISED))
+    result = result.narrowed(("variant", "status", "message", STRUCK, *SUMMARISED))
     method = result.inputs["sampling"]["method"]
     table = drawn(result) if method == SAMPLING else result.table
     measures = {}
@@ -33,7 +43,8 @@ def summary(result: StudyResult) -> dict[str, Any]:
         measures[name] = _of_measure(table, name, is_drawn=method not in LISTED)
         if method == SAMPLING:
             measures[name] |= _indices(result, name)
-    return {**begun(result), "measures": measures}
+    struck = struck_variants(result.table)
+    return {**begun(result), **({} if struck is None else {"struck": struck}), "measures": measures}
 
 
 def begun(result: StudyResult) -> dict[str, Any]:

@@ -81,11 +81,12 @@ def _varied(quantity: Quantity, study: "Study") -> Varied:
     every = [] if many else [one for own in quantity.columns for one in nominal(own, study.base, study.motions)]
     numbers = np.concatenate([np.ravel(one) for one in every]) if every else np.empty(0)
     ends = () if numbers.size == 0 or numbers.dtype == np.bool_ else (float(numbers.min()), float(numbers.max()))
+    kind, there = kind_of(column), nominal_text(every, model_unit(column))
     return Varied(
         name=quantity.name,
-        kind=kind_of(column),
+        kind=kind,
         unit=unit_of(column),
-        model="the isolator's" if many else nominal_text(every, model_unit(column)),
+        model="the isolator's" if many else f"shifted from {there}" if kind == "shift" else there,
         nominal=ends,
         nominal_unit=model_unit(column),
         distribution=quantity.distribution,

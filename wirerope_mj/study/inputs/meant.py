@@ -10,11 +10,11 @@ from wirerope_mj.study.inputs.distributions import Choice, Distribution, Normal,
 from wirerope_mj.study.inputs.nominal import SHIFTS, model_unit, nominal, nominal_text
 from wirerope_mj.study.inputs.quantities import Column, Quantity
 from wirerope_mj.system import System
-from wirerope_mj.system.centres import is_aligned
+from wirerope_mj.system.centres import body_axes, is_aligned
 
 Array = npt.NDArray[np.float64]
 
-FAR = 100.0
+FAR = 10.0
 """How far, as a factor, all values of a parameter lie from the model's if they were meant as factors on it, perhaps."""
 
 NEAR = 1e-6
@@ -42,7 +42,7 @@ def check_centres(quantities: Sequence[Quantity], system: System) -> None:
 
 
 def _check_centre(quantity: Quantity, column: Column, system: System) -> None:
-    shift = column.name.replace("/centre/", "/centre_shift/")
+    shift = _named(column, system, "centre_shift")
     for body in column.targets:
         if is_aligned(system, body):
             raise ValueError(
@@ -61,8 +61,16 @@ def _check_centre(quantity: Quantity, column: Column, system: System) -> None:
         raise ValueError(
             f"`vary`: {column.name!r} is the position of the centre of mass in the body's axes [m], and stands at {there} in "
             f"the model; values around {middle:g} m are nearer to 0 than to that, as shifts are. If they are shifts, say "
-            f"{shift!r}; if the centre is to stand there, say {shift!r} with values around {middle - here:.4g} m."
+            f"{shift!r}, along the world's axes; if the centre is to stand there, say {shift!r} with shifts that bring it "
+            f"there, {middle - here:.4g} m along this axis of the body."
         )
+
+
+def _named(column: Column, system: System, kind: str) -> str:
+    """Return the name of a centre of mass as another kind; without its axis where the body's axes are not the world's."""
+    name = column.name.replace(f"/{column.kind}/", f"/{kind}/")
+    parallel = all(np.allclose(body_axes(system, body), np.eye(3), atol=1e-9) for body in column.targets)
+    return name if parallel else f"{name.rpartition('/')[0]}/AXIS"
 
 
 def _middle(distribution: Distribution) -> float:
@@ -93,9 +101,10 @@ def _like_position(system: System, column: Column, shifts: Array) -> list[str]:
     values = [here for here in nominal(column, system, ()) if abs(here) > NEAR]
     if low <= 0.0 <= high or not any(abs(middle - here) < abs(middle) for here in values):
         return []
-    remedy = f"say {column.name.replace('/centre_shift/', '/centre/')!r}" if column.kind == "centre_shift" else (
-        "take the model's position off them"
-    )  # fmt: skip
+    if column.kind == "centre_shift":
+        remedy = f"say {_named(column, system, 'centre')!r}"
+    else:
+        remedy = "take the model's position off them"
     return [
         f"{column.name} is a shift, from {low:.3g} to {high:.3g} m in the study, of what stands at "
         f"{nominal_text(values, 'm')} in the model; if these are positions, {remedy}."

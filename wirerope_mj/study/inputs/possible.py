@@ -40,7 +40,7 @@ def possible_lines(system: System, motion: BaseMotion) -> list[str]:
 
 def _bodies(system: System) -> list[str]:
     """Return the lines of the bodies that can vary, with the model's masses and centres of mass."""
-    bodies = moving_bodies(system.model)
+    bodies = [body for body in moving_bodies(system.model) if body != system.base]
     if not bodies:
         return []
     lines = ["bodies, with the model's mass and centre of mass from the body's origin:"]

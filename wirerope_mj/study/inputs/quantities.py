@@ -189,7 +189,8 @@ def _of_bodies(name: str, parts: list[str], distribution: Distribution, system: 
         _check_axis(name, parts[-1], distribution)
     else:
         raise ModelError(f"`vary`: there is no quantity {name!r}. What can vary: {FORMS}.")
-    existing, word = moving_bodies(system.model), "moving body with a mass"
+    existing = [body for body in moving_bodies(system.model) if body != system.base]  # whose mass drives nothing
+    word = "moving body with a mass (the driven base does not count)"
     if kind == "centre_shift":
         return _shifted(name, pattern, existing, word, distribution, kind=kind, key=key)
     return _split(name, pattern, _matching(name, pattern, existing, word), distribution, kind=kind, key=key)
