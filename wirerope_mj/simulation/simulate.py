@@ -72,8 +72,8 @@ def simulate(
         AccuracyWarning: the estimated error is above `accuracy`, or stops were struck.
     """
     check_arguments(duration=duration, sample_rate=sample_rate, accuracy=accuracy, timestep=timestep)
-    if accuracy < FINEST:
-        raise ValueError(f"`accuracy` must be at least {FINEST:.0e}, got {accuracy:.3g}: rounding hides what is finer.")
+    if timestep is None and (accuracy is None or accuracy < FINEST):
+        raise ValueError(f"`accuracy` must be at least {FINEST:.0e}, got {accuracy}: rounding hides what is finer.")
     check_direction(system, motion)
     if out is not None and (Path(out) / FILE).exists():
         raise RecordError(f"{out}: a response stands here already; give another `out`, or remove {FILE}.")
