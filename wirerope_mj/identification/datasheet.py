@@ -4,6 +4,7 @@
 
 reads the vendor's figures, writes the isolator file and prints every figure beside what the fit gives. What a sheet
 holds is described in `wirerope_mj.identification.vendor`; those of the catalogue lie in `models/isolators/datasheets`.
+The shape of the elastic force comes from the rope loop's geometry, its size and the friction from the vendor's figures.
 """
 
 import argparse
@@ -13,10 +14,11 @@ from pathlib import Path
 
 from wirerope_mj.errors import WireRopeError
 from wirerope_mj.identification import figures
-from wirerope_mj.identification.shapes import HARDENING_YIELD, NiLaw, Points, Stiffnesses, fit_points, fit_stiffnesses
-from wirerope_mj.identification.vendor import DataSheet, read_datasheet
-from wirerope_mj.isolator import Geometry, Isolator, Limits, Provenance, Travel
+from wirerope_mj.identification.secants import Curve, NiLaw, fit_damped, fit_secants
+from wirerope_mj.identification.vendor import AxisFigures, DataSheet, Stated, read_datasheet
+from wirerope_mj.isolator import Geometry, Isolator, Limits, Provenance, Spread, Travel
 from wirerope_mj.laws import Law
+from wirerope_mj.rope_loop import AxisCurves, axis_curves
 from wirerope_mj.units import STANDARD_GRAVITY
 
 
@@ -41,10 +43,26 @@ def fit_datasheet(path: str | Path) -> Isolator:
 
     Raises:
         ModelError: the data sheet breaks a rule.
-        ConvergenceError: no law has all its figures; says by how much the nearest misses.
+        ConvergenceError: no law has all its figures.
     """
-    sheet = read_datasheet(path)
-    axial, shear = _fit(sheet.compression, sheet.tension_ratio), _fit(sheet.shear, None)
+    return fit_sheet(read_datasheet(path))
+
+
+def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
+    """Return the isolator that reproduces the figures of a data sheet; `kind` is that of its provenance.
+
+    Raises:
+        ValueError: no rope loop has the envelope of the sheet.
+        ConvergenceError: no law has all its figures.
+    """
+    curves = axis_curves(
+        height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope,
+        compression=sheet.compression.travel, roll=sheet.shear.travel,
+    )  # fmt: skip
+    along = Curve(asymmetry=curves.asymmetry, cubic=curves.axial_cubic * sheet.compression.hardening)
+    across = Curve(asymmetry=None, cubic=curves.roll_cubic * sheet.shear.hardening)
+    axial = _fit(sheet.compression, along, sheet.yielding, sheet.damping_amplitude)
+    shear = _fit(sheet.shear, across, 1.0 / axial.beta, sheet.damping_amplitude)
     return Isolator(
         name=sheet.name,
         roll=shear,
@@ -56,12 +74,13 @@ def fit_datasheet(path: str | Path) -> Isolator:
         ),
         geometry=Geometry(height=sheet.height, width=sheet.width),
         provenance=Provenance(
-            kind="catalogue",
+            kind=kind,
             source=sheet.source,
             fitted_to=_fitted_to(sheet),
-            assumed=_assumed(sheet, shear),
+            assumed=_assumed(sheet, curves),
             check_45=_check_45(sheet, axial, shear),
         ),
+        spread=Spread(parameters=("axial.c",), covariance=((float(f"{curves.asymmetry_deviation**2:.6g}"),),)),
     )
 
 
@@ -70,106 +89,100 @@ def compare(path: str | Path, isolator: Isolator) -> list[Figure]:
     sheet = read_datasheet(path)
     if isolator.axial is None or isolator.shear is None:
         raise ValueError(f"`isolator` must have an axial and a shear law, {isolator.name} has not.")
-    rows = _axis_figures("compression", sheet.compression, isolator.axial)
-    ratio = figures.tension_ratio(isolator.axial, sheet.compression.travel)
-    rows.append(Figure(axis="compression", name="F(+D)/|F(-D)|", unit="-", vendor=None, fitted=ratio))
+    rows = _axis_figures("compression", sheet.compression, isolator.axial, sheet.damping_amplitude)
+    half = 0.5 * sheet.compression.travel
+    ratio = figures.tension_ratio(isolator.axial, half)
+    rows.append(Figure(axis="compression", name="F(+D/2)/|F(-D/2)|", unit="-", vendor=None, fitted=ratio))
     for name, relaxed in (("virgin sag", False), ("relaxed sag", True)):
+        if sheet.static_load is None:
+            break
         depth = figures.compression_sag(isolator.axial, sheet.static_load, sheet.compression.travel, relaxed=relaxed)
         rows.append(Figure(axis="compression", name=name, unit="mm", vendor=None, fitted=1e3 * depth))
-    rows += _axis_figures("shear, roll", sheet.shear, isolator.shear)
+    rows += _axis_figures("shear, roll", sheet.shear, isolator.shear, sheet.damping_amplitude)
     return rows + diagonal_figures(sheet, isolator.axial, isolator.shear)
 
 
 def diagonal_figures(sheet: DataSheet, axial: Law, roll: Law) -> list[Figure]:
     """Return the figures at 45 degrees between compression and roll, which nothing was fitted to."""
-    vendor = sheet.diagonal
-    if vendor is None:
+    if sheet.diagonal is None:
         return []
-    if isinstance(vendor, Stiffnesses):
-        tangent = figures.diagonal_stiffness(axial, roll, 0.0)
-        secant = figures.diagonal_force(axial, roll, vendor.travel) / vendor.travel
-        pairs = [("vibration stiffness", "N/mm", vendor.vibration / 1e3, tangent / 1e3)]
-        pairs.append(("shock stiffness", "N/mm", vendor.shock / 1e3, secant / 1e3))
-    else:
-        mass = vendor.static_force / STANDARD_GRAVITY
-
-        def relaxed(deflection: float) -> float:
-            return figures.diagonal_force(axial, roll, deflection, relaxed=True)
-
-        depth = figures.sag(relaxed, vendor.static_force, vendor.travel)
-        frequency = figures.resonance(figures.diagonal_stiffness(axial, roll, depth), mass)
-        static = figures.diagonal_force(axial, roll, vendor.static_deflection)
-        shock = figures.diagonal_force(axial, roll, vendor.travel)
-        pairs = [("static force", "N", vendor.static_force, static), ("shock force", "N", vendor.shock_force, shock)]
-        pairs.append(("resonance", "Hz", vendor.resonance, frequency))
-    return [Figure(axis="45 degrees", name=n, unit=u, vendor=v, fitted=f) for n, u, v, f in pairs]
+    rows = []
+    for stated in sheet.diagonal.stated:
+        if stated.unit == "Hz":
+            continue  # about a sag under a load that is not along an axis of the mount: nothing here follows that
+        secant = figures.diagonal_secant(axial, roll, stated.secant.deflection, steady=stated.secant.steady)
+        rows.append(_row("45 degrees", stated, secant))
+    return rows
 
 
-def _fit(stated: Stiffnesses | Points, ratio: float | None) -> NiLaw:
-    """Return the law of one axis."""
-    return fit_stiffnesses(stated, ratio) if isinstance(stated, Stiffnesses) else fit_points(stated, ratio)
+def _fit(stated: AxisFigures, curve: Curve, yielding: float | None, amplitude: float) -> NiLaw:
+    """Return the law of one axis; a damping ratio that is aimed at comes before a yield deflection."""
+    if stated.damping is not None:
+        return fit_damped(stated.fitted, curve, damping=stated.damping, amplitude=amplitude)
+    if yielding is None:
+        raise ValueError("`yielding` must be given where no damping ratio is.")
+    return fit_secants(stated.fitted, curve, yielding)
 
 
-def _axis_figures(axis: str, stated: Stiffnesses | Points, law: Law) -> list[Figure]:
+def _row(axis: str, stated: Stated, stiffness: float) -> Figure:
+    """Return a figure of the sheet beside the secant stiffness [N/m] of a law."""
+    vendor, fitted = stated.shown(stated.secant.stiffness), stated.shown(stiffness)
+    return Figure(axis=axis, name=stated.name, unit=stated.unit, vendor=vendor, fitted=fitted)
+
+
+def _axis_figures(axis: str, stated: AxisFigures, law: Law, amplitude: float) -> list[Figure]:
     """Return the figures of one axis; the negative side is compression, and symmetric laws do not mind."""
-    if isinstance(stated, Stiffnesses):
-        secant = figures.virgin_force(law, -stated.travel) / -stated.travel
-        pairs: list[tuple[str, str, float | None, float]] = [
-            ("vibration stiffness", "N/mm", stated.vibration / 1e3, figures.relaxed_stiffness(law, 0.0) / 1e3),
-            ("shock stiffness", "N/mm", stated.shock / 1e3, secant / 1e3),
-        ]
-    else:
-        depth = figures.compression_sag(law, stated.static_force, stated.travel, relaxed=True)
-        tangent = figures.relaxed_stiffness(law, -depth)
-        static = -figures.virgin_force(law, -stated.static_deflection)
-        pairs = [
-            ("static force", "N", stated.static_force, static),
-            ("shock force", "N", stated.shock_force, -figures.virgin_force(law, -stated.travel)),
-            ("resonance", "Hz", stated.resonance, figures.resonance(tangent, stated.static_force / STANDARD_GRAVITY)),
-        ]
-    pairs.append(("damping ratio at D/2", "-", None, figures.damping_ratio(law, stated.travel / 2.0)))
-    return [Figure(axis=axis, name=n, unit=u, vendor=v, fitted=f) for n, u, v, f in pairs]
+    rows = []
+    for figure in stated.stated:
+        about = 0.0
+        if figure.unit == "Hz" and axis == "compression":
+            load = figure.mass * STANDARD_GRAVITY
+            about = -figures.compression_sag(law, load, stated.travel, relaxed=True)
+        rows.append(_row(axis, figure, figures.secant(law, figure.secant, about)))
+    for name, at in ((f"damping ratio at {1e3 * amplitude:.3g} mm", amplitude), ("damping ratio at D/2", stated.travel / 2.0)):
+        rows.append(Figure(axis=axis, name=name, unit="-", vendor=None, fitted=figures.damping_ratio(law, at)))
+    return rows
 
 
 def _fitted_to(sheet: DataSheet) -> str:
     """Return the sentence that says what the parameters reproduce."""
-    if isinstance(sheet.compression, Stiffnesses):
-        return (
-            "tangent at the origin = vibration stiffness; virgin secant at the rated travel (axial: in compression) = "
-            f"shock stiffness; damping ratio {sheet.damping:g} of the steady loop of half the rated travel about zero"
-        )
-    return (
-        "static and shock force on the virgin path (axial: in compression); resonance of a small vibration about the "
-        "sagged, relaxed position (z = 0) under the static load of the axis"
-    )
+    axes = []
+    for name, axis in (("axial", sheet.compression), ("shear and roll", sheet.shear)):
+        fitted = [_said(figure) for figure in axis.stated if figure.fitted]
+        if axis.damping is not None:
+            fitted.append(f"damping ratio {axis.damping:g} of the steady loop of {1e3 * sheet.damping_amplitude:.3g} mm")
+        axes.append(f"{name}: {', '.join(fitted)}")
+    return "; ".join(axes)
 
 
-def _assumed(sheet: DataSheet, shear: Law) -> tuple[str, ...]:
+def _said(figure: Stated) -> str:
+    """Return what a figure is."""
+    path = "steady loop" if figure.secant.steady else "virgin path"
+    value = f"{figure.shown(figure.secant.stiffness):.5g} {figure.unit}"
+    if figure.unit == "N":
+        return f"{figure.name} {value} at {1e3 * figure.secant.deflection:.4g} mm of the {path}"
+    return f"{figure.name} {value} = secant of the {path} of {1e3 * figure.secant.deflection:.4g} mm"
+
+
+def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
     """Return what no source gives, one sentence each."""
     sentences = [
-        f"axial: F(+D)/|F(-D)| = {sheet.tension_ratio:g} on the virgin paths, sets c ln b: nobody measured tension",
+        f"axial: c ln b and k3 / k1 from the rope loop (elastica of the envelope, to {100.0 * curves.misfit:.2g} % of its secants): "
+        f"nobody measured tension; standard deviation of c {curves.asymmetry_deviation:.3g} 1/m in [spread], for what the bars hold",
+        f"shear and roll: k3 / k1 is {sheet.shear.hardening:g} times that of the rope loop in roll",
         "n = 1, gamma = 0 and k2 = 0 on every axis, b = e: the shape of the loop",
         "tension travel is not stated and not judged",
     ]
-    if getattr(shear, "k3", 0.0) > 0.0:
-        sentences.append(f"shear and roll: z yields at {HARDENING_YIELD:g} of the rated travel, 1/beta, and k3 hardens")
-    if sheet.damping is not None:
-        sentences.append(f"damping ratio {sheet.damping:g}: {_stated_damping(sheet)}")
-    else:
-        sentences.append("the width of the loop: the vendor states no damping")
+    if sheet.shear.damping is None:
+        sentences.append("shear and roll: friction yields at the deflection of the axial law")
+    if sheet.damping_range is not None:
+        sentences.append("damping ratio: the vendor states {:g} to {:g} for the whole series".format(*sheet.damping_range))
     return (*sentences, *sheet.assumed)
-
-
-def _stated_damping(sheet: DataSheet) -> str:
-    """Return what the vendor says about damping."""
-    if sheet.damping_range is None:
-        return "the vendor states none"
-    return "the vendor states {:g} to {:g} for the whole series".format(*sheet.damping_range)
 
 
 def _check_45(sheet: DataSheet, axial: Law, roll: Law) -> dict[str, float]:
     """Return the comparison at 45 degrees as the provenance keeps it."""
-    units = {"N/mm": "N_per_mm", "N": "N", "Hz": "Hz"}
+    units = {"N/mm": "N_per_mm", "N": "N"}
     table: dict[str, float] = {}
     for row in diagonal_figures(sheet, axial, roll):
         name = row.name.replace(" ", "_")
@@ -183,11 +196,11 @@ def _check_45(sheet: DataSheet, axial: Law, roll: Law) -> dict[str, float]:
 
 def print_table(rows: list[Figure]) -> None:
     """Print one line for each figure."""
-    print(f"{'axis':<13}{'figure':<24}{'unit':<6}{'vendor':>12}{'fitted':>12}{'error':>10}")
+    print(f"{'axis':<13}{'figure':<26}{'unit':<6}{'vendor':>12}{'fitted':>12}{'error':>10}")
     for row in rows:
         vendor = "" if row.vendor is None else f"{row.vendor:.6g}"
         error = "" if row.error is None else f"{round(100.0 * row.error, 2) + 0.0:+.2f} %"
-        print(f"{row.axis:<13}{row.name:<24}{row.unit:<6}{vendor:>12}{row.fitted:>12.6g}{error:>10}")
+        print(f"{row.axis:<13}{row.name:<26}{row.unit:<6}{vendor:>12}{row.fitted:>12.6g}{error:>10}")
 
 
 def main(arguments: list[str] | None = None) -> int:

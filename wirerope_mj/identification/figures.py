@@ -5,12 +5,17 @@ Nothing here knows the closed forms that the fits use, so that these functions c
 
 from collections.abc import Callable
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.optimize import brentq
 
 from wirerope_mj.bench import cyclic_test
 from wirerope_mj.errors import ConvergenceError
 from wirerope_mj.laws import Law
+
+if TYPE_CHECKING:
+    from wirerope_mj.identification.secants import Secant
 
 _DIAGONAL = float(np.sqrt(0.5))  # share of a deflection at 45 degrees that each of the two axes takes
 
@@ -25,17 +30,17 @@ def relaxed_force(law: Law, deflection: float) -> float:
     return float(law.trace([deflection, deflection]).force[0])
 
 
-def relaxed_stiffness(law: Law, deflection: float, step: float = 1e-6) -> float:
-    """Return the tangent [N/m] of a small vibration about `deflection` [m] with z = 0.
+def secant(law: Law, stated: "Secant", about: float = 0.0) -> float:
+    """Return the secant stiffness [N/m] that a law has where a figure is stated.
 
-    Two difference quotients are extrapolated: z(-h) = -z(h) leaves an error of first order in the step, h / x_y.
+    Args:
+        law: of the axis.
+        stated: deflection and whether of the steady loop; a virgin path leads into compression.
+        about: where a steady loop lies [m].
     """
-
-    def quotient(h: float) -> float:
-        forces = [float(law.trace([deflection, deflection + sign * h]).force[-1]) for sign in (1.0, -1.0)]
-        return (forces[0] - forces[1]) / (2.0 * h)
-
-    return 2.0 * quotient(step / 2.0) - quotient(step)
+    if not stated.steady:
+        return -virgin_force(law, -stated.deflection) / stated.deflection
+    return cyclic_test(law, stated.deflection, operating_point=about)[0].secant_stiffness
 
 
 def damping_ratio(law: Law, amplitude: float) -> float:
@@ -64,19 +69,13 @@ def compression_sag(law: Law, load: float, travel: float, *, relaxed: bool = Fal
     return sag(lambda x: -follow(law, -x), load, travel)
 
 
-def diagonal_force(axial: Law, roll: Law, deflection: float, *, relaxed: bool = False) -> float:
-    """Return the force [N] along a deflection [m] held straight at 45 degrees between compression and roll."""
-    follow = relaxed_force if relaxed else virgin_force
+def diagonal_secant(axial: Law, roll: Law, deflection: float, *, steady: bool) -> float:
+    """Return the secant stiffness [N/m] along 45 degrees between compression and roll, held on that straight line.
+
+    The two axes are taken to be independent; each takes 0.707 of the deflection and of the force.
+    """
     share = _DIAGONAL * deflection
-    return _DIAGONAL * (follow(roll, share) - follow(axial, -share))
-
-
-def diagonal_stiffness(axial: Law, roll: Law, deflection: float) -> float:
-    """Return the tangent [N/m] along 45 degrees of a small vibration about `deflection` [m] with z = 0."""
-    share = _DIAGONAL * deflection
-    return (relaxed_stiffness(axial, -share) + relaxed_stiffness(roll, share)) / 2.0
-
-
-def resonance(stiffness: float, mass: float) -> float:
-    """Return the natural frequency sqrt(k / m) / 2 pi [Hz]."""
-    return float(np.sqrt(stiffness / mass) / (2.0 * np.pi))
+    if steady:
+        loops = [cyclic_test(law, share)[0] for law in (axial, roll)]
+        return 0.5 * sum(loop.secant_stiffness for loop in loops)
+    return 0.5 * (virgin_force(roll, share) - virgin_force(axial, -share)) / share

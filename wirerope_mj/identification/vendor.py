@@ -2,17 +2,28 @@
 
 Every figure carries its unit in its key, `travel_mm` or `travel_in`, `shock_stiffness_N_per_mm` or `..._lb_per_in`.
 A sheet has the tables [compression] and [shear] (which also stands for roll, as in the catalogues), and [diagonal] if
-the vendor states figures at 45 degrees: they are compared, never fitted.
+the vendor states figures at 45 degrees: they are compared, never fitted. An axis is fitted to the figures that it has:
+
+    vibration_stiffness    secant of the steady loop of `vibration_amplitude` (default: `VIBRATION_AMPLITUDE` of the travel)
+    shock_stiffness        secant of the virgin path at the rated travel
+    static_load            on the virgin path at `static_deflection`
+    shock_load             on the virgin path at the rated travel
+    points_mm_N            [[deflection, force], ...] of a force-deflection curve: the virgin path
+    cycles_mm_N_per_mm     [[amplitude, secant stiffness], ...] of steady loops
+    resonance              of the mass of the static load, cycles of the static deflection about the sag; compared only
+
+`compared` lists figures of an axis that are printed beside the fit and not fitted.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import ModelError
-from wirerope_mj.identification.shapes import Points, Stiffnesses
+from wirerope_mj.identification.secants import DAMPING_AMPLITUDE, VIBRATION_AMPLITUDE, Secant
 from wirerope_mj.toml_file import read_toml
+from wirerope_mj.units import STANDARD_GRAVITY
 
 _UNITS = {
     "mm": 1e-3,
@@ -25,14 +36,54 @@ _UNITS = {
 }
 _LENGTH, _FORCE, _STIFFNESS, _FREQUENCY = ("mm", "in"), ("N", "daN"), ("N_per_mm", "lb_per_in"), ("Hz",)
 
-_STIFFNESS_FIGURES = {"travel": _LENGTH, "vibration_stiffness": _STIFFNESS, "shock_stiffness": _STIFFNESS}
-_POINT_FIGURES = {
-    "static_load": _FORCE,
-    "static_deflection": _LENGTH,
-    "shock_load": _FORCE,
-    "travel": _LENGTH,
-    "resonance": _FREQUENCY,
-}
+
+@dataclass(frozen=True, kw_only=True)
+class Stated:
+    """One figure of a data sheet as a secant stiffness.
+
+    Attributes:
+        name: of the figure.
+        unit: that it is printed in: N/mm, N (the force at the deflection) or Hz (of the mass of the static load).
+        secant: deflection, stiffness and whether of the steady loop.
+        fitted: whether the law is fitted to it.
+        mass: of a resonance [kg].
+    """
+
+    name: str
+    unit: str
+    secant: Secant
+    fitted: bool = True
+    mass: float = math.nan
+
+    def shown(self, stiffness: float) -> float:
+        """Return the figure that a secant stiffness [N/m] gives, in its unit."""
+        if self.unit == "N":
+            return stiffness * self.secant.deflection
+        if self.unit == "Hz":
+            return math.sqrt(stiffness / self.mass) / (2.0 * math.pi)
+        return 1e-3 * stiffness
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisFigures:
+    """What a sheet states of one axis.
+
+    Attributes:
+        travel: rated [m].
+        stated: the figures.
+        damping: damping ratio that the fit aims at [-]; None where it follows from the rest.
+        hardening: k3 / k1 in parts of that of the rope loop; 1 unless the sheet says otherwise.
+    """
+
+    travel: float
+    stated: tuple[Stated, ...]
+    damping: float | None = None
+    hardening: float = 1.0
+
+    @property
+    def fitted(self) -> tuple[Secant, ...]:
+        """The secants that the law is fitted to."""
+        return tuple(figure.secant for figure in self.stated if figure.fitted)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,28 +95,50 @@ class DataSheet:
         source: the document.
         height: unloaded [m].
         width: across the bars [m].
+        rope: diameter [m].
+        bar: thickness of one bar [m].
+        loops: their number; None where it is not stated.
         compression: figures of the axial axis.
         shear: figures of the shear and roll axes.
         diagonal: figures at 45 degrees between compression and roll, None where there are none.
-        static_load: rated load in compression [N].
-        damping: the damping ratio aimed at [-]; None where the figures leave no freedom for it.
+        static_load: rated load in compression [N]; None where it is not stated.
+        damping_amplitude: amplitude of the damping ratios [m].
+        yielding: yield deflection of friction [m]; None where a damping ratio gives it.
         damping_range: lowest and highest damping ratio that the vendor states [-]; None where it states none.
-        tension_ratio: F(+D) / |F(-D)| in the axial direction [-], assumed.
-        assumed: what else no source gives, one sentence each.
+        assumed: what no source gives, one sentence each.
     """
 
     name: str
     source: str
     height: float
     width: float
-    compression: Stiffnesses | Points
-    shear: Stiffnesses | Points
-    diagonal: Stiffnesses | Points | None
-    static_load: float
-    damping: float | None
-    damping_range: tuple[float, float] | None
-    tension_ratio: float
-    assumed: tuple[str, ...]
+    rope: float
+    bar: float
+    compression: AxisFigures
+    shear: AxisFigures
+    static_load: float | None
+    damping_amplitude: float
+    loops: int | None = None
+    diagonal: AxisFigures | None = None
+    yielding: float | None = None
+    damping_range: tuple[float, float] | None = None
+    assumed: tuple[str, ...] = ()
+
+
+def two_stiffnesses(travel: float, vibration: float, shock: float, amplitude: float | None = None) -> tuple[Stated, ...]:
+    """Return a vibration stiffness and a shock stiffness [N/m] as figures.
+
+    Args:
+        travel: rated [m].
+        vibration: secant of the steady loop of `amplitude`.
+        shock: secant of the virgin path at the travel.
+        amplitude: [m]; `VIBRATION_AMPLITUDE` of the travel by default.
+    """
+    small = VIBRATION_AMPLITUDE * travel if amplitude is None else amplitude
+    return (
+        Stated(name="vibration stiffness", unit="N/mm", secant=Secant(deflection=small, stiffness=vibration, steady=True)),
+        Stated(name="shock stiffness", unit="N/mm", secant=Secant(deflection=travel, stiffness=shock, steady=False)),
+    )
 
 
 def read_datasheet(path: str | Path) -> DataSheet:
@@ -88,64 +161,123 @@ class _Reader:
         for key in ("compression", "shear"):
             if key not in tables:
                 raise ModelError(f"{place} the table [{key}] is missing.")
-        damping = self.number(content, "damping_target", place) if "damping_target" in content else None
+        axes = {key: self.axis(tables[key], f"{self.path}: [{key}]") for key in tables}
+        travel = axes["compression"].travel
+        target = self.optional_number(content, "damping_target", place)
+        if axes["compression"].damping is None:
+            axes["compression"] = replace(axes["compression"], damping=target)
         sheet = DataSheet(
             name=self.text(content, "name", place),
             source=self.text(content, "source", place),
             height=self.quantity(content, "height", _LENGTH, place),
             width=self.quantity(content, "width", _LENGTH, place),
+            rope=self.quantity(content, "rope", _LENGTH, place),
+            bar=self.quantity(content, "bar", _LENGTH, place),
+            loops=self.loops(content, place),
             static_load=self.quantity(content, "static_load", _FORCE, place),
-            damping=damping,
-            tension_ratio=self.number(content, "tension_ratio", place),
-            damping_range=self.damping_range(content, damping, place),
+            damping_amplitude=self.optional(content, "damping_amplitude", _LENGTH, place) or DAMPING_AMPLITUDE * travel,
+            yielding=self.optional(content, "yield_deflection", _LENGTH, place),
+            damping_range=self.damping_range(content, axes, place),
             assumed=self.sentences(content, "assumed", place),
-            compression=self.figures(tables, "compression", damping),
-            shear=self.figures(tables, "shear", damping),
-            diagonal=self.figures(tables, "diagonal", damping) if "diagonal" in tables else None,
+            **axes,
         )
         self.require_empty(content, place)
+        if (sheet.yielding is None) == (sheet.compression.damping is None):
+            raise ModelError(
+                f"{place} give either `damping_target` or `yield_deflection_mm`: stiffnesses do not fix the loop's width."
+            )
         return sheet
 
-    def damping_range(self, content: dict[str, Any], damping: float | None, place: str) -> tuple[float, float] | None:
-        """Take the vendor's range of damping ratios out of the table; the target must lie inside."""
+    def damping_range(
+        self, content: dict[str, Any], axes: dict[str, AxisFigures], place: str
+    ) -> tuple[float, float] | None:
+        """Take the vendor's range of damping ratios out of the table; every target must lie inside."""
         if "damping_range" not in content:
             return None
         ends = content.pop("damping_range")
         if not isinstance(ends, list) or len(ends) != 2 or not all(isinstance(end, int | float) for end in ends):
             raise ModelError(f"{place} `damping_range` must be [lowest, highest], got {ends!r}.")
-        if damping is not None and not ends[0] <= damping <= ends[1]:
-            raise ModelError(f"{place} `damping_target` must lie in the range {ends}, got {damping}.")
+        for figures in axes.values():
+            if figures.damping is not None and not ends[0] <= figures.damping <= ends[1]:
+                raise ModelError(f"{place} `damping_target` must lie in the range {ends}, got {figures.damping}.")
         return float(ends[0]), float(ends[1])
 
-    def figures(self, tables: dict[str, Any], axis: str, damping: float | None) -> Stiffnesses | Points:
-        """Return the figures of one axis: two stiffnesses, or two points and a resonance."""
-        place = f"{self.path}: [{axis}]"
-        if not isinstance(tables[axis], dict):
-            raise ModelError(f"{place} must be a table, got {tables[axis]!r}.")
-        table = dict(tables[axis])
-        wanted = _POINT_FIGURES if any(key.startswith("resonance") for key in table) else _STIFFNESS_FIGURES
-        found = {name: self.quantity(table, name, units, place) for name, units in wanted.items()}
+    def axis(self, content: Any, place: str) -> AxisFigures:
+        """Return the figures of one axis."""
+        if not isinstance(content, dict):
+            raise ModelError(f"{place} must be a table, got {content!r}.")
+        table = dict(content)
+        damping = self.optional_number(table, "damping_target", place)
+        hardening = self.optional_number(table, "hardening", place)
+        compared = self.sentences(table, "compared", place)
+        travel = self.quantity(table, "travel", _LENGTH, place)
+        stated = [*self.stiffnesses(table, travel, place), *self.loads(table, travel, place), *self.curves(table, place)]
         self.require_empty(table, place)
-        if wanted is _STIFFNESS_FIGURES:
-            if damping is None:
-                raise ModelError(
-                    f"{self.path}: `damping_target` is missing: two stiffnesses do not fix the loop's width."
-                )
-            return Stiffnesses(
-                travel=found["travel"],
-                vibration=found["vibration_stiffness"],
-                shock=found["shock_stiffness"],
-                damping=damping,
-            )
-        if found["static_deflection"] >= found["travel"]:
-            raise ModelError(f"{place} `static_deflection` must be below `travel`.")
-        return Points(
-            static_force=found["static_load"],
-            static_deflection=found["static_deflection"],
-            shock_force=found["shock_load"],
-            travel=found["travel"],
-            resonance=found["resonance"],
+        for name in compared:
+            if name not in {figure.name.replace(" ", "_") for figure in stated}:
+                raise ModelError(f"{place} `compared` names {name!r}, which the table does not state.")
+        figures = tuple(
+            replace(figure, fitted=figure.fitted and figure.name.replace(" ", "_") not in compared) for figure in stated
         )
+        if sum(figure.fitted for figure in figures) < 2:
+            raise ModelError(f"{place} must state at least two stiffnesses or points to fit.")
+        return AxisFigures(travel=travel, stated=figures, damping=damping, hardening=hardening or 1.0)
+
+    def stiffnesses(self, table: dict[str, Any], travel: float, place: str) -> list[Stated]:
+        """Take vibration and shock stiffness out of the table."""
+        amplitude = self.optional(table, "vibration_amplitude", _LENGTH, place)
+        vibration = self.optional(table, "vibration_stiffness", _STIFFNESS, place)
+        shock = self.optional(table, "shock_stiffness", _STIFFNESS, place)
+        both = two_stiffnesses(travel, vibration or 0.0, shock or 0.0, amplitude)
+        return [figure for figure in both if figure.secant.stiffness > 0.0]
+
+    def loads(self, table: dict[str, Any], travel: float, place: str) -> list[Stated]:
+        """Take static and shock load, and the resonance of the static load's mass, out of the table."""
+        found: list[Stated] = []
+        load, shock = (self.optional(table, f"{name}_load", _FORCE, place) for name in ("static", "shock"))
+        resonance = self.optional(table, "resonance", _FREQUENCY, place)
+        if load is not None:
+            depth = self.quantity(table, "static_deflection", _LENGTH, place)
+            if depth >= travel:
+                raise ModelError(f"{place} `static_deflection` must be below `travel`.")
+            found.append(_force("static force", depth, load))
+            if resonance is not None:
+                mass = load / STANDARD_GRAVITY
+                secant = Secant(deflection=depth, stiffness=mass * (2.0 * math.pi * resonance) ** 2, steady=True)
+                found.append(Stated(name="resonance", unit="Hz", secant=secant, fitted=False, mass=mass))
+        elif resonance is not None:
+            raise ModelError(f"{place} `resonance_Hz` needs the static load whose mass it is of.")
+        if shock is not None:
+            found.append(_force("shock force", travel, shock))
+        return found
+
+    def curves(self, table: dict[str, Any], place: str) -> list[Stated]:
+        """Take points of a force-deflection curve and secants of steady loops out of the table."""
+        found = [_force(f"force at {x:g} mm", 1e-3 * x, force) for x, force in self.pairs(table, "points_mm_N", place)]
+        for x, stiffness in self.pairs(table, "cycles_mm_N_per_mm", place):
+            secant = Secant(deflection=1e-3 * x, stiffness=1e3 * stiffness, steady=True)
+            found.append(Stated(name=f"cycles of {x:g} mm", unit="N/mm", secant=secant))
+        return found
+
+    def pairs(self, table: dict[str, Any], key: str, place: str) -> list[tuple[float, float]]:
+        """Take pairs of numbers > 0 out of the table, none if it has none."""
+        rows = table.pop(key, [])
+        good = isinstance(rows, list) and all(
+            isinstance(row, list) and len(row) == 2 and all(_positive(value) for value in row) for row in rows
+        )
+        if not good:
+            raise ModelError(f"{place} `{key}` must be pairs of numbers > 0, got {rows!r}.")
+        return [(float(x), float(y)) for x, y in rows]
+
+    def optional(self, table: dict[str, Any], name: str, units: tuple[str, ...], place: str) -> float | None:
+        """Take the quantity `name` out of the table; None if it is not there."""
+        if not any(f"{name}_{unit}" in table for unit in units):
+            return None
+        return self.quantity(table, name, units, place)
+
+    def optional_number(self, table: dict[str, Any], key: str, place: str) -> float | None:
+        """Take a number > 0 out of the table; None if it is not there."""
+        return self.number(table, key, place) if key in table else None
 
     def quantity(self, table: dict[str, Any], name: str, units: tuple[str, ...], place: str) -> float:
         """Take the figure `name` with one of `units` at its end out of the table and return it in SI."""
@@ -161,9 +293,18 @@ class _Reader:
         if key not in table:
             raise ModelError(f"{place} `{key}` is missing.")
         value = table.pop(key)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
+        if not _positive(value):
             raise ModelError(f"{place} `{key}` must be a finite number > 0, got {value!r}.")
         return float(value)
+
+    def loops(self, table: dict[str, Any], place: str) -> int | None:
+        """Take the number of loops out of the table; None if it is not there."""
+        if "loops" not in table:
+            return None
+        value = table.pop("loops")
+        if isinstance(value, bool) or not isinstance(value, int) or value < 1:
+            raise ModelError(f"{place} `loops` must be an integer > 0, got {value!r}.")
+        return value
 
     def text(self, table: dict[str, Any], key: str, place: str) -> str:
         """Take a string out of the table."""
@@ -182,3 +323,13 @@ class _Reader:
         """Raise ModelError if anything is left that nobody asked for."""
         for key in table:
             raise ModelError(f"{place} `{key}` is not known.")
+
+
+def _force(name: str, deflection: float, force: float) -> Stated:
+    """Return a force on the virgin path as a figure."""
+    return Stated(name=name, unit="N", secant=Secant(deflection=deflection, stiffness=force / deflection, steady=False))
+
+
+def _positive(value: Any) -> bool:
+    """Return whether a value of the file is a finite number > 0."""
+    return not isinstance(value, bool) and isinstance(value, int | float) and 0.0 < value < math.inf

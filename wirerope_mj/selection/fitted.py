@@ -1,62 +1,53 @@
 """An isolator fitted from one row of a vendor's table, as those of the catalogue are fitted from data sheets."""
 
 from wirerope_mj.errors import ModelError
-from wirerope_mj.identification.shapes import HARDENING_YIELD, NiLaw, Stiffnesses, fit_stiffnesses
-from wirerope_mj.isolator import Geometry, Isolator, Limits, Provenance, Travel
+from wirerope_mj.identification.datasheet import fit_sheet
+from wirerope_mj.identification.secants import DAMPING_AMPLITUDE
+from wirerope_mj.identification.vendor import AxisFigures, DataSheet, two_stiffnesses
+from wirerope_mj.isolator import Isolator
 from wirerope_mj.selection.parts import Figures, Part
 
-TENSION_RATIO = 1.5
-"""F(+D) / |F(-D)| in the axial direction, as the shipped data sheets assume it: nobody measured tension."""
+BAR = 1.7
+"""Thickness of a bar in diameters of the rope where the table does not state it: the mean of Enidine's ropes of 9.5 mm and more,
+1.54 to 1.80."""
 
 
 def fit_part(part: Part) -> Isolator:
-    """Return the isolator that has the stiffnesses of a part's row in compression and, if stated, in shear and roll.
+    """Return the isolator that has the stiffnesses of a part's row in compression, and in shear and roll.
 
     Raises:
-        ModelError: the row lacks the figures in compression.
+        ModelError: the row lacks travel or stiffnesses in compression or shear, or the envelope.
         ConvergenceError: no law has all its figures.
     """
-    axial = _fit(part.modes["compression"], part.series.damping, TENSION_RATIO)
-    shear = _fit(part.modes["shear"], part.series.damping, None)
-    if axial is None:
-        raise ModelError(
-            f"{part.name}: the table does not state travel and stiffnesses in compression; nothing to fit."
-        )
-    low, high = part.series.damping_range
-    return Isolator(
-        name=part.name,
-        roll=shear,
-        shear=shear,
-        axial=axial,
-        limits=Limits(
-            static_load=part.modes["compression"].static_load,
-            travel=Travel(
-                compression=part.modes["compression"].travel,
-                shear=part.modes["shear"].travel,
-                roll=part.modes["shear"].travel,
-            ),
-        ),
-        geometry=Geometry(height=part.height, width=part.width),
-        provenance=Provenance(
-            kind="catalogue",
+    compression = _axis(part, "compression", part.series.damping)
+    measures = {"height": part.height, "width": part.width, "rope": part.rope}
+    for name, value in measures.items():
+        if value is None:
+            raise ModelError(f"{part.name}: the table does not state its {name}; no rope loop to fit.")
+    height, width, rope = (float(value) for value in measures.values() if value is not None)
+    assumed = () if part.bar is not None else (f"bar of {BAR:g} rope diameters: the table does not state it",)
+    return fit_sheet(
+        DataSheet(
+            name=part.name,
             source=part.series.source,
-            fitted_to=(
-                "tangent at the origin = vibration stiffness; virgin secant at the rated travel (axial: in compression) = "
-                f"shock stiffness; damping ratio {part.series.damping:g} of the steady loop of half the rated travel"
-            ),
-            assumed=(
-                f"axial: F(+D)/|F(-D)| = {TENSION_RATIO:g} on the virgin paths: nobody measured tension",
-                "n = 1, gamma = 0 and k2 = 0 on every axis, b = e: the shape of the loop",
-                f"where k3 hardens, z yields at {HARDENING_YIELD:g} of the rated travel",
-                f"damping ratio {part.series.damping:g}: the vendor states {low:g} to {high:g} for the whole series",
-            ),
-        ),
+            height=height,
+            width=width,
+            rope=rope,
+            bar=BAR * rope if part.bar is None else part.bar,
+            compression=compression,
+            shear=_axis(part, "shear", None),
+            static_load=part.modes["compression"].static_load,
+            damping_amplitude=DAMPING_AMPLITUDE * compression.travel,
+            damping_range=part.series.damping_range,
+            assumed=assumed,
+        )
     )
 
 
-def _fit(figures: Figures, damping: float, ratio: float | None) -> NiLaw | None:
-    """Return the law of one mode, None if its figures are not stated."""
+def _axis(part: Part, mode: str, damping: float | None) -> AxisFigures:
+    """Return the figures of one mode; ModelError where they are not stated."""
+    figures: Figures = part.modes[mode]
     if figures.travel is None or figures.vibration is None or figures.shock is None:
-        return None
-    stated = Stiffnesses(travel=figures.travel, vibration=figures.vibration, shock=figures.shock, damping=damping)
-    return fit_stiffnesses(stated, ratio)
+        raise ModelError(f"{part.name}: the table does not state travel and stiffnesses in {mode}; nothing to fit.")
+    stated = two_stiffnesses(figures.travel, figures.vibration, figures.shock)
+    return AxisFigures(travel=figures.travel, stated=stated, damping=damping)
