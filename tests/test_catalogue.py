@@ -1,8 +1,7 @@
 """Every figure that a catalogue file states is found again in the file's own laws."""
 
 import math
-import subprocess
-import sys
+import re
 from functools import cache
 
 import numpy as np
@@ -10,42 +9,39 @@ import pytest
 from numba import njit
 
 from wirerope_mj.bench import cyclic_test
+from wirerope_mj.cli import main
 from wirerope_mj.errors import ConvergenceError, ModelError
-from wirerope_mj.identification.datasheet import compare, fit_datasheet, main
-from wirerope_mj.identification.figures import relaxed_force, relaxed_stiffness
-from wirerope_mj.identification.shapes import Points, Stiffnesses, fit_points, fit_stiffnesses
-from wirerope_mj.identification.vendor import read_datasheet
+from wirerope_mj.identification.datasheet import compare, fit_datasheet
+from wirerope_mj.identification.figures import relaxed_force, secant
+from wirerope_mj.identification.secants import Curve, Secant, fit_damped, fit_secants
+from wirerope_mj.identification.vendor import read_datasheet, two_stiffnesses
 from wirerope_mj.isolator import load_isolator
 from wirerope_mj.laws.kernels import asymmetric_bouc_wen
 from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.rope_loop import RopeLoop, loop_shape
 from wirerope_mj.units import STANDARD_GRAVITY
 
 FILES = {path.stem: path for path in sorted(catalogue_folder().glob("*.toml"))}
 SHEETS = {path.stem: path for path in sorted((catalogue_folder() / "datasheets").glob("*.toml"))}
 
 # Vendor figures typed here once more in SI units, so that neither a data sheet nor a file can drift unseen:
-# compression travel, Kv, Ks; shear travel, Kv, Ks; static load; damping range.
+# compression travel, Kv, Ks; shear travel, Kv, Ks; amplitude of Kv in both; static load; damping range.
 STIFFNESS = {
-    "enidine_wr12_400": (0.0401, 242e3, 110e3, 0.0422, 77e3, 77e3, 1068.0, (0.05, 0.15)),
-    "enidine_wr16_400": (0.0432, 613e3, 278e3, 0.0452, 173e3, 173e3, 2869.0, (0.05, 0.15)),
-    "enidine_wr16_700": (0.0599, 340e3, 137e3, 0.0569, 81e3, 81e3, 1957.0, (0.05, 0.15)),
-    "enidine_wr20_600": (0.0495, 821e3, 356e3, 0.0521, 215e3, 215e3, 4204.0, (0.05, 0.15)),
-    "socitec_cb1400_15": (0.03556, 1142703.0, 464086.0, 0.04064, 258312.0, 189137.0, 4160.0, (0.15, 0.20)),
+    "enidine_wr12_400": (0.0401, 242e3, 110e3, 0.0422, 77e3, 77e3, (0.002807, 0.002954), 1068.0, (0.05, 0.15)),
+    "enidine_wr16_400": (0.0432, 613e3, 278e3, 0.0452, 173e3, 173e3, (0.003024, 0.003164), 2869.0, (0.05, 0.15)),
+    "enidine_wr16_700": (0.0599, 340e3, 137e3, 0.0569, 81e3, 81e3, (0.004193, 0.003983), 1957.0, (0.05, 0.15)),
+    "enidine_wr20_600": (0.0495, 821e3, 356e3, 0.0521, 215e3, 215e3, (0.003465, 0.003647), 4204.0, (0.05, 0.15)),
+    "socitec_cb1400_15": (0.03556, 1142703.0, 464086.0, 0.04064, 258312.0, 189137.0, (0.00254, 0.00254), 4160.0, (0.15, 0.20)),
+    "socitec_cb1400_30": (0.06096, 394035.4, 158489.8, 0.06096, 98071.03, 73553.27, (0.00254, 0.00254), 2610.0, (0.15, 0.20)),
 }
 # Static force and deflection, shock force and deflection, resonance; compression, then shear and roll.
 POINTS = {
     "socitec_cb1390_20": ((2820.0, 0.0068, 8460.0, 0.036, 6.0), (1410.0, 0.0096, 6740.0, 0.032, 6.5)),
     "socitec_cb1390_30": ((1980.0, 0.0073, 5960.0, 0.039, 6.2), (994.0, 0.0104, 5730.0, 0.042, 5.9)),
 }
-# 45 degrees: travel, Kv, Ks of the vendor and the relative errors of the fitted axes as the files state them.
-DIAGONAL = {
-    "enidine_wr12_400": (0.0559, 159e3, 65e3, 0.003, 0.415),
-    "enidine_wr16_400": (0.0610, 349e3, 138e3, 0.126, 0.613),
-    "enidine_wr16_700": (0.0848, 193e3, 68e3, 0.091, 0.629),
-    "enidine_wr20_600": (0.0711, 468e3, 177e3, 0.107, 0.592),
-}
-# The files hold nine digits and the damping search stops at 1e-13 of a share: 1e-6 is far above both.
+# The files hold nine digits and the damping search stops at 1e-13 of a yield deflection: 1e-6 is far above both.
 EXACT = 1e-6
+COMPARED_IN_SHEAR = {"socitec_cb1400_15"}  # its shear is fitted to a rack that the catalogue contradicts
 
 
 @cache
@@ -87,64 +83,73 @@ def test_file_is_what_its_data_sheet_gives(name):
 
 
 @pytest.mark.parametrize("name", STIFFNESS)
-def test_tangent_at_the_origin_is_the_vibration_stiffness(name):
+def test_secant_of_the_stated_amplitude_is_the_vibration_stiffness(name):
     part = isolator(name)
-    _, axial, _, _, shear, _, _, _ = STIFFNESS[name]
-    for law, expected in ((part.axial, axial), (part.shear, shear), (part.roll, shear)):
-        h = 1e-9  # softening over the step is h / x_y = 1e-7 of the slope
-        assert (force_at(law, h) - force_at(law, -h)) / (2.0 * h) == pytest.approx(expected, rel=1e-6)
-        assert law.initial_stiffness == pytest.approx(expected, rel=EXACT)
+    _, axial, _, _, shear, _, amplitudes, _, _ = STIFFNESS[name]
+    for law, amplitude, expected in ((part.axial, amplitudes[0], axial), (part.shear, amplitudes[1], shear)):
+        if law is part.shear and name in COMPARED_IN_SHEAR:
+            continue
+        assert cyclic_test(law, amplitude)[0].secant_stiffness == pytest.approx(expected, rel=EXACT)
 
 
 @pytest.mark.parametrize("name", STIFFNESS)
 def test_secant_at_the_rated_travel_is_the_shock_stiffness(name):
     part = isolator(name)
-    compression, _, axial, travel, _, shear, _, _ = STIFFNESS[name]
+    compression, _, axial, travel, _, shear, _, _, _ = STIFFNESS[name]
     assert -force_at(part.axial, -compression) / compression == pytest.approx(axial, rel=EXACT)
-    for law in (part.shear, part.roll):
-        assert force_at(law, travel) / travel == pytest.approx(shear, rel=EXACT)
-        assert -force_at(law, -travel) / travel == pytest.approx(shear, rel=EXACT)
+    if name not in COMPARED_IN_SHEAR:
+        assert force_at(part.shear, travel) / travel == pytest.approx(shear, rel=EXACT)
+        assert -force_at(part.shear, -travel) / travel == pytest.approx(shear, rel=EXACT)
 
 
 @pytest.mark.parametrize("name", STIFFNESS)
-def test_damping_ratio_at_half_the_travel_lies_inside_the_vendors_range(name):
-    part = isolator(name)
-    compression, _, _, travel, _, _, _, (lowest, highest) = STIFFNESS[name]
-    stated = read_datasheet(SHEETS[name]).damping
-    for law, rated in ((part.axial, compression), (part.shear, travel), (part.roll, travel)):
-        ratio = cyclic_test(law, rated / 2.0)[0].damping_ratio
-        assert lowest < ratio < highest
-        assert ratio == pytest.approx(stated, rel=EXACT)
+def test_damping_ratio_at_1_mm_lies_inside_the_vendors_range_on_all_axes(name):
+    part, stated = isolator(name), read_datasheet(SHEETS[name])
+    lowest, highest = STIFFNESS[name][-1]
+    assert stated.damping_range == (lowest, highest)
+    for law in part.axes.values():
+        assert lowest < cyclic_test(law, 1e-3)[0].damping_ratio < highest
+    assert cyclic_test(part.axial, 1e-3)[0].damping_ratio == pytest.approx(stated.compression.damping, rel=EXACT)
+
+
+def fit_of_line(x, y):
+    """R^2 of a straight line."""
+    return np.corrcoef(x, y)[0, 1] ** 2
+
+
+@pytest.mark.parametrize("name", STIFFNESS)
+def test_stiffness_is_linear_in_1_over_amplitude(name):
+    # As measured on a rope in compression (Adv. Mech. Eng. 2021, 16878140211028058).
+    amplitudes = np.linspace(1e-3, 15e-3, 15)
+    stiffness = [loop.secant_stiffness for loop in cyclic_test(isolator(name).axial, list(amplitudes))]
+    assert fit_of_line(1.0 / amplitudes, stiffness) > 0.95
 
 
 @pytest.mark.parametrize("name", SHEETS)
-def test_tension_is_stiffer_than_compression_by_the_assumed_ratio(name):
-    part = isolator(name)
-    travel = part.limits.travel.compression
-    ratio = force_at(part.axial, travel) / -force_at(part.axial, -travel)
-    assert 1.2 <= ratio <= 2.0
-    assert ratio == pytest.approx(read_datasheet(SHEETS[name]).tension_ratio, rel=EXACT)
-    assert any("sets c ln b" in sentence for sentence in part.provenance.assumed)
+def test_axial_curve_is_that_of_the_rope_loop(name):
+    part, sheet = isolator(name), read_datasheet(SHEETS[name])
+    loop = RopeLoop(loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope))
+    x = sheet.compression.travel * np.array([-1.0, -0.5, -0.2, 0.2, 0.5])
+    elastic = np.array([relaxed_force(part.axial, deflection) for deflection in x]) / part.axial.k1
+    wanted = loop.state(0.0, x).axial_force / loop.stiffness()[1, 1]
+    # Ni's F2 (x + kappa x^3) has the elastica's secants to 1.6 % at worst (WR16-700); its own least squares says so.
+    assert elastic == pytest.approx(wanted, rel=0.02)
+    assert any("tension" in sentence and "rope loop" in sentence for sentence in part.provenance.assumed)
+    assert part.spread.parameters == ("axial.c",)
+    assert 0.0 < np.sqrt(part.spread.covariance[0][0]) < part.axial.c
 
 
 @pytest.mark.parametrize("name", POINTS)
 def test_force_deflection_points_are_met(name):
     part = isolator(name)
-    for law, stated in zip((part.axial, part.shear), POINTS[name], strict=True):
-        static, deflection, shock, travel, _ = stated
-        assert -force_at(law, -deflection) == pytest.approx(static, rel=EXACT)
-        assert -force_at(law, -travel) == pytest.approx(shock, rel=EXACT)
-    assert part.roll == part.shear
-
-
-@pytest.mark.parametrize("name", POINTS)
-def test_small_vibration_about_the_relaxed_sag_has_the_stated_resonance(name):
-    part = isolator(name)
-    for law, stated in zip((part.axial, part.shear), POINTS[name], strict=True):
-        static, _, _, travel, frequency = stated
-        stiffness = relaxed_stiffness(law, relaxed_sag(law, static, travel))
-        found = math.sqrt(stiffness * STANDARD_GRAVITY / static) / (2.0 * math.pi)
-        assert found == pytest.approx(frequency, rel=EXACT)
+    compression, shear = POINTS[name]
+    static, deflection, shock, travel, _ = compression
+    assert -force_at(part.axial, -deflection) == pytest.approx(static, rel=EXACT)
+    assert -force_at(part.axial, -travel) == pytest.approx(shock, rel=EXACT)
+    static, deflection, shock, travel, frequency = shear
+    # Three figures for two scales: the fit makes the largest error the least, 4.9 % for the -20 and 1.3 % for the -30.
+    assert force_at(part.shear, deflection) == pytest.approx(static, rel=0.05)
+    assert force_at(part.shear, travel) == pytest.approx(shock, rel=0.05)
 
 
 @pytest.mark.parametrize("name", SHEETS)
@@ -154,8 +159,8 @@ def test_both_sags_under_the_rated_load_stay_within_the_rated_travel(name):
     depths = np.linspace(0.0, travel, 4001)
     virgin = np.interp(load, -part.axial.trace(-depths).force, depths)
     relaxed = -relaxed_sag(part.axial, load, travel)
-    # Long vibration lets z relax: 1.7 to 3 times the virgin sag, and still below half of the rated travel.
-    assert 1.7 < relaxed / virgin < 3.0
+    # Long vibration lets z relax; friction that yields early carries little, so that the sag does not double.
+    assert 1.0 < relaxed / virgin < 2.0
     assert relaxed < travel / 2.0
 
 
@@ -168,48 +173,6 @@ def test_force_grows_with_deflection_all_over_the_rated_travel(name):
             path = sign * np.linspace(0.0, travel, 200)
             assert (np.diff(sign * law.trace(path).force) > 0.0).all()
             assert (np.diff([sign * relaxed_force(law, x) for x in path]) > 0.0).all()
-
-
-@pytest.mark.parametrize("name", DIAGONAL)
-def test_stiffness_at_45_degrees_comes_out_with_the_stated_error(name):
-    part = isolator(name)
-    travel, vibration, shock, vibration_error, shock_error = DIAGONAL[name]
-    share = math.sqrt(0.5)
-
-    def along(deflection):
-        return share * (force_at(part.roll, share * deflection) - force_at(part.axial, -share * deflection))
-
-    tangent = along(1e-9) / 1e-9
-    secant = along(travel) / travel
-    assert tangent / vibration - 1.0 == pytest.approx(vibration_error, abs=6e-4)  # three decimals above
-    assert secant / shock - 1.0 == pytest.approx(shock_error, abs=6e-4)
-    stated = part.provenance.check_45
-    assert stated["vibration_stiffness_relative_error"] == pytest.approx(tangent / vibration - 1.0, abs=6e-5)
-    assert stated["shock_stiffness_relative_error"] == pytest.approx(secant / shock - 1.0, abs=6e-5)
-
-
-@pytest.mark.parametrize(
-    ("name", "static", "deflection", "shock", "travel", "frequency"),
-    [
-        ("socitec_cb1390_20", 2110.0, 0.0096, 5470.0, 0.055, 5.2),
-        ("socitec_cb1390_30", 1490.0, 0.0117, 3990.0, 0.059, 5.2),
-    ],
-)
-def test_points_at_45_degrees_come_out_with_the_stated_error(name, static, deflection, shock, travel, frequency):
-    part = isolator(name)
-    share = math.sqrt(0.5)
-
-    def along(depth, force=force_at):
-        return share * (force(part.roll, share * depth) - force(part.axial, -share * depth))
-
-    stated = part.provenance.check_45
-    assert stated["static_force_relative_error"] == pytest.approx(along(deflection) / static - 1.0, abs=6e-5)
-    assert stated["shock_force_relative_error"] == pytest.approx(along(travel) / shock - 1.0, abs=6e-5)
-    depths = np.linspace(0.0, travel, 8001)
-    sag = np.interp(static, [along(depth, relaxed_force) for depth in depths], depths) * share
-    stiffness = (relaxed_stiffness(part.axial, -sag) + relaxed_stiffness(part.roll, sag)) / 2.0
-    found = math.sqrt(stiffness * STANDARD_GRAVITY / static) / (2.0 * math.pi)
-    assert stated["resonance_relative_error"] == pytest.approx(found / frequency - 1.0, abs=6e-5)
 
 
 def test_shear_softens_first_and_hardens_later():
@@ -275,36 +238,47 @@ def test_shaker_resonance_moves_left_as_the_level_rises():
     assert strong == pytest.approx(33.2, abs=0.1)
 
 
-@pytest.mark.parametrize("ratio", [None, 1.5])
-@pytest.mark.parametrize("shock", [300e3, 700e3])
-def test_any_pair_of_stiffnesses_is_fitted_softening_or_hardening(shock, ratio):
-    stated = Stiffnesses(travel=0.04, vibration=600e3, shock=shock, damping=0.08)
-    law = fit_stiffnesses(stated, ratio)
-    assert law.initial_stiffness == pytest.approx(600e3, rel=EXACT)
+@pytest.mark.parametrize("asymmetry", [None, 12.0])
+@pytest.mark.parametrize("shock", [200e3, 400e3])
+def test_any_pair_of_stiffnesses_is_fitted(shock, asymmetry):
+    stated = tuple(figure.secant for figure in two_stiffnesses(0.04, 600e3, shock))
+    law = fit_damped(stated, Curve(asymmetry=asymmetry, cubic=150.0), damping=0.08, amplitude=1e-3)
+    assert cyclic_test(law, 0.0028)[0].secant_stiffness == pytest.approx(600e3, rel=EXACT)
     assert -force_at(law, -0.04) / 0.04 == pytest.approx(shock, rel=EXACT)
-    assert cyclic_test(law, 0.02)[0].damping_ratio == pytest.approx(0.08, rel=EXACT)
+    assert cyclic_test(law, 1e-3)[0].damping_ratio == pytest.approx(0.08, rel=EXACT)
+
+
+def test_of_more_than_two_secants_the_largest_error_is_the_least():
+    stated = tuple(
+        Secant(deflection=x, stiffness=k, steady=steady)
+        for x, k, steady in ((0.0025, 258e3, True), (0.0125, 163e3, True), (0.0208, 239e3, False))
+    )
+    law = fit_secants(stated, Curve(asymmetry=None, cubic=500.0), 7e-4)
+    errors = np.array([secant(law, one) / one.stiffness - 1.0 for one in stated])
+    # Two scales and three figures: at the least largest error all three are equal in size and change their signs.
+    assert np.abs(errors) == pytest.approx(np.abs(errors).max(), rel=1e-4)
+    assert np.sign(errors).tolist() == [-1.0, 1.0, -1.0]
 
 
 def test_damping_out_of_reach_is_said_with_what_can_be_reached():
-    stated = Stiffnesses(travel=0.04, vibration=600e3, shock=300e3, damping=0.6)
+    stated = tuple(figure.secant for figure in two_stiffnesses(0.04, 600e3, 300e3))
     with pytest.raises(ConvergenceError, match=r"damping ratio of 0\.6 .* damping ratios reach 0\.\d+ to 0\.\d+"):
-        fit_stiffnesses(stated, 1.5)
+        fit_damped(stated, Curve(asymmetry=12.0, cubic=150.0), damping=0.6, amplitude=1e-3)
 
 
-def test_conflicting_points_are_said_with_their_distance():
-    stated = Points(static_force=2820.0, static_deflection=0.0068, shock_force=8460.0, travel=0.036, resonance=3.0)
-    with pytest.raises(ConvergenceError, match=r"has 3 Hz.*nearest misses that stiffness by \d+"):
-        fit_points(stated, 1.5)
+def test_secants_without_a_passive_law_are_said_with_what_they_ask_for():
+    stated = tuple(figure.secant for figure in two_stiffnesses(0.04, 300e3, 600e3))
+    with pytest.raises(ConvergenceError, match=r"no passive law has the secants 300 N/mm .*ask for -\d+"):
+        fit_secants(stated, Curve(asymmetry=None, cubic=100.0), 1e-3)
 
 
-def test_command_writes_the_file_and_prints_the_table(tmp_path):
+def test_command_writes_the_file_and_prints_the_table(tmp_path, capsys):
     name = "enidine_wr12_400"
-    command = [sys.executable, "-m", "wirerope_mj.identification.datasheet", SHEETS[name], tmp_path / "a.toml"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert main(["isolators", "fit", str(SHEETS[name]), str(tmp_path / "a.toml")]) == 0
     assert load_isolator(tmp_path / "a.toml") == isolator(name)
-    assert "45 degrees   shock stiffness" in done.stdout
-    assert "+41.46 %" in done.stdout
-    assert not done.stderr
+    printed = capsys.readouterr()
+    assert re.search(r"45 degrees +shock stiffness +N/mm +65 +\d", printed.out)
+    assert not printed.err
 
 
 def test_table_judges_any_isolator_against_a_sheet():
@@ -321,7 +295,12 @@ def test_table_judges_any_isolator_against_a_sheet():
         ("travel_mm = 40.1", "travel_mm = -40.1", r"\[compression\] `travel_mm` must be a finite number > 0"),
         ("travel_mm = 40.1", "travel_mm = true", r"\[compression\] `travel_mm` must be a finite number > 0"),
         ("travel_mm = 40.1", "travel_mm = 40.1\ncolour = 1", r"\[compression\] `colour` is not known"),
-        ("damping_target = 0.11", "", r"`damping_target` is missing: two stiffnesses do not fix"),
+        ("damping_target = 0.11", "", r"give either `damping_target` or `yield_deflection_mm`"),
+        ("rope_mm = 9.5", "", r"`rope_mm` or `rope_in` is missing"),
+        ("loops = 8", "loops = 8.5", r"`loops` must be an integer > 0, got 8.5"),
+        ("shock_stiffness_N_per_mm = 110", "", r"\[compression\] must state at least two stiffnesses or points"),
+        ("travel_mm = 40.1", "travel_mm = 40.1\ncompared = ['colour']", r"`compared` names 'colour', which the table"),
+        ("travel_mm = 40.1", "travel_mm = 40.1\npoints_mm_N = [[1, -2]]", r"`points_mm_N` must be pairs of numbers > 0"),
         ("damping_target = 0.11", "damping_target = 0.4", r"`damping_target` must lie in the range"),
         ("[shear]", "[sheer]", r"the table \[shear\] is missing"),
         ('name = "Enidine WR12-400"', "name = 12", r"`name` must be a string, got 12"),
@@ -335,6 +314,6 @@ def test_wrong_data_sheet_is_named_with_table_key_and_rule(tmp_path, capsys, old
     sheet.write_text(text.replace(old, new, 1))
     with pytest.raises(ModelError, match=message):
         fit_datasheet(sheet)
-    assert main([str(sheet), str(out)]) == 2
+    assert main(["isolators", "fit", str(sheet), str(out)]) == 2
     assert capsys.readouterr().err.startswith(str(sheet))
     assert not out.exists()

@@ -1,18 +1,12 @@
-"""Fit an isolator from a vendor's data sheet.
+"""An isolator from a vendor's data sheet, and every figure of the sheet beside what the isolator gives.
 
-    python -m wirerope_mj.identification.datasheet DATASHEET.toml OUT.toml
-
-reads the vendor's figures, writes the isolator file and prints every figure beside what the fit gives. What a sheet
-holds is described in `wirerope_mj.identification.vendor`; those of the catalogue lie in `models/isolators/datasheets`.
-The shape of the elastic force comes from the rope loop's geometry, its size and the friction from the vendor's figures.
+What a sheet holds is described in `wirerope_mj.identification.vendor`; those of the catalogue lie in
+`models/isolators/datasheets`, and `wirerope isolators fit` fits one. The shape of the elastic force comes from the rope loop's geometry, its size and the friction from the vendor's figures.
 """
 
-import argparse
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from wirerope_mj.errors import WireRopeError
 from wirerope_mj.identification import figures
 from wirerope_mj.identification.secants import Curve, NiLaw, fit_damped, fit_secants
 from wirerope_mj.identification.vendor import AxisFigures, DataSheet, Stated, read_datasheet
@@ -201,27 +195,3 @@ def print_table(rows: list[Figure]) -> None:
         vendor = "" if row.vendor is None else f"{row.vendor:.6g}"
         error = "" if row.error is None else f"{round(100.0 * row.error, 2) + 0.0:+.2f} %"
         print(f"{row.axis:<13}{row.name:<26}{row.unit:<6}{vendor:>12}{row.fitted:>12.6g}{error:>10}")
-
-
-def main(arguments: list[str] | None = None) -> int:
-    """Fit the data sheet named on the command line; return the exit code."""
-    parser = argparse.ArgumentParser(
-        prog="python -m wirerope_mj.identification.datasheet",
-        description="Fit an isolator from a vendor's data sheet and print every figure beside what the fit gives.",
-    )
-    parser.add_argument("datasheet", help="TOML file with the vendor's figures")
-    parser.add_argument("out", help="isolator file to write")
-    options = parser.parse_args(arguments)
-    try:
-        isolator = fit_datasheet(options.datasheet)
-        isolator.save(options.out)
-        print_table(compare(options.datasheet, isolator))
-    except (WireRopeError, OSError, ValueError) as error:
-        print(error, file=sys.stderr)
-        return 2
-    print(f"written: {options.out}")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

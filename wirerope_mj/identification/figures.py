@@ -4,7 +4,6 @@ Nothing here knows the closed forms that the fits use, so that these functions c
 """
 
 from collections.abc import Callable
-
 from typing import TYPE_CHECKING
 
 import numpy as np
