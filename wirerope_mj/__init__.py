@@ -50,6 +50,7 @@ from wirerope_mj.isolator import Geometry as Geometry
 from wirerope_mj.isolator import Isolator as Isolator
 from wirerope_mj.isolator import Limits as Limits
 from wirerope_mj.isolator import Provenance as Provenance
+from wirerope_mj.isolator import Rotation as Rotation
 from wirerope_mj.isolator import Spread as Spread
 from wirerope_mj.isolator import Travel as Travel
 from wirerope_mj.isolator import load_isolator as load_isolator

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import ModelError
-from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Spread
+from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread
 from wirerope_mj.isolator.tables import AXES, read_tables, write_toml
 from wirerope_mj.isolator.travel import SIDES
 from wirerope_mj.laws import BiaxialBoucWen, Law
@@ -27,6 +27,7 @@ class Isolator:
         axial: law from the base's bar to the payload's bar (z), deflection positive in tension.
         coupling: None for independent axes, or "biaxial": roll and shear share one hysteretic force, see
             `wirerope_mj.laws.BiaxialBoucWen`.
+        rotation: stiffness against turning; None = the mount turns freely.
         limits: rated static load and travel.
         geometry: unloaded envelope, for drawing.
         provenance: where the parameters come from.
@@ -38,6 +39,7 @@ class Isolator:
     shear: Law | None = None
     axial: Law | None = None
     coupling: str | None = None
+    rotation: Rotation | None = None
     limits: Limits = Limits()
     geometry: Geometry | None = None
     provenance: Provenance = Provenance()
@@ -60,6 +62,8 @@ class Isolator:
         for name, kind in (("limits", Limits), ("provenance", Provenance)):
             if not isinstance(getattr(self, name), kind):
                 raise ValueError(f"`{name}` must be a {kind.__name__}, got {getattr(self, name)!r}.")
+        if self.rotation is not None and not isinstance(self.rotation, Rotation):
+            raise ValueError(f"`rotation` must be a Rotation or None, got {self.rotation!r}.")
         _ = self.coupled  # raises if the two laws cannot be coupled
         self._require_travel()
         if self.geometry is not None:
@@ -106,7 +110,7 @@ class Isolator:
         if self.coupling is not None:
             content["coupling"] = self.coupling
         content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
-        for name in ("limits", "geometry", "provenance", "spread"):
+        for name in ("rotation", "limits", "geometry", "provenance", "spread"):
             part = getattr(self, name)
             table = {} if part is None else part.to_dict()
             if table:
