@@ -13,6 +13,10 @@ from wirerope_mj.control import layout as at
 from wirerope_mj.control.rotation import resists_turning, righting_torque
 from wirerope_mj.jit import njit
 from wirerope_mj.laws.kernels import MASING, biaxial_rates, evaluate, hold_slip
+from wirerope_mj.laws.loop_kernels import loop_force
+
+AXIAL = 2
+"""Place of the axial axis."""
 
 
 @njit
@@ -111,11 +115,20 @@ def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat,
             u[record + c], u[record + 3 + c] = deflection, force
             axis += at.AXIS_COLUMNS
         if lay[m + at.COUPLING] >= 0.0:
-            # Roll and shear share one hysteretic force, a vector: its rates replace those of the axes.
-            state = int(lay[axis - 3 * at.AXIS_COLUMNS + 2])
+            # Roll and another axis share one hysteretic force, a vector: its rates replace those of the axes.
+            place, other = q + int(lay[m + at.COUPLING]), int(lay[m + at.PARTNER])
+            first = axis - 3 * at.AXIS_COLUMNS + 2
+            j, k = int(lay[first]), int(lay[first + at.AXIS_COLUMNS * other])
             roll = site_xmat[r] * ux + site_xmat[r + 3] * uy + site_xmat[r + 6] * uz
-            shear = site_xmat[r + 1] * ux + site_xmat[r + 4] * uy + site_xmat[r + 7] * uz
-            biaxial_rates(par, q + int(lay[m + at.COUPLING]), roll, shear, act, a + state, u, rates + state)
+            along = site_xmat[r + other] * ux + site_xmat[r + 3 + other] * uy + site_xmat[r + 6 + other] * uz
+            biaxial_rates(par, place, roll, along, act, a + j, a + k, u, rates + j, rates + k)
+            if other == AXIAL:
+                fu, fw = loop_force(par, place + 6, u[record], u[record + AXIAL])
+                u[record + 3] += fu
+                u[record + 3 + AXIAL] += fw
+                fx += fu * site_xmat[r] + fw * site_xmat[r + 2]
+                fy += fu * site_xmat[r + 3] + fw * site_xmat[r + 5]
+                fz += fu * site_xmat[r + 6] + fw * site_xmat[r + 8]
         add_force(xfrc, payload, xipos, px, py, pz, -fx, -fy, -fz)
         if lay[m + 6] != 0.0:
             add_force(xfrc, base, xipos, px, py, pz, fx, fy, fz)

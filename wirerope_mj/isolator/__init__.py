@@ -11,3 +11,4 @@ from wirerope_mj.isolator.parts import Spread as Spread
 from wirerope_mj.isolator.parts import Travel as Travel
 from wirerope_mj.isolator.tables import AXES as AXES
 from wirerope_mj.isolator.tables import read_law as read_law
+from wirerope_mj.laws import LoopCoupling as LoopCoupling

@@ -86,7 +86,13 @@ def make_tables(
     channels = _channels(on, states)
     parts = [
         [
-            [*_mount_row(model, mount, on), coupling, *turning(mount.isolator), *_as_modelled(data, mount)]
+            [
+                *_mount_row(model, mount, on),
+                coupling,
+                *turning(mount.isolator),
+                *_as_modelled(data, mount),
+                _partner(mount.isolator),
+            ]
             for mount, coupling in zip(declared, couplings, strict=True)
         ],
         axes,
@@ -134,6 +140,7 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
     rows = layout[mounts:first].reshape(-1, at.MOUNT_COLUMNS)
     rows[:, at.COUPLING] = couplings
     rows[:, at.TURNING : at.MODELLED] = [turning(isolator) for isolator in isolators.values()]
+    rows[:, at.PARTNER] = [_partner(isolator) for isolator in isolators.values()]
     layout[first : first + at.AXIS_COLUMNS * len(axes)] = np.ravel(axes)
     layout[at.N_SLIPPING] = _slipping(axes)
     return replace(tables, layout=layout, parameters=np.concatenate([*parameters, []]), states=states)
@@ -150,6 +157,11 @@ def _mount_row(model: mujoco.MjModel, mount: DeclaredMount, on: Subjects) -> lis
     driven_only = on.base and model.body_dofnum[on.base] == len(on.driven)
     moved = model.body_weldid[bodies[1]] not in ({0, on.base} if driven_only else {0})
     return [*sites, *bodies, *(model.body_rootid[body] for body in bodies), float(moved)]
+
+
+def _partner(isolator: Isolator) -> int:
+    """Return the axis that roll is coupled to, 0 if there is none."""
+    return max(isolator.coupled_axes, default=0)
 
 
 def turning(isolator: Isolator) -> tuple[float, float, float]:
@@ -195,7 +207,7 @@ def _couplings(isolators: Iterable[Isolator], parameters: list[Array]) -> list[i
         coupled = isolator.coupled
         places.append(-1 if coupled is None else sum(part.size for part in parameters))
         if coupled is not None:
-            parameters.append(coupled.rate_parameters())
+            parameters.append(coupled.mount_parameters())
     return places
 
 
