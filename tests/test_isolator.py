@@ -212,7 +212,7 @@ def test_coupling_is_saved_and_loaded(tmp_path):
 @pytest.mark.parametrize(
     ("laws", "coupling", "words"),
     [
-        ({"axial": KelvinVoigt(k=1, c=0)}, {"roll": "shear"}, r"`coupling` must be 'biaxial' or None"),
+        ({"axial": KelvinVoigt(k=1, c=0)}, {"roll": "shear"}, r"`coupling` must be 'biaxial', 'loop' or None"),
         ({"roll": COUPLED}, "biaxial", "needs a law on both axes"),
         ({"roll": COUPLED, "shear": KelvinVoigt(k=1, c=0)}, "biaxial", "`shear` must be a Bouc-Wen law"),
         (

@@ -49,7 +49,9 @@ from wirerope_mj.identification.identify import identify as identify
 from wirerope_mj.isolator import Geometry as Geometry
 from wirerope_mj.isolator import Isolator as Isolator
 from wirerope_mj.isolator import Limits as Limits
+from wirerope_mj.isolator import LoopCoupling as LoopCoupling
 from wirerope_mj.isolator import Provenance as Provenance
+from wirerope_mj.isolator import Rotation as Rotation
 from wirerope_mj.isolator import Spread as Spread
 from wirerope_mj.isolator import Travel as Travel
 from wirerope_mj.isolator import load_isolator as load_isolator

@@ -24,9 +24,11 @@ MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONT
 HEADER = 17
 
 # columns of the tables
-MOUNT_COLUMNS = (
-    8  # payload site, base site, payload body, base body, payload root, base root, base takes the reaction, coupling
-)
+# payload site, base site, payload body, base body, payload root, base root, base takes the reaction, and what follows
+MOUNT_COLUMNS = 16
+COUPLING = 7  # place of the parameters of coupled axes (-1: none)
+TURNING, MODELLED = 8, 11  # rotational stiffnesses about the base site's axes (3); orientation as modelled (4)
+PARTNER = 15  # axis that roll is coupled to: 1 shear, 2 axial
 AXIS_COLUMNS = 4  # law number (-1: none), first parameter, first state, number of states; three rows per mount
 DRIVEN_COLUMNS = 5  # dof, effective mass, row of the map from base acceleration to slide acceleration
 BODY_COLUMNS = 2  # body, root

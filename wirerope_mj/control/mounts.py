@@ -6,12 +6,17 @@ site's point,
     d = R^T (p - p_b)        rate = R^T [v_payload(p) - v_base(p)],   v_body(p) = v_com + omega x (p - com)
 
 so that a rotating base is seen as the mount sees it. The restoring force R F acts on both bodies at p, which balances momentum
-and angular momentum.
+and angular momentum. A mount that resists turning adds opposite torques, see `wirerope_mj.control.rotation`.
 """
 
 from wirerope_mj.control import layout as at
+from wirerope_mj.control.rotation import resists_turning, righting_torque
 from wirerope_mj.jit import njit
 from wirerope_mj.laws.kernels import MASING, biaxial_rates, evaluate, hold_slip
+from wirerope_mj.laws.loop_kernels import loop_force
+
+AXIAL = 2
+"""Place of the axial axis."""
 
 
 @njit
@@ -61,7 +66,19 @@ def add_force(xfrc, body, xipos, px, py, pz, fx, fy, fz):
 
 
 @njit
-def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, subtree_com, cvel, xipos, xfrc):
+def add_torque(lay, m, site_xmat, site_xquat, xfrc):
+    """Add the torques of the mount in row `m` that resists turning to the wrenches on its bodies."""
+    r, x, b = 9 * int(lay[m + 1]), 6 * int(lay[m + 2]) + 3, 6 * int(lay[m + 3]) + 3
+    t1, t2, t3 = righting_torque(lay, m, site_xquat)
+    for c in range(3):
+        torque = site_xmat[r + 3 * c] * t1 + site_xmat[r + 3 * c + 1] * t2 + site_xmat[r + 3 * c + 2] * t3
+        xfrc[x + c] += torque
+        if lay[m + 6] != 0.0:
+            xfrc[b + c] -= torque
+
+
+@njit
+def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat, subtree_com, cvel, xipos, xfrc):
     """Write every mount's deflection, force and state rates to userdata and its wrenches to `xfrc`.
 
     `lay[i:]` is the layout, `par[q:]` the laws' parameters, `u[w:]` the system's userdata, `act[a:]` its states.
@@ -97,16 +114,26 @@ def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, subtree_com
                 fx, fy, fz = fx + force * ex, fy + force * ey, fz + force * ez
             u[record + c], u[record + 3 + c] = deflection, force
             axis += at.AXIS_COLUMNS
-        if (
-            lay[m + 7] >= 0.0
-        ):  # roll and shear share one hysteretic force, a vector: its rates replace those of the axes
-            state = int(lay[axis - 3 * at.AXIS_COLUMNS + 2])
+        if lay[m + at.COUPLING] >= 0.0:
+            # Roll and another axis share one hysteretic force, a vector: its rates replace those of the axes.
+            place, other = q + int(lay[m + at.COUPLING]), int(lay[m + at.PARTNER])
+            first = axis - 3 * at.AXIS_COLUMNS + 2
+            j, k = int(lay[first]), int(lay[first + at.AXIS_COLUMNS * other])
             roll = site_xmat[r] * ux + site_xmat[r + 3] * uy + site_xmat[r + 6] * uz
-            shear = site_xmat[r + 1] * ux + site_xmat[r + 4] * uy + site_xmat[r + 7] * uz
-            biaxial_rates(par, q + int(lay[m + 7]), roll, shear, act, a + state, u, rates + state)
+            along = site_xmat[r + other] * ux + site_xmat[r + 3 + other] * uy + site_xmat[r + 6 + other] * uz
+            biaxial_rates(par, place, roll, along, act, a + j, a + k, u, rates + j, rates + k)
+            if other == AXIAL:
+                fu, fw = loop_force(par, place + 6, u[record], u[record + AXIAL])
+                u[record + 3] += fu
+                u[record + 3 + AXIAL] += fw
+                fx += fu * site_xmat[r] + fw * site_xmat[r + 2]
+                fy += fu * site_xmat[r + 3] + fw * site_xmat[r + 5]
+                fz += fu * site_xmat[r + 6] + fw * site_xmat[r + 8]
         add_force(xfrc, payload, xipos, px, py, pz, -fx, -fy, -fz)
         if lay[m + 6] != 0.0:
             add_force(xfrc, base, xipos, px, py, pz, fx, fy, fz)
+        if resists_turning(lay, m):
+            add_torque(lay, m, site_xmat, site_xquat, xfrc)
         record += 6
         m += at.MOUNT_COLUMNS
 

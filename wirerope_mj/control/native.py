@@ -57,6 +57,7 @@ def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
         member(d, field[8]),
         member(d, field[9]),
         member(d, field[10]),
+        member(d, field[11]),
     )  # fmt: skip
 
 
@@ -117,8 +118,8 @@ def _sensor(m, d, system, field, time, place, part):  # type: ignore[no-untyped-
 
 
 CONTROL_FIELDS = (
-    "userdata", "qfrc_applied", "qfrc_bias", "qfrc_passive", "act", "site_xpos", "site_xmat", "subtree_com", "cvel", "xipos",
-    "xfrc_applied",
+    "userdata", "qfrc_applied", "qfrc_bias", "qfrc_passive", "act", "site_xpos", "site_xmat", "site_xquat", "subtree_com",
+    "cvel", "xipos", "xfrc_applied",
 )  # fmt: skip
 SENSOR_FIELDS = (
     "userdata", "act", "sensordata", "site_xpos", "site_xquat", "xipos", "xquat", "subtree_com", "cvel", "cdof", "cdof_dot",

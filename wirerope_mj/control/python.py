@@ -44,7 +44,7 @@ def python_callbacks() -> Callbacks:
         )
         apply_mounts(
             v.numeric, v.layout, v.numeric, v.parameters, v.d_userdata, v.userdata, v.d_act, v.states,
-            v.d_site_xpos, v.d_site_xmat, v.d_subtree_com, v.d_cvel, v.d_xipos, v.d_xfrc_applied,
+            v.d_site_xpos, v.d_site_xmat, v.d_site_xquat, v.d_subtree_com, v.d_cvel, v.d_xipos, v.d_xfrc_applied,
         )  # fmt: skip
 
     def act_dyn(model: mujoco.MjModel, data: mujoco.MjData, actuator: int) -> float:

@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import ModelError
-from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Spread
+from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread
 from wirerope_mj.isolator.tables import AXES, read_tables, write_toml
 from wirerope_mj.isolator.travel import SIDES
-from wirerope_mj.laws import BiaxialBoucWen, Law
+from wirerope_mj.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling
 from wirerope_mj.plain_text import plain
 
-BIAXIAL = "biaxial"
-"""The coupling of roll and shear."""
+COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}
+"""The axes that a coupling couples, by its name."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,8 +25,11 @@ class Isolator:
         roll: law across the bars (x); None = no force on this axis, as for the next two.
         shear: law along the bars (y).
         axial: law from the base's bar to the payload's bar (z), deflection positive in tension.
-        coupling: None for independent axes, or "biaxial": roll and shear share one hysteretic force, see
-            `wirerope_mj.laws.BiaxialBoucWen`.
+        coupling: None for independent axes; "biaxial": roll and shear share one hysteretic force, see
+            `wirerope_mj.laws.BiaxialBoucWen`; "loop": roll and axial share one and an elastic energy, as in a loop of rope,
+            see `wirerope_mj.laws.LoopBoucWen`.
+        loop: the elastic energy of the coupling "loop".
+        rotation: stiffness against turning; None = the mount turns freely.
         limits: rated static load and travel.
         geometry: unloaded envelope, for drawing.
         provenance: where the parameters come from.
@@ -38,6 +41,8 @@ class Isolator:
     shear: Law | None = None
     axial: Law | None = None
     coupling: str | None = None
+    loop: LoopCoupling | None = None
+    rotation: Rotation | None = None
     limits: Limits = Limits()
     geometry: Geometry | None = None
     provenance: Provenance = Provenance()
@@ -53,17 +58,30 @@ class Isolator:
                 raise ValueError(f"`{axis}` must be a law or None, got {law!r}.")
         if not any(self.axes.values()):
             raise ValueError(f"the isolator must have a law on at least one axis of {', '.join(AXES)}.")
-        if self.coupling not in (None, BIAXIAL):
-            raise ValueError(f"`coupling` must be {BIAXIAL!r} or None (independent axes), got {self.coupling!r}.")
-        if self.coupling and (self.roll is None or self.shear is None):
-            raise ValueError(f"`coupling` {BIAXIAL!r} needs a law on both axes, roll and shear.")
+        self._require_coupling()
         for name, kind in (("limits", Limits), ("provenance", Provenance)):
             if not isinstance(getattr(self, name), kind):
                 raise ValueError(f"`{name}` must be a {kind.__name__}, got {getattr(self, name)!r}.")
+        if self.rotation is not None and not isinstance(self.rotation, Rotation):
+            raise ValueError(f"`rotation` must be a Rotation or None, got {self.rotation!r}.")
         _ = self.coupled  # raises if the two laws cannot be coupled
         self._require_travel()
         if self.geometry is not None:
             self.geometry.require_room(self.limits.travel)
+
+    def _require_coupling(self) -> None:
+        """Raise ValueError if the coupling is not known, or what it needs is not there."""
+        if self.coupling not in (None, *COUPLINGS):
+            known = ", ".join(map(repr, COUPLINGS))
+            raise ValueError(f"`coupling` must be {known} or None (independent axes), got {self.coupling!r}.")
+        both = COUPLINGS[self.coupling] if self.coupling is not None else ()
+        if any(getattr(self, axis) is None for axis in both):
+            raise ValueError(f"`coupling` {self.coupling!r} needs a law on both axes, {' and '.join(both)}.")
+        if self.loop is not None and not isinstance(self.loop, LoopCoupling):
+            raise ValueError(f"`loop` must be a LoopCoupling or None, got {self.loop!r}.")
+        if (self.coupling == "loop") != (self.loop is not None):
+            has = "there is none" if self.loop is None else f"`coupling` is {self.coupling!r}"
+            raise ValueError(f"`coupling` 'loop' and its table `loop` need each other; {has}.")
 
     def _require_travel(self) -> None:
         """Raise ValueError if a law does not hold as far as its axis' rated travel."""
@@ -83,11 +101,18 @@ class Isolator:
         return {"roll": self.roll, "shear": self.shear, "axial": self.axial}
 
     @property
-    def coupled(self) -> BiaxialBoucWen | None:
-        """The laws of roll and shear as one, or None if the axes are independent."""
+    def coupled(self) -> BiaxialBoucWen | LoopBoucWen | None:
+        """The laws of the coupled axes as one, or None if the axes are independent."""
+        if self.loop is not None and self.roll is not None and self.axial is not None:
+            return LoopBoucWen(roll=self.roll, axial=self.axial, loop=self.loop)
         if self.coupling is None or self.roll is None or self.shear is None:
             return None
         return BiaxialBoucWen(roll=self.roll, shear=self.shear)
+
+    @property
+    def coupled_axes(self) -> tuple[int, ...]:
+        """Places of the two coupled axes among roll, shear and axial; none if the axes are independent."""
+        return () if self.coupling is None else tuple(AXES.index(axis) for axis in COUPLINGS[self.coupling])
 
     def rated_travel(self, axis: str) -> tuple[float | None, float | None]:
         """Return how far the axis may deflect below and above zero [m], both positive; None = not judged."""
@@ -106,7 +131,7 @@ class Isolator:
         if self.coupling is not None:
             content["coupling"] = self.coupling
         content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
-        for name in ("limits", "geometry", "provenance", "spread"):
+        for name in ("loop", "rotation", "limits", "geometry", "provenance", "spread"):
             part = getattr(self, name)
             table = {} if part is None else part.to_dict()
             if table:

@@ -120,6 +120,28 @@ class Geometry:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Rotation:
+    """Stiffness against turning the payload's bar relative to the base's [N m/rad], each >= 0.
+
+    roll, shear and axial are about the axes x, y and z of the mount. For a turn theta about one of them the torque is
+    K sin theta, from the potential K (1 - cos theta): elastic, without loss.
+    """
+
+    roll: float = 0.0
+    shear: float = 0.0
+    axial: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in _stated(self).items():
+            if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < math.inf:
+                raise ValueError(f"`{name}` must be a finite number >= 0 N m/rad, got {value!r}.")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the stiffnesses as they stand in an isolator file."""
+        return _stated(self)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Provenance:
     """Where the parameters come from.
 

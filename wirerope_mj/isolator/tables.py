@@ -10,15 +10,15 @@ from typing import Any
 import tomli_w
 
 from wirerope_mj.errors import ModelError
-from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Spread, Travel
-from wirerope_mj.laws import LAWS, Law
+from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, Travel
+from wirerope_mj.laws import LAWS, Law, LoopCoupling
 from wirerope_mj.whole import written_whole
 
 AXES = ("roll", "shear", "axial")
 """Axes of an isolator in the order x (across the bars), y (along the bars), z (axial)."""
 
 _KEYS = ("name", "coupling")
-_TABLES = (*AXES, "limits", "geometry", "provenance", "spread")
+_TABLES = (*AXES, "loop", "rotation", "limits", "geometry", "provenance", "spread")
 
 
 def read_tables(content: dict[str, Any], where: str) -> dict[str, Any]:
@@ -60,6 +60,14 @@ def _read_geometry(table: dict[str, Any], place: str) -> Geometry:
     return _make(Geometry, table, place, "the geometry")
 
 
+def _read_loop(table: dict[str, Any], place: str) -> LoopCoupling:
+    return _make(LoopCoupling, table, place, "the loop")
+
+
+def _read_rotation(table: dict[str, Any], place: str) -> Rotation:
+    return _make(Rotation, table, place, "the rotation")
+
+
 def _read_provenance(table: dict[str, Any], place: str) -> Provenance:
     if "kind" not in table:
         raise ModelError(f"{place} `kind` is missing: say where the parameters come from.")
@@ -71,6 +79,8 @@ def _read_spread(table: dict[str, Any], place: str) -> Spread:
 
 
 _PARTS: dict[str, Callable[[dict[str, Any], str], Any]] = {
+    "loop": _read_loop,
+    "rotation": _read_rotation,
     "limits": _read_limits,
     "geometry": _read_geometry,
     "provenance": _read_provenance,

@@ -10,6 +10,8 @@ from wirerope_mj.laws.hysteresis import Hysteresis as Hysteresis
 from wirerope_mj.laws.hysteresis import Normalised as Normalised
 from wirerope_mj.laws.law import Law as Law
 from wirerope_mj.laws.loop import Loop as Loop
+from wirerope_mj.laws.loop_energy import LoopCoupling as LoopCoupling
+from wirerope_mj.laws.loop_plane import LoopBoucWen as LoopBoucWen
 from wirerope_mj.laws.ni import AsymmetricBoucWen as AsymmetricBoucWen
 from wirerope_mj.laws.ni import SymmetricBoucWen as SymmetricBoucWen
 from wirerope_mj.laws.semi_empirical import EquivalentViscous as EquivalentViscous

@@ -10,7 +10,8 @@ import math
 import numpy as np
 
 from wirerope_mj.jit import njit
-from wirerope_mj.laws.kernels import BABER_NOORI, BIAXIAL, baber_noori, biaxial
+from wirerope_mj.laws.kernels import BABER_NOORI, BIAXIAL, LOOP, baber_noori, biaxial
+from wirerope_mj.laws.loop_kernels import loop_plane
 
 TOLERANCE = 1e-9
 """Relative error allowed in one step. The pair's estimate is that of its lower order: traces are a tenth to a hundredth of it
@@ -35,7 +36,7 @@ _LANDINGS = 8
 @njit
 def switch(law, p, i, z, j):
     """Return the quantity whose change of sign is a kink of the law: z, or its part along the path."""
-    if law == BIAXIAL:
+    if law in (BIAXIAL, LOOP):
         return z[j] * p[i + 14] / (p[i + 2] * p[i + 4]) + z[j + 1] * p[i + 15] / (p[i + 3] * p[i + 5])
     return z[j]
 
@@ -43,7 +44,7 @@ def switch(law, p, i, z, j):
 @njit
 def first_step(law, p, i, length):
     """Return a step that is likely to be accepted: a fifth of the yield deflection, or the whole length."""
-    if law == BIAXIAL:
+    if law in (BIAXIAL, LOOP):
         return length
     return min(length, FIRST_STEP * (p[i] / (p[i + 1] + p[i + 2])) ** (1.0 / p[i + 3]) / p[i])
 
@@ -52,11 +53,13 @@ def first_step(law, p, i, length):
 def slope_at(law, p, i, x, direction, z, j, n, k, stage):
     """Write the slopes of the n states and of the work over the length to `k[stage * (n + 1):]`."""
     row = stage * (n + 1)
-    # Not `evaluate`: of two laws the compiler makes one piece with the loop, which then takes half the time.
+    # Not `evaluate`: of a few laws the compiler makes one piece with the loop, which then takes half the time.
     if law == BABER_NOORI:
         k[row + n] = direction * baber_noori(p, i, x, direction, z, j, k, row)
-    else:
+    elif law == BIAXIAL:
         k[row + n] = direction * biaxial(p, i, x, direction, z, j, k, row)
+    else:
+        k[row + n] = direction * loop_plane(p, i, x, direction, z, j, k, row)
 
 
 @njit
@@ -125,7 +128,7 @@ def integrate(law, p, i, x0, direction, length, z, j, n_states, slopes, trial):
     """
     work, power, done, landing, m = 0.0, 0.0, 0.0, 0, n_states + 1
     step = first_step(law, p, i, length)
-    tolerance = TOLERANCE_IN_THE_PLANE if law == BIAXIAL else TOLERANCE
+    tolerance = TOLERANCE_IN_THE_PLANE if law in (BIAXIAL, LOOP) else TOLERANCE
     slope_at(law, p, i, x0, direction, z, j, n_states, slopes, 0)
     while done < length:
         step = min(step, length - done)

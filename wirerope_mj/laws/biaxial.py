@@ -9,28 +9,20 @@ import numpy.typing as npt
 from wirerope_mj.laws import kernels
 from wirerope_mj.laws.law import Law
 from wirerope_mj.laws.path import follow_plane
+from wirerope_mj.laws.plane import (
+    ODD,
+    SAME,
+    PlaneTrace,
+    elastic_of,
+    form_of,
+    rates_of,
+    require_alike,
+    require_couplable,
+    require_path,
+    traced,
+)
 
 Array = npt.NDArray[np.float64]
-
-SAME = 1e-9
-"""Relative difference of two axes' sharpness, share or energy that is rounding and not another law."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PlaneTrace:
-    """What a law in the plane does along a path.
-
-    Attributes:
-        deflection: path [m], (n_t, 2), roll and shear.
-        force: restoring force [N], (n_t, 2).
-        hysteretic_state: z [N], (n_t, 2).
-        work: work done on the isolator since the first sample [J], (n_t,).
-    """
-
-    deflection: Array
-    force: Array
-    hysteretic_state: Array
-    work: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,39 +50,33 @@ class BiaxialBoucWen:
 
     def __post_init__(self) -> None:
         for axis in ("roll", "shear"):
-            law = getattr(self, axis)
-            if not isinstance(law, Law) or law.kernel not in (kernels.BOUC_WEN, kernels.SYMMETRIC_BOUC_WEN):
-                raise ValueError(
-                    f"`{axis}` must be a Bouc-Wen law that is odd in the deflection to be coupled, got {law!r}."
-                )
-            if not math.isfinite(_form(law)[2]):
-                raise ValueError(
-                    f"`{axis}` must have `beta` + `gamma` > 0 to be coupled: without a bound it has no scale."
-                )
-        (s1, n1, z1, x1), (s2, n2, z2, x2) = _form(self.roll), _form(self.shear)
-        for name, one, other in (("n", n1, n2), ("sigma = beta / (beta + gamma)", s1, s2)):
-            if not math.isclose(one, other, rel_tol=SAME):
-                raise ValueError(
-                    f"`roll` and `shear` must have the same {name} to be coupled, got {one:.6g} and {other:.6g}."
-                )
+            require_couplable(axis, getattr(self, axis), ODD, "a Bouc-Wen law that is odd in the deflection")
+        require_alike(("roll", "shear"), self.roll, self.shear)
+        (s1, _, z1, x1), (_, _, z2, x2) = form_of(self.roll), form_of(self.shear)
         if s1 < 0.5 * (1.0 - SAME) and not math.isclose(z1 * x1, z2 * x2, rel_tol=SAME):
             raise ValueError(
                 "`roll` and `shear` with `gamma` > `beta` must have the same z_max^2 / alpha to be coupled, got "
                 f"{z1 * x1:.6g} and {z2 * x2:.6g} J: the law would not be passive."
             )
 
+    @property
+    def laws(self) -> tuple[Law, Law]:
+        """The two laws."""
+        return self.roll, self.shear
+
     def rate_parameters(self) -> Array:
         """Return sigma, n, the bounds z_m and the yield deflections x_y of both axes, (6,)."""
-        (sigma, n, z1, x1), (_, _, z2, x2) = _form(self.roll), _form(self.shear)
-        return np.array([sigma, n, z1, z2, x1, x2])
+        return rates_of(self.roll, self.shear)
+
+    def mount_parameters(self) -> Array:
+        """Return what the kernel of a mount takes: those of the rates."""
+        return self.rate_parameters()
 
     def line_parameters(self, start: Array, stop: Array) -> tuple[Array, float]:
         """Return the kernel's parameters for a straight line in the plane, and its length [m]."""
         length = float(np.hypot(*(stop - start)))
         direction = (stop - start) / length if length else np.zeros(2)
-        return np.concatenate(
-            [self.rate_parameters(), *map(_elastic, (self.roll, self.shear)), start, direction]
-        ), length
+        return np.concatenate([self.rate_parameters(), *map(elastic_of, self.laws), start, direction]), length
 
     def trace(self, deflection: npt.ArrayLike) -> PlaneTrace:
         """Return forces, states and work along straight lines between the points of a path, entered unloaded.
@@ -98,27 +84,6 @@ class BiaxialBoucWen:
         Args:
             deflection: path [m], (n_t, 2), roll and shear, at least two finite points.
         """
-        path = np.asarray(deflection, dtype=np.float64)
-        if path.ndim != 2 or path.shape[0] < 2 or path.shape[1] != 2 or not np.isfinite(path).all():
-            raise ValueError(f"`deflection` must be at least 2 finite points of the plane, got shape {path.shape}.")
+        path = require_path(deflection)
         parameters, _ = self.line_parameters(path[0], path[0])
-        force, states, work = follow_plane(parameters, path)
-        finite = np.isfinite(force).all(axis=1) & np.isfinite(work)
-        if not finite.all():
-            raise ValueError(f"the force of {self} leaves the finite numbers at {path[np.argmin(finite)]} m.")
-        return PlaneTrace(deflection=path, force=force, hysteretic_state=states, work=work)
-
-
-def _form(law: Law) -> tuple[float, float, float, float]:
-    """Return sigma, n, z_m and x_y of a Bouc-Wen kernel's parameters; an unbounded law has z_m infinite."""
-    alpha, beta, gamma, n = (float(value) for value in law.kernel_parameters()[:4])
-    if beta + gamma <= 0.0:
-        return math.nan, n, math.inf, math.inf
-    bound = (alpha / (beta + gamma)) ** (1.0 / n)
-    return beta / (beta + gamma), n, bound, bound / alpha
-
-
-def _elastic(law: Law) -> Array:
-    """Return k1, k2, k3 of the elastic part."""
-    elastic = law.kernel_parameters()[4:]
-    return np.concatenate([elastic, np.zeros(3 - elastic.size)])
+        return traced(self, path, follow_plane(kernels.BIAXIAL, parameters, path))

@@ -25,6 +25,7 @@ VAIANA_ROSATI = 7
 BABER_NOORI = 8
 BIAXIAL = 9
 SMOOTHED = 10
+LOOP = 11
 
 WORN_OUT = 1e-3
 """Share of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1."""
@@ -200,13 +201,15 @@ def smoothed(p, i, x, v, z, j, zdot, k):
 
 
 @njit
-def biaxial_rates(p, i, vx, vy, z, j, zdot, k):
+def biaxial_rates(p, i, vx, vy, z, jx, jy, zdot, kx, ky):
     """Write the rates of two coupled hysteretic forces; p = sigma, n, bounds z_m (2), yield deflections x_y (2).
 
-    With w = z / z_m and u = v / x_y:  wdot = u - w |w|^(n-2) [sigma |u.w| + (1 - sigma) u.w].
+    The states are `z[jx]` and `z[jy]`, their rates `zdot[kx]` and `zdot[ky]`. With w = z / z_m and u = v / x_y:
+
+        wdot = u - w |w|^(n-2) [sigma |u.w| + (1 - sigma) u.w]
     """
     sigma, n = p[i], p[i + 1]
-    wx, wy = z[j] / p[i + 2], z[j + 1] / p[i + 3]
+    wx, wy = z[jx] / p[i + 2], z[jy] / p[i + 3]
     ux, uy = vx / p[i + 4], vy / p[i + 5]
     size = math.sqrt(wx * wx + wy * wy)
     if size > 0.0:
@@ -214,7 +217,7 @@ def biaxial_rates(p, i, vx, vy, z, j, zdot, k):
         along = ux * wx + uy * wy
         pull = size**n * (sigma * abs(along) + (1.0 - sigma) * along)
         ux, uy = ux - pull * wx, uy - pull * wy
-    zdot[k], zdot[k + 1] = p[i + 2] * ux, p[i + 3] * uy
+    zdot[kx], zdot[ky] = p[i + 2] * ux, p[i + 3] * uy
 
 
 @njit
@@ -224,7 +227,7 @@ def biaxial(p, i, x, v, z, j, zdot, k):
     p = those of `biaxial_rates`, k1, k2, k3 of both axes, start (2) and direction (2) of the line.
     """
     ex, ey = p[i + 14], p[i + 15]
-    biaxial_rates(p, i, v * ex, v * ey, z, j, zdot, k)
+    biaxial_rates(p, i, v * ex, v * ey, z, j, j + 1, zdot, k, k + 1)
     fx = z[j] + polynomial(p[i + 6], p[i + 7], p[i + 8], p[i + 12] + x * ex)
     fy = z[j + 1] + polynomial(p[i + 9], p[i + 10], p[i + 11], p[i + 13] + x * ey)
     return ex * fx + ey * fy

@@ -9,12 +9,13 @@ from wirerope_mj.laws.adaptive import integrate
 from wirerope_mj.laws.exact import advance_exactly, has_closed_form
 from wirerope_mj.laws.kernels import (
     ASYMMETRIC_BOUC_WEN,
-    BIAXIAL,
     BOUC_WEN,
+    LOOP,
     SYMMETRIC_BOUC_WEN,
     evaluate,
     polynomial,
 )
+from wirerope_mj.laws.loop_kernels import loop_plane_force
 from wirerope_mj.laws.power import advance_power
 
 SCRATCH = 18
@@ -62,10 +63,10 @@ def follow_path(law, p, deflection, z, n_states):
 
 
 @njit
-def follow_plane(p, path):
-    """Return force (n_t, 2), states (n_t, 2) and cumulated work (n_t,) of the biaxial kernel along straight lines.
+def follow_plane(law, p, path):
+    """Return force (n_t, 2), states (n_t, 2) and cumulated work (n_t,) of a kernel in the plane along straight lines.
 
-    `p` holds the kernel's parameters; start and direction of the line are written to it.
+    `law` is BIAXIAL or LOOP, `p` holds the kernel's parameters; start and direction of the line are written to it.
     """
     n_t = path.shape[0]
     force, states, work, z = np.empty((n_t, 2)), np.empty((n_t, 2)), np.zeros(n_t), np.zeros(2)
@@ -77,8 +78,11 @@ def follow_plane(p, path):
             work[t] = work[t - 1]
             if length > 0.0:
                 p[12], p[13], p[14], p[15] = path[t - 1, 0], path[t - 1, 1], dx / length, dy / length
-                work[t] += integrate(BIAXIAL, p, 0, 0.0, 1.0, length, z, 0, 2, slopes, trial)
+                work[t] += integrate(law, p, 0, 0.0, 1.0, length, z, 0, 2, slopes, trial)
         states[t] = z
+        if law == LOOP:
+            force[t, 0], force[t, 1] = loop_plane_force(p, 0, path[t, 0], path[t, 1], z[0], z[1])
+            continue
         force[t, 0] = z[0] + polynomial(p[6], p[7], p[8], path[t, 0])
         force[t, 1] = z[1] + polynomial(p[9], p[10], p[11], path[t, 1])
     return force, states, work

@@ -95,7 +95,7 @@ def closed_cycle(law: Law, deflection: float, amplitude: float, *, frequency: fl
     Raises:
         ValueError: the law wears and has no closed cycle, or its force leaves the finite numbers on the way.
     """
-    angle, force = _closed(law, deflection, amplitude, frequency)
+    angle, force = cycle_samples(law, deflection, amplitude, frequency)
     if not np.isfinite(force).all():
         raise ValueError(
             f"`amplitude` is too large: the force of {law.name} leaves the finite numbers within {amplitude:.6g} m of the "
@@ -107,10 +107,10 @@ def closed_cycle(law: Law, deflection: float, amplitude: float, *, frequency: fl
 
 def mean_force(law: Law, deflection: float, amplitude: float, *, frequency: float) -> float:
     """Return the mean force of the same cycle [N]; NaN if the force leaves the finite numbers on the way."""
-    return float(_closed(law, deflection, amplitude, frequency)[1].mean())
+    return float(cycle_samples(law, deflection, amplitude, frequency)[1].mean())
 
 
-def _closed(law: Law, deflection: float, amplitude: float, frequency: float) -> tuple[Array, Array]:
+def cycle_samples(law: Law, deflection: float, amplitude: float, frequency: float) -> tuple[Array, Array]:
     """Return phase and force of a closed cycle at its samples, (SAMPLES,) each."""
     require_steady(law)
     angle = 2.0 * np.pi * np.arange(SAMPLES + 1) / SAMPLES

@@ -12,11 +12,13 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq
 
+from wirerope_mj.isolator import Isolator
 from wirerope_mj.laws import Law
 from wirerope_mj.modes.axis import closed_cycle, mean_force
-from wirerope_mj.modes.mount import SMALL
+from wirerope_mj.modes.plane import SMALL
 from wirerope_mj.modes.result import Modes
 from wirerope_mj.oscillator.cycle import is_neutral
+from wirerope_mj.statics import MountLoad
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
@@ -40,7 +42,8 @@ class Carried:
 def carried(system: System, found: Modes) -> Carried:
     """Return where modes at an amplitude lie about the deflections that carry the weight, the shapes as they are.
 
-    Each axis is taken alone, with the force that it has at rest: for one mount that is exact, else an estimate.
+    Each axis is taken alone, with the force that its law has at rest: for one mount of independent axes that is exact, else an
+    estimate.
     """
     if found.amplitude is None:
         raise ValueError("`found` must be modes at an amplitude: small cycles have the mean force of rest.")
@@ -50,10 +53,11 @@ def carried(system: System, found: Modes) -> Carried:
         stiffness, largest, name = 0.0, 0.0, ""
         for mount, load in found.equilibrium.mounts.items():
             sizes = found.amplitude * np.abs(found.mounts[mount][mode])
+            forces = _of_the_laws(system.mounts[mount].isolator, load)
             for axis, law in enumerate(system.mounts[mount].isolator.axes.values()):
                 if law is None or is_neutral(law) or sizes[axis] < SMALL or not math.isfinite(frequency):
                     continue
-                rest, force = float(load.deflection[axis]), float(load.force[axis])
+                rest, force = float(load.deflection[axis]), float(forces[axis])
                 there = _carrying(law, rest, force, float(sizes[axis]), frequency)
                 gain = _stiffness(law, there, sizes[axis], frequency) - _stiffness(law, rest, sizes[axis], frequency)
                 stiffness += found.mounts[mount][mode, axis] ** 2 * gain
@@ -64,6 +68,15 @@ def carried(system: System, found: Modes) -> Carried:
         shifts[mode] = largest
         names.append(name)
     return Carried(frequencies=frequencies, shift=shifts, mounts=tuple(names))
+
+
+def _of_the_laws(isolator: Isolator, load: MountLoad) -> Array:
+    """Return the force at rest that the axes' own laws have [N], (3,): a loop's elastic energy is not theirs."""
+    forces = load.force.copy()
+    if isolator.loop is not None:
+        axes = list(isolator.coupled_axes)
+        forces[axes] -= isolator.loop.force(load.deflection[axes])
+    return forces
 
 
 def _stiffness(law: Law, deflection: float, amplitude: float, frequency: float) -> float:

@@ -104,7 +104,11 @@ def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplit
     at_rest = data.qpos.copy()
     place = {name: column for column, name in enumerate(plan.names)}
     values = np.zeros((modes.frequencies.size * PERIODS * ROWS, len(plan.names)))
-    stiffness = {name: mount.stiffness(np.zeros(3), 1.0).real for name, mount in rest.mounts.items()}
+    none = np.zeros(3)
+    stiffness = {
+        name: np.diag(mount.stiffness(none, 1.0).real) + mount.loop_stiffness(none)
+        for name, mount in rest.mounts.items()
+    }
     for row, line in enumerate(values):
         mode, phase = divmod(row, PERIODS * ROWS)
         swing = amplitude * np.cos(2.0 * np.pi * phase / ROWS)
@@ -121,7 +125,7 @@ def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplit
         for name, shape in modes.mounts.items():
             moved = swing * shape[mode]
             line[_from(place, f"mounts/{name}/deflection/roll", 3)] = rest.mounts[name].deflection + moved
-            line[_from(place, f"mounts/{name}/force/roll", 3)] = stiffness[name] * moved
+            line[_from(place, f"mounts/{name}/force/roll", 3)] = stiffness[name] @ moved
     return values
 
 

@@ -104,8 +104,11 @@ class _Springs:
         """Return the complex stiffness of the free coordinates [N/m, ...], (n, n), when the motion is amplitude * shape."""
         total = (self.rest.other + self.rest.weight).astype(np.complex128)
         for name, mount in self.rest.mounts.items():
-            sizes = amplitude * np.abs(mount.jacobian @ shape)
-            total += mount.jacobian.T @ (_finite(name, mount.stiffness(sizes, frequency))[:, None] * mount.jacobian)
+            moved = amplitude * (mount.jacobian @ shape)
+            stiffness = _finite(name, mount.stiffness(np.abs(moved), frequency))
+            total += mount.jacobian.T @ (stiffness[:, None] * mount.jacobian)
+            if mount.isolator.loop is not None:
+                total += mount.jacobian.T @ mount.loop_stiffness(moved) @ mount.jacobian
         return total
 
     def mode(

@@ -6,6 +6,8 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.control import layout as at
+from wirerope_mj.control.rotation import righting_torque
 from wirerope_mj.modes.mount import MountAtRest
 from wirerope_mj.statics import Equilibrium
 from wirerope_mj.system import System
@@ -25,7 +27,7 @@ class AtRest:
     Attributes:
         free: which of MuJoCo's velocity coordinates these are, (n,).
         mass: mass matrix, (n, n).
-        other: stiffness besides the mounts' tangents: joint springs and contacts, (n, n).
+        other: stiffness besides the mounts' tangents: joint springs, contacts and what the mounts resist turning with, (n, n).
         weight: stiffness that weight and the mounts' preload add, -W h of a centre of mass above its mounts included, (n, n).
         damping: of joints, (n, n).
         mounts: mounts by name.
@@ -80,6 +82,8 @@ def _held(
 ) -> Array:
     """Return -d(force)/dq with mount forces that stay as they are in the mounts' axes (None: without forces).
 
+    Torques of mounts that resist turning follow the motion, as joint springs do.
+
     Generalised forces, not M times accelerations: without weight a loaded joint spring accelerates what it holds, and then
     the mass matrix, which changes with position, would pass for stiffness.
     """
@@ -104,19 +108,22 @@ def _held(
 
 
 def _push(system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibrium: Equilibrium | None) -> None:
-    """Apply the mounts' forces at rest, turned with their axes, and hold the base."""
+    """Apply the mounts' forces at rest, turned with their axes, their torques of this position, and hold the base."""
     mujoco.mj_fwdPosition(model, data)
     mujoco.mj_fwdVelocity(model, data)
     data.qfrc_applied[:] = 0.0
-    none = np.zeros(3)
-    for name, mount in system.mounts.items():
-        if equilibrium is None:
-            break
-        force = data.site(mount.base_site).xmat.reshape(3, 3) @ equilibrium.mounts[name].force
+    layout = system.assembly.tables.layout
+    for number, (name, mount) in enumerate(system.mounts.items()):
+        if equilibrium is None and mount.isolator.rotation is None:
+            continue
+        axes = data.site(mount.base_site).xmat.reshape(3, 3)
+        force = axes @ equilibrium.mounts[name].force if equilibrium is not None else np.zeros(3)
+        row = int(layout[at.MOUNTS]) + at.MOUNT_COLUMNS * number
+        torque = axes @ np.array(righting_torque(layout, row, data.site_xquat.reshape(-1)))
         point = data.site(mount.payload_site).xpos
         payload, base = (int(model.site(site).bodyid[0]) for site in (mount.payload_site, mount.base_site))
-        mujoco.mj_applyFT(model, data, -force, none, point, payload, data.qfrc_applied)
-        mujoco.mj_applyFT(model, data, force, none, point, base, data.qfrc_applied)
+        mujoco.mj_applyFT(model, data, -force, torque, point, payload, data.qfrc_applied)
+        mujoco.mj_applyFT(model, data, force, -torque, point, base, data.qfrc_applied)
     driven = system.assembly.driven_dofs
     data.qfrc_applied[driven] = data.qfrc_bias[driven] - data.qfrc_passive[driven]
 

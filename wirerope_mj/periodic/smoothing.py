@@ -31,8 +31,8 @@ def smoothed(system: System, width: float) -> System:
 def _smoothed(isolator: Isolator, width: float) -> Isolator:
     axes: dict[str, Any] = {
         axis: Smoothed(law=law, width=width)
-        for axis, law in isolator.axes.items()
-        if law is not None and smoothable(law) and (axis == "axial" or isolator.coupling is None)
+        for place, (axis, law) in enumerate(isolator.axes.items())
+        if law is not None and smoothable(law) and place not in isolator.coupled_axes
     }
     return replace(isolator, **axes)
 

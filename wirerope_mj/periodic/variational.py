@@ -45,8 +45,8 @@ class _Group:
 def _groups(system: System) -> list[_Group]:
     found = []
     for number, mount in enumerate(system.mounts.values()):
-        together = [[0, 1], [2]] if mount.isolator.coupled is not None else [[0], [1], [2]]
-        for axes in together:
+        coupled = list(mount.isolator.coupled_axes)
+        for axes in [coupled] * bool(coupled) + [[axis] for axis in range(3) if axis not in coupled]:
             states = [state for axis in axes for state in range(mount.states[axis].start, mount.states[axis].stop)]
             if states:
                 found.append(_Group(mount=number, axes=axes, states=states))

@@ -5,6 +5,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.system import System
+from wirerope_mj.system.tables import turning
 
 RK4_LIMIT = 2.7
 """RK4 is stable for |lambda| h < 2.785 on the negative real axis and 2.828 on the imaginary one; a little less is used."""
@@ -20,15 +21,19 @@ def _mount_matrices(system: System, data: mujoco.MjData) -> tuple[npt.NDArray[np
     Stiffness is that of the unloaded mounts in the modelled geometry, damping the laws' largest.
     """
     model, rows, stiffness, damping = system.model, [np.zeros((0, system.model.nv))], [], []
-    payload, base, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv)), np.zeros((3, model.nv))
+    payload, base, turn, base_turn = (np.zeros((3, model.nv)) for _ in range(4))
     for mount, (site, base_site) in zip(system.mounts.values(), system.assembly.tables.sites, strict=True):
         point = data.site_xpos[site]
-        mujoco.mj_jac(model, data, payload, unused, point, model.site_bodyid[site])
-        mujoco.mj_jac(model, data, base, unused, point, model.site_bodyid[base_site])
+        mujoco.mj_jac(model, data, payload, turn, point, model.site_bodyid[site])
+        mujoco.mj_jac(model, data, base, base_turn, point, model.site_bodyid[base_site])
         rows.append(mount.axes.T @ (payload - base))  # of the deflections, (3, n_v)
         for law in mount.isolator.axes.values():
             stiffness.append(law.initial_stiffness if law is not None else 0.0)
             damping.append(law.damping_coefficient if law is not None else 0.0)
+        if mount.isolator.rotation is not None:
+            rows.append(mount.axes.T @ (turn - base_turn))  # of the turns
+            stiffness += turning(mount.isolator)
+            damping += [0.0] * 3
     to_deflections = np.concatenate(rows)
     along, resisting = (to_deflections.T * np.array(numbers) @ to_deflections for numbers in (stiffness, damping))
     return along, resisting

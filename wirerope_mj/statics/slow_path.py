@@ -14,11 +14,8 @@ from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
 
-AXIAL = 2
-"""Place of the axial axis; a coupling is between the other two."""
-
 LINE = 12
-"""Place of a line's start and direction among the parameters of the biaxial kernel."""
+"""Place of a line's start and direction among the parameters of the biaxial kernel, whose rates all couplings have."""
 
 
 @njit
@@ -36,14 +33,14 @@ def deflect(lay, site_xpos, site_xmat, deflection):  # type: ignore[no-untyped-d
 
 
 @njit
-def follow(lay, par, single, coupled, planes, before, after, states):  # type: ignore[no-untyped-def]
+def follow(lay, par, single, coupled, partners, planes, before, after, states):  # type: ignore[no-untyped-def]
     """Carry `states` in place on straight lines from deflections `before` to `after`, (n_mounts, 3).
 
-    `single` (n_mounts, 3) says which axes follow a law of their own; `coupled` names the mounts whose roll and shear share a
-    law, `planes` (n_coupled, 16) holds its parameters.
+    `single` (n_mounts, 3) says which axes follow a law of their own; `coupled` names the mounts whose roll and another axis,
+    the partner, share a law, `planes` (n_coupled, 16) holds its parameters.
     """
     slopes, trial = np.empty(SCRATCH * (states.size + 1)), np.empty(states.size + 1)  # enough for any of the laws
-    axes = int(lay[at.AXES])
+    axes, z = int(lay[at.AXES]), np.empty(2)
     for mount in range(before.shape[0]):
         for axis in range(3):
             row = axes + at.AXIS_COLUMNS * (3 * mount + axis)
@@ -52,14 +49,17 @@ def follow(lay, par, single, coupled, planes, before, after, states):  # type: i
                 x0, x1 = before[mount, axis], after[mount, axis]
                 advance(law, par, p, x0, x1, states, first, n_states, slopes, trial)
     for number in range(coupled.size):
-        mount, p = coupled[number], planes[number]
-        dx, dy = after[mount, 0] - before[mount, 0], after[mount, 1] - before[mount, 1]
+        mount, other, p = coupled[number], partners[number], planes[number]
+        dx, dy = after[mount, 0] - before[mount, 0], after[mount, other] - before[mount, other]
         length = math.sqrt(dx * dx + dy * dy)
         if length > 0.0:
-            p[LINE], p[LINE + 1] = before[mount, 0], before[mount, 1]
+            p[LINE], p[LINE + 1] = before[mount, 0], before[mount, other]
             p[LINE + 2], p[LINE + 3] = dx / length, dy / length
-            first = int(lay[axes + 3 * at.AXIS_COLUMNS * mount + 2])
-            advance(BIAXIAL, p, 0, 0.0, length, states, first, 2, slopes, trial)
+            row = axes + 3 * at.AXIS_COLUMNS * mount + 2
+            j, k = int(lay[row]), int(lay[row + at.AXIS_COLUMNS * other])
+            z[0], z[1] = states[j], states[k]
+            advance(BIAXIAL, p, 0, 0.0, length, z, 0, 2, slopes, trial)
+            states[j], states[k] = z[0], z[1]
 
 
 class SlowPath:
@@ -72,7 +72,7 @@ class SlowPath:
         self.single = np.array(
             [
                 [
-                    law is not None and law.rate_independent and (axis == AXIAL or isolator.coupled is None)
+                    law is not None and law.rate_independent and axis not in isolator.coupled_axes
                     for axis, law in enumerate(isolator.axes.values())
                 ]
                 for isolator in mounts
@@ -81,7 +81,8 @@ class SlowPath:
         ).reshape(len(mounts), 3)
         pairs = [(row, isolator.coupled) for row, isolator in enumerate(mounts) if isolator.coupled is not None]
         self.coupled = np.array([row for row, _ in pairs], dtype=np.int64)
-        lines = [law.line_parameters(np.zeros(2), np.zeros(2))[0] for _, law in pairs]
+        self.partners = np.array([mounts[row].coupled_axes[1] for row, _ in pairs], dtype=np.int64)
+        lines = [law.line_parameters(np.zeros(2), np.zeros(2))[0][: LINE + 4] for _, law in pairs]
         self.planes = np.array(lines).reshape(len(pairs), LINE + 4)
         self.rest_deflection = np.zeros((len(mounts), 3))
         self.rest_states = np.zeros(self.tables.user.n_states)
@@ -89,7 +90,7 @@ class SlowPath:
     def states_at(self, data: mujoco.MjData) -> Array:
         """Return the internal states in the position of `data`."""
         states, tables, deflection = self.rest_states.copy(), self.tables, self._deflections(data)
-        laws = tables.layout, tables.parameters, self.single, self.coupled, self.planes
+        laws = tables.layout, tables.parameters, self.single, self.coupled, self.partners, self.planes
         follow(*laws, self.rest_deflection, deflection, states)
         return states
 

@@ -85,7 +85,16 @@ def make_tables(
     drive = _drive_rows(model, data, on.driven) if drive is None else drive
     channels = _channels(on, states)
     parts = [
-        [[*_mount_row(model, mount, on), coupling] for mount, coupling in zip(declared, couplings, strict=True)],
+        [
+            [
+                *_mount_row(model, mount, on),
+                coupling,
+                *turning(mount.isolator),
+                *_as_modelled(data, mount),
+                _partner(mount.isolator),
+            ]
+            for mount, coupling in zip(declared, couplings, strict=True)
+        ],
         axes,
         [
             [model.jnt_dofadr[joint], DRIVE_ARMATURE + model.body_subtreemass[on.base], *row]
@@ -128,7 +137,10 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
     couplings = _couplings(isolators.values(), parameters)
     layout = tables.layout.copy()
     mounts, first = int(layout[at.MOUNTS]), int(layout[at.AXES])
-    layout[mounts:first].reshape(-1, at.MOUNT_COLUMNS)[:, -1] = couplings
+    rows = layout[mounts:first].reshape(-1, at.MOUNT_COLUMNS)
+    rows[:, at.COUPLING] = couplings
+    rows[:, at.TURNING : at.MODELLED] = [turning(isolator) for isolator in isolators.values()]
+    rows[:, at.PARTNER] = [_partner(isolator) for isolator in isolators.values()]
     layout[first : first + at.AXIS_COLUMNS * len(axes)] = np.ravel(axes)
     layout[at.N_SLIPPING] = _slipping(axes)
     return replace(tables, layout=layout, parameters=np.concatenate([*parameters, []]), states=states)
@@ -145,6 +157,25 @@ def _mount_row(model: mujoco.MjModel, mount: DeclaredMount, on: Subjects) -> lis
     driven_only = on.base and model.body_dofnum[on.base] == len(on.driven)
     moved = model.body_weldid[bodies[1]] not in ({0, on.base} if driven_only else {0})
     return [*sites, *bodies, *(model.body_rootid[body] for body in bodies), float(moved)]
+
+
+def _partner(isolator: Isolator) -> int:
+    """Return the axis that roll is coupled to, 0 if there is none."""
+    return max(isolator.coupled_axes, default=0)
+
+
+def turning(isolator: Isolator) -> tuple[float, float, float]:
+    """Return the rotational stiffness of an isolator about roll, shear and axial [N m/rad]."""
+    rotation = isolator.rotation
+    return (0.0, 0.0, 0.0) if rotation is None else (rotation.roll, rotation.shear, rotation.axial)
+
+
+def _as_modelled(data: mujoco.MjData, mount: DeclaredMount) -> Array:
+    """Return the orientation of the payload's site in the base site's axes, in the modelled geometry, (4,)."""
+    inverse, relative = np.empty(4), np.empty(4)
+    mujoco.mju_negQuat(inverse, data.site_xquat[mount.base_site])
+    mujoco.mju_mulQuat(relative, inverse, data.site_xquat[mount.payload_site])
+    return relative
 
 
 def _axis_rows(
@@ -176,7 +207,7 @@ def _couplings(isolators: Iterable[Isolator], parameters: list[Array]) -> list[i
         coupled = isolator.coupled
         places.append(-1 if coupled is None else sum(part.size for part in parameters))
         if coupled is not None:
-            parameters.append(coupled.rate_parameters())
+            parameters.append(coupled.mount_parameters())
     return places
 
 

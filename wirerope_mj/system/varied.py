@@ -213,7 +213,9 @@ def _write_tables(model: mujoco.MjModel, system: System, isolators: Mapping[str,
 
 def _no_room(system: System, isolators: Mapping[str, Isolator], wanted: int, room: int) -> str:
     def size(isolator: Isolator) -> int:
-        return sum(law.kernel_parameters().size for law in isolator.axes.values() if law is not None)
+        coupled = isolator.coupled
+        own = sum(law.kernel_parameters().size for law in isolator.axes.values() if law is not None)
+        return own + (0 if coupled is None else coupled.mount_parameters().size)
 
     old = max(system.mounts.values(), key=lambda mount: size(isolators[mount.name]) - size(mount.isolator))
     new = isolators[old.name]

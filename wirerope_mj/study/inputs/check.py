@@ -10,7 +10,7 @@ import pyarrow as pa
 
 from wirerope_mj.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.isolator import Isolator
+from wirerope_mj.isolator import AXES, Isolator
 from wirerope_mj.simulation.simulate import check_direction
 from wirerope_mj.study.inputs.meant import warnings_of
 from wirerope_mj.study.inputs.nominal import SHIFTS, nominal
@@ -111,7 +111,7 @@ def _edited(nominal: Any, column: npt.NDArray[Any], relative: bool) -> Any:
 def _law_holds(system: System, mount: str, axis: str, parameters: Mapping[str, Any]) -> bool:
     isolator = system.mounts[mount].isolator
     law = isolator.axes[axis]
-    coupled = isolator.coupling is not None and axis != "axial"  # roll and shear must then suit each other, too
+    coupled = AXES.index(axis) in isolator.coupled_axes  # the two must then suit each other, too
     return law is not None and not coupled and law.surely_holds(law.completed(parameters))
 
 
