@@ -11,12 +11,10 @@ from scipy.optimize import brentq
 
 from wirerope_mj.bench import cyclic_test
 from wirerope_mj.errors import ConvergenceError
-from wirerope_mj.laws import Law
+from wirerope_mj.laws import Law, LoopBoucWen
 
 if TYPE_CHECKING:
     from wirerope_mj.identification.secants import Secant
-
-_DIAGONAL = float(np.sqrt(0.5))  # share of a deflection at 45 degrees that each of the two axes takes
 
 
 def virgin_force(law: Law, deflection: float) -> float:
@@ -68,13 +66,17 @@ def compression_sag(law: Law, load: float, travel: float, *, relaxed: bool = Fal
     return sag(lambda x: -follow(law, -x), load, travel)
 
 
-def diagonal_secant(axial: Law, roll: Law, deflection: float, *, steady: bool) -> float:
+def diagonal_secant(law: LoopBoucWen, deflection: float, *, steady: bool) -> float:
     """Return the secant stiffness [N/m] along 45 degrees between compression and roll, held on that straight line.
 
-    The two axes are taken to be independent; each takes 0.707 of the deflection and of the force.
+    Args:
+        law: of roll and axial.
+        deflection: along the line [m]: that of the virgin path, or the amplitude of a steady loop.
+        steady: whether of the steady loop, here the fourth cycle.
     """
-    share = _DIAGONAL * deflection
+    line = np.array([1.0, -1.0]) * np.sqrt(0.5)
+    turns = [0.0, *[1.0, -1.0] * 4, 1.0] if steady else [0.0, 1.0]
+    force = law.trace(deflection * np.outer(turns, line)).force @ line
     if steady:
-        loops = [cyclic_test(law, share)[0] for law in (axial, roll)]
-        return 0.5 * sum(loop.secant_stiffness for loop in loops)
-    return 0.5 * (virgin_force(roll, share) - virgin_force(axial, -share)) / share
+        return float((force[-1] - force[-2]) / (2.0 * deflection))
+    return float(force[-1] / deflection)

@@ -12,7 +12,8 @@ the vendor states figures at 45 degrees: they are compared, never fitted. An axi
     cycles_mm_N_per_mm     [[amplitude, secant stiffness], ...] of steady loops
     resonance              of the mass of the static load, cycles of the static deflection about the sag; compared only
 
-`compared` lists figures of an axis that are printed beside the fit and not fitted.
+`compared` lists figures of an axis that are printed beside the fit and not fitted. `roll = "rope loop"` says that the table
+[shear] is that of shear alone: roll is then what the loop gives beside the axial stiffness.
 """
 
 import math
@@ -103,6 +104,7 @@ class DataSheet:
         diagonal: figures at 45 degrees between compression and roll, None where there are none.
         static_load: rated load in compression [N]; None where it is not stated.
         damping_amplitude: amplitude of the damping ratios [m].
+        roll_of_loop: whether roll follows from the rope loop; else it is the same as shear.
         yielding: yield deflection of friction [m]; None where a damping ratio gives it.
         damping_range: lowest and highest damping ratio that the vendor states [-]; None where it states none.
         assumed: what no source gives, one sentence each.
@@ -120,6 +122,7 @@ class DataSheet:
     damping_amplitude: float
     loops: int | None = None
     diagonal: AxisFigures | None = None
+    roll_of_loop: bool = False
     yielding: float | None = None
     damping_range: tuple[float, float] | None = None
     assumed: tuple[str, ...] = ()
@@ -176,6 +179,7 @@ class _Reader:
             loops=self.loops(content, place),
             static_load=self.quantity(content, "static_load", _FORCE, place),
             damping_amplitude=self.optional(content, "damping_amplitude", _LENGTH, place) or DAMPING_AMPLITUDE * travel,
+            roll_of_loop=self.roll_of_loop(content, place),
             yielding=self.optional(content, "yield_deflection", _LENGTH, place),
             damping_range=self.damping_range(content, axes, place),
             assumed=self.sentences(content, "assumed", place),
@@ -187,6 +191,14 @@ class _Reader:
                 f"{place} give either `damping_target` or `yield_deflection_mm`: stiffnesses do not fix the loop's width."
             )
         return sheet
+
+    def roll_of_loop(self, content: dict[str, Any], place: str) -> bool:
+        """Take out of the table whether roll follows from the rope loop."""
+        if "roll" not in content:
+            return False
+        if (value := content.pop("roll")) != "rope loop":
+            raise ModelError(f'{place} `roll` must be "rope loop" or absent (as shear), got {value!r}.')
+        return True
 
     def damping_range(
         self, content: dict[str, Any], axes: dict[str, AxisFigures], place: str

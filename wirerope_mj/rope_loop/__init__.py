@@ -1,5 +1,6 @@
 """What a loop of wire rope between two bars does, from its geometry; engine-free."""
 
+from wirerope_mj.rope_loop.coupling_energy import fit_coupling as fit_coupling
 from wirerope_mj.rope_loop.curves import AxisCurves as AxisCurves
 from wirerope_mj.rope_loop.curves import axis_curves as axis_curves
 from wirerope_mj.rope_loop.elastica import LoopState as LoopState

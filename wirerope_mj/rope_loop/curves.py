@@ -29,6 +29,7 @@ class AxisCurves:
         asymmetry_deviation: standard deviation of the asymmetry [1/m]: half of what it changes if the bars hold the rope on
             their whole thickness instead of in their middle, which no vendor states.
         misfit: largest relative difference of the axial secants from the loop's own [-].
+        axial_stiffness, roll_stiffness: of one loop of EI = 1 N m^2 at rest [N/m].
     """
 
     asymmetry: float
@@ -36,6 +37,8 @@ class AxisCurves:
     roll_cubic: float
     asymmetry_deviation: float
     misfit: float
+    axial_stiffness: float
+    roll_stiffness: float
 
 
 def axis_curves(
@@ -64,6 +67,8 @@ def axis_curves(
         roll_cubic=_roll(loop, roll),
         asymmetry_deviation=0.5 * abs(clamped - asymmetry),
         misfit=misfit,
+        axial_stiffness=float(loop.stiffness()[1, 1]),
+        roll_stiffness=float(loop.stiffness()[0, 0]),
     )
 
 
