@@ -31,8 +31,28 @@ STIFFNESS = {
     "enidine_wr16_400": (0.0432, 613e3, 278e3, 0.0452, 173e3, 173e3, (0.003024, 0.003164), 2869.0, (0.05, 0.15)),
     "enidine_wr16_700": (0.0599, 340e3, 137e3, 0.0569, 81e3, 81e3, (0.004193, 0.003983), 1957.0, (0.05, 0.15)),
     "enidine_wr20_600": (0.0495, 821e3, 356e3, 0.0521, 215e3, 215e3, (0.003465, 0.003647), 4204.0, (0.05, 0.15)),
-    "socitec_cb1400_15": (0.03556, 1142703.0, 464086.0, 0.04064, 258312.0, 189137.0, (0.00254, 0.00254), 4160.0, (0.15, 0.20)),
-    "socitec_cb1400_30": (0.06096, 394035.4, 158489.8, 0.06096, 98071.03, 73553.27, (0.00254, 0.00254), 2610.0, (0.15, 0.20)),
+    "socitec_cb1400_15": (
+        0.03556,
+        1142703.0,
+        464086.0,
+        0.04064,
+        258312.0,
+        189137.0,
+        (0.00254, 0.00254),
+        4160.0,
+        (0.15, 0.20),
+    ),
+    "socitec_cb1400_30": (
+        0.06096,
+        394035.4,
+        158489.8,
+        0.06096,
+        98071.03,
+        73553.27,
+        (0.00254, 0.00254),
+        2610.0,
+        (0.15, 0.20),
+    ),
 }
 # Static force and deflection, shock force and deflection, resonance; compression, then shear and roll.
 POINTS = {
@@ -300,7 +320,11 @@ def test_table_judges_any_isolator_against_a_sheet():
         ("loops = 8", "loops = 8.5", r"`loops` must be an integer > 0, got 8.5"),
         ("shock_stiffness_N_per_mm = 110", "", r"\[compression\] must state at least two stiffnesses or points"),
         ("travel_mm = 40.1", "travel_mm = 40.1\ncompared = ['colour']", r"`compared` names 'colour', which the table"),
-        ("travel_mm = 40.1", "travel_mm = 40.1\npoints_mm_N = [[1, -2]]", r"`points_mm_N` must be pairs of numbers > 0"),
+        (
+            "travel_mm = 40.1",
+            "travel_mm = 40.1\npoints_mm_N = [[1, -2]]",
+            r"`points_mm_N` must be pairs of numbers > 0",
+        ),
         ("damping_target = 0.11", "damping_target = 0.4", r"`damping_target` must lie in the range"),
         ("[shear]", "[sheer]", r"the table \[shear\] is missing"),
         ('name = "Enidine WR12-400"', "name = 12", r"`name` must be a string, got 12"),

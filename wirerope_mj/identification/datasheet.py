@@ -6,8 +6,9 @@ geometry, its size and the friction from the vendor's figures.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from wirerope_mj.identification import figures
 from wirerope_mj.identification.secants import Curve, NiLaw, fit_damped, fit_secants
@@ -51,44 +52,48 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
         ValueError: no rope loop has the envelope of the sheet.
         ConvergenceError: no law has all its figures.
     """
+    compression, shear = sheet.compression, sheet.shear
     curves = axis_curves(
         height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope,
-        compression=sheet.compression.travel, roll=sheet.shear.travel,
+        compression=compression.travel, roll=None if shear is None else shear.travel,
     )  # fmt: skip
-    along = Curve(asymmetry=curves.asymmetry, cubic=curves.axial_cubic * sheet.compression.hardening)
-    across = Curve(asymmetry=None, cubic=curves.roll_cubic * sheet.shear.hardening)
-    axial = _fit(sheet.compression, along, sheet.yielding, sheet.damping_amplitude)
-    shear = _fit(sheet.shear, across, 1.0 / axial.beta, sheet.damping_amplitude)
-    roll = _rolling(axial, shear, curves) if sheet.roll_of_loop else shear
-    loop = _coupling(sheet, axial, roll, curves)
-    return Isolator(
+    along = Curve(asymmetry=curves.asymmetry, cubic=curves.axial_cubic * compression.hardening)
+    axial = _fit(compression, along, sheet.yielding, sheet.damping_amplitude)
+    across = {} if shear is None else _across(sheet, shear, axial, curves)
+    travel = None if shear is None else shear.travel
+    isolator = Isolator(
         name=sheet.name,
-        roll=roll,
-        shear=shear,
         axial=axial,
-        coupling="loop",
-        loop=loop,
         limits=Limits(
-            static_load=sheet.static_load,
-            travel=Travel(compression=sheet.compression.travel, shear=sheet.shear.travel, roll=sheet.shear.travel),
+            static_load=sheet.static_load, travel=Travel(compression=compression.travel, shear=travel, roll=travel)
         ),
         geometry=Geometry(height=sheet.height, width=sheet.width),
-        provenance=Provenance(
-            kind=kind,
-            source=sheet.source,
-            fitted_to=_fitted_to(sheet),
-            assumed=_assumed(sheet, curves),
-            check_45=_check_45(sheet, LoopBoucWen(roll=roll, axial=axial, loop=loop)),
-        ),
         spread=Spread(parameters=("axial.c",), covariance=((float(f"{curves.asymmetry_deviation**2:.6g}"),),)),
+        **across,
     )
+    provenance = Provenance(
+        kind=kind,
+        source=sheet.source,
+        fitted_to=_fitted_to(sheet),
+        assumed=_assumed(sheet, curves),
+        check_45=_check_45(sheet, isolator),
+    )
+    return replace(isolator, provenance=provenance)
+
+
+def _across(sheet: DataSheet, shear: AxisFigures, axial: NiLaw, curves: AxisCurves) -> dict[str, Any]:
+    """Return the laws of shear and roll and what couples roll and axial, as arguments of the isolator."""
+    curve = Curve(asymmetry=None, cubic=curves.roll_cubic * shear.hardening)
+    law = _fit(shear, curve, 1.0 / axial.beta, sheet.damping_amplitude)
+    roll = _rolling(axial, law, curves) if sheet.roll_of_loop else law
+    return {"shear": law, "roll": roll, "coupling": "loop", "loop": _coupling(sheet, shear.travel, axial, roll, curves)}
 
 
 def compare(path: str | Path, isolator: Isolator) -> list[Figure]:
     """Return every figure of a data sheet beside what the laws of `isolator` give, and its sags under rated load."""
     sheet = read_datasheet(path)
-    if isolator.axial is None or isolator.shear is None:
-        raise ValueError(f"`isolator` must have an axial and a shear law, {isolator.name} has not.")
+    if isolator.axial is None:
+        raise ValueError(f"`isolator` must have an axial law, {isolator.name} has not.")
     rows = _axis_figures("compression", sheet.compression, isolator.axial, sheet.damping_amplitude)
     half = 0.5 * sheet.compression.travel
     ratio = figures.tension_ratio(isolator.axial, half)
@@ -98,15 +103,16 @@ def compare(path: str | Path, isolator: Isolator) -> list[Figure]:
             break
         depth = figures.compression_sag(isolator.axial, sheet.static_load, sheet.compression.travel, relaxed=relaxed)
         rows.append(Figure(axis="compression", name=name, unit="mm", vendor=None, fitted=1e3 * depth))
-    rows += _axis_figures("shear, roll", sheet.shear, isolator.shear, sheet.damping_amplitude)
-    if not isinstance(isolator.coupled, LoopBoucWen):
-        return rows
-    return rows + diagonal_figures(sheet, isolator.coupled)
+    if sheet.shear is not None and isolator.shear is not None:
+        name = "shear" if sheet.roll_of_loop else "shear, roll"
+        rows += _axis_figures(name, sheet.shear, isolator.shear, sheet.damping_amplitude)
+    return rows + diagonal_figures(sheet, isolator)
 
 
-def diagonal_figures(sheet: DataSheet, law: LoopBoucWen) -> list[Figure]:
+def diagonal_figures(sheet: DataSheet, isolator: Isolator) -> list[Figure]:
     """Return the figures at 45 degrees between compression and roll, which nothing was fitted to."""
-    if sheet.diagonal is None:
+    law = isolator.coupled
+    if sheet.diagonal is None or not isinstance(law, LoopBoucWen):
         return []
     rows = []
     for stated in sheet.diagonal.stated:
@@ -134,7 +140,7 @@ def _rolling(axial: NiLaw, shear: NiLaw, curves: AxisCurves) -> SymmetricBoucWen
     return SymmetricBoucWen(**rounded, beta=shear.beta, gamma=0.0, n=1.0, k2=0.0)
 
 
-def _coupling(sheet: DataSheet, axial: NiLaw, roll: NiLaw, curves: AxisCurves) -> LoopCoupling:
+def _coupling(sheet: DataSheet, range_of_roll: float, axial: NiLaw, roll: NiLaw, curves: AxisCurves) -> LoopCoupling:
     """Return the loop's coupling energy, in the size that both axes ask for: the geometric mean of their EI.
 
     Over the 50 parts of Enidine's table that leaves 45 degrees nearest to the catalogue.
@@ -144,7 +150,7 @@ def _coupling(sheet: DataSheet, axial: NiLaw, roll: NiLaw, curves: AxisCurves) -
     travel = sheet.compression.travel
     found = fit_coupling(
         shape, bending_stiffness=math.sqrt(sizes[0] * sizes[1]), loops=1,
-        roll=sheet.shear.travel, compression=travel, tension=travel,
+        roll=range_of_roll, compression=travel, tension=travel,
     ).coupling  # fmt: skip
     ends = {name: float(f"{getattr(found, name):.9g}") for name in ("roll", "compression", "tension")}
     return LoopCoupling(**ends, coefficients=[[float(f"{c:.9g}") for c in row] for row in found.coefficients])
@@ -165,7 +171,10 @@ def _axis_figures(axis: str, stated: AxisFigures, law: Law, amplitude: float) ->
             load = figure.mass * STANDARD_GRAVITY
             about = -figures.compression_sag(law, load, stated.travel, relaxed=True)
         rows.append(_row(axis, figure, figures.secant(law, figure.secant, about)))
-    for name, at in ((f"damping ratio at {1e3 * amplitude:.3g} mm", amplitude), ("damping ratio at D/2", stated.travel / 2.0)):
+    for name, at in (
+        (f"damping ratio at {1e3 * amplitude:.3g} mm", amplitude),
+        ("damping ratio at D/2", stated.travel / 2.0),
+    ):
         rows.append(Figure(axis=axis, name=name, unit="-", vendor=None, fitted=figures.damping_ratio(law, at)))
     return rows
 
@@ -173,10 +182,17 @@ def _axis_figures(axis: str, stated: AxisFigures, law: Law, amplitude: float) ->
 def _fitted_to(sheet: DataSheet) -> str:
     """Return the sentence that says what the parameters reproduce."""
     axes = []
-    for name, axis in (("axial", sheet.compression), ("shear and roll", sheet.shear)):
+    for name, axis in (
+        ("axial", sheet.compression),
+        ("shear" if sheet.roll_of_loop else "shear and roll", sheet.shear),
+    ):
+        if axis is None:
+            continue
         fitted = [_said(figure) for figure in axis.stated if figure.fitted]
         if axis.damping is not None:
-            fitted.append(f"damping ratio {axis.damping:g} of the steady loop of {1e3 * sheet.damping_amplitude:.3g} mm")
+            fitted.append(
+                f"damping ratio {axis.damping:g} of the steady loop of {1e3 * sheet.damping_amplitude:.3g} mm"
+            )
         axes.append(f"{name}: {', '.join(fitted)}")
     return "; ".join(axes)
 
@@ -193,28 +209,33 @@ def _said(figure: Stated) -> str:
 def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
     """Return what no source gives, one sentence each."""
     sentences = [
-        f"axial: c ln b and k3 / k1 from the rope loop of the envelope, to {100.0 * curves.misfit:.2g} % of its secants; nobody "
+        f"axial: c ln b and k3 / k1 from the rope loop, to {100.0 * curves.misfit:.2g} % of its secants; nobody "
         f"measured tension; standard deviation of c in [spread], {curves.asymmetry_deviation:.3g} 1/m, for what the bars hold",
-        f"{'shear' if sheet.roll_of_loop else 'shear and roll'}: k3 / k1 is {sheet.shear.hardening:g} times that of the rope loop "
-        "in roll",
-        "roll and axial are coupled as in the rope loop, to 2 % of its coupling forces",
         "n = 1, gamma = 0 and k2 = 0 on every axis, b = e: the shape of the loop",
         "tension travel is not stated and not judged",
     ]
+    if sheet.shear is not None:
+        axes = "shear" if sheet.roll_of_loop else "shear and roll"
+        sentences.append(f"{axes}: k3 / k1 is {sheet.shear.hardening:g} times that of the rope loop in roll")
+        sentences.append("roll and axial are coupled as in the rope loop, to 2 % of its coupling forces")
     if sheet.roll_of_loop:
-        sentences.append("roll: what the rope loop has beside the axial stiffness, with friction in the proportion of shear's")
-    if sheet.shear.damping is None:
+        sentences.append(
+            "roll: what the rope loop has beside the axial stiffness, with friction in the proportion of shear's"
+        )
+    if sheet.shear is not None and sheet.shear.damping is None:
         sentences.append("shear and roll: friction yields at the deflection of the axial law")
     if sheet.damping_range is not None:
-        sentences.append("damping ratio: the vendor states {:g} to {:g} for the whole series".format(*sheet.damping_range))
+        sentences.append(
+            "damping ratio: the vendor states {:g} to {:g} for the whole series".format(*sheet.damping_range)
+        )
     return (*sentences, *sheet.assumed)
 
 
-def _check_45(sheet: DataSheet, law: LoopBoucWen) -> dict[str, float]:
+def _check_45(sheet: DataSheet, isolator: Isolator) -> dict[str, float]:
     """Return the comparison at 45 degrees as the provenance keeps it."""
     units = {"N/mm": "N_per_mm", "N": "N"}
     table: dict[str, float] = {}
-    for row in diagonal_figures(sheet, law):
+    for row in diagonal_figures(sheet, isolator):
         name = row.name.replace(" ", "_")
         if row.vendor is None or row.error is None:
             continue

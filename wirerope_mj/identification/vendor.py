@@ -100,7 +100,7 @@ class DataSheet:
         bar: thickness of one bar [m].
         loops: their number; None where it is not stated.
         compression: figures of the axial axis.
-        shear: figures of the shear and roll axes.
+        shear: figures of the shear and roll axes; None where there are none.
         diagonal: figures at 45 degrees between compression and roll, None where there are none.
         static_load: rated load in compression [N]; None where it is not stated.
         damping_amplitude: amplitude of the damping ratios [m].
@@ -117,7 +117,7 @@ class DataSheet:
     rope: float
     bar: float
     compression: AxisFigures
-    shear: AxisFigures
+    shear: AxisFigures | None
     static_load: float | None
     damping_amplitude: float
     loops: int | None = None
@@ -128,7 +128,9 @@ class DataSheet:
     assumed: tuple[str, ...] = ()
 
 
-def two_stiffnesses(travel: float, vibration: float, shock: float, amplitude: float | None = None) -> tuple[Stated, ...]:
+def two_stiffnesses(
+    travel: float, vibration: float, shock: float, amplitude: float | None = None
+) -> tuple[Stated, ...]:
     """Return a vibration stiffness and a shock stiffness [N/m] as figures.
 
     Args:
@@ -139,7 +141,9 @@ def two_stiffnesses(travel: float, vibration: float, shock: float, amplitude: fl
     """
     small = VIBRATION_AMPLITUDE * travel if amplitude is None else amplitude
     return (
-        Stated(name="vibration stiffness", unit="N/mm", secant=Secant(deflection=small, stiffness=vibration, steady=True)),
+        Stated(
+            name="vibration stiffness", unit="N/mm", secant=Secant(deflection=small, stiffness=vibration, steady=True)
+        ),
         Stated(name="shock stiffness", unit="N/mm", secant=Secant(deflection=travel, stiffness=shock, steady=False)),
     )
 
@@ -223,7 +227,11 @@ class _Reader:
         hardening = self.optional_number(table, "hardening", place)
         compared = self.sentences(table, "compared", place)
         travel = self.quantity(table, "travel", _LENGTH, place)
-        stated = [*self.stiffnesses(table, travel, place), *self.loads(table, travel, place), *self.curves(table, place)]
+        stated = [
+            *self.stiffnesses(table, travel, place),
+            *self.loads(table, travel, place),
+            *self.curves(table, place),
+        ]
         self.require_empty(table, place)
         for name in compared:
             if name not in {figure.name.replace(" ", "_") for figure in stated}:

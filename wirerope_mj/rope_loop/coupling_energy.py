@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -60,8 +61,10 @@ def fit_coupling(
         shape: of the half loop.
         bending_stiffness: EI of the rope [N m^2].
         loops: how many.
-        roll, compression, tension: half sides of the box [m]. Tension ends where the rope of a half loop at full roll would
-            be stretched to more than 85 % of its length (`SLACK_REACH`).
+        roll: end of the box on both sides [m].
+        compression: end of the box in compression [m].
+        tension: end of the box in tension [m]; it ends where the rope of a half loop at full roll would be stretched to more
+            than 85 % of its length (`SLACK_REACH`).
         terms: I and J.
 
     Raises:
@@ -75,7 +78,7 @@ def fit_coupling(
     tension = min(tension, _slack_tension(shape, roll))
     loop, scale = RopeLoop(shape, ELEMENTS), bending_stiffness * loops
 
-    def polynomial(coefficients: Array) -> LoopCoupling:
+    def polynomial(coefficients: npt.NDArray[np.floating[Any]]) -> LoopCoupling:
         return LoopCoupling(roll=roll, compression=compression, tension=tension, coefficients=coefficients.tolist())
 
     knots = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_POINTS) + 0.5) / _POINTS))

@@ -42,7 +42,7 @@ class AxisCurves:
 
 
 def axis_curves(
-    *, height: float, width: float, bar: float, rope: float, compression: float, roll: float
+    *, height: float, width: float, bar: float, rope: float, compression: float, roll: float | None
 ) -> AxisCurves:
     """Return the curves of an isolator's loop from its envelope.
 
@@ -52,7 +52,7 @@ def axis_curves(
         bar: thickness of one bar [m].
         rope: diameter [m].
         compression: rated travel [m], as far as the axial curve is followed; in tension to `TENSION` of it.
-        roll: rated travel [m].
+        roll: rated travel [m]; None where it is not known: as far as the compression.
 
     Raises:
         ValueError: no loop has these measures, or its rope is taut within the travel.
@@ -64,7 +64,7 @@ def axis_curves(
     return AxisCurves(
         asymmetry=asymmetry,
         axial_cubic=cubic,
-        roll_cubic=_roll(loop, roll),
+        roll_cubic=_roll(loop, compression if roll is None else roll),
         asymmetry_deviation=0.5 * abs(clamped - asymmetry),
         misfit=misfit,
         axial_stiffness=float(loop.stiffness()[1, 1]),

@@ -8,18 +8,22 @@ from wirerope_mj.isolator import Isolator
 from wirerope_mj.selection.parts import Figures, Part
 
 BAR = 1.7
-"""Thickness of a bar in diameters of the rope where the table does not state it: the mean of Enidine's ropes of 9.5 mm and more,
+"""Thickness of a bar in diameters of the rope where the table does not state it: the mean of Enidine's from 9.5 mm of rope on,
 1.54 to 1.80."""
 
 
 def fit_part(part: Part) -> Isolator:
-    """Return the isolator that has the stiffnesses of a part's row in compression, and in shear and roll.
+    """Return the isolator that has the stiffnesses of a part's row in compression and, if stated, in shear and roll.
 
     Raises:
-        ModelError: the row lacks travel or stiffnesses in compression or shear, or the envelope.
+        ModelError: the row lacks travel or stiffnesses in compression, or the envelope.
         ConvergenceError: no law has all its figures.
     """
     compression = _axis(part, "compression", part.series.damping)
+    if compression is None:
+        raise ModelError(
+            f"{part.name}: the table does not state travel and stiffnesses in compression; nothing to fit."
+        )
     measures = {"height": part.height, "width": part.width, "rope": part.rope}
     for name, value in measures.items():
         if value is None:
@@ -44,10 +48,10 @@ def fit_part(part: Part) -> Isolator:
     )
 
 
-def _axis(part: Part, mode: str, damping: float | None) -> AxisFigures:
-    """Return the figures of one mode; ModelError where they are not stated."""
+def _axis(part: Part, mode: str, damping: float | None) -> AxisFigures | None:
+    """Return the figures of one mode; None where they are not stated."""
     figures: Figures = part.modes[mode]
     if figures.travel is None or figures.vibration is None or figures.shock is None:
-        raise ModelError(f"{part.name}: the table does not state travel and stiffnesses in {mode}; nothing to fit.")
+        return None
     stated = two_stiffnesses(figures.travel, figures.vibration, figures.shock)
     return AxisFigures(travel=figures.travel, stated=stated, damping=damping)
