@@ -288,9 +288,17 @@ def test_a_fitted_row_is_the_isolator_that_ships(name, shipped):
 
 
 def test_a_row_without_shear_makes_an_isolator_without_shear():
-    fitted = fit_part(PARTS["WR36-600"])
+    row = PARTS["WR16-400"]
+    fitted = fit_part(replace(row, modes={**row.modes, "shear": Figures()}))
     assert fitted.shear is None
+    assert fitted.coupling is None
     assert fitted.limits.travel.shear is None
+    assert fitted.axial == fit_part(row).axial
+
+
+def test_a_row_without_envelope_has_no_rope_loop_to_fit():
+    with pytest.raises(ModelError, match="WR36-600: the table does not state its height; no rope loop to fit"):
+        fit_part(PARTS["WR36-600"])
 
 
 def test_the_simulation_of_a_candidate_agrees_with_its_own_energy():
@@ -329,6 +337,7 @@ def test_simulated_modes_take_the_axes_that_they_name():
 
 def test_a_part_without_shear_cannot_be_simulated_there_and_says_so():
     sheet = Worksheet(mass=100.0, mounts=1, shock=wr.VelocityStep(velocity=0.5, direction="z"))
-    candidate = judge(PARTS["WR36-600"], sheet)
-    with pytest.raises(ModelError, match="WR36-600: the table does not state travel and stiffnesses in shear"):
+    row = PARTS["WR16-400"]
+    candidate = judge(replace(row, modes={**row.modes, "shear": Figures()}), sheet)
+    with pytest.raises(ModelError, match="WR16-400: the table does not state travel and stiffnesses in shear"):
         simulate_candidate(candidate, replace(sheet, direction="shear"))

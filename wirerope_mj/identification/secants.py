@@ -26,9 +26,8 @@ VIBRATION_AMPLITUDE = 0.07
 of the CB1400-15 stand: with the sag and the shock response of a rack on ten of them its vibration stiffness in compression and
 that in shear are both the secant at 2.5 mm of 35.6 mm."""
 
-DAMPING_AMPLITUDE = 0.03
-"""Amplitude of the damping ratio where the data sheet states none, as a fraction of the rated travel: 1 mm of 36 mm, small
-vibration, for which vendors state damping."""
+DAMPING_AMPLITUDE = 1e-3
+"""Amplitude of the damping ratio where the data sheet states none [m]: the small vibration for which vendors state damping."""
 
 _REACH = (0.02, 20.0)
 """Yield deflections that are tried, in amplitudes of the damping: below, the loop is a parallelogram, above, a thread."""

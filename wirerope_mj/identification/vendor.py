@@ -169,7 +169,6 @@ class _Reader:
             if key not in tables:
                 raise ModelError(f"{place} the table [{key}] is missing.")
         axes = {key: self.axis(tables[key], f"{self.path}: [{key}]") for key in tables}
-        travel = axes["compression"].travel
         target = self.optional_number(content, "damping_target", place)
         if axes["compression"].damping is None:
             axes["compression"] = replace(axes["compression"], damping=target)
@@ -182,7 +181,7 @@ class _Reader:
             bar=self.quantity(content, "bar", _LENGTH, place),
             loops=self.loops(content, place),
             static_load=self.quantity(content, "static_load", _FORCE, place),
-            damping_amplitude=self.optional(content, "damping_amplitude", _LENGTH, place) or DAMPING_AMPLITUDE * travel,
+            damping_amplitude=self.optional(content, "damping_amplitude", _LENGTH, place) or DAMPING_AMPLITUDE,
             roll_of_loop=self.roll_of_loop(content, place),
             yielding=self.optional(content, "yield_deflection", _LENGTH, place),
             damping_range=self.damping_range(content, axes, place),

@@ -41,7 +41,7 @@ def fit_part(part: Part) -> Isolator:
             compression=compression,
             shear=_axis(part, "shear", None),
             static_load=part.modes["compression"].static_load,
-            damping_amplitude=DAMPING_AMPLITUDE * compression.travel,
+            damping_amplitude=DAMPING_AMPLITUDE,
             damping_range=part.series.damping_range,
             assumed=assumed,
         )
