@@ -18,6 +18,7 @@ LAYERS = (
     ("laws", "excitation", "spectra"),
     ("isolator", "bench", "oscillator"),
     ("identification",),
+    ("rope_loop",),
     ("system", "control"),
     ("statics",),
     ("simulation", "response"),

@@ -1,0 +1,98 @@
+"""The centre line of half a rope loop, unloaded, as straight pieces and arcs."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopShape:
+    """The unloaded centre line of the half loop on the side of positive roll; the other half is its mirror image.
+
+    It begins in the base's bar at roll = `arm`, goes out of the bar in the direction `start` and ends in the payload's bar
+    at the same distance `arm` from that bar's middle. Both ends are clamped. Angles are counted from the roll axis towards
+    the axial axis.
+
+    Attributes:
+        pieces: length [m] and natural curvature [1/m] of each piece, from the base's bar to the payload's bar.
+        start: direction of the rope where it leaves the base's bar [rad].
+        arm: distance of the clamped ends from the middle of their bars [m].
+    """
+
+    pieces: tuple[tuple[float, float], ...]
+    start: float = 0.0
+    arm: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.pieces or not all(0.0 < length < math.inf and math.isfinite(bend) for length, bend in self.pieces):
+            raise ValueError(f"`pieces` must be pairs of a length > 0 [m] and a finite curvature, got {self.pieces!r}.")
+        if not (0.0 <= self.arm < math.inf and math.isfinite(self.start)):
+            raise ValueError(f"`arm` must be >= 0 and `start` finite, got {self.arm!r} and {self.start!r}.")
+
+    @property
+    def length(self) -> float:
+        """Length of free rope of the half loop [m]."""
+        return sum(length for length, _ in self.pieces)
+
+    @property
+    def end_direction(self) -> float:
+        """Direction of the unloaded rope where it enters the payload's bar [rad]."""
+        return self.start + sum(length * curvature for length, curvature in self.pieces)
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """Distance of the two clamped ends in roll and axial direction, unloaded [m]."""
+        direction, total = self.start, np.zeros(2)
+        for length, curvature in self.pieces:
+            turned = length * curvature
+            middle = direction + 0.5 * turned
+            # The chord of an arc; sinc keeps the straight piece a limit and not a case.
+            total += length * np.sinc(0.5 * turned / math.pi) * np.array([math.cos(middle), math.sin(middle)])
+            direction += turned
+        return float(total[0]), float(total[1])
+
+    def taut(self, roll: float = 0.0) -> float:
+        """Return the axial deflection [m] at which the inextensible rope of one half is a straight line; NaN if none is."""
+        across, along = self.span
+        rest = self.length**2 - (abs(across) + abs(roll)) ** 2
+        return math.sqrt(rest) - along if rest >= 0.0 else math.nan
+
+    @classmethod
+    def ring(cls, radius: float) -> "LoopShape":
+        """Return the half of a circular ring [m] that is clamped in two points, the textbook case."""
+        return cls(pieces=((math.pi * radius, 1.0 / radius),))
+
+
+def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopShape:
+    """Return the half loop of an isolator from its envelope.
+
+    The rope leaves both bars level and half way up their thickness, so that the centre line rises by `height` - `bar`; it
+    reaches (`width` - `rope`) / 2 to the side. The roundest line through these points is a stadium: a half circle between
+    two straight level pieces where the loop is wider than high (all 50 parts of Enidine's table with known bars are), and two
+    quarter circles with a straight upright piece between them where it is not. The straight pieces begin in the middle of
+    the bar: no vendor states how much of them the bar holds.
+
+    Args:
+        height: unloaded, over both bars [m].
+        width: over the ropes [m].
+        bar: thickness of one bar [m].
+        rope: diameter [m].
+
+    Raises:
+        ValueError: an argument is not a finite number > 0, or no loop is left between them.
+    """
+    for name, value in {"height": height, "width": width, "bar": bar, "rope": rope}.items():
+        if not 0.0 < value < math.inf:
+            raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")
+    rise, reach = height - bar, 0.5 * (width - rope)
+    if rise <= rope or bar >= 0.5 * height:
+        raise ValueError(
+            f"`height` of {height:g} m leaves no loop between two bars of {bar:g} m and {rope:g} m of rope."
+        )
+    if reach <= rope:
+        raise ValueError(f"`width` of {width:g} m leaves no loop of a rope of {rope:g} m.")
+    radius = min(0.5 * rise, reach)
+    arc, level, upright = 0.5 * math.pi * radius, reach - radius, rise - 2.0 * radius
+    pieces = ((level, 0.0), (arc, 1.0 / radius), (upright, 0.0), (arc, 1.0 / radius), (level, 0.0))
+    return LoopShape(pieces=tuple(piece for piece in pieces if piece[0] > 1e-9 * rise))
