@@ -65,7 +65,7 @@ def guided_strip(load, length):
     return 2.0 * reach - length, 2.0 * sag
 
 
-@pytest.mark.parametrize("bent", [0.01, 1.0, 20.0, 60.0])
+@pytest.mark.parametrize("bent", [0.1, 1.0, 20.0, 60.0])
 def test_a_straight_strip_bends_as_the_elliptic_integrals_say(bent):
     length = 0.3
     load = bent / length**2
@@ -79,8 +79,8 @@ def test_a_straight_strip_bends_as_the_elliptic_integrals_say(bent):
     assert converged.all()
     assert force[0, 1] == pytest.approx(load * length**2, rel=1e-6)
     assert abs(force[0, 0]) < 1e-6 * max(1.0, bent)  # no axial load: the ends were moved by just the shortening
-    if bent == 0.01:  # small: 12 EI / L^3
-        assert load / sag == pytest.approx(12.0 / length**3, rel=1e-5)
+    if bent == 0.1:  # small: 12 EI / L^3, to the square of the slope (0.004)
+        assert load / sag == pytest.approx(12.0 / length**3, rel=1e-4)
 
 
 def test_the_force_is_the_gradient_of_the_energy():

@@ -10,7 +10,7 @@ from wirerope_mj.rope_loop.shape import LoopShape
 
 Array = npt.NDArray[np.float64]
 
-LARGEST_REACH = 0.97
+LARGEST_REACH = 0.95
 """Distance of the clamped ends over the rope's length up to which a loop is solved: beyond, an inextensible rope is taut,
 its force goes to infinity, and a real one is held by what it stretches and by how it is clamped."""
 

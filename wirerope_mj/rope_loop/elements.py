@@ -67,6 +67,6 @@ def mesh(shape: LoopShape, elements: int) -> Mesh:
 
 
 def default_elements(shape: LoopShape) -> int:
-    """Return how many elements keep the force to about 1e-6 of itself away from the taut rope: one for every 7.5 degrees."""
+    """Return how many elements keep the force to about 1e-6 of itself away from the taut rope: one for every 12 degrees."""
     turned = sum(abs(length * curvature) for length, curvature in shape.pieces)
-    return max(24, math.ceil(turned / math.radians(7.5)))
+    return max(15, math.ceil(turned / math.radians(12.0)))

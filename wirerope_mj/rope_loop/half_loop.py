@@ -15,7 +15,8 @@ _CONVERGED = 1e-10
 """Change of the directions [rad] after which one more step of Newton, which squares it, leaves rounding only."""
 _ITERATIONS = 12
 _FIRST_STEP, _SMALLEST_STEP = 0.1, 1e-3
-"""Of the way that is gone at once: the ends move by at most a tenth of the rope's length; steps of less than a thousandth of that end it."""
+"""Of the way that is gone at once: the ends first move by a tenth of the rope's length; steps that had to become less than a
+thousandth of that end it."""
 _TURN = 0.5
 """Largest change of a direction in one step [rad]: more may jump to another equilibrium."""
 
