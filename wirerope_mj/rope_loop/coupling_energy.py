@@ -24,19 +24,19 @@ _POINTS = 13
 
 @dataclass(frozen=True, kw_only=True)
 class LoopCoupling:
-    """Elastic energy of a rope-wire isolator that neither axis has alone.
+    """Elastic energy of a wire-rope isolator that neither axis has alone.
 
-        U_c(u, w) = sum_ij c_ij (u / roll_range)^(2 i) (w / max(compression, tension))^j,   i = 1..I, j = 1..J
+        U_c(u, w) = sum_ij c_ij (u / roll)^(2 i) (w / max(compression, tension))^j,   i = 1..I, j = 1..J
 
     with u in roll and w in axial direction [m], positive in tension. It vanishes with either deflection, so that the laws of
-    the two axes stay what they are; the force is its gradient. It holds for |u| <= roll_range, -compression <= w <= tension.
+    the two axes stay what they are; the force is its gradient. It holds for |u| <= roll, -compression <= w <= tension.
 
     Attributes:
-        roll_range, compression, tension: half sides of the box [m], all positive.
+        roll, compression, tension: ends of the box [m], all positive.
         coefficients: c [J], I rows of J.
     """
 
-    roll_range: float
+    roll: float
     compression: float
     tension: float
     coefficients: tuple[tuple[float, ...], ...]
@@ -52,12 +52,12 @@ class LoopCoupling:
         padded = self._padded()
         by_square = np.polynomial.polynomial.polyval2d(u2, w, np.polynomial.polynomial.polyder(padded, axis=0))
         along = np.polynomial.polynomial.polyval2d(u2, w, np.polynomial.polynomial.polyder(padded, axis=1))
-        across = by_square * 2.0 * np.asarray(roll) / self.roll_range**2
+        across = by_square * 2.0 * np.asarray(roll) / self.roll**2
         return np.stack(np.broadcast_arrays(across, along / max(self.compression, self.tension)), axis=-1)
 
     def _scaled(self, roll: npt.ArrayLike, axial: npt.ArrayLike) -> tuple[Array, Array]:
-        """Return (u / roll_range)^2 and w over its range."""
-        u2 = (np.asarray(roll, dtype=float) / self.roll_range) ** 2
+        """Return (u / roll)^2 and w over its range."""
+        u2 = (np.asarray(roll, dtype=float) / self.roll) ** 2
         w = np.asarray(axial, dtype=float) / max(self.compression, self.tension)
         one, other = np.broadcast_arrays(u2, w)
         return one, other
@@ -101,8 +101,10 @@ def fit_coupling(
         shape: of the half loop.
         bending_stiffness: EI of the rope [N m^2].
         loops: how many.
-        roll, compression, tension: half sides of the box [m]. Tension ends where the rope of a half loop at full roll would
-            be stretched to more than 85 % of its length (`SLACK_REACH`).
+        roll: half side of the box across the bars [m].
+        compression: its lower side [m], > 0.
+        tension: its upper side [m]; it ends where the ends of a half loop at full roll are 85 % of its rope apart
+            (`SLACK_REACH`).
         terms: I and J.
 
     Raises:
@@ -117,7 +119,7 @@ def fit_coupling(
     loop, scale = RopeLoop(shape), bending_stiffness * loops
     knots = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_POINTS) + 0.5) / _POINTS))
     u, w, target, _ = _coupling_forces(loop, roll * knots, -compression + (compression + tension) * knots)
-    blank = LoopCoupling(roll_range=roll, compression=compression, tension=tension, coefficients=())
+    blank = LoopCoupling(roll=roll, compression=compression, tension=tension, coefficients=())
     columns = []
     for index in range(terms[0] * terms[1]):
         unit = np.zeros(terms)
@@ -138,7 +140,7 @@ def fit_coupling(
 def _with(coupling: LoopCoupling, coefficients: Array) -> LoopCoupling:
     """Return the same box with other coefficients."""
     return LoopCoupling(
-        roll_range=coupling.roll_range,
+        roll=coupling.roll,
         compression=coupling.compression,
         tension=coupling.tension,
         coefficients=tuple(tuple(float(value) for value in row) for row in coefficients),

@@ -19,7 +19,9 @@ class RingStiffness:
     shear: float
 
 
-def ring_stiffness(*, radius: float, bending_stiffness: float, torsional_stiffness: float, loops: float = 1.0) -> RingStiffness:
+def ring_stiffness(
+    *, radius: float, bending_stiffness: float, torsional_stiffness: float, loops: float = 1.0
+) -> RingStiffness:
     """Return the stiffness of clamped circular rings, from Castigliano's theorem (two half rings in parallel each).
 
         compression = 2 n EI / (R^3 (pi / 2 - 4 / pi)),   roll = 4 n EI / (pi R^3)

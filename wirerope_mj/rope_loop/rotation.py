@@ -58,7 +58,9 @@ def rotational_stiffness(
     if places.ndim != 1 or places.size == 0 or not np.all(np.isfinite(places)):
         raise ValueError(f"`positions` must be finite numbers in one row, got {positions!r}.")
     if abs(places.sum()) > 1e-6 * np.abs(places).sum():
-        raise ValueError(f"`positions` must be counted from the middle of the loops; their mean is {places.mean():.6g} m.")
+        raise ValueError(
+            f"`positions` must be counted from the middle of the loops; their mean is {places.mean():.6g} m."
+        )
     for name, value in {"bending_stiffness": bending_stiffness, "axial": axial, "roll": roll}.items():
         if value is not None and not 0.0 < value < math.inf:
             raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")

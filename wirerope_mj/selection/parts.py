@@ -92,10 +92,11 @@ class Part:
     Attributes:
         name: of the vendor.
         series: the table.
-        loops: number of loops; None = not stated, as for the next three.
+        loops: number of loops; None = not stated, as for the next four.
         rope: diameter of the rope [m].
         height: unloaded [m].
         width: across the bars [m].
+        bar: thickness of one bar [m].
         modes: figures by loading mode.
     """
 
@@ -105,6 +106,7 @@ class Part:
     rope: float | None
     height: float | None
     width: float | None
+    bar: float | None
     modes: Mapping[str, Figures]
 
     def with_loops(self, loops: int) -> "Part":
@@ -179,6 +181,7 @@ def _part(path: Path, line: int, cells: list[str], columns: list[tuple[str, floa
         rope=values["rope"],
         height=values["height"],
         width=values["width"],
+        bar=values.get("bar"),
         modes=modes,
     )
 
