@@ -81,7 +81,8 @@ def sentences(estimate: LoopEstimate) -> list[str]:
     )
     lines = [
         f"Errors are those of the same estimate for the 50 parts of Enidine's table, {without}, and for VMC's parts, which it "
-        "never saw. Vibration stiffness in shear is the shock stiffness, as Enidine's table has it. None of this was measured.",
+        "never saw; a factor of 1.2 means 1 / 1.2 to 1.2 times. Vibration stiffness in shear is the shock stiffness, as in "
+        "Enidine's table. None of this was measured.",
     ]
     if estimate.bar_assumed:
         lines.append(

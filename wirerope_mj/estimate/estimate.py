@@ -1,4 +1,4 @@
-"""An isolator without a data sheet: its figures from geometry, each with the error that the same estimate makes of known parts."""
+"""An isolator without a data sheet: its figures from geometry, each with the error that this makes of known parts."""
 
 import math
 from dataclasses import dataclass

@@ -26,10 +26,10 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     figures = estimate.figures
     modes = {
         mode: Figures(
-            static_load=figures.static_load if mode == "compression" else None,
-            travel=figures.travel[mode],
-            vibration=figures.vibration[mode],
-            shock=figures.shock[mode],
+            static_load=_rounded(figures.static_load) if mode == "compression" else None,
+            travel=_rounded(figures.travel[mode]),
+            vibration=_rounded(figures.vibration[mode]),
+            shock=_rounded(figures.shock[mode]),
         )
         for mode in figures.travel
     }
@@ -54,12 +54,17 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     return replace(fitted, provenance=provenance, spread=_spread(fitted, estimate))
 
 
+def _rounded(value: float) -> float:
+    """Return four digits of an estimate: more would look like knowledge."""
+    return float(f"{value:.4g}")
+
+
 def _source(estimate: LoopEstimate) -> str:
     """Return where the figures come from."""
     return (
-        f"estimated from geometry alone (height {1e3 * estimate.height:g} mm, width {1e3 * estimate.width:g} mm, bar "
-        f"{1e3 * estimate.bar:.4g} mm, rope {1e3 * estimate.rope:g} mm, {estimate.loops} loops) by what 50 parts of the "
-        "Enidine WR catalogue have in common; there is no data sheet"
+        f"geometry alone (height {1e3 * estimate.height:g} mm, width {1e3 * estimate.width:g} mm, bar "
+        f"{1e3 * estimate.bar:.4g} mm, rope {1e3 * estimate.rope:g} mm, {estimate.loops} loops), by what 50 parts of the "
+        "Enidine WR catalogue have in common; no data sheet, no measurement"
     )
 
 
@@ -94,4 +99,6 @@ def _spread(isolator: Isolator, estimate: LoopEstimate) -> Spread:
         zero = np.zeros((len(names), len(known)))
         covariance = np.block([[covariance, zero], [zero.T, known]])
         names += isolator.spread.parameters
-    return Spread(parameters=tuple(names), covariance=tuple(tuple(float(v) for v in row) for row in covariance))
+    return Spread(
+        parameters=tuple(names), covariance=tuple(tuple(float(f"{v:.9g}") for v in row) for row in covariance)
+    )

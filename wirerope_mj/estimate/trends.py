@@ -167,7 +167,7 @@ def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
 
 @cache
 def other_vendor_errors() -> dict[str, Array]:
-    """Return log(estimate / data sheet) of the figures of VMC's table, which no trend has seen; one for each part that states it.
+    """Return log(estimate / data sheet) of the figures of VMC's table, which no trend has seen; one for each part stating it.
 
     Their bars are not stated and taken from the trend. The table has no figures at 45 degrees.
     """

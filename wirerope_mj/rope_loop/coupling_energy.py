@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -137,7 +138,7 @@ def fit_coupling(
     )
 
 
-def _with(coupling: LoopCoupling, coefficients: Array) -> LoopCoupling:
+def _with(coupling: LoopCoupling, coefficients: npt.NDArray[Any]) -> LoopCoupling:
     """Return the same box with other coefficients."""
     return LoopCoupling(
         roll=coupling.roll,
