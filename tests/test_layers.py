@@ -22,7 +22,7 @@ LAYERS = (
     ("statics",),
     ("simulation", "response"),
     ("modes", "sweep", "periodic", "criteria", "verdicts"),
-    ("study", "frf", "selection", "scenario"),
+    ("study", "frf", "selection", "scenario", "estimate"),
     ("plots", "recording", "report"),
     ("runfolder",),
     ("cli",),

@@ -39,6 +39,14 @@ def test_a_ring_turned_at_its_bar_has_the_stiffness_of_castigliano():
     assert abs(stiffness[0, 2]) == pytest.approx(abs(both[0, 2]), rel=1e-6)
 
 
+def held_by_bars(shape, held):
+    """Return a shape of which the bars hold a length [m] of both straight ends."""
+    pieces = list(shape.pieces)
+    for end in (0, -1):
+        pieces[end] = (pieces[end][0] - held, 0.0)
+    return LoopShape(pieces=tuple(pieces), arm=held)
+
+
 def guided_strip(load, length):
     """Return shortening and sag of a straight strip, EI = 1, whose ends stay parallel under a transverse load.
 
@@ -83,14 +91,16 @@ def test_a_straight_strip_bends_as_the_elliptic_integrals_say(bent):
         assert load / sag == pytest.approx(12.0 / length**3, rel=1e-4)
 
 
-def test_the_force_is_the_gradient_of_the_energy():
+@pytest.mark.parametrize("held", [0.0, 0.005])  # what the bars hold, as an arm
+def test_the_force_is_the_gradient_of_the_energy(held):
     h = 0.089
+    loop = RopeLoop(held_by_bars(SHAPE, held))
     points = np.array([[0.3 * h, -0.4 * h, 0.2], [-0.2 * h, 0.15 * h, -0.1], [0.1 * h, -0.6 * h, 0.0]])
-    state = LOOP.state(*points.T)
+    state = loop.state(*points.T)
     for axis, force in enumerate((state.roll_force, state.axial_force, state.moment)):
         step = np.zeros(3)
         step[axis] = 1e-5 if axis < 2 else 1e-4
-        ends = [LOOP.state(*(points + sign * step).T).energy for sign in (1.0, -1.0)]
+        ends = [loop.state(*(points + sign * step).T).energy for sign in (1.0, -1.0)]
         slope = (ends[0] - ends[1]) / (2.0 * step[axis])
         # Central differences of 1e-4 of the loop: their own error is some 1e-7 of the largest force.
         np.testing.assert_allclose(slope, force, rtol=0.0, atol=2e-6 * np.abs(force).max())

@@ -29,6 +29,7 @@ from wirerope_mj.cli.shock import shock
 from wirerope_mj.cli.statics import statics
 from wirerope_mj.cli.study import list_studies, study_command
 from wirerope_mj.cli.study_report import study_report
+from wirerope_mj.cli.whole_numbers import Whole
 from wirerope_mj.errors import (
     AccuracyWarning,
     ClusterWarning,
@@ -165,7 +166,10 @@ app.command(select)
 app.command(modes)
 app.command(statics)
 
-isolators_app = App(name="isolators", help="Show the isolators of the catalogue, or fit one from a data sheet.")
+isolators_app = App(
+    name="isolators",
+    help="Show the isolators of the catalogue, fit one from a data sheet, or estimate one from its geometry.",
+)
 app.command(isolators_app)
 
 
@@ -173,7 +177,8 @@ app.command(isolators_app)
 def isolators(name: str | None = None, *, out: Path | None = None) -> int:
     """Show the catalogue, or one isolator: its parameters, what its loops measure, and their picture.
 
-    `wirerope isolators fit DATASHEET OUT` makes an isolator file from a vendor's data sheet.
+    `wirerope isolators fit DATASHEET OUT` makes an isolator file from a vendor's data sheet, and `wirerope isolators estimate`
+    one from the geometry alone.
 
     Args:
         name: isolator of the catalogue, or the path of an isolator file; without it the whole catalogue.
@@ -202,6 +207,34 @@ def fit(datasheet: Path, out: Path) -> int:
     isolator.save(out)
     print_table(compare(datasheet, isolator))
     print(plain(f"written: {out}"))
+    return 0
+
+
+@isolators_app.command
+def estimate(
+    *,
+    height: float,
+    width: float,
+    rope: float,
+    loops: Whole,
+    bar: float | None = None,
+    bar_length: float | None = None,
+    out: Path | None = None,
+) -> int:
+    """Estimate an isolator without data sheet from its geometry, with the errors that such estimates make of known parts.
+
+    Args:
+        height: unloaded, over both bars [mm].
+        width: over the ropes, across the bars [mm].
+        rope: diameter [mm].
+        loops: number of full loops.
+        bar: thickness of one bar [mm]; as known parts of this rope have it by default.
+        bar_length: over which the loops are spread evenly [mm], for the rotational stiffness.
+        out: isolator file to write; it says that all is estimated.
+    """
+    from wirerope_mj.cli.estimate import estimate_command
+
+    estimate_command(height=height, width=width, rope=rope, loops=loops, bar=bar, bar_length=bar_length, out=out)
     return 0
 
 

@@ -4,8 +4,9 @@ import math
 from dataclasses import dataclass, field, fields
 from typing import Any
 
-KINDS = ("catalogue", "identified", "published", "illustrative")
-"""Kinds of provenance: fitted to vendor figures, to measurements, taken from a publication, or an example."""
+KINDS = ("catalogue", "identified", "published", "estimated", "illustrative")
+"""Kinds of provenance: fitted to vendor figures, to measurements, taken from a publication, estimated from the geometry, or an
+example."""
 
 
 LARGEST = 2.0
@@ -146,7 +147,7 @@ class Provenance:
     """Where the parameters come from.
 
     Attributes:
-        kind: "catalogue", "identified", "published" or "illustrative".
+        kind: "catalogue", "identified", "published", "estimated" or "illustrative".
         source: the document or measurement that the figures were taken from.
         fitted_to: which figures the parameters reproduce, and how.
         assumed: values that no source gives, one sentence each.

@@ -6,9 +6,8 @@ from functools import cache
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.rope_loop.elastica import RopeLoop
-from wirerope_mj.rope_loop.shape import LoopShape
-from wirerope_mj.rope_loop.vendor_loops import VendorLoop, vendor_loops
+from wirerope_mj.estimate.vendor_loops import VendorLoop, vendor_loops
+from wirerope_mj.rope_loop import LoopShape, RopeLoop
 
 Array = npt.NDArray[np.float64]
 
