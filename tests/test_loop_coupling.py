@@ -14,6 +14,7 @@ from scipy.optimize import root
 
 import wirerope_mj as wr
 from wirerope_mj import laws
+from wirerope_mj.cli import main
 from wirerope_mj.errors import ModelError
 from wirerope_mj.laws.loop_kernels import loop_force
 from wirerope_mj.modes.plane import loop_cycle, plane_cycle, plane_tangents
@@ -437,6 +438,15 @@ def test_the_loop_is_kept_in_a_file(tmp_path):
         file.write_text(text.replace(old, new), encoding="utf-8")
         with pytest.raises(ModelError, match=words):
             wr.load_isolator(file)
+
+
+def test_the_command_shows_what_joins_the_axes(tmp_path, capsys):
+    replace(isolator(), rotation=wr.Rotation(shear=250.0)).save(tmp_path / "i.toml")
+    assert main(["isolators", str(tmp_path / "i.toml")]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "coupling: loop, roll and axial share one hysteretic force" in shown
+    assert "coefficients = [9, -4.5, 1.8; -2.4, 2.7, 0.6] J" in shown
+    assert "rotation: roll = 0, shear = 250, axial = 0 N m/rad" in shown
 
 
 @pytest.mark.parametrize(

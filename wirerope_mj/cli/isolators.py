@@ -60,6 +60,8 @@ def print_isolator(name: str, out: Path | None) -> None:
             screen.print(f"  {axis}: no force")
             continue
         screen.print(f"  {axis}: {escape(describe(law))}")
+    for line in _joint_lines(isolator):
+        screen.print(f"  {escape(line)}")
     for sentence in isolator.provenance.assumed:
         screen.print(f"  assumed: {escape(sentence)}")
     screen.print(_measures(isolator))
@@ -68,6 +70,23 @@ def print_isolator(name: str, out: Path | None) -> None:
 
         save_loops(isolator, out, frequency=_FREQUENCY)
         screen.print(f"written: {escape(str(out))}", soft_wrap=True)
+
+
+def _joint_lines(isolator: Isolator) -> list[str]:
+    """Return a line for the coupling of axes and one for the rotational stiffness, where there are any."""
+    lines = []
+    if isolator.coupling is not None:
+        both = " and ".join(AXES[axis] for axis in isolator.coupled_axes)
+        lines.append(f"coupling: {isolator.coupling}, {both} share one hysteretic force")
+    if isolator.loop is not None:
+        values = isolator.loop.to_dict()
+        rows = "; ".join(", ".join(f"{value:.6g}" for value in row) for row in values.pop("coefficients"))
+        ends = ", ".join(f"{name} = {value:.6g}" for name, value in values.items())
+        lines.append(f"loop: {ends}, coefficients = [{rows}] J")
+    if isolator.rotation is not None:
+        stiffness = ", ".join(f"{axis} = {value:.6g}" for axis, value in isolator.rotation.to_dict().items())
+        lines.append(f"rotation: {stiffness} N m/rad")
+    return lines
 
 
 def _measures(isolator: Isolator) -> Table:

@@ -66,6 +66,31 @@ def add_force(xfrc, body, xipos, px, py, pz, fx, fy, fz):
 
 
 @njit
+def couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, ux, uy, uz):
+    """Give roll and another axis of the mount in row `m` one hysteretic force, a vector: its rates replace those of the axes.
+
+    Returns what the elastic energy of a loop adds to the mount's force [N], world axes. `axis` is the row behind the mount's
+    axes, `u[record:]` its deflection and force, (ux, uy, uz) the rate of the deflection.
+    """
+    place, other, r = q + int(lay[m + at.COUPLING]), int(lay[m + at.PARTNER]), 9 * int(lay[m + 1])
+    first = axis - 3 * at.AXIS_COLUMNS + 2
+    j, k = int(lay[first]), int(lay[first + at.AXIS_COLUMNS * other])
+    roll = site_xmat[r] * ux + site_xmat[r + 3] * uy + site_xmat[r + 6] * uz
+    along = site_xmat[r + other] * ux + site_xmat[r + 3 + other] * uy + site_xmat[r + 6 + other] * uz
+    biaxial_rates(par, place, roll, along, act, a + j, a + k, u, rates + j, rates + k)
+    if other != AXIAL:
+        return 0.0, 0.0, 0.0
+    fu, fw = loop_force(par, place + 6, u[record], u[record + AXIAL])
+    u[record + 3] += fu
+    u[record + 3 + AXIAL] += fw
+    return (
+        fu * site_xmat[r] + fw * site_xmat[r + 2],
+        fu * site_xmat[r + 3] + fw * site_xmat[r + 5],
+        fu * site_xmat[r + 6] + fw * site_xmat[r + 8],
+    )
+
+
+@njit
 def add_torque(lay, m, site_xmat, site_xquat, xfrc):
     """Add the torques of the mount in row `m` that resists turning to the wrenches on its bodies."""
     r, x, b = 9 * int(lay[m + 1]), 6 * int(lay[m + 2]) + 3, 6 * int(lay[m + 3]) + 3
@@ -115,20 +140,8 @@ def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat,
             u[record + c], u[record + 3 + c] = deflection, force
             axis += at.AXIS_COLUMNS
         if lay[m + at.COUPLING] >= 0.0:
-            # Roll and another axis share one hysteretic force, a vector: its rates replace those of the axes.
-            place, other = q + int(lay[m + at.COUPLING]), int(lay[m + at.PARTNER])
-            first = axis - 3 * at.AXIS_COLUMNS + 2
-            j, k = int(lay[first]), int(lay[first + at.AXIS_COLUMNS * other])
-            roll = site_xmat[r] * ux + site_xmat[r + 3] * uy + site_xmat[r + 6] * uz
-            along = site_xmat[r + other] * ux + site_xmat[r + 3 + other] * uy + site_xmat[r + 6 + other] * uz
-            biaxial_rates(par, place, roll, along, act, a + j, a + k, u, rates + j, rates + k)
-            if other == AXIAL:
-                fu, fw = loop_force(par, place + 6, u[record], u[record + AXIAL])
-                u[record + 3] += fu
-                u[record + 3 + AXIAL] += fw
-                fx += fu * site_xmat[r] + fw * site_xmat[r + 2]
-                fy += fu * site_xmat[r + 3] + fw * site_xmat[r + 5]
-                fz += fu * site_xmat[r + 6] + fw * site_xmat[r + 8]
+            gx, gy, gz = couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, ux, uy, uz)
+            fx, fy, fz = fx + gx, fy + gy, fz + gz
         add_force(xfrc, payload, xipos, px, py, pz, -fx, -fy, -fz)
         if lay[m + 6] != 0.0:
             add_force(xfrc, base, xipos, px, py, pz, fx, fy, fz)
