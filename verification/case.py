@@ -96,3 +96,19 @@ def single_values(values: Mapping[str, tuple[float, float]], unit: str) -> Compa
         unit=unit,
         details=rows if len(rows) > 1 else (),
     )
+
+
+def printed(values: Mapping[str, tuple[str, float]]) -> Comparison:
+    """Return the comparison with numbers as they were printed: the largest difference in half units of the last digit.
+
+    Args:
+        values: printed number and ours by label, which names the unit. An error up to 1 rounds to the same digits.
+    """
+    rows = []
+    for label, (text, found) in values.items():
+        decimals = len(text.partition(".")[2])
+        rows.append((label, float(text), float(found), abs(float(found) - float(text)) / (0.5 * 10.0**-decimals)))
+    worst = max(rows, key=lambda row: row[3] if np.isfinite(row[3]) else np.inf)
+    return Comparison(
+        reference=worst[1], ours=worst[2], error=worst[3], values=len(rows), unit="see below", details=tuple(rows)
+    )

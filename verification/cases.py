@@ -1,11 +1,30 @@
 """All cases, in the order of the page."""
 
-from verification import closed_forms, opensees, records, spectra
+from verification import (
+    closed_forms,
+    governor,
+    mechanisms,
+    motions,
+    opensees,
+    oscillators,
+    racks,
+    records,
+    rigid_bodies,
+    spectra,
+    statics,
+)
 from verification.case import Case
 
 CASES: tuple[Case, ...] = (
     *opensees.CASES,
+    *oscillators.CASES,
+    *rigid_bodies.CASES,
+    *mechanisms.CASES,
+    *governor.CASES,
     *spectra.CASES,
     *records.CASES,
     *closed_forms.CASES,
+    *statics.CASES,
+    *motions.CASES,
+    *racks.CASES,
 )
