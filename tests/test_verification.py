@@ -6,7 +6,7 @@ import pytest
 
 from verification.case import Case, Comparison, NotRun, series, single_values
 from verification.cases import CASES
-from verification.page import write_page
+from verification.page import KINDS, write_page
 from verification.runner import FAILED, NOT_RUN, OUTSIDE, WITHIN, Result, run_case
 from wirerope_mj.resources import models_folder
 
@@ -21,13 +21,21 @@ def case(**changes):
     return replace(made_up, **changes)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("chosen", CASES, ids=lambda chosen: chosen.name)
+LONG = {"two-bodies-inclined-mounts", "miles", "iftomm-a05-lagrange", "iftomm-a05-published", "rack-850-kg"}
+
+
+def selected(chosen):
+    slow = chosen.name in LONG or "openseespy" in chosen.needs
+    return pytest.param(chosen, id=chosen.name, marks=[pytest.mark.slow] if slow else [])
+
+
+@pytest.mark.parametrize("chosen", [selected(chosen) for chosen in CASES])
 def test_case_is_within_its_bound(chosen):
     result = run_case(chosen)
     if result.status == NOT_RUN:
         pytest.skip(result.note)
-    assert result.status == WITHIN, f"{result.note} {result.comparison}"
+    expected = {WITHIN, OUTSIDE} if chosen.known else {WITHIN}
+    assert result.status in expected, f"{result.note} {result.comparison}"
 
 
 def test_there_are_enough_cases_with_names_of_their_own():
@@ -36,12 +44,16 @@ def test_there_are_enough_cases_with_names_of_their_own():
     assert len(set(names)) == len(names)
     for chosen in CASES:
         assert chosen.bound > 0.0
+        assert chosen.kind in KINDS
+        assert not chosen.known or chosen.kind == "plausibility"
         assert all((chosen.title, chosen.compares, chosen.source, chosen.date, chosen.reason))
 
 
 def test_the_bound_decides():
     assert run_case(case()).status == WITHIN  # 5 %
     assert run_case(case(bound=0.04)).status == OUTSIDE
+    known = run_case(case(bound=0.04, known="the file is wrong"))
+    assert (known.status, known.note) == (OUTSIDE, "the file is wrong")
     unknown = case(run=lambda: Comparison(reference=1.0, ours=float("nan"), error=float("nan")))
     assert run_case(unknown).status == OUTSIDE
 
@@ -91,4 +103,4 @@ def test_the_page_in_the_documents_holds_every_case_and_its_bound():
     for chosen in CASES:
         assert f"### {chosen.name}\n" in text
         assert f"- Bound: {chosen.bound:.1e}: {chosen.reason}\n" in text
-    assert "outside" not in text.split("## Every case")[0].split("## Results")[1].split("\n")[2]
+        assert f"- Source: {chosen.source}\n" in text

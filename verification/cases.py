@@ -3,6 +3,7 @@
 from verification import (
     closed_forms,
     governor,
+    measured,
     mechanisms,
     motions,
     opensees,
@@ -26,5 +27,6 @@ CASES: tuple[Case, ...] = (
     *closed_forms.CASES,
     *statics.CASES,
     *motions.CASES,
+    *measured.CASES,
     *racks.CASES,
 )

@@ -10,8 +10,7 @@ from scipy.special import hyp2f1
 
 import wirerope_mj as wr
 from verification.case import Case, Comparison, series, single_values
-from verification.models import path_through
-from wirerope_mj.laws import Law, Loop
+from verification.models import path_through, steady_loop
 
 # beta, gamma, n, amplitude, z at the turning point, energy of a cycle; alpha = 1
 STEADY = (
@@ -24,19 +23,11 @@ STEADY = (
 )  # fmt: skip
 
 
-def _steady_loop(law: Law, amplitude: float, cycles: int = 60) -> Loop:
-    """Return the last of many cycles from +A to -A and back, whose memory of the beginning has gone."""
-    lead = np.tile([amplitude, -amplitude], cycles)
-    along = np.linspace(amplitude, -amplitude, 401)
-    start = law.trace(np.concatenate([[0.0], lead, [amplitude]])).internal_states[-1]
-    return law.trace(np.concatenate([along, along[-2::-1]]), initial_states=start)
-
-
 def _steady(energy: bool) -> Comparison:
     """Return the comparison of eleven steady Bouc-Wen loops with their table."""
     pairs = {}
     for beta, gamma, n, amplitude, z, work in STEADY:
-        loop = _steady_loop(wr.BoucWen(alpha=1.0, beta=beta, gamma=gamma, n=float(n)), float(amplitude))
+        loop = steady_loop(wr.BoucWen(alpha=1.0, beta=beta, gamma=gamma, n=float(n)), float(amplitude))
         label = f"beta {beta}, gamma {gamma}, n {n}, A {amplitude}"
         pairs[label] = (work, loop.dissipated_energy) if energy else (z, loop.hysteretic_state[0])
     return single_values(pairs, "J" if energy else "N")
@@ -56,7 +47,7 @@ def _turning_point() -> Comparison:
             lambda z, a=amplitude: distance(z, gamma - beta) + distance(z, gamma + beta) - 2.0 * a,
             1e-6 * bound, bound * (1.0 - 1e-15), xtol=1e-13 * bound, rtol=1e-14,
         )  # fmt: skip
-        pairs[f"A {1e3 * amplitude:g} mm"] = (exact, _steady_loop(law, amplitude, cycles=400).hysteretic_state[0])
+        pairs[f"A {1e3 * amplitude:g} mm"] = (exact, steady_loop(law, amplitude, cycles=400).hysteretic_state[0])
     return single_values(pairs, "N")
 
 
@@ -75,7 +66,7 @@ def _masing() -> Comparison:
     pairs = {}
     for amplitude in (1.5e-3, 4e-3, 9e-3):
         exact = sum(4.0 * h * max(amplitude - h / c, 0.0) for c, h in zip(stiffness, slip, strict=True))
-        pairs[f"A {1e3 * amplitude:g} mm"] = (exact, _steady_loop(law, amplitude).dissipated_energy)
+        pairs[f"A {1e3 * amplitude:g} mm"] = (exact, steady_loop(law, amplitude).dissipated_energy)
     return single_values(pairs, "J")
 
 
@@ -84,7 +75,7 @@ def _dry_friction() -> Comparison:
     d, u = 300.0, 3e-3
     law = wr.EnhancedDryFriction(k=5e4, d=d, u_c=u)
     pairs = {
-        f"A {1e3 * a:g} mm": (4.0 * d * (a - u * math.tanh(a / u)), _steady_loop(law, a).dissipated_energy)
+        f"A {1e3 * a:g} mm": (4.0 * d * (a - u * math.tanh(a / u)), steady_loop(law, a).dissipated_energy)
         for a in (3e-4, 3e-3, 3e-2)
     }
     return single_values(pairs, "J")
@@ -97,7 +88,7 @@ def _small_amplitude() -> Comparison:
         amplitude = 1e-4
         law = wr.BoucWen(alpha=1.0, beta=0.8, gamma=0.2, n=n)
         exact = 4.0 * 0.8 * amplitude ** (n + 2.0) / (n + 2.0)
-        pairs[f"n {n:g}"] = (exact, _steady_loop(law, amplitude).dissipated_energy)
+        pairs[f"n {n:g}"] = (exact, steady_loop(law, amplitude).dissipated_energy)
     return single_values(pairs, "J")
 
 

@@ -129,7 +129,8 @@ CASES = (
          reason="steps of 0.1 ms, for which the stiff damper asks, are short for all else; what is left grows over ten swings"),
     Case(name="iftomm-a05-published", title="The same governor beside the library's reference solution", kind="published",
          compares="Height of the slider at fifteen turning points over 10 s; largest relative difference.",
-         source="M. Gonzalez, D. Dopico, U. Lugris, J. Cuadrado, Multibody Syst. Dyn. 16 (2006) 179, problem A05; its reference "
-         "as drawn by L. Tagliapietra, M. Vivian, E. Ceseracciu and M. Reggiani, Multibody systems benchmark in OpenSim (2015)",
+         source="M. Gonzalez, D. Dopico, U. Lugris, J. Cuadrado, Multibody Syst. Dyn. 16 (2006) 179, problem A05; its "
+         "reference as drawn by L. Tagliapietra, M. Vivian, E. Ceseracciu and M. Reggiani, Multibody systems benchmark in "
+         "OpenSim (2015)",
          date="2006", bound=4e-3, reason="the figure is read to 0.002 m of 0.5 m", run=_figure),
 )  # fmt: skip

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 import wirerope_mj as wr
-from wirerope_mj.laws import Law
+from wirerope_mj.laws import Law, Loop
 
 DECK = '<body name="deck">{slides}<geom size=".1" mass="5"/>{sites}</body>'
 SLIDES = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"}
@@ -69,3 +69,11 @@ def path_through(points: Sequence[float], per_segment: int) -> np.ndarray:
     ends = [0.0, *points]
     legs = [np.linspace(a, b, per_segment + 1)[1:] for a, b in zip(ends[:-1], ends[1:], strict=True)]
     return np.concatenate([[0.0], *legs])
+
+
+def steady_loop(law: Law, amplitude: float, cycles: int = 60) -> Loop:
+    """Return the last of many cycles from +A to -A and back, whose memory of the beginning has gone."""
+    lead = np.tile([amplitude, -amplitude], cycles)
+    along = np.linspace(amplitude, -amplitude, 401)
+    start = law.trace(np.concatenate([[0.0], lead, [amplitude]])).internal_states[-1]
+    return law.trace(np.concatenate([along, along[-2::-1]]), initial_states=start)

@@ -15,13 +15,14 @@ ROUNDING = 1e-12
 KINDS = {
     "numerics": "Numerics: the same equations, solved by others",
     "published": "Published values",
-    "plausibility": "Plausibility: vendors' simulations of racks",
+    "plausibility": "Plausibility: isolator files against vendors' and laboratories' statements",
 }
 INTRODUCTIONS = {
     "numerics": "An error here is an error of this library or of the reference.",
     "published": "Values that others printed, compared within the digits that they printed.",
-    "plausibility": "Two models of the same rack by different programs with different isolator data: the difference measures "
-    "the isolator files, not the integration. The bounds are loose on purpose, to be tightened as the files become better.",
+    "plausibility": "What vendors and laboratories say of such isolators, or what their programs find for a rack, beside what "
+    "the isolator files give here: the difference measures the files, not the integration. The bounds are loose on purpose, to "
+    "be tightened as the files become better.",
 }
 
 
@@ -46,8 +47,13 @@ def print_table(results: Sequence[Result]) -> None:
             if found
             else ("", "", "", "")
         )
-        table.add_row(result.case.name, *values, f"{result.case.bound:.1e}", _status(result))
-    Console(width=max(Console().width, 110)).print(table)
+        table.add_row(result.case.name, *values, f"{result.case.bound:.1e}", result.status)
+    console = Console(width=max(Console().width, 110))
+    console.print(table)
+    for result in results:
+        if result.note:
+            console.print(f"{result.case.name}: {_status(result)}", markup=False)
+    console.print(_counts(results))
 
 
 def write_page(results: Sequence[Result], path: Path) -> None:

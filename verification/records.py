@@ -37,6 +37,7 @@ def _three_axes(unit: str, *, binary: bool) -> Comparison:
     rng, time = np.random.default_rng(3), STEP * np.arange(SAMPLES)
     written = np.sin(np.pi * time / time[-1])[:, None] ** 2 * rng.normal(size=(SAMPLES, 3))
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore", ResourceWarning)  # pyuff leaves the closing of its files to Python
         # Noise has no quiet end and drifts: doubts about the record, not about reading it.
         warnings.simplefilter("ignore", wr.RecordWarning)
         path = Path(folder) / "three.uff"

@@ -136,7 +136,7 @@ def _solve(times: Array) -> tuple[Array, float]:
     corners = [0.0, START, START + LENGTH, float(times[-1])]
     for begin, end in zip(corners[:-1], corners[1:], strict=True):
         # Short steps, so that no kink of a mount is stepped over unseen; the error control shortens them there.
-        run = solve_ivp(_rates, (begin, end), y, "DOP853", rtol=1e-9, atol=1e-11, max_step=1e-3, dense_output=True)
+        run = solve_ivp(_rates, (begin, end), y, "DOP853", rtol=1e-8, atol=1e-10, max_step=1e-3, dense_output=True)
         inside = (times >= begin) & (times <= end)
         states[inside], y = run.sol(times[inside])[:26].T, run.y[:, -1]
     marked = np.array([_marked(state.reshape(2, 13)[:, :7]) for state in states])

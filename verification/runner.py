@@ -54,5 +54,6 @@ def run_case(case: Case) -> Result:
         case=case,
         status=WITHIN if within else OUTSIDE,
         comparison=comparison,
+        note="" if within else case.known,
         seconds=time.perf_counter() - start,
     )
