@@ -2,6 +2,7 @@
 
 from verification import (
     closed_forms,
+    diagonals,
     governor,
     measured,
     mechanisms,
@@ -28,5 +29,6 @@ CASES: tuple[Case, ...] = (
     *statics.CASES,
     *motions.CASES,
     *measured.CASES,
+    *diagonals.CASES,
     *racks.CASES,
 )
