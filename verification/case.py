@@ -6,6 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+LAST_DIGIT = "the printed digits are met: the error is in half units of the last one"
+"""Reason of the bound 1 of what `printed` compares."""
+
 
 class NotRun(Exception):
     """A program that a case needs cannot be used here; the text says which and why."""

@@ -7,6 +7,7 @@ from verification import (
     measured,
     mechanisms,
     motions,
+    noel_schoukens,
     opensees,
     oscillators,
     racks,
@@ -19,6 +20,7 @@ from verification.case import Case
 
 CASES: tuple[Case, ...] = (
     *opensees.CASES,
+    *noel_schoukens.CASES,
     *oscillators.CASES,
     *rigid_bodies.CASES,
     *mechanisms.CASES,

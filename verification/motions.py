@@ -3,7 +3,7 @@
 import numpy as np
 
 import wirerope_mj as wr
-from verification.case import Case, Comparison, printed, single_values
+from verification.case import LAST_DIGIT, Case, Comparison, printed, single_values
 
 SPECTRUM = {"displacement": 0.05, "velocity": 3.0, "acceleration": 100.0 * wr.STANDARD_GRAVITY}
 """d0 = 50 mm, v0 = 3 m/s, a0 = 100 g."""
@@ -53,7 +53,6 @@ def _ends() -> Comparison:
     return single_values(pairs, "see below")
 
 
-LAST_DIGIT = "the printed digits are met: the error is in half units of the last one"
 PRACTICE = (
     "naval practice for a three-branch design spectrum (BV 0430, STANAG), kinematics worked by hand to the digits shown"
 )

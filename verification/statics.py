@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import wirerope_mj as wr
-from verification.case import Case, Comparison, printed, series, single_values
+from verification.case import LAST_DIGIT, Case, Comparison, printed, series, single_values
 from verification.models import deck, mjcf, mounts, oscillator
 from wirerope_mj.selection import vendor_parts
 from wirerope_mj.selection.worksheet import Worksheet
@@ -111,8 +111,6 @@ def _linear_rack() -> Comparison:
         }
     )
 
-
-LAST_DIGIT = "the printed digits are met: the error is in half units of the last one"
 
 CASES = (
     Case(name="load-split", title="Loads of six mounts below an eccentric centre of mass",
