@@ -21,7 +21,14 @@ def case(**changes):
     return replace(made_up, **changes)
 
 
-LONG = {"two-bodies-inclined-mounts", "miles", "iftomm-a05-lagrange", "iftomm-a05-published", "rack-850-kg"}
+LONG = {
+    "two-bodies-inclined-mounts",
+    "miles",
+    "diagonal-enidine",
+    "iftomm-a05-lagrange",
+    "iftomm-a05-published",
+    "rack-850-kg",
+}
 
 
 def selected(chosen):
