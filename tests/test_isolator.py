@@ -135,7 +135,7 @@ WRONG = [
     (
         "provenance/kind",
         "guess",
-        r"\[provenance\] `kind` must be one of catalogue, identified, published, illustrative",
+        r"\[provenance\] `kind` must be one of catalogue, identified, published, estimated, illustrative",
     ),
     ("provenance/source", 1, r"\[provenance\] `source` must be a string"),
     ("provenance/assumed", "all", r"\[provenance\] `assumed` must be a list of strings"),
