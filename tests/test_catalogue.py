@@ -11,10 +11,12 @@ from numba import njit
 from wirerope_mj.bench import cyclic_test
 from wirerope_mj.cli import main
 from wirerope_mj.errors import ConvergenceError, ModelError
-from wirerope_mj.identification.datasheet import compare, fit_datasheet
+from wirerope_mj.identification.datasheet import fit_datasheet
 from wirerope_mj.identification.figures import relaxed_force, secant
 from wirerope_mj.identification.secants import Curve, Secant, fit_damped, fit_secants
-from wirerope_mj.identification.vendor import read_datasheet, two_stiffnesses
+from wirerope_mj.identification.sheet import two_stiffnesses
+from wirerope_mj.identification.sheet_table import compare
+from wirerope_mj.identification.vendor import read_datasheet
 from wirerope_mj.isolator import load_isolator
 from wirerope_mj.laws.kernels import asymmetric_bouc_wen
 from wirerope_mj.resources import catalogue_folder

@@ -201,7 +201,8 @@ def fit(datasheet: Path, out: Path) -> int:
         datasheet: TOML file with the vendor's figures.
         out: isolator file to write.
     """
-    from wirerope_mj.identification.datasheet import compare, fit_datasheet, print_table
+    from wirerope_mj.identification.datasheet import fit_datasheet
+    from wirerope_mj.identification.sheet_table import compare, print_table
 
     isolator = fit_datasheet(datasheet)
     isolator.save(out)

@@ -7,7 +7,7 @@ import numpy as np
 from wirerope_mj.estimate.estimate import LoopEstimate
 from wirerope_mj.estimate.trends import left_out_errors
 from wirerope_mj.estimate.vendor_loops import ENIDINE
-from wirerope_mj.isolator import Isolator, Provenance, Spread
+from wirerope_mj.isolator import Isolator, Provenance, Rotation, Spread
 from wirerope_mj.selection.fitted import fit_part
 from wirerope_mj.selection.parts import Figures, Part, Series
 
@@ -51,7 +51,11 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
         fitted_to=f"estimated figures, none of them measured: {fitted.provenance.fitted_to}",
         assumed=(*_assumed(estimate), *fitted.provenance.assumed),
     )
-    return replace(fitted, provenance=provenance, spread=_spread(fitted, estimate))
+    rotation = None
+    if estimate.bar_length is not None:
+        about_roll, about_shear, about_axial = map(_rounded, estimate.rotation.tolist())
+        rotation = Rotation(roll=about_roll, shear=about_shear, axial=about_axial)
+    return replace(fitted, provenance=provenance, spread=_spread(fitted, estimate), rotation=rotation)
 
 
 def _rounded(value: float) -> float:

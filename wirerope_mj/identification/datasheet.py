@@ -1,4 +1,4 @@
-"""An isolator from a vendor's data sheet, and every figure of the sheet beside what the isolator gives.
+"""An isolator from a vendor's data sheet.
 
 What a sheet holds is described in `wirerope_mj.identification.vendor`; those of the catalogue lie in
 `models/isolators/datasheets`, and `wirerope isolators fit` fits one. The shape of the elastic force comes from the rope loop's
@@ -6,33 +6,24 @@ geometry, its size and the friction from the vendor's figures.
 """
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.identification import figures
 from wirerope_mj.identification.secants import Curve, NiLaw, fit_damped, fit_secants
-from wirerope_mj.identification.vendor import AxisFigures, DataSheet, Stated, read_datasheet
-from wirerope_mj.isolator import Geometry, Isolator, Limits, Provenance, Spread, Travel
-from wirerope_mj.laws import Law, LoopBoucWen, LoopCoupling, SymmetricBoucWen
-from wirerope_mj.rope_loop import AxisCurves, axis_curves, fit_coupling, loop_shape
-from wirerope_mj.units import STANDARD_GRAVITY
-
-
-@dataclass(frozen=True, kw_only=True)
-class Figure:
-    """One figure: where it holds, its name and unit, what the vendor states (None: nothing) and what the law gives."""
-
-    axis: str
-    name: str
-    unit: str
-    vendor: float | None
-    fitted: float
-
-    @property
-    def error(self) -> float | None:
-        """Relative error of the fitted value; None where the vendor states nothing."""
-        return None if self.vendor is None else self.fitted / self.vendor - 1.0
+from wirerope_mj.identification.sheet import AxisFigures, DataSheet, Stated
+from wirerope_mj.identification.sheet_table import diagonal_figures
+from wirerope_mj.identification.vendor import read_datasheet
+from wirerope_mj.isolator import Geometry, Isolator, Limits, Provenance, Rotation, Spread, Travel
+from wirerope_mj.laws import LoopCoupling, SymmetricBoucWen
+from wirerope_mj.rope_loop import (
+    AxisCurves,
+    axis_curves,
+    fit_coupling,
+    loop_positions,
+    loop_shape,
+    rotational_stiffness,
+)
 
 
 def fit_datasheet(path: str | Path) -> Isolator:
@@ -69,6 +60,7 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
         ),
         geometry=Geometry(height=sheet.height, width=sheet.width),
         spread=Spread(parameters=("axial.c",), covariance=((float(f"{curves.asymmetry_deviation**2:.6g}"),),)),
+        rotation=_rotation(sheet, axial, across.get("roll"), curves),
         **across,
     )
     provenance = Provenance(
@@ -89,40 +81,6 @@ def _across(sheet: DataSheet, shear: AxisFigures, axial: NiLaw, curves: AxisCurv
     return {"shear": law, "roll": roll, "coupling": "loop", "loop": _coupling(sheet, shear.travel, axial, roll, curves)}
 
 
-def compare(path: str | Path, isolator: Isolator) -> list[Figure]:
-    """Return every figure of a data sheet beside what the laws of `isolator` give, and its sags under rated load."""
-    sheet = read_datasheet(path)
-    if isolator.axial is None:
-        raise ValueError(f"`isolator` must have an axial law, {isolator.name} has not.")
-    rows = _axis_figures("compression", sheet.compression, isolator.axial, sheet.damping_amplitude)
-    half = 0.5 * sheet.compression.travel
-    ratio = figures.tension_ratio(isolator.axial, half)
-    rows.append(Figure(axis="compression", name="F(+D/2)/|F(-D/2)|", unit="-", vendor=None, fitted=ratio))
-    for name, relaxed in (("virgin sag", False), ("relaxed sag", True)):
-        if sheet.static_load is None:
-            break
-        depth = figures.compression_sag(isolator.axial, sheet.static_load, sheet.compression.travel, relaxed=relaxed)
-        rows.append(Figure(axis="compression", name=name, unit="mm", vendor=None, fitted=1e3 * depth))
-    if sheet.shear is not None and isolator.shear is not None:
-        name = "shear" if sheet.roll_of_loop else "shear, roll"
-        rows += _axis_figures(name, sheet.shear, isolator.shear, sheet.damping_amplitude)
-    return rows + diagonal_figures(sheet, isolator)
-
-
-def diagonal_figures(sheet: DataSheet, isolator: Isolator) -> list[Figure]:
-    """Return the figures at 45 degrees between compression and roll, which nothing was fitted to."""
-    law = isolator.coupled
-    if sheet.diagonal is None or not isinstance(law, LoopBoucWen):
-        return []
-    rows = []
-    for stated in sheet.diagonal.stated:
-        if stated.unit == "Hz":
-            continue  # about a sag under a load that is not along an axis of the mount: nothing here follows that
-        secant = figures.diagonal_secant(law, stated.secant.deflection, steady=stated.secant.steady)
-        rows.append(_row("45 degrees", stated, secant))
-    return rows
-
-
 def _fit(stated: AxisFigures, curve: Curve, yielding: float | None, amplitude: float) -> NiLaw:
     """Return the law of one axis; a damping ratio that is aimed at comes before a yield deflection."""
     if stated.damping is not None:
@@ -140,6 +98,21 @@ def _rolling(axial: NiLaw, shear: NiLaw, curves: AxisCurves) -> SymmetricBoucWen
     return SymmetricBoucWen(**rounded, beta=shear.beta, gamma=0.0, n=1.0, k2=0.0)
 
 
+def _rotation(sheet: DataSheet, axial: NiLaw, roll: NiLaw | None, curves: AxisCurves) -> Rotation | None:
+    """Return what the loops resist turning by, spread over the bars; None where their length is not stated."""
+    if sheet.bar_length is None or sheet.loops is None:
+        return None
+    stiffness = rotational_stiffness(
+        loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope),
+        bending_stiffness=axial.k1 / (sheet.loops * curves.axial_stiffness),
+        positions=loop_positions(sheet.loops, sheet.bar_length),
+        axial=axial.k1,
+        roll=None if roll is None else roll.k1,
+    )
+    about_roll, about_shear, about_axial = (float(f"{value:.6g}") for value in stiffness)
+    return Rotation(roll=about_roll, shear=about_shear, axial=about_axial)
+
+
 def _coupling(sheet: DataSheet, range_of_roll: float, axial: NiLaw, roll: NiLaw, curves: AxisCurves) -> LoopCoupling:
     """Return the loop's coupling energy, in the size that both axes ask for: the geometric mean of their EI.
 
@@ -154,29 +127,6 @@ def _coupling(sheet: DataSheet, range_of_roll: float, axial: NiLaw, roll: NiLaw,
     ).coupling  # fmt: skip
     ends = {name: float(f"{getattr(found, name):.9g}") for name in ("roll", "compression", "tension")}
     return LoopCoupling(**ends, coefficients=[[float(f"{c:.9g}") for c in row] for row in found.coefficients])
-
-
-def _row(axis: str, stated: Stated, stiffness: float) -> Figure:
-    """Return a figure of the sheet beside the secant stiffness [N/m] of a law."""
-    vendor, fitted = stated.shown(stated.secant.stiffness), stated.shown(stiffness)
-    return Figure(axis=axis, name=stated.name, unit=stated.unit, vendor=vendor, fitted=fitted)
-
-
-def _axis_figures(axis: str, stated: AxisFigures, law: Law, amplitude: float) -> list[Figure]:
-    """Return the figures of one axis; the negative side is compression, and symmetric laws do not mind."""
-    rows = []
-    for figure in stated.stated:
-        about = 0.0
-        if figure.unit == "Hz" and axis == "compression":
-            load = figure.mass * STANDARD_GRAVITY
-            about = -figures.compression_sag(law, load, stated.travel, relaxed=True)
-        rows.append(_row(axis, figure, figures.secant(law, figure.secant, about)))
-    for name, at in (
-        (f"damping ratio at {1e3 * amplitude:.3g} mm", amplitude),
-        ("damping ratio at D/2", stated.travel / 2.0),
-    ):
-        rows.append(Figure(axis=axis, name=name, unit="-", vendor=None, fitted=figures.damping_ratio(law, at)))
-    return rows
 
 
 def _fitted_to(sheet: DataSheet) -> str:
@@ -218,6 +168,8 @@ def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
         axes = "shear" if sheet.roll_of_loop else "shear and roll"
         sentences.append(f"{axes}: k3 / k1 is {sheet.shear.hardening:g} times that of the rope loop in roll")
         sentences.append("roll and axial are coupled as in the rope loop, to 2 % of its coupling forces")
+    if sheet.bar_length is not None:
+        sentences.append("turning: the elastic part of loops that are spread evenly over the bars")
     if sheet.roll_of_loop:
         sentences.append(
             "roll: what the rope loop has beside the axial stiffness, with friction in the proportion of shear's"
@@ -243,12 +195,3 @@ def _check_45(sheet: DataSheet, isolator: Isolator) -> dict[str, float]:
         table[f"{name}_fitted_{units[row.unit]}"] = float(f"{row.fitted:.6g}")
         table[f"{name}_relative_error"] = round(row.error, 4)
     return table
-
-
-def print_table(rows: list[Figure]) -> None:
-    """Print one line for each figure."""
-    print(f"{'axis':<13}{'figure':<26}{'unit':<6}{'vendor':>12}{'fitted':>12}{'error':>10}")
-    for row in rows:
-        vendor = "" if row.vendor is None else f"{row.vendor:.6g}"
-        error = "" if row.error is None else f"{round(100.0 * row.error, 2) + 0.0:+.2f} %"
-        print(f"{row.axis:<13}{row.name:<26}{row.unit:<6}{vendor:>12}{row.fitted:>12.6g}{error:>10}")

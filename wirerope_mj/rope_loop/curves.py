@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import least_squares
 
+from wirerope_mj.rope_loop.coupling_energy import ELEMENTS
 from wirerope_mj.rope_loop.elastica import RopeLoop
 from wirerope_mj.rope_loop.shape import LoopShape, loop_shape
 
@@ -58,9 +59,9 @@ def axis_curves(
         ValueError: no loop has these measures, or its rope is taut within the travel.
     """
     shape = loop_shape(height=height, width=width, bar=bar, rope=rope)
-    loop = RopeLoop(shape)
+    loop = RopeLoop(shape, ELEMENTS)
     asymmetry, cubic, misfit = _axial(loop, compression)
-    clamped = _axial(RopeLoop(_held(shape, 0.5 * bar)), compression)[0]
+    clamped = _axial(RopeLoop(_held(shape, 0.5 * bar), ELEMENTS), compression)[0]
     return AxisCurves(
         asymmetry=asymmetry,
         axial_cubic=cubic,

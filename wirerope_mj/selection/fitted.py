@@ -3,7 +3,7 @@
 from wirerope_mj.errors import ModelError
 from wirerope_mj.identification.datasheet import fit_sheet
 from wirerope_mj.identification.secants import DAMPING_AMPLITUDE
-from wirerope_mj.identification.vendor import AxisFigures, DataSheet, two_stiffnesses
+from wirerope_mj.identification.sheet import AxisFigures, DataSheet, two_stiffnesses
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.selection.parts import Figures, Part
 
