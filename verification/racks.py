@@ -19,8 +19,8 @@ BOUND = 0.1
 
 REASON = (
     "what the vendor's own figures of the isolators agree to among each other. Fitted to the rack of 850 kg: shear (its mode and "
-    "shock along Y) and the amplitude of the modes; to that of 320 kg: the yield deflection (its sag) and the amplitude of the "
-    "modes; to that of 610 kg: nothing. Modes along X of 18 and 19 Hz are no translation of a rack on such mounts and are left out"
+    "shock along Y) and the amplitude of its modes; to that of 320 kg: the yield deflection (its sag); to both small racks: one "
+    "amplitude of modes. Modes along X of 18 and 19 Hz are no translation of a rack on such mounts and are left out"
 )
 SOURCE = (
     "Socitec, sheets of its nonlinear simulation (SDNL1, WINSDNL1) of racks under a 20 g 11 ms sawtooth taken as a velocity "
@@ -61,11 +61,11 @@ RACKS = {
         travel=(15.89, 20.79, 15.22), acceleration=(7.05, 5.96, 7.17),
     ),
     "rack-320-kg": Rack(
-        mass=320.0, below=4, behind=2, isolator="socitec_cb1390_30", sag=1.4, amplitude=5.5e-3,
+        mass=320.0, below=4, behind=2, isolator="socitec_cb1390_30", sag=1.4, amplitude=5e-3,
         modes={"Y": 7.4, "Z": 10.5},
     ),
     "rack-610-kg": Rack(
-        mass=609.86, below=6, behind=2, isolator="socitec_cb1390_20", sag=1.2, amplitude=5.5e-3,
+        mass=609.86, below=6, behind=2, isolator="socitec_cb1390_20", sag=1.2, amplitude=5e-3,
         modes={"Y": 8.1, "Z": 11.3},
     ),
 }  # fmt: skip
