@@ -18,9 +18,9 @@ BOUND = 0.1
 """Largest relative error allowed of any value of a rack."""
 
 REASON = (
-    "what the vendor's own figures of the isolators agree to among each other. Fitted to the rack of 850 kg: shear (its mode and "
-    "shock along Y) and the amplitude of its modes; to that of 320 kg: the yield deflection (its sag); to both small racks: one "
-    "amplitude of modes. Modes along X of 18 and 19 Hz are no translation of a rack on such mounts and are left out"
+    "what the vendor's own figures of the isolators agree to among each other. Fitted to the rack of 850 kg: shear (its mode "
+    "and shock along Y) and the amplitude of its modes; to that of 320 kg: the yield deflection (its sag); to both small "
+    "racks: one amplitude of modes. Modes along X of 18 and 19 Hz are no translation of a rack on such mounts: left out"
 )
 SOURCE = (
     "Socitec, sheets of its nonlinear simulation (SDNL1, WINSDNL1) of racks under a 20 g 11 ms sawtooth taken as a velocity "
