@@ -68,9 +68,11 @@ def test_cabinets_that_touch_their_stops_are_what_they_are_alone():
     systems = [model("cabinet", stiffer=factor) for factor in (1.0, 0.8)]
     systems = [systems[0], systems[1], systems[0]]
     motions = [half_sine(40.0, "z"), half_sine(30.0, (1, 0, 1)), half_sine(5.0, "x")]
-    assert_each_as_alone(systems, motions, **STEPS)
+    # At 2.7 m/s a step of 1 ms goes through four times the 0.7 mm over which the friction yields: too far for Runge-Kutta.
+    steps = {**STEPS, "timestep": 5e-4}
+    assert_each_as_alone(systems, motions, **steps)
     # the first of them must have been in contact for this to say anything
-    peaks = wr.simulate(systems[0], motions[0], **STEPS).peaks
+    peaks = wr.simulate(systems[0], motions[0], **steps).peaks
     assert (
         min(mount.deflection.minimum[2] for mount in peaks.mounts.values()) < -0.03556
     )  # rated travel: there the stops are
