@@ -41,8 +41,9 @@ def _enidine() -> Comparison:
         found = _force(isolator, diagonal.travel) / diagonal.travel
         rows.append((f"{part.name} [N/mm]", 1e-3 * diagonal.shock, 1e-3 * found, abs(found / diagonal.shock - 1.0)))
     worst = max(rows, key=lambda row: row[3])
+    mean = abs(float(np.mean([ours / stated - 1.0 for _, stated, ours, _ in rows])))
     return Comparison(
-        reference=worst[1], ours=worst[2], error=abs(float(np.mean([row[2] / row[1] - 1.0 for row in rows]))), values=len(rows), unit="N/mm",
+        reference=worst[1], ours=worst[2], error=mean, values=len(rows), unit="N/mm",
         details=tuple(rows),
     )  # fmt: skip
 
@@ -60,8 +61,8 @@ def _socitec() -> Comparison:
 
 CASES = (
     Case(name="diagonal-enidine", title="Shock stiffness at 45 degrees of all Enidine WR rows",
-         compares="Secant at the rated travel of isolators fitted to compression and shear; mean of the relative errors with "
-         "their signs, the worst row beside it.", source="ITT Enidine WR series catalogue ENI877R4, from a public transcription",
+         compares="Secant at the rated travel of isolators fitted to compression and shear; mean of the signed "
+         "relative errors, the worst row beside it.", source="ITT Enidine WR series catalogue ENI877R4, from a public transcription",
          date="before 2026", bound=0.1, kind="plausibility", run=_enidine,
          reason="what a planar loop of rope, computed from the catalogue's dimensions alone, comes to"),
     Case(name="diagonal-socitec", title="Forces at 45 degrees of the Socitec CB1390",
