@@ -250,10 +250,19 @@ def test_a_guess_of_another_system_is_refused():
 
 @pytest.mark.slow
 def test_a_needle_of_a_superharmonic_resonance_is_leapt_over_and_said():
-    """The cabinet's fifth harmonic meets an undamped mode near 5.36 Hz; the branch is taken up again beyond it."""
+    """The cabinet's fifth harmonic meets an undamped mode near 26.1 Hz; the branch is taken up again beyond it.
+
+    The mounts' friction yields over 8 mm here, so that small cycles lose nothing: with the catalogue's, which yields
+    below a millimetre, there is no such needle.
+    """
+    across = wr.SymmetricBoucWen(alpha=180e3, beta=123.0, gamma=0.0, n=1.0, k1=78.4e3, k2=0.0, k3=45.4e6)
+    axial = wr.AsymmetricBoucWen(
+        alpha=751e3, beta=118.0, gamma=0.0, n=1.0, k1=392e3, k2=0.0, k3=0.0, b=np.e, c=5.70
+    )  # fmt: skip
+    late = wr.Isolator(name="late", axial=axial, shear=across, roll=across)
     branch = wr.follow_branch(
-        wr.load_system("models/cabinet.xml"), start=5.3, stop=5.6, acceleration=1.0, direction="z", payload="rack",
-        largest_step=0.05,
+        wr.load_system("models/cabinet.xml", isolators={"cb1400_15": late}), start=5.14, stop=5.32, acceleration=1.0,
+        direction="z", payload="rack", largest_step=0.05,
     )  # fmt: skip
     assert branch.complete
     assert all(a < b for a, b in branch.gaps)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
+from wirerope_mj.resources import catalogue_folder
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs/cabinet.md").read_text(encoding="utf-8")
@@ -101,6 +102,25 @@ def test_pitch_changes_more_than_damping_does(along_x):
     by_pitch = np.abs(along_x["upright"] - along_x["model"])[:4]
     by_damping = np.abs(along_x["smooth"] - along_x["model"])[:4]
     assert (by_pitch > by_damping).all()
+
+
+def test_translations_meet_the_sheet_within_a_tenth(page):
+    """All ten of the rack; of the two others sag, y and z by the secant, and by the first harmonic all but one."""
+    assert np.abs([row[4] for row in page["rack"][:10]]).max() < 10.0
+    secant, harmonic = (np.array(page["others"])[[0, 2, 3, 4, 6, 7], column] for column in (2, 4))
+    assert np.abs(secant).max() < 10.0
+    assert list(np.abs(harmonic) < 10.0) == [True, True, True, True, False, True]
+
+
+def test_what_the_page_calls_fitted_is_what_the_file_was_fitted_to():
+    """The rack's mode and shock along y, on ten mounts in shear; nothing else of the sheet."""
+    stated = wr.load_isolator(catalogue_folder() / "socitec_cb1400_15.toml").provenance.fitted_to
+    force = 850.0 * SHEET[8] * wr.STANDARD_GRAVITY / 10.0
+    stiffness = 850.0 * (2.0 * np.pi * SHEET[2]) ** 2 / 10.0
+    assert f"{SHEET[5]:g} mm {force:.0f} N" in stated
+    assert f"{1e-3 * stiffness:.1f} N/mm" in stated
+    for value in (0.613, 10.42, 11.68, 15.89, 15.22, 7.05, 7.17):
+        assert str(value) not in stated
 
 
 def test_upright_the_same_friction_meets_the_vendor(page):

@@ -211,17 +211,20 @@ def test_a_resonance_lies_at_the_frequency_of_its_amplitude(model, level, start,
 
 @pytest.mark.slow
 def test_resonances_of_the_floor_lie_at_the_frequencies_of_their_amplitudes():
-    """Two of six modes, coupled by an offset centre of mass: one per cent."""
+    """Two of six modes, coupled by an offset centre of mass: one per cent.
+
+    At 0.01 g cycles of 0.4 mm lose 4 % of critical. At 0.1 g it is 11 %, modes overlap, and a response has no one mode's shape.
+    """
     s = wr.load_system(models_folder() / "floating_floor.xml")
     branch = wr.follow_branch(
-        s, start=7.8, stop=8.25, acceleration=0.1 * G, direction="z", payload="floor", largest_step=0.01
+        s, start=10.1, stop=10.6, acceleration=0.01 * G, direction="z", payload="floor", largest_step=0.01
     )
     peak = int(np.argmax(branch.amplitude))
     assert 0 < peak < branch.frequency.size - 1
     found = modes(s, history="relaxed", amplitude=swing(branch.orbit(peak)))
     at = found.words.index("bounce z")
     assert found.frequencies[at] == pytest.approx(branch.frequency[peak], rel=1e-2)
-    assert branch.frequency[peak] == pytest.approx(8.02, abs=0.03)
+    assert branch.frequency[peak] == pytest.approx(10.34, abs=0.03)
 
 
 def crossings(time, values):
