@@ -52,7 +52,7 @@ def test_all_else_is_equal(page):
 
 
 def test_without_friction_a_mount_loads_the_same_and_loses_next_to_nothing(page):
-    isolator = page["model"].isolators["cb1400_15"]
+    isolator = page["single"]["cb1400_15"]
     smooth = page["frictionless"]["cb1400_15"]
     for axis in ("axial", "shear", "roll"):
         rope, bare = getattr(isolator, axis), getattr(smooth, axis)
@@ -76,16 +76,19 @@ def test_what_is_left_of_the_friction_does_not_matter(page):
 
 
 def test_the_first_swing_is_the_largest(page):
-    """Of all six shocks of the first table, by the run's own peaks over half a second; the samples miss 1e-3 of a peak."""
+    """Of all shocks of the first table, by the run's own peaks over half a second; the samples miss 1e-3 of a peak."""
     for system, column in ((page["model"], 1), (page["upright"], 3)):
         for axis in range(3):
-            step = wr.VelocityStep(velocity=page["velocity"], direction="xyz"[axis])
-            response = wr.simulate(system, step, duration=0.5, timestep=2e-4)
-            peak = response.peaks.bodies["rack"].acceleration
-            largest = max(peak.maximum[axis], -peak.minimum[axis]) / wr.STANDARD_GRAVITY
-            assert page["rack"][7 + axis][column] == pytest.approx(largest, rel=1e-3)
-            moved = (response.bodies["rack"].position - response.base.displacement)[:, axis]
-            assert page["rack"][4 + axis][column] == pytest.approx(1e3 * np.abs(moved - moved[0]).max(), rel=1e-3)
+            largest, farthest = 0.0, 0.0
+            for sense in (1, -1) if axis == 0 else (1,):
+                step = wr.VelocityStep(velocity=sense * page["velocity"], direction="xyz"[axis])
+                response = wr.simulate(system, step, duration=0.5, timestep=2e-4)
+                peak = response.peaks.bodies["rack"].acceleration
+                largest = max(largest, peak.maximum[axis], -peak.minimum[axis])
+                moved = (response.bodies["rack"].position - response.base.displacement)[:, axis]
+                farthest = max(farthest, 1e3 * np.abs(moved - moved[0]).max())
+            assert page["rack"][7 + axis][column] == pytest.approx(largest / wr.STANDARD_GRAVITY, rel=1e-3)
+            assert page["rack"][4 + axis][column] == pytest.approx(farthest, rel=1e-3)
 
 
 def test_pitch_alone_makes_the_free_rack_of_the_upright_one(along_x):
@@ -105,11 +108,11 @@ def test_pitch_changes_more_than_damping_does(along_x):
 
 
 def test_translations_meet_the_sheet_within_a_tenth(page):
-    """All ten of the rack; of the two others sag, y and z by the secant, and by the first harmonic all but one."""
+    """All ten of the rack; of the two others sag, y and z by the secant and by the first harmonic."""
     assert np.abs([row[4] for row in page["rack"][:10]]).max() < 10.0
     secant, harmonic = (np.array(page["others"])[[0, 2, 3, 4, 6, 7], column] for column in (2, 4))
     assert np.abs(secant).max() < 10.0
-    assert list(np.abs(harmonic) < 10.0) == [True, True, True, True, False, True]
+    assert np.abs(harmonic).max() < 10.0
 
 
 def test_what_the_page_calls_fitted_is_what_the_file_was_fitted_to():
@@ -124,7 +127,7 @@ def test_what_the_page_calls_fitted_is_what_the_file_was_fitted_to():
 
 
 def test_upright_the_same_friction_meets_the_vendor(page):
-    """Within a tenth along x, the stabilisers compressed first; free to pitch, the acceleration is not."""
+    """Within a tenth along x; free to pitch, the acceleration is not."""
     displacement, acceleration = page["rack"][4], page["rack"][7]
     for value in (displacement[4], acceleration[4]):
         assert abs(value) < 10.0

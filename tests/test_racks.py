@@ -115,14 +115,17 @@ def test_modes_of_the_package_are_those_of_the_first_harmonic():
     ("axis", "displacement", "acceleration"), [("x", 15.89, 7.05), ("y", 20.79, 5.96), ("z", 15.22, 7.17)]
 )
 def test_shocks_of_the_rack_of_850_kg(axis, displacement, acceleration):
-    """Mounts along the shock compressed first: the deck starts upwards, and towards the rack in front of its bulkhead."""
-    step = wr.VelocityStep(velocity=VELOCITY, direction=axis)
-    response = wr.simulate(system(850), step, duration=0.3, timestep=2e-4, sample_rate=5000.0)
-    at = "xyz".index(axis)
-    moved = (response.bodies["rack"].position - response.base.displacement)[:, at]
-    peak = response.peaks.bodies["rack"].acceleration
-    assert 1e3 * np.abs(moved - moved[0]).max() == pytest.approx(displacement, rel=WITHIN)
-    assert max(peak.maximum[at], -peak.minimum[at]) / G == pytest.approx(acceleration, rel=WITHIN)
+    """Upwards the deck starts, so that the mounts below are compressed first; along x the larger of both senses counts."""
+    at, farthest, largest = "xyz".index(axis), 0.0, 0.0
+    for sense in (1, -1) if axis == "x" else (1,):
+        step = wr.VelocityStep(velocity=sense * VELOCITY, direction=axis)
+        response = wr.simulate(system(850), step, duration=0.3, timestep=2e-4, sample_rate=5000.0)
+        moved = (response.bodies["rack"].position - response.base.displacement)[:, at]
+        peak = response.peaks.bodies["rack"].acceleration
+        farthest = max(farthest, 1e3 * np.abs(moved - moved[0]).max())
+        largest = max(largest, peak.maximum[at] / G, -peak.minimum[at] / G)
+    assert farthest == pytest.approx(displacement, rel=WITHIN)
+    assert largest == pytest.approx(acceleration, rel=WITHIN)
 
 
 @pytest.mark.parametrize(("rack", "y", "z"), [(320, 7.4, 10.5), (610, 8.1, 11.3)])
