@@ -21,8 +21,8 @@ STIFFENING = "stiffening"
 
 FORMS = (
     "mount/NAME/AXIS/PARAMETER, mount/NAME/position_shift/x, mount/NAME/fitted, mount/NAME/failed, mount/NAME/spread, "
-    "mount/NAME/stiffening/cycles, mount/NAME/stiffening/after_50, body/NAME/mass, body/NAME/centre/x, body/NAME/centre_shift/x, "
-    "motion/level, motion/azimuth, motion/elevation, motion/record"
+    "mount/NAME/stiffening/cycles, mount/NAME/stiffening/after_50, body/NAME/mass, body/NAME/centre/x, "
+    "body/NAME/centre_shift/x, motion/level, motion/azimuth, motion/elevation, motion/record"
 )
 """What a name may look like; NAME may hold * and ?, and be several, as in m01,m04,-m13."""
 
@@ -37,7 +37,7 @@ class Column:
             "elevation" or "record".
         targets: mounts or bodies.
         mirrored: those of them that a shift moves the other way.
-        key: axis and parameter of a law, "stiffening" and what of it, the world axis of a shift, or the body's axis of a centre.
+        key: axis and parameter of a law, "stiffening" and what of it, world axis of a shift, or the body's axis of a centre.
         relative: whether it is a factor on what the model says.
         type: of its values: "double", "int64", "bool" or "string".
     """
