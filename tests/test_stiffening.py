@@ -17,6 +17,7 @@ import wirerope_mj as wr
 from wirerope_mj import laws
 from wirerope_mj.cli import main
 from wirerope_mj.errors import ModelError
+from wirerope_mj.laws.smoothed import smoothable
 from wirerope_mj.periodic.smoothing import smoothed
 from wirerope_mj.resources import catalogue_folder
 from wirerope_mj.runfolder.repeat import replay
@@ -60,7 +61,7 @@ def plate(device, *, heavier=1.0):
     feet = [(x, y) for x in (-0.3, 0.25) for y in (-0.2, 0.2)]
     own = "".join(f'<site name="p{i}" pos="{x} {y} -.1"/>' for i, (x, y) in enumerate(feet))
     moments = " ".join(f"{heavier * moment!r}" for moment in (2.0, 3.0, 4.0))
-    inertial = f'<inertial pos=".02 0 0" mass="{60.0 * heavier!r}" diaginertia="{moments}"/>'
+    inertial = f'<inertial pos=".02 .03 0" mass="{60.0 * heavier!r}" diaginertia="{moments}"/>'
     world = deck({f"b{i}": f'pos="{x} {y} .2"' for i, (x, y) in enumerate(feet)})
     world += f'<body name="plate" pos="0 0 .3"><freejoint/>{inertial}{own}</body>'
     mounts = [(f"m{i}", f"p{i}", f"b{i}", "i") for i in range(4)]
@@ -106,7 +107,7 @@ def test_values_out_of_range_are_named(values, words):
 def test_a_scaled_law_draws_the_same_loop_in_another_unit_of_force(name, points, factor, data):
     law = data.draw(STRATEGIES[name])
     assert_scaled(law, factor, points)
-    if law.rate_independent and law.n_states == 1:
+    if smoothable(law):
         assert_scaled(laws.Smoothed(law=law, width=0.1), factor, points)
 
 
@@ -149,7 +150,7 @@ def test_coupled_axes_scale_together():
 
 def test_without_the_table_or_after_one_cycle_nothing_changes():
     new = mount(wr.Stiffening(after_50=0.3))
-    assert mount().conditioned is not None and new.conditioned is new
+    assert new.conditioned is new
     assert "stiffening" not in mount().to_dict()
     plain, first = one_mass(mount(), gravity=G), one_mass(new, gravity=G)
     assert first.assembly.tables.parameters.tobytes() == plain.assembly.tables.parameters.tobytes()
@@ -160,7 +161,8 @@ def test_without_the_table_or_after_one_cycle_nothing_changes():
 def test_the_catalogue_has_none():
     for path in sorted(catalogue_folder().glob("*.toml")):
         device = wr.load_isolator(path)
-        assert device.stiffening is None and device.conditioned is device
+        assert device.stiffening is None
+        assert device.conditioned is device
 
 
 def test_sag_and_frequency_by_hand():
@@ -184,19 +186,16 @@ def test_a_heavier_body_on_stiffer_mounts_moves_as_the_lighter_one():
     """Mass, moments of inertia, weight and every force times one factor: the accelerations are the same."""
     settled, first = plate(loop_mount(SETTLED), heavier=SETTLED.factor), plate(loop_mount())
     a, b = run(settled), run(first)
-    for name in ("displacement", "angular_velocity"):
-        one, other = getattr(a.bodies["plate"], name), getattr(b.bodies["plate"], name)
-        print(name, np.abs(one - other).max() / np.abs(other).max())
-        # What the plate does to the driven deck, some 1e3 N on 1e10 kg, and the rest that both start from, to 1e-9.
-        np.testing.assert_allclose(one, other, rtol=0, atol=1e-7 * np.abs(other).max())
-    np.testing.assert_allclose(
-        a.mounts["m0"].force,
-        SETTLED.factor * b.mounts["m0"].force,
-        rtol=0,
-        atol=1e-7 * np.abs(b.mounts["m0"].force).max(),
-    )
-    lighter = run(plate(loop_mount(SETTLED)))
-    assert np.abs(lighter.bodies["plate"].displacement - b.bodies["plate"].displacement).max() > 1e-4
+    body, other = a.bodies["plate"], b.bodies["plate"]
+    # Rounding alone, over 200 steps; the driven deck is 1e10 kg.
+    for name in ("velocity", "angular_velocity", "acceleration"):
+        found, nominal = getattr(body, name), getattr(other, name)
+        np.testing.assert_allclose(found, nominal, rtol=0, atol=1e-10 * np.abs(nominal).max())
+        assert (np.abs(nominal).max(axis=0) > 1e-3).all()  # along and about every axis
+    found, nominal = a.mounts["m0"].force, SETTLED.factor * b.mounts["m0"].force
+    np.testing.assert_allclose(found, nominal, rtol=0, atol=1e-10 * np.abs(nominal).max())
+    lighter = run(plate(loop_mount(SETTLED))).bodies["plate"]
+    assert np.abs(lighter.velocity - other.velocity).max() > 0.01
 
 
 def test_what_is_asked_of_a_system_is_the_stiffened_mount():
@@ -270,7 +269,7 @@ def test_the_command_shows_it(tmp_path, capsys):
     mount(SETTLED).save(tmp_path / "i.toml")
     assert main(["isolators", str(tmp_path / "i.toml")]) == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert "stiffening: after_50 = 0.2, cycles = 20: all forces are 1.15315 times those of the laws" in shown
+    assert "stiffening: after_50 = 0.2, cycles = 20: all forces are 1.15316 times those of the laws" in shown
 
 
 STUDY = {
