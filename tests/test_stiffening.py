@@ -217,6 +217,7 @@ def test_variants_are_those_of_a_model_loaded_with_them(tmp_path):
     assert columns(run(variant)).tobytes() == columns(run(one_mass(later))).tobytes()
     moved = wr.varied(variant, masses={"mass": 1.2})
     assert moved.mounts["m1"].isolator == later.conditioned
+    assert moved.mounts["m1"].written == later
     scenario = wr.Scenario(
         "",
         sdof_text(),
@@ -301,9 +302,11 @@ def test_a_study_finds_what_each_variant_is_alone(tmp_path):
 
 
 def test_a_failed_mount_makes_no_force_however_often_it_has_moved():
-    assert not acts(without_force(mount(SETTLED)))
-    study = settled_study({"mount/m1/failed": wr.Choice(True), "mount/m1/stiffening/cycles": wr.Choice(30)}, variants=1)
-    assert not acts(study.system(0).mounts["m1"].isolator)
+    assert without_force(mount(SETTLED)).stiffening is None
+    vary = {"mount/m1/failed": wr.Choice(True), "mount/m1/stiffening/cycles": wr.Choice(30)}
+    failed = settled_study(vary, mount(SETTLED), variants=1).system(0).mounts["m1"]
+    assert not acts(failed.isolator)
+    assert failed.isolator == without_force(mount())
 
 
 @pytest.mark.parametrize(
