@@ -53,6 +53,7 @@ from wirerope_mj.isolator import LoopCoupling as LoopCoupling
 from wirerope_mj.isolator import Provenance as Provenance
 from wirerope_mj.isolator import Rotation as Rotation
 from wirerope_mj.isolator import Spread as Spread
+from wirerope_mj.isolator import Stiffening as Stiffening
 from wirerope_mj.isolator import Travel as Travel
 from wirerope_mj.isolator import load_isolator as load_isolator
 from wirerope_mj.laws import AsymmetricBoucWen as AsymmetricBoucWen

@@ -73,7 +73,7 @@ def print_isolator(name: str, out: Path | None) -> None:
 
 
 def _joint_lines(isolator: Isolator) -> list[str]:
-    """Return a line for the coupling of axes and one for the rotational stiffness, where there are any."""
+    """Return a line for the coupling of axes and those for the rotational stiffness and for stiffening, where there are any."""
     lines = []
     if isolator.coupling is not None:
         both = " and ".join(AXES[axis] for axis in isolator.coupled_axes)
@@ -86,6 +86,8 @@ def _joint_lines(isolator: Isolator) -> list[str]:
     if isolator.rotation is not None:
         stiffness = ", ".join(f"{axis} = {value:.6g}" for axis, value in isolator.rotation.to_dict().items())
         lines.append(f"rotation: {stiffness} N m/rad")
+    if isolator.stiffening is not None:
+        lines.append(f"stiffening: {isolator.stiffening.description}, which the table does not count")
     return lines
 
 

@@ -9,6 +9,7 @@ from wirerope_mj.isolator.parts import Provenance as Provenance
 from wirerope_mj.isolator.parts import Rotation as Rotation
 from wirerope_mj.isolator.parts import Spread as Spread
 from wirerope_mj.isolator.parts import Travel as Travel
+from wirerope_mj.isolator.stiffening import Stiffening as Stiffening
 from wirerope_mj.isolator.tables import AXES as AXES
 from wirerope_mj.isolator.tables import read_law as read_law
 from wirerope_mj.laws import LoopCoupling as LoopCoupling

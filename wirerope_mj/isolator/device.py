@@ -1,12 +1,14 @@
 """The isolator itself."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread
+from wirerope_mj.isolator.stiffening import Stiffening
 from wirerope_mj.isolator.tables import AXES, read_tables, write_toml
 from wirerope_mj.isolator.travel import SIDES
 from wirerope_mj.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling
@@ -30,6 +32,7 @@ class Isolator:
             see `wirerope_mj.laws.LoopBoucWen`.
         loop: the elastic energy of the coupling "loop".
         rotation: stiffness against turning; None = the mount turns freely.
+        stiffening: factor on all forces for the cycles gone through; None = none, `conditioned` is the isolator with it.
         limits: rated static load and travel.
         geometry: unloaded envelope, for drawing.
         provenance: where the parameters come from.
@@ -43,6 +46,7 @@ class Isolator:
     coupling: str | None = None
     loop: LoopCoupling | None = None
     rotation: Rotation | None = None
+    stiffening: Stiffening | None = None
     limits: Limits = Limits()
     geometry: Geometry | None = None
     provenance: Provenance = Provenance()
@@ -64,10 +68,13 @@ class Isolator:
                 raise ValueError(f"`{name}` must be a {kind.__name__}, got {getattr(self, name)!r}.")
         if self.rotation is not None and not isinstance(self.rotation, Rotation):
             raise ValueError(f"`rotation` must be a Rotation or None, got {self.rotation!r}.")
+        if self.stiffening is not None and not isinstance(self.stiffening, Stiffening):
+            raise ValueError(f"`stiffening` must be a Stiffening or None, got {self.stiffening!r}.")
         _ = self.coupled  # raises if the two laws cannot be coupled
         self._require_travel()
         if self.geometry is not None:
             self.geometry.require_room(self.limits.travel)
+        _ = self.conditioned  # raises if a stiffened law is none
 
     def _require_coupling(self) -> None:
         """Raise ValueError if the coupling is not known, or what it needs is not there."""
@@ -114,6 +121,18 @@ class Isolator:
         """Places of the two coupled axes among roll, shear and axial; none if the axes are independent."""
         return () if self.coupling is None else tuple(AXES.index(axis) for axis in COUPLINGS[self.coupling])
 
+    @cached_property
+    def conditioned(self) -> "Isolator":
+        """The isolator as it acts: all forces times the factor of its stiffening; itself where that is 1.
+
+        It has neither stiffening nor spread, which speak of the laws as written.
+        """
+        if self.stiffening is None or (factor := self.stiffening.factor) == 1.0:
+            return self
+        parts = {**self.axes, "loop": self.loop, "rotation": self.rotation}
+        scaled = {name: part.scaled(factor) for name, part in parts.items() if part is not None}
+        return replace(self, stiffening=None, spread=None, **scaled)  # type: ignore[arg-type]
+
     def rated_travel(self, axis: str) -> tuple[float | None, float | None]:
         """Return how far the axis may deflect below and above zero [m], both positive; None = not judged."""
         if axis not in SIDES:
@@ -131,7 +150,7 @@ class Isolator:
         if self.coupling is not None:
             content["coupling"] = self.coupling
         content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
-        for name in ("loop", "rotation", "limits", "geometry", "provenance", "spread"):
+        for name in ("loop", "rotation", "stiffening", "limits", "geometry", "provenance", "spread"):
             part = getattr(self, name)
             table = {} if part is None else part.to_dict()
             if table:

@@ -1,8 +1,8 @@
 """What an isolator file says besides its laws: limits, geometry, provenance, spread."""
 
 import math
-from dataclasses import dataclass, field, fields
-from typing import Any
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Self
 
 KINDS = ("catalogue", "identified", "published", "estimated", "illustrative")
 """Kinds of provenance: fitted to vendor figures, to measurements, taken from a publication, estimated from the geometry, or an
@@ -136,6 +136,10 @@ class Rotation:
         for name, value in _stated(self).items():
             if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < math.inf:
                 raise ValueError(f"`{name}` must be a finite number >= 0 N m/rad, got {value!r}.")
+
+    def scaled(self, factor: float) -> Self:
+        """Return `factor` times these stiffnesses."""
+        return replace(self, roll=factor * self.roll, shear=factor * self.shear, axial=factor * self.axial)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the stiffnesses as they stand in an isolator file."""

@@ -11,6 +11,7 @@ import tomli_w
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, Travel
+from wirerope_mj.isolator.stiffening import Stiffening
 from wirerope_mj.laws import LAWS, Law, LoopCoupling
 from wirerope_mj.whole import written_whole
 
@@ -18,7 +19,7 @@ AXES = ("roll", "shear", "axial")
 """Axes of an isolator in the order x (across the bars), y (along the bars), z (axial)."""
 
 _KEYS = ("name", "coupling")
-_TABLES = (*AXES, "loop", "rotation", "limits", "geometry", "provenance", "spread")
+_TABLES = (*AXES, "loop", "rotation", "stiffening", "limits", "geometry", "provenance", "spread")
 
 
 def read_tables(content: dict[str, Any], where: str) -> dict[str, Any]:
@@ -68,6 +69,10 @@ def _read_rotation(table: dict[str, Any], place: str) -> Rotation:
     return _make(Rotation, table, place, "the rotation")
 
 
+def _read_stiffening(table: dict[str, Any], place: str) -> Stiffening:
+    return _make(Stiffening, table, place, "the stiffening")
+
+
 def _read_provenance(table: dict[str, Any], place: str) -> Provenance:
     if "kind" not in table:
         raise ModelError(f"{place} `kind` is missing: say where the parameters come from.")
@@ -81,6 +86,7 @@ def _read_spread(table: dict[str, Any], place: str) -> Spread:
 _PARTS: dict[str, Callable[[dict[str, Any], str], Any]] = {
     "loop": _read_loop,
     "rotation": _read_rotation,
+    "stiffening": _read_stiffening,
     "limits": _read_limits,
     "geometry": _read_geometry,
     "provenance": _read_provenance,

@@ -1,5 +1,6 @@
 """Bouc-Wen law with wear and pinching."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -73,6 +74,11 @@ class BoucWenBaberNoori(Hysteresis):
     def state_names(self) -> tuple[str, ...]:
         """The hysteretic force z [N] and its work e [J]."""
         return ("z", "e")
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter; the work e grows with the force."""
+        return {**super().force_powers, "delta_nu": -1.0, "delta_eta": -1.0, "p": -1.0, "psi": 1.0}
 
     @property
     def initial_stiffness(self) -> float:

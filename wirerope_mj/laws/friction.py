@@ -1,6 +1,6 @@
 """Laws made of dry friction: TNO's enhanced dry friction and the Masing model of Jenkin elements."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -42,6 +42,11 @@ class EnhancedDryFriction(Law):
     def state_names(self) -> tuple[str, ...]:
         """The friction force z."""
         return ("z",)
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return {"k": 1.0, "d": 1.0}
 
     @property
     def z_max(self) -> float:
@@ -121,6 +126,11 @@ class Masing(Law):
     def state_names(self) -> tuple[str, ...]:
         """The force z1, z2, ... of every Jenkin element."""
         return tuple(f"z{e + 1}" for e in range(len(self.stiffness)))
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0}
 
     @property
     def z_max(self) -> float:

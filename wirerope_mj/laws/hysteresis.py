@@ -1,6 +1,7 @@
 """What all laws with a Bouc-Wen hysteretic force have in common."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -114,6 +115,12 @@ class Hysteresis(Law):
     def damping_coefficient(self) -> float:
         """Zero: the force does not depend on the rate [N s/m]."""
         return 0.0
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter; beta and gamma are [N^(1-n)/m]."""
+        bends = {name: 1.0 - self.n for name in ("beta", "gamma") if hasattr(self, name)}
+        return {"alpha": 1.0, **bends, **{name: 1.0 for name in ("k", "k1", "k2", "k3") if hasattr(self, name)}}
 
     @property
     def z_max(self) -> float:

@@ -3,8 +3,8 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
-from typing import Any, ClassVar
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -60,6 +60,11 @@ class Law(ABC):
         """Derivative of the force by the deflection rate in the unloaded state [N s/m]; 0 for a rate-independent law."""
 
     @property
+    @abstractmethod
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter, 1 for [N/m], -1 for [1/J]; those without force are left out."""
+
+    @property
     def relaxation_rate(self) -> float:
         """Rate at which internal states decay at rest [1/s]; 0 for a rate-independent law."""
         return 0.0
@@ -106,6 +111,22 @@ class Law(ABC):
                 return bool(np.all(many.finite_travel == math.inf))
         except (ArithmeticError, TypeError, ValueError):
             return False
+
+    def scaled(self, factor: float) -> Self:
+        """Return the law whose force is `factor` times this one's along every path from the unloaded state.
+
+        It is the same law in another unit of force: every parameter is multiplied by the factor to its power of force.
+
+        Raises:
+            ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
+        """
+        if not 0.0 < factor < math.inf:
+            raise ValueError(f"`factor` must be finite and > 0, got {factor}.")
+        values: dict[str, Any] = {}
+        for name, power in self.force_powers.items():
+            value, share = getattr(self, name), factor**power
+            values[name] = tuple(share * one for one in value) if isinstance(value, tuple) else share * value
+        return replace(self, **values)
 
     def parameter(self, name: str) -> Any:
         """Return a parameter by its name; "stiffness[0]" is the first entry of one that is several numbers."""

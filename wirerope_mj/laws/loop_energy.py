@@ -2,8 +2,8 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -86,6 +86,10 @@ class LoopCoupling:
         """Return roll, compression, tension, W, I, J and the coefficients row by row."""
         rows = np.array(self.coefficients)
         return np.concatenate([[self.roll, self.compression, self.tension, self.scale, *rows.shape], rows.ravel()])
+
+    def scaled(self, factor: float) -> Self:
+        """Return the coupling whose energy is `factor` times this one's everywhere."""
+        return replace(self, coefficients=tuple(tuple(factor * value for value in row) for row in self.coefficients))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the coupling as it stands in an isolator file."""

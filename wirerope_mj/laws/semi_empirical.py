@@ -1,7 +1,7 @@
 """Semi-empirical laws without internal states: Tinker and Cutchins' law and Ko's equivalent viscous law."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
@@ -55,6 +55,11 @@ class TinkerCutchins(Law):
         return np.array(
             [self.k1, self.k2, self.k3, self.c, self.n, self.f0, self.f1, self.f2, self.smoothing], dtype=np.float64
         )
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return dict.fromkeys(("k1", "k2", "k3", "c", "f0", "f1", "f2"), 1.0)
 
     @property
     def initial_stiffness(self) -> float:
@@ -148,6 +153,11 @@ class EquivalentViscous(Law):
     def kernel_parameters(self) -> npt.NDArray[np.float64]:
         """Return the parameters of Tinker and Cutchins' kernel: the mid-line and linear damping, no friction."""
         return np.array([self.k1, self.k2, self.k3, self.damping_coefficient, 1.0, 0.0, 0.0, 0.0, 1.0])
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return dict.fromkeys(("k1", "k2", "k3", "energy"), 1.0)
 
     @property
     def initial_stiffness(self) -> float:

@@ -1,7 +1,8 @@
 """A smooth approximation of a rate-independent law, for what differentiates it at reversals."""
 
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -52,6 +53,15 @@ class Smoothed(Law):
     def kernel_parameters(self) -> npt.NDArray[np.float64]:
         """Return the width, the law's kernel and its parameters."""
         return np.concatenate([[self.width, float(self.law.kernel)], self.law.kernel_parameters()])
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Nothing of its own: the law has all of the force."""
+        return {}
+
+    def scaled(self, factor: float) -> Self:
+        """Return the smoothed law whose force is `factor` times this one's."""
+        return replace(self, law=self.law.scaled(factor))
 
     @property
     def initial_stiffness(self) -> float:

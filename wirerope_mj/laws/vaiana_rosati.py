@@ -108,6 +108,11 @@ class VaianaRosati(Law):
         return ("z",)
 
     @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return {name + side: 1.0 for name in ("kb", "f0", "b1", "g1") for side in ("", "_minus")}
+
+    @property
     def z_max(self) -> float:
         """Half the distance of the limit curves at zero [N], the bound of z if both have the same shape."""
         return 0.5 * float(self._gap(0.0))

@@ -1,5 +1,6 @@
 """Linear viscoelastic laws, as of rubber and leaf-spring mounts."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -29,6 +30,11 @@ class KelvinVoigt(Law):
     def kernel_parameters(self) -> npt.NDArray[np.float64]:
         """Return k, c."""
         return np.array([self.k, self.c])
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return {"k": 1.0, "c": 1.0}
 
     @property
     def initial_stiffness(self) -> float:
@@ -72,6 +78,11 @@ class Zener(Law):
     def state_names(self) -> tuple[str, ...]:
         """The force z of the branch with the damper."""
         return ("z",)
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return {"k0": 1.0, "k1": 1.0, "c": 1.0}
 
     @property
     def initial_stiffness(self) -> float:

@@ -125,6 +125,8 @@ def _provenance(device: Isolator) -> list[Block]:
     text = f"{device.name}: {stated.kind} figures. "
     text += f"Source: {stated.source.rstrip('.')}. " if stated.source else "No source is stated. "
     text += f"Fitted to: {stated.fitted_to.rstrip('.')}." if stated.fitted_to else "Nothing is said of a fit."
+    if device.stiffening is not None:
+        text += f" Stiffened by its first cycles, {device.stiffening.description}."
     blocks: list[Block] = [Paragraph(text=text)]
     if stated.assumed:
         blocks.append(Listing(items=tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)))

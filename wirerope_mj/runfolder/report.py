@@ -84,7 +84,7 @@ def report_page(
         motion=motion,
         doubts=record_doubts(motion),
         response=response,
-        isolators={name: mount.isolator for name, mount in system.mounts.items()},
+        isolators={name: mount.written for name, mount in system.mounts.items()},
         gravity=gravity,
         statics=judged.statics,
         modes={history: found_or_absent(partial(modes, system, history=history)) for history in histories},

@@ -113,7 +113,7 @@ def _isolator_of(system: System, text_name: str) -> Isolator:
     key = text_name.split("isolator/", 1)[-1]
     own = {mount for changes in system.changes for mount in changes.isolators}  # those stand with the changes
     written = [mount for mount in system.mounts.values() if mount.isolator_name == key and mount.name not in own]
-    if any(mount.isolator != system.isolators[key] for mount in written):
+    if any(mount.written != system.isolators[key] for mount in written):
         raise ModelError(f"two different isolators are both called {key!r} in this model; a run must tell them apart.")
     return system.isolators[key]
 

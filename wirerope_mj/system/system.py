@@ -28,7 +28,8 @@ class Mount:
 
     Attributes:
         name: name of the mount.
-        isolator: the device.
+        isolator: the device as it acts, stiffened by its cycles (`Isolator.conditioned`).
+        written: the device as its file has it.
         isolator_name: what the model calls it.
         payload_site, base_site: names of its sites.
         payload_body, base_body: names of the bodies that carry them.
@@ -39,6 +40,7 @@ class Mount:
 
     name: str
     isolator: Isolator
+    written: Isolator
     isolator_name: str
     payload_site: str
     base_site: str
@@ -125,7 +127,8 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
     mounts = {
         d.name: Mount(
             name=d.name,
-            isolator=d.isolator,
+            isolator=d.isolator.conditioned,
+            written=d.isolator,
             isolator_name=d.isolator_name,
             payload_site=model.site(d.payload_site).name,
             base_site=model.site(d.base_site).name,

@@ -77,7 +77,7 @@ def make_tables(
         sensor: address of the system's first sensor value.
         drive: map from base acceleration to slide accelerations where it is known, (n_driven, 3).
     """
-    isolators = {mount.name: mount.isolator for mount in declared}
+    isolators = {mount.name: mount.isolator.conditioned for mount in declared}
     axes, parameters, states = _axis_rows(isolators)
     couplings = _couplings(isolators.values(), parameters)
     n_states = int(sum(row[3] for row in axes))
@@ -89,7 +89,7 @@ def make_tables(
             [
                 *_mount_row(model, mount, on),
                 coupling,
-                *turning(mount.isolator),
+                *turning(isolators[mount.name]),
                 *_as_modelled(data, mount),
                 _partner(mount.isolator),
             ]
@@ -133,6 +133,7 @@ def make_tables(
 
 def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
     """Return tables with other laws, of all mounts in their order, with as many states; all else stays as it is."""
+    isolators = {mount: isolator.conditioned for mount, isolator in isolators.items()}
     axes, parameters, states = _axis_rows(isolators)
     couplings = _couplings(isolators.values(), parameters)
     layout = tables.layout.copy()

@@ -58,7 +58,7 @@ def changed(system: System, changes: Changes) -> System:
     """Return the variant of `system` that changes make, as `varied` does."""
     _check_mounts(system, changes)
     model = system.model.__copy__()
-    isolators = {name: changes.isolators.get(name, mount.isolator) for name, mount in system.mounts.items()}
+    isolators = {name: changes.isolators.get(name, mount.written) for name, mount in system.mounts.items()}
     positions = {name: mount.position for name, mount in system.mounts.items()}
     if changes.masses or changes.centres or changes.positions:
         with system.assembly.scratch.data(model) as data:
@@ -70,7 +70,13 @@ def changed(system: System, changes: Changes) -> System:
         tables = with_laws(system.assembly.tables, isolators)
     _write_tables(model, system, isolators, tables)
     mounts = {
-        name: replace(mount, isolator=isolators[name], position=positions[name], states=tables.states[name])
+        name: replace(
+            mount,
+            isolator=isolators[name].conditioned,
+            written=isolators[name],
+            position=positions[name],
+            states=tables.states[name],
+        )
         for name, mount in system.mounts.items()
     }
     return replace(

@@ -14,7 +14,7 @@ from wirerope_mj.isolator import AXES, Isolator
 from wirerope_mj.simulation.simulate import check_direction
 from wirerope_mj.study.inputs.meant import warnings_of
 from wirerope_mj.study.inputs.nominal import SHIFTS, nominal
-from wirerope_mj.study.inputs.quantities import Column
+from wirerope_mj.study.inputs.quantities import STIFFENING, Column
 from wirerope_mj.study.inputs.variants import Maker, Row, without_force
 from wirerope_mj.system import System
 
@@ -84,8 +84,10 @@ def _systems_can_be(system: System, columns: Sequence[Column], values: Values) -
             ):
                 return False
         elif column.kind in ("failed", "fitted"):
-            if not all(_can_fail(system.mounts[mount].isolator) for mount in column.targets):
+            if not all(_can_fail(system.mounts[mount].written) for mount in column.targets):
                 return False
+        elif column.kind == STIFFENING:
+            return False  # the factor acts on whole laws: each variant is made
         elif column.kind == "law":
             axis, key = column.key
             for mount, here in zip(column.targets, nominal(column, system, ()), strict=True):
@@ -109,7 +111,7 @@ def _edited(nominal: Any, column: npt.NDArray[Any], relative: bool) -> Any:
 
 
 def _law_holds(system: System, mount: str, axis: str, parameters: Mapping[str, Any]) -> bool:
-    isolator = system.mounts[mount].isolator
+    isolator = system.mounts[mount].written
     law = isolator.axes[axis]
     coupled = AXES.index(axis) in isolator.coupled_axes  # the two must then suit each other, too
     return law is not None and not coupled and law.surely_holds(law.completed(parameters))

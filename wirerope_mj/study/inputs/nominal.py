@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.study.inputs.quantities import WORLD, Column
+from wirerope_mj.study.inputs.quantities import STIFFENING, WORLD, Column
 from wirerope_mj.system import System
 from wirerope_mj.system.centres import body_axes, centre_of_mass
 
@@ -82,7 +82,9 @@ def _of_target(column: Column, system: System, target: str) -> Any:
         return float(system.mounts[target].position[WORLD.index(column.key[0])])
     if column.kind in ("fitted", "failed"):
         return column.kind == "fitted"
-    law = system.mounts[target].isolator.axes[column.key[0]]
+    if column.kind == STIFFENING:
+        return float(getattr(system.mounts[target].written.stiffening, column.key[1]))
+    law = system.mounts[target].written.axes[column.key[0]]
     assert law is not None  # `quantities` has seen to it
     return law.parameter(column.key[1])
 

@@ -26,7 +26,10 @@ def possible_lines(system: System, motion: BaseMotion) -> list[str]:
             values = ", ".join(f"{key} = {_text(value)}" for key, value in law.to_dict().items() if key != "law")
             values += " (what is 0 takes no factors)" if 0.0 in law.to_dict().values() else ""
             lines.append(f"  mount/NAME/{axis}/PARAMETER  value [SI] or factor; {law.name}: {values}")
-        spread = any(system.mounts[mount].isolator.spread is not None for mount in mounts)
+        devices = [system.mounts[mount].written for mount in mounts]
+        if any(device.stiffening is not None for device in devices):
+            lines.append("  mount/NAME/stiffening/cycles, mount/NAME/stiffening/after_50  value or factor")
+        spread = any(device.spread is not None for device in devices)
         lines += ["  mount/NAME/spread  specimens"] if spread else []
     if system.mounts:
         lines.append("all mounts: mount/NAME/fitted, mount/NAME/failed (choices)")
@@ -59,9 +62,9 @@ def _alike(system: System) -> Iterable[tuple[list[str], Mapping[str, Law]]]:
     """Yield the mounts that have the same laws, and these."""
     groups: dict[tuple[Law | None, ...], list[str]] = {}
     for name, mount in system.mounts.items():
-        groups.setdefault(tuple(mount.isolator.axes.values()), []).append(name)
+        groups.setdefault(tuple(mount.written.axes.values()), []).append(name)
     for names in groups.values():
-        axes = system.mounts[names[0]].isolator.axes
+        axes = system.mounts[names[0]].written.axes
         yield names, {axis: law for axis, law in axes.items() if law is not None}
 
 

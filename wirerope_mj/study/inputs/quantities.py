@@ -1,13 +1,13 @@
 """What of a study's system and motion can vary: names such as "mount/m*/axial/alpha", resolved to columns of the table."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from fnmatch import fnmatchcase
 from typing import Any
 
 from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.isolator import AXES, Isolator
+from wirerope_mj.isolator import AXES, Isolator, Stiffening
 from wirerope_mj.study.inputs.distributions import Choice, Distribution, Isotropic, Specimens
 from wirerope_mj.system import System
 from wirerope_mj.system.varied import moving_bodies
@@ -16,10 +16,13 @@ WORLD = ("x", "y", "z")
 
 MOTION = ("level", "azimuth", "elevation", "record")
 
+STIFFENING = "stiffening"
+"""Stands in a name where a law has its axis."""
+
 FORMS = (
     "mount/NAME/AXIS/PARAMETER, mount/NAME/position_shift/x, mount/NAME/fitted, mount/NAME/failed, mount/NAME/spread, "
-    "body/NAME/mass, body/NAME/centre/x, body/NAME/centre_shift/x, motion/level, motion/azimuth, motion/elevation, "
-    "motion/record"
+    "mount/NAME/stiffening/cycles, mount/NAME/stiffening/after_50, body/NAME/mass, body/NAME/centre/x, "
+    "body/NAME/centre_shift/x, motion/level, motion/azimuth, motion/elevation, motion/record"
 )
 """What a name may look like; NAME may hold * and ?, and be several, as in m01,m04,-m13."""
 
@@ -30,11 +33,11 @@ class Column:
 
     Attributes:
         name: of the column.
-        kind: "law", "fitted", "failed", "position_shift", "mass", "centre", "centre_shift", "level", "azimuth", "elevation" or
-            "record".
+        kind: "law", "stiffening", "fitted", "failed", "position_shift", "mass", "centre", "centre_shift", "level", "azimuth",
+            "elevation" or "record".
         targets: mounts or bodies.
         mirrored: those of them that a shift moves the other way.
-        key: axis and parameter of a law, the world axis of a shift, or the body's axis of a centre.
+        key: axis and parameter of a law, "stiffening" and what of it, world axis of a shift, or the body's axis of a centre.
         relative: whether it is a factor on what the model says.
         type: of its values: "double", "int64", "bool" or "string".
     """
@@ -105,7 +108,7 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
         return _fitted(name, "/".join(parts[:-1]), distribution, system)
     if room == "mount" and len(parts) >= 2 and parts[-1] == "failed":
         return _failed(name, "/".join(parts[:-1]), distribution, system)
-    if room == "mount" and len(parts) >= 3 and parts[-2] in ("position", "position_shift", *AXES):
+    if room == "mount" and len(parts) >= 3 and parts[-2] in ("position", "position_shift", STIFFENING, *AXES):
         return _of_mounts(name, "/".join(parts[:-2]), (parts[-2], parts[-1]), distribution, system)
     if room == "body" and len(parts) >= 2:
         return _of_bodies(name, parts, distribution, system)
@@ -124,17 +127,24 @@ def _of_mounts(name: str, pattern: str, key: tuple[str, str], distribution: Dist
         _check_axis(name, key[1], distribution)
         return _shifted(name, pattern, list(system.mounts), "mount", distribution, kind=key[0], key=(key[1],))
     mounts = _matching(name, pattern, list(system.mounts), "mount")
-    nominal = [_parameter(name, system.mounts[mount].isolator, mount, *key) for mount in mounts]
+    nominal = [_parameter(name, system.mounts[mount].written, mount, *key) for mount in mounts]
     for value in nominal:
         if isinstance(value, tuple) and not distribution.relative:
             raise ValueError(f"`vary`: {name!r} is several numbers; give it factors, `relative=True`.")
     if distribution.relative and all(value == 0.0 for value in nominal):
         raise ValueError(f"`vary`: {name!r} is 0 in the model, and 0 times anything is 0; give absolute values.")
-    return _split(name, pattern, mounts, distribution, kind="law", key=key)
+    kind = STIFFENING if key[0] == STIFFENING else "law"
+    return _split(name, pattern, mounts, distribution, kind=kind, key=key)
 
 
 def _parameter(name: str, isolator: Isolator, mount: str, axis: str, parameter: str) -> Any:
-    """Return a law's parameter in the model; ModelError says what there is."""
+    """Return a parameter of a law or of the stiffening in the model; ModelError says what there is."""
+    if axis == STIFFENING:
+        if isolator.stiffening is None:
+            raise ModelError(f"`vary`: {name!r}: isolator {isolator.name!r} of mount {mount!r} has no [stiffening].")
+        if parameter not in (known := [item.name for item in fields(Stiffening)]):
+            raise ModelError(f"`vary`: {name!r}: stiffening has no {parameter!r}; it has {', '.join(known)}.")
+        return float(getattr(isolator.stiffening, parameter))
     law = isolator.axes[axis]
     if law is None:
         there = [axis for axis, law in isolator.axes.items() if law is not None]
@@ -215,7 +225,7 @@ def _specimens(name: str, pattern: str, distribution: Distribution, system: Syst
     if not isinstance(distribution, Specimens):
         raise ValueError(f"`vary`: {name!r} must be Specimens, got {distribution!r}.")
     mounts = _matching(name, pattern, list(system.mounts), "mount")
-    isolators = [system.mounts[mount].isolator for mount in mounts]
+    isolators = [system.mounts[mount].written for mount in mounts]
     for mount, isolator in zip(mounts, isolators, strict=True):
         if isolator.spread is None:
             raise ModelError(f"`vary`: {name!r}: isolator {isolator.name!r} of mount {mount!r} has no [spread].")

@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.excitation import BaseMotion, Scaled, Turned
-from wirerope_mj.isolator import Isolator, Limits
+from wirerope_mj.isolator import Isolator, Limits, Stiffening
 from wirerope_mj.laws import BoucWenBaberNoori, KelvinVoigt, Law, Masing, Zener
-from wirerope_mj.study.inputs.quantities import WORLD, Column
+from wirerope_mj.study.inputs.quantities import STIFFENING, WORLD, Column
 from wirerope_mj.system import Changes, System
 from wirerope_mj.system.centres import body_axes, centre_of_mass
 from wirerope_mj.system.varied import changed
@@ -134,7 +134,7 @@ class Maker:
         return float(self._system.model.body(body).mass[0])
 
     def _isolator(self, mount: str, edit: Mapping[tuple[str, ...], tuple[bool, Any]]) -> Isolator:
-        base = self._system.mounts[mount].isolator
+        base = self._system.mounts[mount].written
         key = (id(base), tuple(sorted(edit.items())))
         if key not in self._isolators:
             try:
@@ -157,14 +157,18 @@ def _edited(isolator: Isolator, edit: Mapping[tuple[str, ...], tuple[bool, Any]]
     if () in edit:
         return without_force(isolator)
     laws: dict[str, dict[str, Any]] = {}
+    stiffening: dict[str, float] = {}
     for (axis, name), (relative, value) in edit.items():
+        if axis == STIFFENING:
+            stiffening[name] = value * getattr(isolator.stiffening, name) if relative else value
+            continue
         law = isolator.axes[axis]
         assert law is not None  # `quantities` has seen to it
         if relative:
             nominal = law.parameter(name)
             value = tuple(value * one for one in nominal) if isinstance(nominal, tuple) else value * nominal
         laws.setdefault(axis, {})[name] = value
-    changed: dict[str, Law] = {}
+    changed: dict[str, Law | Stiffening] = {}
     for axis, values in laws.items():
         law = isolator.axes[axis]
         assert law is not None
@@ -172,6 +176,12 @@ def _edited(isolator: Isolator, edit: Mapping[tuple[str, ...], tuple[bool, Any]]
             changed[axis] = replace(law, **law.completed(values))
         except ValueError as error:
             raise ValueError(f"[{axis}] {error}") from None
+    if stiffening:
+        assert isolator.stiffening is not None  # `quantities` has seen to it
+        try:
+            changed[STIFFENING] = replace(isolator.stiffening, **stiffening)
+        except ValueError as error:
+            raise ValueError(f"[{STIFFENING}] {error}") from None
     return replace(isolator, **changed)  # type: ignore[arg-type]
 
 
@@ -183,7 +193,7 @@ def acts(isolator: Isolator) -> bool:
 def without_force(isolator: Isolator) -> Isolator:
     """Return the isolator after its failure: laws with as many states and hardly any force."""
     laws = {axis: _faint(law) for axis, law in isolator.axes.items() if law is not None}
-    return replace(isolator, coupling=None, loop=None, rotation=None, **laws)  # type: ignore[arg-type]
+    return replace(isolator, coupling=None, loop=None, rotation=None, stiffening=None, **laws)  # type: ignore[arg-type]
 
 
 def _faint(law: Law) -> Law:
