@@ -62,7 +62,8 @@ def _socitec() -> Comparison:
 CASES = (
     Case(name="diagonal-enidine", title="Shock stiffness at 45 degrees of all Enidine WR rows",
          compares="Secant at the rated travel of isolators fitted to compression and shear; mean of the signed "
-         "relative errors, the worst row beside it.", source="ITT Enidine WR series catalogue ENI877R4, from a public transcription",
+         "relative errors, the worst row beside it.",
+         source="ITT Enidine WR series catalogue ENI877R4, from a public transcription",
          date="before 2026", bound=0.1, kind="plausibility", run=_enidine,
          reason="what a planar loop of rope, computed from the catalogue's dimensions alone, comes to"),
     Case(name="diagonal-socitec", title="Forces at 45 degrees of the Socitec CB1390",
