@@ -24,6 +24,9 @@ BLOCK = 1024
 _MOVED = ("centre", *SHIFTS)
 """Kinds of columns that move something."""
 
+_SHARED_IN_A_LOOP = {"beta", "gamma", "n"}
+"""Parameters in which the two laws of a rope loop must suit each other; they may differ in all others."""
+
 Values = Mapping[str, npt.NDArray[Any]]
 """Inputs of a block of variants by column."""
 
@@ -114,7 +117,9 @@ def _law_holds(system: System, mount: str, axis: str, parameters: Mapping[str, A
     isolator = system.mounts[mount].written
     law = isolator.axes[axis]
     coupled = AXES.index(axis) in isolator.coupled_axes  # the two must then suit each other, too
-    return law is not None and not coupled and law.surely_holds(law.completed(parameters))
+    if coupled and (isolator.coupling != "loop" or parameters.keys() & _SHARED_IN_A_LOOP):
+        return False
+    return law is not None and law.surely_holds(law.completed(parameters))
 
 
 def _motions_can_be(system: System, columns: Sequence[Column], values: Values, block: pa.Table, check: Check) -> bool:
