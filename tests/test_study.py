@@ -36,11 +36,11 @@ def unbent():
 
 
 def with_spread():
-    """An isolator whose axial stiffness and sharpness scatter together, with a correlation of 0.8."""
+    """An isolator whose axial stiffness and sharpness scatter together, with a correlation of 0.8; coupled, n may not differ."""
     isolator = wr.load_isolator(models_folder() / "isolators/enidine_wr16_400.toml")
     a, n = 0.05 * isolator.axial.alpha, 0.02
     spread = wr.Spread(parameters=("axial.alpha", "axial.n"), covariance=((a * a, 0.8 * a * n), (0.8 * a * n, n * n)))
-    return dataclasses.replace(isolator, spread=spread)
+    return dataclasses.replace(isolator, spread=spread, coupling=None, loop=None)
 
 
 def test_a_normal_distribution_has_its_mean_and_deviation():
@@ -168,13 +168,18 @@ def test_what_has_failed_carries_nothing_and_the_others_carry_its_share():
         ({"body/box/mass": wr.Normal(1, 0.1)}, "there is no moving body with a mass .*'box'. There is: block"),
         ({"motion/speed": wr.Normal(1, 0.1)}, "there is no quantity 'motion/speed'"),
         ({"mount/m1/failed": wr.Choice("m2")}, "there is no mount 'm2' there; choose from"),
-        ({"mount/m1/spread": wr.Specimens()}, "of mount 'm1' has no \\[spread\\]"),
         ({"mount/m1/position_shift/w": wr.Normal(0, 0.1)}, "there is no axis 'w'; there are x, y, z"),
     ],
 )
 def test_a_name_that_does_not_exist_is_refused_with_what_does(vary, message):
     with pytest.raises(wr.ModelError, match=message):
         table_study(vary)
+
+
+def test_an_isolator_without_spread_has_no_specimens():
+    bare = dataclasses.replace(wr.load_isolator(models_folder() / "isolators/enidine_wr12_400.toml"), spread=None)
+    with pytest.raises(wr.ModelError, match="of mount 'm1' has no \\[spread\\]"):
+        table_study({"mount/m1/spread": wr.Specimens()}, isolators={"wr12_400": bare})
 
 
 @pytest.mark.parametrize(

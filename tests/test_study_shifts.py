@@ -166,7 +166,7 @@ def test_kind_unit_and_nominal_value_stand_beside_every_distribution():
         "shifted from 0.35 m",
         "normal, mean 0, standard deviation 0.03",
     )
-    assert found["mount/*/axial/alpha"][:2] == ("factor", "3.205e+05")
+    assert found["mount/*/axial/alpha"][:2] == ("factor", "7.046e+05")
     assert found["mount/*/axial/k1"][:2] == ("value [SI]", "2.925e+05")
     assert found["mount/m[12]/position_shift/x"][:2] == ("shift [m]", "shifted from -0.8 to 0 m")
     assert found["mount/m[12]/position_shift/x"][3] == "each its own"
