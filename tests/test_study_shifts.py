@@ -167,7 +167,7 @@ def test_kind_unit_and_nominal_value_stand_beside_every_distribution():
         "normal, mean 0, standard deviation 0.03",
     )
     assert found["mount/*/axial/alpha"][:2] == ("factor", "7.046e+05")
-    assert found["mount/*/axial/k1"][:2] == ("value [SI]", "2.925e+05")
+    assert found["mount/*/axial/k1"][:2] == ("value [SI]", "3.506e+05")
     assert found["mount/m[12]/position_shift/x"][:2] == ("shift [m]", "shifted from -0.8 to 0 m")
     assert found["mount/m[12]/position_shift/x"][3] == "each its own"
     assert found["body/genset/mass"][:2] == ("factor", "1200 kg")
