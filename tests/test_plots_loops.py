@@ -23,7 +23,9 @@ def test_panel_holds_loops_in_millimetres_and_kilonewtons_with_the_rated_points(
     assert marks[0].get_ydata()[0] == pytest.approx(-12.0096, rel=1e-5)
 
 
-@pytest.mark.parametrize(("name", "panels"), [("rubber_horizontal", 1), ("sdof_36hz", 1), ("socitec_cb1390_20", 2)])
+@pytest.mark.parametrize(
+    ("name", "panels"), [("rubber_horizontal", 1), ("sdof_36hz", 1), ("enidine_wr12_400", 2), ("socitec_cb1390_20", 3)]
+)
 def test_every_kind_of_isolator_has_a_picture(tmp_path, name, panels):
     isolator = load_isolator(find_isolator(name))
     assert len(loops_figure(isolator).axes) == panels
