@@ -47,7 +47,7 @@ def linear(zeta: float) -> float:
 
 
 def efficiency(system: wr.System, *, velocity: float, seconds: float, timestep: float) -> tuple[float, float]:
-    """Return travel [m] of the first swing from the settled position, and a d / V^2 after a step of the base."""
+    """Return travel [m] of the first swing from the settled position, and its a d / V^2 after a step of the base."""
     step = wr.VelocityStep(velocity=velocity, direction="z", start=START)
     run = wr.simulate(system, step, duration=START + seconds, timestep=timestep, sample_rate=0.5 / timestep)
     sunk = run.mounts["m1"].deflection[0, 2] - run.mounts["m1"].deflection[:, 2]
@@ -57,7 +57,11 @@ def efficiency(system: wr.System, *, velocity: float, seconds: float, timestep: 
     travel = at + (after - before) ** 2 / (
         8.0 * (2.0 * at - before - after)
     )  # top of the parabola through three samples
-    return float(travel), float(run.peaks.bodies["mass"].acceleration.value * travel / velocity**2)
+    peak = run.peaks.bodies["mass"].acceleration
+    largest = peak.value
+    if peak.time > run.time[turn + 1]:  # in the rebound: what stretches hardens
+        largest = float(np.abs(run.bodies["mass"].acceleration[: turn + 2, 2]).max())
+    return float(travel), float(largest * travel / velocity**2)
 
 
 @cache
@@ -125,7 +129,7 @@ def _figure(n: Mapping[str, float]) -> Figure:
         "10 % of viscous damping would give, although their loops dissipate as much: dry friction grows with the deflection "
         "and is largest where the spring is too, while a damper is strongest at the first instant.",
         parameters="Steps of the base from 0.05 to 4 m/s, as far as the travel is rated; a is the largest acceleration of the "
-        "payload, δ the first swing. Linear: k = m = 1. Catalogue: as shipped, fitted to the vendors' figures, so that what "
+        "payload in the first swing, δ its travel. Linear: k = m = 1. Catalogue: as shipped, fitted to the vendors' figures, so that what "
         "they hide of the force's curve is hidden here; payload = rated load, settled under it for compression and without "
         "weight along the axis for shear and roll, which share a law.",
         numbers=n,

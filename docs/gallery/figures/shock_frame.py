@@ -23,8 +23,8 @@ WITHIN = 0.05
 PULSE = 0.011  # [s]
 STEP = 1.373
 """Velocity of the sudden step [m/s]: the velocity change of the half-sine of 20 g and 11 ms."""
-FREQUENCIES = tuple(float(f) for f in np.geomspace(24.0, 180.0, 16))
-"""Of the frame alone [Hz]."""
+FREQUENCIES = tuple(float(f) for f in np.geomspace(26.0, 180.0, 16))
+"""Of the frame alone [Hz]; at 24 Hz the heaviest lets the isolator strike its stops."""
 SHOWN = 80.0  # [Hz]
 DURATION = 0.17
 """Simulated time [s]: the shock at 0.05 s, the first swing of the isolator and its rebound."""
