@@ -36,7 +36,7 @@ def unbent():
 
 
 def with_spread():
-    """An isolator whose axial stiffness and sharpness scatter together, with a correlation of 0.8; coupled, n may not differ."""
+    """An isolator whose axial stiffness and sharpness scatter together, by 0.8; not coupled, for then n may not differ."""
     isolator = wr.load_isolator(models_folder() / "isolators/enidine_wr16_400.toml")
     a, n = 0.05 * isolator.axial.alpha, 0.02
     spread = wr.Spread(parameters=("axial.alpha", "axial.n"), covariance=((a * a, 0.8 * a * n), (0.8 * a * n, n * n)))

@@ -129,7 +129,8 @@ def _figure(n: Mapping[str, float]) -> Figure:
         "10 % of viscous damping would give, although their loops dissipate as much: dry friction grows with the deflection "
         "and is largest where the spring is too, while a damper is strongest at the first instant.",
         parameters="Steps of the base from 0.05 to 4 m/s, as far as the travel is rated; a is the largest acceleration of the "
-        "payload in the first swing, δ its travel. Linear: k = m = 1. Catalogue: as shipped, fitted to the vendors' figures, so that what "
+        "payload in the first swing, δ its travel. Linear: k = m = 1. Catalogue: as shipped, fitted to the vendors' "
+        "figures, so that what "
         "they hide of the force's curve is hidden here; payload = rated load, settled under it for compression and without "
         "weight along the axis for shear and roll, which share a law.",
         numbers=n,
