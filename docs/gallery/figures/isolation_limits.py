@@ -126,8 +126,8 @@ def _figure(n: Mapping[str, float]) -> Figure:
         f"{n['axial_last_low']:.2f} to {n['axial_last_high']:.2f}, because they soften. In shear and roll they harden: "
         f"{n['shear_low']:.2f} at the least, {n['shear_half_low']:.2f} to {n['shear_half_high']:.2f} at half the travel, and "
         f"up to {n['shear_high']:.2f}, above a linear spring. That is far from 0.5, and from the {n['linear_0.1']:.2f} that "
-        "10 % of viscous damping would give, although some of their loops dissipate as much: dry friction grows with the deflection "
-        "and is largest where the spring is too, while a damper is strongest at the first instant.",
+        "10 % of viscous damping would give, although some of their loops dissipate as much: dry friction grows with the "
+        "deflection and is largest where the spring is too, while a damper is strongest at the first instant.",
         parameters="Steps of the base from 0.05 to 4 m/s, as far as the travel is rated; a is the largest acceleration of the "
         "payload in the first swing, δ its travel. Linear: k = m = 1. Catalogue: as shipped, fitted to the vendors' "
         "figures, so that what "
