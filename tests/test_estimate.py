@@ -66,7 +66,7 @@ def test_polynomials_of_the_coupling_mend_45_degrees_as_well():
             tension=part.travel["compression"],
         )
         assert fit.force_error < 0.02, part.name
-        force = fit.coupling.force(share, -share)
+        force = fit.coupling.force([share, -share])
         uncoupled = 0.5 * (part.shock["compression"] + part.shock["shear"])
         coupling = (force[0] - force[1]) / np.sqrt(2.0) / part.travel["45"]
         errors.append((uncoupled + coupling) / part.shock["45"] - 1.0)

@@ -103,6 +103,11 @@ def estimate_loop(
             f"`rope` must be {1e3 * SMALLEST_ROPE:g} to {1e3 * LARGEST_ROPE:g} mm, the ropes of the parts that were compared, "
             f"got {1e3 * rope:g} mm."
         )
+    if bar_length is not None and bar_length < loops * rope:
+        raise ValueError(
+            f"`bar_length` must be at least what {loops} loops of the rope take side by side, {1e3 * loops * rope:g} mm, got "
+            f"{1e3 * bar_length:g} mm."
+        )
     trends = all_trends()
     thickness = trends.bar_of(rope) if bar is None else bar
     figures = trends.predict(height=height, width=width, rope=rope, bar=thickness, loops=loops)

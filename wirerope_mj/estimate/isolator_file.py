@@ -7,6 +7,7 @@ import numpy as np
 from wirerope_mj.estimate.estimate import LoopEstimate
 from wirerope_mj.estimate.trends import left_out_errors
 from wirerope_mj.estimate.vendor_loops import ENIDINE
+from wirerope_mj.identification.secants import NiLaw
 from wirerope_mj.isolator import Isolator, Provenance, Rotation, Spread
 from wirerope_mj.selection.fitted import fit_part
 from wirerope_mj.selection.parts import Figures, Part, Series
@@ -52,9 +53,13 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
         assumed=(*_assumed(estimate), *fitted.provenance.assumed),
     )
     rotation = None
-    if estimate.bar_length is not None:
-        about_roll, about_shear, about_axial = map(_rounded, estimate.rotation.tolist())
-        rotation = Rotation(roll=about_roll, shear=about_shear, axial=about_axial)
+    if estimate.bar_length is not None and isinstance(fitted.axial, NiLaw) and isinstance(fitted.roll, NiLaw):
+        # Their elastic part alone, as in a fitted file: what small vibration has beyond it is friction.
+        along, across = fitted.axial.k1 / figures.vibration["compression"], fitted.roll.k1 / figures.vibration["shear"]
+        about_roll, about_shear, about_axial = estimate.rotation.tolist()
+        rotation = Rotation(
+            roll=_rounded(along * about_roll), shear=_rounded(along * about_shear), axial=_rounded(across * about_axial)
+        )
     return replace(fitted, provenance=provenance, spread=_spread(fitted, estimate), rotation=rotation)
 
 
@@ -77,6 +82,7 @@ def _assumed(estimate: LoopEstimate) -> tuple[str, ...]:
     band = estimate.bands["compression shock"]
     other = f", of VMC's within {1.0 + band.other:.2f}" if band.other is not None else ""
     bar = ("the thickness of the bars, from the trend of the catalogue",) if estimate.bar_assumed else ()
+    turning = ("turning: the elastic part of loops spread evenly",) if estimate.bar_length is not None else ()
     return (
         f"every figure is estimated: such estimates of the shock stiffness in compression are within a factor of "
         f"{1.0 + band.within:.2f} for 80 % of the catalogue's parts, {1.0 + band.worst:.2f} for all{other}",
@@ -84,6 +90,7 @@ def _assumed(estimate: LoopEstimate) -> tuple[str, ...]:
         "[spread]: scatter of these estimates for the catalogue's own parts, as one factor on all forces of an axis; another "
         "vendor's parts scatter more",
         *bar,
+        *turning,
     )
 
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from wirerope_mj.errors import ConvergenceError, ModelError
 from wirerope_mj.identification.secants import Curve, NiLaw, fit_damped, fit_secants
 from wirerope_mj.identification.sheet import AxisFigures, DataSheet, Stated
 from wirerope_mj.identification.sheet_table import diagonal_figures
@@ -30,10 +31,19 @@ def fit_datasheet(path: str | Path) -> Isolator:
     """Return the isolator that reproduces the figures of a data sheet.
 
     Raises:
-        ModelError: the data sheet breaks a rule.
-        ConvergenceError: no law has all its figures.
+        ModelError: the data sheet breaks a rule, or no rope loop has its measures and travels; the message names the file.
+        ConvergenceError: no law has all its figures; the message names the file.
     """
-    return fit_sheet(read_datasheet(path))
+    sheet = read_datasheet(path)
+    try:
+        return fit_sheet(sheet)
+    except ValueError as error:
+        raise ModelError(
+            f"{path}: no rope loop has these measures and travels: {error} Check `height`, `width`, `rope`, `bar` and "
+            "`travel`, and their units."
+        ) from error
+    except ConvergenceError as error:
+        raise ConvergenceError(f"{path}: {error}") from error
 
 
 def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:

@@ -233,7 +233,8 @@ class _Reader:
     def require_empty(self, table: dict[str, Any], place: str) -> None:
         """Raise ModelError if anything is left that nobody asked for."""
         for key in table:
-            raise ModelError(f"{place} `{key}` is not known.")
+            way = " Tension follows from the rope loop: leave it out." if key == "tension_ratio" else ""
+            raise ModelError(f"{place} `{key}` is not known.{way}")
 
 
 def _force(name: str, deflection: float, force: float) -> Stated:

@@ -80,11 +80,13 @@ def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopS
         rope: diameter [m].
 
     Raises:
-        ValueError: an argument is not a finite number > 0, or no loop is left between them.
+        ValueError: an argument is not a finite number > 0, a bar is thinner than its rope, or no loop is left between them.
     """
     for name, value in {"height": height, "width": width, "bar": bar, "rope": rope}.items():
         if not 0.0 < value < math.inf:
             raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")
+    if bar < rope:
+        raise ValueError(f"`bar` must be at least as thick as the `rope` that it holds, {rope:g} m, got {bar:g} m.")
     rise, reach = height - bar, 0.5 * (width - rope)
     if rise <= rope or bar >= 0.5 * height:
         raise ValueError(
