@@ -22,7 +22,7 @@ INTRODUCTIONS = {
     "published": "Values that others printed, compared within the digits that they printed.",
     "plausibility": "What vendors and laboratories say of such isolators, or what their programs find for a rack, beside what "
     "the isolator files give here: the difference measures the files, not the integration. Some bounds are "
-    "loose, and some cases lie outside theirs for the reason given, until the files become better.",
+    "loose.",
 }
 
 

@@ -61,6 +61,7 @@ def axis_curves(
     shape = loop_shape(height=height, width=width, bar=bar, rope=rope)
     loop = RopeLoop(shape, ELEMENTS)
     asymmetry, cubic, misfit = _axial(loop, compression)
+    stiffness = loop.stiffness()
     clamped = _axial(RopeLoop(_held(shape, 0.5 * bar), ELEMENTS), compression)[0]
     return AxisCurves(
         asymmetry=asymmetry,
@@ -68,8 +69,8 @@ def axis_curves(
         roll_cubic=_roll(loop, compression if roll is None else roll),
         asymmetry_deviation=0.5 * abs(clamped - asymmetry),
         misfit=misfit,
-        axial_stiffness=float(loop.stiffness()[1, 1]),
-        roll_stiffness=float(loop.stiffness()[0, 0]),
+        axial_stiffness=float(stiffness[1, 1]),
+        roll_stiffness=float(stiffness[0, 0]),
     )
 
 
