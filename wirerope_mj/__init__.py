@@ -65,7 +65,9 @@ from wirerope_mj.laws import KelvinVoigt as KelvinVoigt
 from wirerope_mj.laws import Loop as Loop
 from wirerope_mj.laws import Masing as Masing
 from wirerope_mj.laws import Ozdemir as Ozdemir
+from wirerope_mj.laws import Parallel as Parallel
 from wirerope_mj.laws import Smoothed as Smoothed
+from wirerope_mj.laws import Stop as Stop
 from wirerope_mj.laws import SymmetricBoucWen as SymmetricBoucWen
 from wirerope_mj.laws import TinkerCutchins as TinkerCutchins
 from wirerope_mj.laws import VaianaRosati as VaianaRosati

@@ -12,7 +12,7 @@ and angular momentum. A mount that resists turning adds opposite torques, see `w
 from wirerope_mj.control import layout as at
 from wirerope_mj.control.rotation import resists_turning, righting_torque
 from wirerope_mj.jit import njit
-from wirerope_mj.laws.kernels import MASING, biaxial_rates, evaluate, hold_slip
+from wirerope_mj.laws.kernels import MASING, PARALLEL, biaxial_rates, evaluate, hold_slips
 from wirerope_mj.laws.loop_kernels import loop_force
 
 AXIAL = 2
@@ -157,8 +157,8 @@ def remove_overshoot(lay, i, par, q, act, a):
     left = int(lay[i + at.N_SLIPPING])
     axis = i + int(lay[i + at.AXES])
     while left > 0:
-        if lay[axis] == MASING:
-            hold_slip(par, q + int(lay[axis + 1]), act, a + int(lay[axis + 2]))
+        if lay[axis] == MASING or lay[axis] == PARALLEL:
+            hold_slips(int(lay[axis]), par, q + int(lay[axis + 1]), act, a + int(lay[axis + 2]))
             left -= 1
         axis += at.AXIS_COLUMNS
 

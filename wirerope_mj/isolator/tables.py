@@ -12,7 +12,7 @@ import tomli_w
 from wirerope_mj.errors import ModelError
 from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, Travel
 from wirerope_mj.isolator.stiffening import Stiffening
-from wirerope_mj.laws import LAWS, Law, LoopCoupling
+from wirerope_mj.laws import LAWS, Law, LoopCoupling, Parallel
 from wirerope_mj.whole import written_whole
 
 AXES = ("roll", "shear", "axial")
@@ -37,7 +37,9 @@ def read_tables(content: dict[str, Any], where: str) -> dict[str, Any]:
 
 
 def read_law(table: dict[str, Any], place: str) -> Law:
-    """Return the law that an axis table describes; ModelError names `place`, key and rule."""
+    """Return the law that an axis table describes, or its several `laws`; ModelError names `place`, key and rule."""
+    if "laws" in table:
+        return _read_parallel(table, place)
     kind = LAWS.get(table["law"]) if isinstance(table.get("law"), str) else None
     if kind is None:
         known = ", ".join(sorted(LAWS))
@@ -45,6 +47,18 @@ def read_law(table: dict[str, Any], place: str) -> Law:
         raise ModelError(f"{place} {found}; the laws are {known}.")
     parameters = {key: value for key, value in table.items() if key != "law"}
     return _make(kind, parameters, place, f"law {kind.name}")
+
+
+def _read_parallel(table: dict[str, Any], place: str) -> Parallel:
+    """Return the laws in parallel of an axis table."""
+    _require_keys(table, (), ("laws",), place, "an axis with several laws")
+    laws = table["laws"]
+    if not isinstance(laws, list) or not all(isinstance(one, dict) and "laws" not in one for one in laws):
+        raise ModelError(f"{place} `laws` must be a list of tables, each with its `law`, got {laws!r}.")
+    try:
+        return Parallel(laws=tuple(read_law(one, f"{place} laws[{index}]") for index, one in enumerate(laws)))
+    except ValueError as error:
+        raise ModelError(f"{place} {error}") from error
 
 
 def _read_limits(table: dict[str, Any], place: str) -> Limits:

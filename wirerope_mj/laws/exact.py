@@ -16,11 +16,13 @@ from wirerope_mj.laws.kernels import (
     ASYMMETRIC_BOUC_WEN,
     BOUC_WEN,
     MASING,
+    STOP,
     SYMMETRIC_BOUC_WEN,
     VAIANA_ROSATI,
-    evaluate,
+    evaluate_one,
     limit_curve,
 )
+from wirerope_mj.laws.stop_kernels import LOSS, advance_stop, turned
 
 _NODES = np.array([0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970263])
 _WEIGHTS = np.array([0.17392742256872692, 0.32607257743127307, 0.32607257743127307, 0.17392742256872692])
@@ -40,7 +42,7 @@ def has_closed_form(law, p, i):
     """Return whether the law of this number has a closed form with these parameters."""
     if law in (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN):
         return p[i + 3] == 1.0 or p[i + 3] == 2.0
-    return law in (MASING, VAIANA_ROSATI)
+    return law in (MASING, VAIANA_ROSATI, STOP)
 
 
 @njit
@@ -151,7 +153,7 @@ def work_between(law, p, i, x0, s, first, last, rate, b, z, trial, unused):
         for node in range(4):
             length = first + width * (panel + _NODES[node])
             trial[0] = s * branch(p[i], b, p[i + 3], s * z, length)
-            work += _WEIGHTS[node] * evaluate(law, p, i, x0 + s * length, 0.0, trial, 0, unused, 0)
+            work += _WEIGHTS[node] * evaluate_one(law, p, i, x0 + s * length, 0.0, trial, 0, unused, 0)
     return s * work * width
 
 
@@ -181,6 +183,8 @@ def advance_exactly(law, p, i, x0, x1, z, j, trial, unused):
         work = approach_work(p, i, x0, x1, z[j])
         z[j] = approach(p, i, x0, x1, z[j])
         return work
+    if law == STOP:
+        return advance_stop(p, i, x0, x1, z, j)
     s, length, work = 1.0 if x1 > x0 else -1.0, abs(x1 - x0), 0.0
     if s * z[j] < 0.0:
         b = p[i + 2] - p[i + 1]
@@ -201,6 +205,10 @@ def carry_exactly(law, p, i, x0, x1, z, j):
         return
     if law == VAIANA_ROSATI:
         z[j] = approach(p, i, x0, x1, z[j])
+        return
+    if law == STOP:
+        if p[i + LOSS] > 0.0:
+            z[j] = turned(p, i, z[j], 1.0 if x1 > x0 else -1.0, abs(x1 - x0))
         return
     s, length, b = 1.0 if x1 > x0 else -1.0, abs(x1 - x0), p[i + 1] + p[i + 2]
     if s * z[j] < 0.0:

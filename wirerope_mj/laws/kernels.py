@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from wirerope_mj.jit import njit
+from wirerope_mj.laws.stop_kernels import stop
 
 BOUC_WEN = 0
 ASYMMETRIC_BOUC_WEN = 1
@@ -26,6 +27,9 @@ BABER_NOORI = 8
 BIAXIAL = 9
 SMOOTHED = 10
 LOOP = 11
+TABULATED = 12
+STOP = 13
+PARALLEL = 14
 
 WORN_OUT = 1e-3
 """Share of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1."""
@@ -174,6 +178,18 @@ def baber_noori(p, i, x, v, z, j, zdot, k):
 
 
 @njit
+def hold_slips(law, p, i, z, j):
+    """Do the same for each of Masing's laws among several in parallel, or the only one."""
+    if law == MASING:
+        hold_slip(p, i, z, j)
+    elif law == PARALLEL:
+        for part in range(int(p[i])):
+            row = i + 1 + 3 * part
+            if p[row] == MASING:
+                hold_slip(p, i + int(p[row + 1]), z, j + int(p[row + 2]))
+
+
+@njit
 def smoothable(law, p, i, x, v, z, j, zdot, k):
     """Do what `evaluate` does for the laws with one state whose rate is a slope for v > 0 and another for v < 0, times v."""
     if law == BOUC_WEN:
@@ -182,6 +198,8 @@ def smoothable(law, p, i, x, v, z, j, zdot, k):
         return symmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
     if law == ASYMMETRIC_BOUC_WEN:
         return asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
+    if law == STOP:
+        return stop(p, i, x, v, z, j, zdot, k)
     return vaiana_rosati(p, i, x, v, z, j, zdot, k)
 
 
@@ -236,6 +254,36 @@ def biaxial(p, i, x, v, z, j, zdot, k):
 @njit
 def evaluate(law, p, i, x, v, z, j, zdot, k):
     """Return the force [N] of the law with this number and write the rates of its states."""
+    if law == PARALLEL:
+        return parallel(p, i, x, v, z, j, zdot, k)
+    return evaluate_one(law, p, i, x, v, z, j, zdot, k)
+
+
+@njit
+def parallel(p, i, x, v, z, j, zdot, k):
+    """Return the sum of the forces of several laws [N].
+
+    p = their number, for each of them its own number and where its parameters and its states begin, the parameters.
+    """
+    force = 0.0
+    for part in range(int(p[i])):
+        row = i + 1 + 3 * part
+        state = int(p[row + 2])
+        force += evaluate_one(int(p[row]), p, i + int(p[row + 1]), x, v, z, j + state, zdot, k + state)
+    return force
+
+
+@njit
+def component(p, i, part, n_states):
+    """Return number, first parameter, first state and number of states of one of several laws in parallel with n_states."""
+    row = i + 1 + 3 * part
+    after = int(p[row + 5]) if part + 1 < int(p[i]) else n_states
+    return int(p[row]), i + int(p[row + 1]), int(p[row + 2]), after - int(p[row + 2])
+
+
+@njit
+def evaluate_one(law, p, i, x, v, z, j, zdot, k):
+    """Do what `evaluate` does for every law but several in parallel."""
     if law == ASYMMETRIC_BOUC_WEN:
         return asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
     if law == SYMMETRIC_BOUC_WEN:
@@ -264,4 +312,6 @@ def evaluate_rarer(law, p, i, x, v, z, j, zdot, k):
         return biaxial(p, i, x, v, z, j, zdot, k)
     if law == SMOOTHED:
         return smoothed(p, i, x, v, z, j, zdot, k)
+    if law == STOP:
+        return stop(p, i, x, v, z, j, zdot, k)
     return np.nan

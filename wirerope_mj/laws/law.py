@@ -24,16 +24,18 @@ class Law(ABC):
 
     name: ClassVar[str]
     kernel: ClassVar[int]
-    rate_independent: ClassVar[bool] = True
     travel_rule: ClassVar[str] = "its force becomes infinite"
     leaders: ClassVar[Mapping[str, str]] = {}
     """The parameter that another one is equal to unless it is stated itself, by the name of that one."""
 
     def __post_init__(self) -> None:
+        open_ones = {field.name for field in fields(self) if field.default is None}
         for key, value in list(vars(self).items()):
             if isinstance(value, np.integer | np.floating):
                 object.__setattr__(self, key, value.item())
                 value = value.item()
+            if value is None and key in open_ones:
+                continue
             for number in value if isinstance(value, tuple) else (value,):
                 if isinstance(number, bool) or not isinstance(number, int | float):
                     raise ValueError(f"`{key}` must be a number, got {number!r}.")
@@ -44,6 +46,16 @@ class Law(ABC):
     @abstractmethod
     def _validate(self) -> None:
         """Raise ValueError if the parameters are not those of a passive law."""
+
+    @property
+    def rate_independent(self) -> bool:
+        """Whether the force depends on the path of deflections alone, and not on how fast it is run through."""
+        return True
+
+    @property
+    def components(self) -> "tuple[Law, ...]":
+        """The laws that make it up: itself, or those in parallel."""
+        return (self,)
 
     @abstractmethod
     def kernel_parameters(self) -> npt.NDArray[np.float64]:
@@ -58,6 +70,16 @@ class Law(ABC):
     @abstractmethod
     def damping_coefficient(self) -> float:
         """Derivative of the force by the deflection rate in the unloaded state [N s/m]; 0 for a rate-independent law."""
+
+    @property
+    def closed_stiffness(self) -> float:
+        """The same tangent where it counts for the step that is stable [N/m]: behind the gap of a stop."""
+        return self.initial_stiffness
+
+    @property
+    def closed_damping(self) -> float:
+        """Derivative by the deflection rate there [N s/m]."""
+        return self.damping_coefficient
 
     @property
     @abstractmethod
@@ -155,8 +177,11 @@ class Law(ABC):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the law as it stands in an isolator file."""
-        values = {key: list(value) if isinstance(value, tuple) else value for key, value in asdict(self).items()}
-        return {"law": self.name, **values}
+        stated = {key: value for key, value in asdict(self).items() if value is not None and value != ()}
+        return {
+            "law": self.name,
+            **{key: list(value) if isinstance(value, tuple) else value for key, value in stated.items()},
+        }
 
     def trace(
         self,

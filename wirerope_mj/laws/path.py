@@ -11,7 +11,9 @@ from wirerope_mj.laws.kernels import (
     ASYMMETRIC_BOUC_WEN,
     BOUC_WEN,
     LOOP,
+    PARALLEL,
     SYMMETRIC_BOUC_WEN,
+    component,
     evaluate,
     polynomial,
 )
@@ -37,6 +39,18 @@ def advance(law, p, i, x0, x1, z, j, n_states, slopes, trial):
 @njit
 def segment(law, p, i, x0, x1, z, j, n_states, slopes, trial):
     """Do the same on a path that does not cross zero."""
+    if law != PARALLEL:
+        return segment_of_one(law, p, i, x0, x1, z, j, n_states, slopes, trial)
+    work = 0.0
+    for part in range(int(p[i])):
+        one, first, state, count = component(p, i, part, n_states)
+        work += segment_of_one(one, p, first, x0, x1, z, j + state, count, slopes, trial)
+    return work
+
+
+@njit
+def segment_of_one(law, p, i, x0, x1, z, j, n_states, slopes, trial):
+    """Do the same for a law that is not made of several."""
     if x0 == x1:
         return 0.0
     if has_closed_form(law, p, i):

@@ -34,7 +34,6 @@ class TinkerCutchins(Law):
 
     name: ClassVar[str] = "tinker-cutchins"
     kernel: ClassVar[int] = kernels.TINKER_CUTCHINS
-    rate_independent: ClassVar[bool] = False
 
     k1: float
     k2: float = 0.0
@@ -55,6 +54,11 @@ class TinkerCutchins(Law):
         return np.array(
             [self.k1, self.k2, self.k3, self.c, self.n, self.f0, self.f1, self.f2, self.smoothing], dtype=np.float64
         )
+
+    @property
+    def rate_independent(self) -> bool:
+        """False."""
+        return False
 
     @property
     def force_powers(self) -> Mapping[str, float]:
@@ -92,7 +96,6 @@ class EquivalentViscous(Law):
 
     name: ClassVar[str] = "equivalent-viscous"
     kernel: ClassVar[int] = kernels.TINKER_CUTCHINS
-    rate_independent: ClassVar[bool] = False
 
     k1: float
     k2: float = 0.0
@@ -153,6 +156,11 @@ class EquivalentViscous(Law):
     def kernel_parameters(self) -> npt.NDArray[np.float64]:
         """Return the parameters of Tinker and Cutchins' kernel: the mid-line and linear damping, no friction."""
         return np.array([self.k1, self.k2, self.k3, self.damping_coefficient, 1.0, 0.0, 0.0, 0.0, 1.0])
+
+    @property
+    def rate_independent(self) -> bool:
+        """False."""
+        return False
 
     @property
     def force_powers(self) -> Mapping[str, float]:

@@ -31,19 +31,19 @@ _DOUBT = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 
 
 
 @njit
-def slope_at(p, cubic, t, z, scratch):
+def slope_at(p, i, cubic, t, z, scratch):
     """Return zdot [N/s] and the power [W] at the instant t in the state z."""
     scratch[0], v = z, speed(cubic, t)
-    force = smoothed(p, 0, position(cubic, t), v, scratch, 0, scratch, 1)
+    force = smoothed(p, i, position(cubic, t), v, scratch, 0, scratch, 1)
     return scratch[1], force * v
 
 
 @njit
-def follow_smoothed(p, cubic, start, end, z):
-    """Carry the state `z` in place from `start` to `end` and return the work done on the law [J]; NaN if it is lost."""
+def follow_smoothed(p, i, cubic, start, end, z, j):
+    """Carry the state `z[j]` in place from `start` to `end` and return the work done on the law [J]; NaN if it is lost."""
     k, scratch = np.empty((7, 2)), np.empty(2)
-    t, step, work, now = start, _WIDEST * (end - start), 0.0, z[0]
-    k[0] = slope_at(p, cubic, t, now, scratch)
+    t, step, work, now = start, _WIDEST * (end - start), 0.0, z[j]
+    k[0] = slope_at(p, i, cubic, t, now, scratch)
     while t < end:
         step = min(step, end - t)
         after, gain, error = now, 0.0, step * _DOUBT[0] * k[0, 0]
@@ -52,7 +52,7 @@ def follow_smoothed(p, cubic, start, end, z):
             for before in range(stage):
                 after += step * _STAGES[stage, before] * k[before, 0]
                 gain += step * _STAGES[stage, before] * k[before, 1]
-            k[stage] = slope_at(p, cubic, t + _PLACES[stage] * step, after, scratch)
+            k[stage] = slope_at(p, i, cubic, t + _PLACES[stage] * step, after, scratch)
             error += step * _DOUBT[stage] * k[stage, 0]
         size = max(abs(now), abs(after), abs(k[0, 0]) * (end - start), abs(k[6, 0]) * (end - start))
         share = abs(error) / (TOLERANCE * size + 1e-300)
@@ -62,12 +62,12 @@ def follow_smoothed(p, cubic, start, end, z):
             step *= max(0.2, 0.9 * share**-0.2)
             continue
         if share == np.inf:
-            z[0] = np.nan
+            z[j] = np.nan
             return np.nan
         # A piece between a reversal and a sample may be as short as the rounding of its instants.
         t = end if step >= end - t or t + step <= t else t + step
         now, work = after, work + gain
         k[0] = k[6]
         step = min(step * min(5.0, 0.9 * (min(share, 1.0) + 1e-10) ** -0.2), _WIDEST * (end - start))
-    z[0] = now
+    z[j] = now
     return work

@@ -32,7 +32,6 @@ class Smoothed(Law):
 
     name: ClassVar[str] = "smoothed"
     kernel: ClassVar[int] = kernels.SMOOTHED
-    rate_independent: ClassVar[bool] = False
 
     law: Law
     width: float
@@ -53,6 +52,11 @@ class Smoothed(Law):
     def kernel_parameters(self) -> npt.NDArray[np.float64]:
         """Return the width, the law's kernel and its parameters."""
         return np.concatenate([[self.width, float(self.law.kernel)], self.law.kernel_parameters()])
+
+    @property
+    def rate_independent(self) -> bool:
+        """False."""
+        return False
 
     @property
     def force_powers(self) -> Mapping[str, float]:
@@ -97,7 +101,13 @@ class Smoothed(Law):
 
 def smoothable(law: Law) -> bool:
     """Return whether a law has one state whose rate is a slope times the velocity."""
-    return law.kernel in _SMOOTHABLE
+    return law.kernel in _SMOOTHABLE and law.rate_independent and law.n_states == 1
 
 
-_SMOOTHABLE = (kernels.BOUC_WEN, kernels.SYMMETRIC_BOUC_WEN, kernels.ASYMMETRIC_BOUC_WEN, kernels.VAIANA_ROSATI)
+_SMOOTHABLE = (
+    kernels.BOUC_WEN,
+    kernels.SYMMETRIC_BOUC_WEN,
+    kernels.ASYMMETRIC_BOUC_WEN,
+    kernels.VAIANA_ROSATI,
+    kernels.STOP,
+)

@@ -11,7 +11,7 @@ import numpy as np
 
 from wirerope_mj.jit import njit
 from wirerope_mj.laws.exact import carry_exactly, has_closed_form
-from wirerope_mj.laws.kernels import evaluate
+from wirerope_mj.laws.kernels import PARALLEL, component, evaluate
 from wirerope_mj.laws.power import ORDER, carry_power, follow_power
 
 
@@ -21,12 +21,27 @@ def carry(law, p, x0, x1, z, c, a):
 
     Closed forms where there are any, else the power series of the Bouc-Wen laws with their scratch arrays `c` and `a`.
     """
-    if x0 != x1:
-        if has_closed_form(law, p, 0):
-            carry_exactly(law, p, 0, x0, x1, z, 0)
-        else:
-            carry_power(p, 0, x0, x1, z, 0, c, a)
-    return abs(z[0]) < np.inf
+    if law == PARALLEL:
+        for part in range(int(p[0])):
+            one, first, state, _ = component(p, 0, part, z.size)
+            carry_one(one, p, first, x0, x1, z, state, c, a)
+    else:
+        carry_one(law, p, 0, x0, x1, z, 0, c, a)
+    finite = True
+    for state in range(z.size):
+        finite = finite and abs(z[state]) < np.inf
+    return finite
+
+
+@njit
+def carry_one(law, p, i, x0, x1, z, j, c, a):
+    """Do the same for a law that is not made of several, its parameters in `p[i:]` and its states in `z[j:]`."""
+    if x0 == x1:
+        return
+    if has_closed_form(law, p, i):
+        carry_exactly(law, p, i, x0, x1, z, j)
+    else:
+        carry_power(p, i, x0, x1, z, j, c, a)
 
 
 @njit
@@ -35,7 +50,7 @@ def follow_force(law, p, deflection, z, n_states):
     n_t = deflection.size
     force, states = np.empty(n_t), np.empty(n_t)
     c, a, unused = np.empty(ORDER + 1), np.empty(ORDER + 1), np.empty(n_states + 1)
-    if not has_closed_form(law, p, 0):
+    if law != PARALLEL and not has_closed_form(law, p, 0):
         follow_power(p, deflection, z, states)
         for t in range(n_t):
             z[0] = states[t]

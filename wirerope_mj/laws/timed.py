@@ -10,9 +10,21 @@ import numpy as np
 
 from wirerope_mj.jit import njit
 from wirerope_mj.laws.cubic import position, reversals, shifted, speed, zero_between
-from wirerope_mj.laws.kernels import SMOOTHED, TINKER_CUTCHINS, ZENER, evaluate
+from wirerope_mj.laws.kernels import (
+    KELVIN_VOIGT,
+    PARALLEL,
+    SMOOTHED,
+    STOP,
+    TINKER_CUTCHINS,
+    ZENER,
+    component,
+    evaluate,
+    evaluate_one,
+)
+from wirerope_mj.laws.path import SCRATCH, segment_of_one
 from wirerope_mj.laws.quadrature import NODES, WEIGHTS
 from wirerope_mj.laws.smooth_steps import follow_smoothed
+from wirerope_mj.laws.stop_kernels import VISCOUS, stop_work
 
 _GROWTH = 3.0
 """Ratio of the rates at the ends of a piece up to which |v|^n and tanh(v / s) are smooth on it to 1e-9."""
@@ -45,15 +57,15 @@ def zener_state(k1, decay, cubic, z, t):
 
 
 @njit
-def width_of_piece(law, p, cubic, start, end, shortest):
+def width_of_piece(law, p, i, cubic, start, end, shortest):
     """Return how far from `start` the next piece may reach, so that the power is smooth on it."""
     width = end - start
     if law == ZENER:
-        return min(width, 1.0 / p[2])
+        return min(width, 1.0 / p[i + 2])
     if law == SMOOTHED:
-        bend = p[0]
-    elif law == TINKER_CUTCHINS and not (p[4] == 1.0 and p[5] == 0.0 and p[6] == 0.0 and p[7] == 0.0):
-        bend = p[8]
+        bend = p[i]
+    elif law == TINKER_CUTCHINS and not (p[i + 4] == 1.0 and p[i + 5] == 0.0 and p[i + 6] == 0.0 and p[i + 7] == 0.0):
+        bend = p[i + 8]
     else:
         return width
     v0 = abs(speed(cubic, start))
@@ -66,26 +78,42 @@ def width_of_piece(law, p, cubic, start, end, shortest):
 
 
 @njit
-def work_over(law, p, cubic, start, end, z, trial, unused):
-    """Carry the state `z` in place over start <= t <= end and return the work done on the law [J]."""
+def work_over(law, p, i, cubic, start, end, z, j, n_states, trial, unused):
+    """Carry the states `z[j:]` in place over start <= t <= end, without a reversal, and return the work done on the law [J]."""
+    if law not in (ZENER, TINKER_CUTCHINS, SMOOTHED, KELVIN_VOIGT, STOP) or (law == STOP and p[i + VISCOUS] == 0.0):
+        return segment_of_one(law, p, i, position(cubic, start), position(cubic, end), z, j, n_states, unused, trial)
+    if law == STOP:
+        return stop_work(p, i, cubic, start, end, z, j)
     work, shortest = 0.0, _NARROWEST * (end - start)
-    origin = z[0] if law == ZENER else 0.0
+    origin = z[j] if law == ZENER else 0.0
     begun = start
     while start < end:
-        width = width_of_piece(law, p, cubic, start, end, shortest)
+        width = width_of_piece(law, p, i, cubic, start, end, shortest)
         if law == SMOOTHED:
-            work += follow_smoothed(p, cubic, start, min(start + width, end), z)
+            work += follow_smoothed(p, i, cubic, start, min(start + width, end), z, j)
             start = end if start + width >= end else start + width
             continue
         for node in range(8):
             t = start + width * NODES[node]
             if law == ZENER:
-                trial[0] = zener_state(p[1], p[2], shifted(cubic, begun), origin, t - begun)
+                trial[0] = zener_state(p[i + 1], p[i + 2], shifted(cubic, begun), origin, t - begun)
             v = speed(cubic, t)
-            work += width * WEIGHTS[node] * v * evaluate(law, p, 0, position(cubic, t), v, trial, 0, unused, 0)
+            work += width * WEIGHTS[node] * v * evaluate_one(law, p, i, position(cubic, t), v, trial, 0, unused, 0)
         start = end if start + width >= end else start + width
     if law == ZENER:
-        z[0] = zener_state(p[1], p[2], shifted(cubic, begun), origin, end - begun)
+        z[j] = zener_state(p[i + 1], p[i + 2], shifted(cubic, begun), origin, end - begun)
+    return work
+
+
+@njit
+def work_of_all(law, p, cubic, start, end, z, n_states, trial, unused):
+    """Do the same for a law or for several in parallel."""
+    if law != PARALLEL:
+        return work_over(law, p, 0, cubic, start, end, z, 0, n_states, trial, unused)
+    work = 0.0
+    for part in range(int(p[0])):
+        one, first, state, count = component(p, 0, part, n_states)
+        work += work_over(one, p, first, cubic, start, end, z, state, count, trial, unused)
     return work
 
 
@@ -94,7 +122,7 @@ def follow_time(law, p, time, deflection, rate, z, n_states):
     """Return force (n_t,), states (n_t, n_states) and cumulated work (n_t,), with `rate` at the samples `time`."""
     n_t = deflection.size
     force, states, work = np.empty(n_t), np.empty((n_t, n_states)), np.zeros(n_t)
-    trial, unused = np.empty(n_states + 1), np.empty(n_states + 1)
+    trial, unused = np.empty(n_states + 1), np.empty(SCRATCH * (n_states + 1))
     for t in range(n_t):
         if t > 0:
             h = time[t] - time[t - 1]
@@ -103,14 +131,14 @@ def follow_time(law, p, time, deflection, rate, z, n_states):
             for end in (one, two, h):
                 if (
                     end > start
-                    and law in (TINKER_CUTCHINS, SMOOTHED)
+                    and law not in (KELVIN_VOIGT, ZENER)
                     and position(cubic, start) * position(cubic, end) < 0.0
                 ):
                     middle = zero_between(cubic, start, end)  # friction or a polynomial may have a kink there
-                    work[t] += work_over(law, p, cubic, start, middle, z, trial, unused)
+                    work[t] += work_of_all(law, p, cubic, start, middle, z, n_states, trial, unused)
                     start = middle
                 if end > start:
-                    work[t] += work_over(law, p, cubic, start, end, z, trial, unused)
+                    work[t] += work_of_all(law, p, cubic, start, end, z, n_states, trial, unused)
                     start = end
         states[t] = z[:n_states]
         force[t] = evaluate(law, p, 0, deflection[t], rate[t], z, 0, unused, 0)

@@ -17,7 +17,6 @@ class KelvinVoigt(Law):
 
     name: ClassVar[str] = "kelvin-voigt"
     kernel: ClassVar[int] = kernels.KELVIN_VOIGT
-    rate_independent: ClassVar[bool] = False
 
     k: float
     c: float
@@ -30,6 +29,11 @@ class KelvinVoigt(Law):
     def kernel_parameters(self) -> npt.NDArray[np.float64]:
         """Return k, c."""
         return np.array([self.k, self.c])
+
+    @property
+    def rate_independent(self) -> bool:
+        """False."""
+        return False
 
     @property
     def force_powers(self) -> Mapping[str, float]:
@@ -60,7 +64,6 @@ class Zener(Law):
 
     name: ClassVar[str] = "zener"
     kernel: ClassVar[int] = kernels.ZENER
-    rate_independent: ClassVar[bool] = False
 
     k0: float
     k1: float
@@ -78,6 +81,11 @@ class Zener(Law):
     def state_names(self) -> tuple[str, ...]:
         """The force z of the branch with the damper."""
         return ("z",)
+
+    @property
+    def rate_independent(self) -> bool:
+        """False."""
+        return False
 
     @property
     def force_powers(self) -> Mapping[str, float]:

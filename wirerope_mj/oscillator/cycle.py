@@ -48,7 +48,7 @@ class Cycle:
 
 def require_steady(law: Law) -> None:
     """Raise ValueError if no cycle of the law repeats the one before."""
-    if isinstance(law, BoucWenBaberNoori):
+    if any(isinstance(one, BoucWenBaberNoori) for one in law.components):
         raise ValueError("a law that wears, bouc-wen-baber-noori, has no steady cycle: take its Bouc-Wen law instead.")
 
 

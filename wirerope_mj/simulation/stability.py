@@ -15,10 +15,12 @@ SLOWEST_RATE = 1.0
 """Angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely."""
 
 
-def _mount_matrices(system: System, data: mujoco.MjData) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def _mount_matrices(
+    system: System, data: mujoco.MjData, closed: bool
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
     """Return stiffness [N/m, ...] and damping of all mounts in MuJoCo's velocity coordinates, (n_v, n_v) each.
 
-    Stiffness is that of the unloaded mounts in the modelled geometry, damping the laws' largest.
+    Stiffness is that of the unloaded mounts in the modelled geometry, with stops open or closed, damping the laws' largest.
     """
     model, rows, stiffness, damping = system.model, [np.zeros((0, system.model.nv))], [], []
     payload, base, turn, base_turn = (np.zeros((3, model.nv)) for _ in range(4))
@@ -28,8 +30,12 @@ def _mount_matrices(system: System, data: mujoco.MjData) -> tuple[npt.NDArray[np
         mujoco.mj_jac(model, data, base, base_turn, point, model.site_bodyid[base_site])
         rows.append(mount.axes.T @ (payload - base))  # of the deflections, (3, n_v)
         for law in mount.isolator.axes.values():
-            stiffness.append(law.initial_stiffness if law is not None else 0.0)
-            damping.append(law.damping_coefficient if law is not None else 0.0)
+            if law is None:
+                stiffness.append(0.0)
+                damping.append(0.0)
+                continue
+            stiffness.append(law.closed_stiffness if closed else law.initial_stiffness)
+            damping.append(law.closed_damping if closed else law.damping_coefficient)
         if mount.isolator.rotation is not None:
             rows.append(mount.axes.T @ (turn - base_turn))  # of the turns
             stiffness += turning(mount.isolator)
@@ -39,14 +45,17 @@ def _mount_matrices(system: System, data: mujoco.MjData) -> tuple[npt.NDArray[np
     return along, resisting
 
 
-def eigenvalues(system: System) -> npt.NDArray[np.complex128]:
-    """Return the eigenvalues [1/s] of the linear system of unloaded mounts without the driven base, (2 n,)."""
+def eigenvalues(system: System, *, closed: bool = False) -> npt.NDArray[np.complex128]:
+    """Return the eigenvalues [1/s] of the linear system of unloaded mounts without the driven base, (2 n,).
+
+    `closed`: as if all stops were closed.
+    """
     model = system.model
     mass = np.zeros((model.nv, model.nv))
     with system.assembly.scratch.data(model) as data:
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fullM(model, data, mass)
-        matrices = _mount_matrices(system, data)
+        matrices = _mount_matrices(system, data, closed)
     free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
     stiffness, damping = (matrix[np.ix_(free, free)] for matrix in matrices)
     inverse, n = np.linalg.inv(mass[np.ix_(free, free)]), free.size
@@ -57,10 +66,10 @@ def eigenvalues(system: System) -> npt.NDArray[np.complex128]:
 
 
 def stable_step(system: System) -> float:
-    """Return the largest step [s] with which RK4 is stable on the unloaded mounts."""
+    """Return the largest step [s] with which RK4 is stable on the unloaded mounts and on all stops."""
     laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values() if law is not None]
     decay = max((law.relaxation_rate for law in laws), default=0.0)
-    fastest = max(float(np.abs(eigenvalues(system)).max(initial=0.0)), decay)
+    fastest = max(float(np.abs(eigenvalues(system, closed=True)).max(initial=0.0)), decay)
     return RK4_LIMIT / fastest if fastest > 0.0 else np.inf
 
 

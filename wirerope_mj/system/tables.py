@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from wirerope_mj.control import layout as at
 from wirerope_mj.isolator import Isolator
-from wirerope_mj.laws.kernels import MASING
+from wirerope_mj.laws.kernels import MASING, PARALLEL
 from wirerope_mj.system.contact_pairs import contact_rows
 from wirerope_mj.system.declared import DeclaredMount
 
@@ -147,7 +147,7 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
 
 
 def _slipping(axes: list[list[int]]) -> int:
-    return sum(row[0] == MASING for row in axes)
+    return sum(row[0] in (MASING, PARALLEL) for row in axes)
 
 
 def _mount_row(model: mujoco.MjModel, mount: DeclaredMount, on: Subjects) -> list[float]:
