@@ -33,8 +33,8 @@ class Stop(Law):
     u = -+w is 1 while the stop is pressed and -1 while it is let go, w' = (xdot - |xdot| w) / reversal with the length
     `reversal` [m] over which the force passes from one branch to the other. A push to a depth much larger than that and
     back returns the fraction (1 - loss) / (1 + loss) of its energy, at any rate; with loss <= 1 it never pulls. c [N s/m] is
-    viscous: d' is the slope of d over the depth, so that the force is continuous at the touch, for which it needs `rounding` > 0; a
-    stop that is left faster than it springs back lets go before it has its shape again.
+    viscous: d' is the slope of d over the depth, so that the force is continuous at the touch, for which it needs
+    `rounding` > 0; a stop that is left faster than it springs back lets go before it has its shape again.
 
     Passive: f is a potential, viscous force opposes the rate, and what is left of it where it would pull dissipates too; of
     the hysteretic force see `wirerope_mj.laws.Tabulated`, whose proof holds for any f >= 0. Source: a gap with a spring and a

@@ -40,7 +40,7 @@ def hermite(p, i, n, x):
 
 @njit
 def seated(depth, rounding):
-    """Return how much of a depth > 0 counts [m], r (t^3 - t^4 / 2) up to t = depth / r = 1, then depth - r / 2, and its slope."""
+    """Return what counts of a depth > 0 [m], r (t^3 - t^4 / 2) up to t = depth / r = 1, then depth - r / 2, and its slope."""
     if depth >= rounding:
         return depth - 0.5 * rounding, 1.0
     t = depth / rounding
