@@ -132,7 +132,17 @@ def tumbling():
     return wr.simulate(system, quiet(), duration=0.5, timestep=1e-4, initial=spinning(system), sample_rate=10_000.0)
 
 
-@pytest.mark.parametrize("law", [wr.KelvinVoigt(k=4e3, c=8.0), wr.BoucWen(**hysteresis(alpha=4e3, z_max=8.0), k=2e3)])
+BUMPER = wr.Stop(gap_below=8e-3, gap_above=8e-3, k=4e4, rounding=1e-3, loss=0.3, reversal=1e-3, c=4.0)
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        wr.KelvinVoigt(k=4e3, c=8.0),
+        wr.BoucWen(**hysteresis(alpha=4e3, z_max=8.0), k=2e3),
+        wr.Parallel(laws=[wr.KelvinVoigt(k=4e3, c=8.0), BUMPER]),
+    ],
+)
 def test_a_free_pair_joined_by_one_mount_keeps_its_momenta(law):
     system = free_pair(law)
     r = wr.simulate(system, quiet(), duration=0.5, timestep=1e-4, initial=spinning(system))

@@ -53,6 +53,11 @@ class Law(ABC):
         return True
 
     @property
+    def remembers_slow_paths(self) -> bool:
+        """Whether internal states depend on the path of deflections however slowly it is run through."""
+        return self.rate_independent
+
+    @property
     def components(self) -> "tuple[Law, ...]":
         """The laws that make it up: itself, or those in parallel."""
         return (self,)

@@ -52,6 +52,11 @@ class Parallel(Law):
         return all(law.rate_independent for law in self.laws)
 
     @property
+    def remembers_slow_paths(self) -> bool:
+        """Whether any of them does."""
+        return any(law.remembers_slow_paths for law in self.laws)
+
+    @property
     def travel_rule(self) -> str:  # type: ignore[override]
         """Why the law does not hold beyond its finite travel."""
         return min(self.laws, key=lambda law: law.finite_travel).travel_rule
