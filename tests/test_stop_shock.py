@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from house import deck, mjcf
+from house import deck, mjcf, sdof
 from references import Pulse
 from scipy.integrate import cumulative_simpson, solve_ivp
 from scipy.optimize import brentq
@@ -39,8 +39,8 @@ def guided(stop, *, gravity=0.0):
 def solved(*, k, exponent=1.0, rounding=0.0, loss=0.0, reversal=1.0, c=0.0, start=0.0, stop=DURATION):
     """Return the largest acceleration of the mass and force of the stop of the same without the library, and its contacts.
 
-    x is the deflection, v its rate, z and w the states. Between events the signs of v and z, the region of the stop and whether it
-    pushes are constants.
+    x is the deflection, v its rate, z and w the states. Between events the signs of v and z, the region of the stop and
+    whether it pushes are constants.
     """
     y, t, sv, sz, region, pushes = np.zeros(4), 0.01, -1.0, -1.0, 0, True
     largest, closed = [0.0, 0.0], 0
@@ -62,7 +62,7 @@ def solved(*, k, exponent=1.0, rounding=0.0, loss=0.0, reversal=1.0, c=0.0, star
         t = begin
         while t < end:
 
-            def rates(t, y, inside=inside):
+            def rates(t, y, inside=inside, sv=sv, sz=sz):
                 bend = ROPE["gamma"] + ROPE["beta"] * sv * sz
                 push = PULSE.acceleration(t, inside=inside)
                 return [
@@ -187,7 +187,22 @@ def test_a_mass_rests_and_swings_on_its_stop_as_by_hand(name):
     step = 1e-6
     slope = (stop.pressed(low - GAP + step) - stop.pressed(low - GAP - step)) / (2.0 * step)
     found = wr.modes(system, history="relaxed").frequencies
-    # A pressed stop with loss is stiffer in small cycles: its state turns within `reversal`, as the rope's within z_max / alpha.
+    # A pressed stop with loss is stiffer in small cycles: its state turns within `reversal`, the rope's in z_max / alpha.
     turning = stop.pressed(low - GAP) * stop.loss / (stop.reversal or 1.0)
     expected = np.sqrt((ROPE["k"] + ROPE["alpha"] + slope + turning) / MASS) / (2.0 * np.pi)
     assert found[-1] == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.slow  # shooting at 1e-4 beside corners: 15 s each
+@pytest.mark.parametrize("name", ["round", "lossy", "hardening"])
+def test_vibration_against_stops_is_the_same_by_harmonic_balance_and_by_shooting(name):
+    law = wr.Parallel(laws=[wr.BoucWen(**ROPE), wr.Stop(gap_below=0.01, gap_above=0.01, **STOPS[name])])
+    asked = {"frequency": 8.0, "acceleration": 15.0}
+    balanced = wr.harmonic_balance(law, mass=MASS, harmonics=63, **asked)
+    shot = wr.periodic_orbit(sdof(law, mass=MASS), direction="z", accuracy=1e-4, **asked)
+    peak = shot.response.peaks.mounts["m1"]
+    one, other = balanced.largest_deflection, peak.deflection.maximum[2]
+    print(name, f"amplitude {1e3 * one:.4f} mm, {1e3 * other:.4f} mm by shooting, residual {shot.residual:.1e}")
+    assert one > 0.0105  # the stops are struck
+    # Harmonics beyond the 63rd of a force with corners, and order 2 of the steps.
+    assert one == pytest.approx(other, rel=1e-4)
