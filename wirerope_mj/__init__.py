@@ -67,6 +67,7 @@ from wirerope_mj.laws import Masing as Masing
 from wirerope_mj.laws import Ozdemir as Ozdemir
 from wirerope_mj.laws import Smoothed as Smoothed
 from wirerope_mj.laws import SymmetricBoucWen as SymmetricBoucWen
+from wirerope_mj.laws import Tabulated as Tabulated
 from wirerope_mj.laws import TinkerCutchins as TinkerCutchins
 from wirerope_mj.laws import VaianaRosati as VaianaRosati
 from wirerope_mj.laws import Zener as Zener

@@ -17,6 +17,7 @@ from wirerope_mj.laws.ni import SymmetricBoucWen as SymmetricBoucWen
 from wirerope_mj.laws.semi_empirical import EquivalentViscous as EquivalentViscous
 from wirerope_mj.laws.semi_empirical import TinkerCutchins as TinkerCutchins
 from wirerope_mj.laws.smoothed import Smoothed as Smoothed
+from wirerope_mj.laws.tabulated import Tabulated as Tabulated
 from wirerope_mj.laws.vaiana_rosati import VaianaRosati as VaianaRosati
 from wirerope_mj.laws.viscoelastic import KelvinVoigt as KelvinVoigt
 from wirerope_mj.laws.viscoelastic import Zener as Zener
@@ -25,7 +26,7 @@ LAWS: dict[str, type[Law]] = {
     law.name: law
     for law in (
         BoucWen, Ozdemir, AsymmetricBoucWen, SymmetricBoucWen, BoucWenBaberNoori, VaianaRosati, EnhancedDryFriction, Masing,
-        TinkerCutchins, EquivalentViscous, KelvinVoigt, Zener,
+        TinkerCutchins, EquivalentViscous, KelvinVoigt, Zener, Tabulated,
     )
 }  # fmt: skip
 """The laws by the name that an isolator file calls them."""

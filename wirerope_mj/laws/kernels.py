@@ -13,6 +13,7 @@ import math
 import numpy as np
 
 from wirerope_mj.jit import njit
+from wirerope_mj.laws.table_kernels import tabulated
 
 BOUC_WEN = 0
 ASYMMETRIC_BOUC_WEN = 1
@@ -26,6 +27,7 @@ BABER_NOORI = 8
 BIAXIAL = 9
 SMOOTHED = 10
 LOOP = 11
+TABULATED = 12
 
 WORN_OUT = 1e-3
 """Share of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1."""
@@ -182,6 +184,8 @@ def smoothable(law, p, i, x, v, z, j, zdot, k):
         return symmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
     if law == ASYMMETRIC_BOUC_WEN:
         return asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
+    if law == TABULATED:
+        return tabulated(p, i, x, v, z, j, zdot, k)
     return vaiana_rosati(p, i, x, v, z, j, zdot, k)
 
 
@@ -264,4 +268,6 @@ def evaluate_rarer(law, p, i, x, v, z, j, zdot, k):
         return biaxial(p, i, x, v, z, j, zdot, k)
     if law == SMOOTHED:
         return smoothed(p, i, x, v, z, j, zdot, k)
+    if law == TABULATED:
+        return tabulated(p, i, x, v, z, j, zdot, k)
     return np.nan

@@ -115,10 +115,13 @@ class Stepper:
         """Return words for a mount that was near or beyond the end of its law, "" if there is none."""
         for (name, mount), row in zip(self.system.mounts.items(), deflections, strict=True):
             for (axis, law), deflection in zip(mount.isolator.axes.items(), row, strict=True):
-                if law is not None and abs(deflection) > _NEAR * law.finite_travel:
+                if law is None:
+                    continue
+                end = law.travel_ends[int(deflection > 0.0)]
+                if abs(deflection) > _NEAR * end:
                     return (
                         f" Mount {name!r} stood at {deflection:.4g} m on its {axis} axis, whose law holds up to "
-                        f"{law.finite_travel:.4g} m, where {law.travel_rule}."
+                        f"{end:.4g} m, where {law.travel_rule}."
                     )
         return ""
 
