@@ -178,8 +178,11 @@ class Tabulated(Law):
 
     def kernel_parameters(self) -> Array:
         """Return alpha, beta, 0, 1, the number of knots, the knots, and the coefficients from knot to knot."""
-        curve, share, z_max = self._curves
-        return _packed(curve, share, z_max, self.yield_deflection or 1.0)  # without hysteresis any length will do
+        return self._parameters.copy()
+
+    @cached_property
+    def _parameters(self) -> Array:
+        return _packed(*self._curves, self.yield_deflection or 1.0)  # without hysteresis any length will do
 
     def surely_holds(self, columns: Mapping[str, Any]) -> bool:
         """Return False: a table is tried entry by entry."""

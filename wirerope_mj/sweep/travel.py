@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.errors import SimulationError
-from wirerope_mj.isolator.travel import RATINGS, travel_reached
+from wirerope_mj.isolator.travel import RATINGS, ROUNDING, travel_reached
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
@@ -33,7 +33,7 @@ class Lawful:
             highest: the same.
         """
         reached = np.stack([-lowest, highest], axis=-1)
-        beyond = reached > self._ends
+        beyond = reached > self._ends + ROUNDING
         if not beyond.any():
             return
         row, number, place, side = np.argwhere(beyond)[0]
