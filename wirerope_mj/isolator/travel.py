@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.laws import Law
+from wirerope_mj.laws.law import ROUNDING, Law
 
 Array = npt.NDArray[np.float64]
 
@@ -14,9 +14,6 @@ RATINGS = {"compression": (2, -1.0), "tension": (2, 1.0), "shear": (1, 0.0), "ro
 
 SIDES = {"roll": ("roll", "roll"), "shear": ("shear", "shear"), "axial": ("compression", "tension")}
 """Rated travels of each axis below and above zero."""
-
-ROUNDING = 1e-9
-"""Of a mount's deflection [m]: less than that beyond the end of a law is none, positions being metres with 16 digits."""
 
 
 def travel_in(rating: str, deflection: Array) -> Array:

@@ -13,6 +13,9 @@ from wirerope_mj.laws.loop import Loop
 from wirerope_mj.laws.path import follow_path
 from wirerope_mj.laws.timed import follow_time
 
+ROUNDING = 1e-9
+"""Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Law(ABC):

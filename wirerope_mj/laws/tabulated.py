@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scipy.interpolate import BPoly, PchipInterpolator, PPoly
 
 from wirerope_mj.laws import kernels
-from wirerope_mj.laws.law import Law
+from wirerope_mj.laws.law import ROUNDING, Law
 from wirerope_mj.laws.path import follow_path
 
 Array = npt.NDArray[np.float64]
@@ -237,7 +237,7 @@ class Tabulated(Law):
     def _check_path(self, path: Array) -> None:
         super()._check_path(path)
         below, above = self.travel_ends
-        outside = (path < -below) | (path > above)
+        outside = (path < -below - ROUNDING) | (path > above + ROUNDING)
         if outside.any():
             raise ValueError(
                 f"a deflection of {path[np.argmax(outside)]:.6g} m is outside the table of the law, which reaches from "

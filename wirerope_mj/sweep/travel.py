@@ -6,7 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.errors import SimulationError
-from wirerope_mj.isolator.travel import RATINGS, ROUNDING, travel_reached
+from wirerope_mj.isolator.travel import RATINGS, travel_reached
+from wirerope_mj.laws.law import ROUNDING
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
