@@ -14,6 +14,7 @@ import numpy as np
 
 from wirerope_mj.jit import inlined, njit
 from wirerope_mj.laws.stop_kernels import stop
+from wirerope_mj.laws.table_kernels import tabulated
 
 BOUC_WEN = 0
 ASYMMETRIC_BOUC_WEN = 1
@@ -200,6 +201,8 @@ def smoothable(law, p, i, x, v, z, j, zdot, k):
         return asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
     if law == STOP:
         return stop(p, i, x, v, z, j, zdot, k)
+    if law == TABULATED:
+        return tabulated(p, i, x, v, z, j, zdot, k)
     return vaiana_rosati(p, i, x, v, z, j, zdot, k)
 
 
@@ -322,4 +325,6 @@ def evaluate_rarer(law, p, i, x, v, z, j, zdot, k):
         return smoothed(p, i, x, v, z, j, zdot, k)
     if law == STOP:
         return stop(p, i, x, v, z, j, zdot, k)
+    if law == TABULATED:
+        return tabulated(p, i, x, v, z, j, zdot, k)
     return np.nan
