@@ -12,7 +12,7 @@ import math
 
 import numpy as np
 
-from wirerope_mj.jit import njit
+from wirerope_mj.jit import inlined, njit
 
 BOUC_WEN = 0
 ASYMMETRIC_BOUC_WEN = 1
@@ -31,7 +31,7 @@ WORN_OUT = 1e-3
 """Share of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1."""
 
 
-@njit
+@inlined
 def bouc_wen_rate(alpha, beta, gamma, n, v, z):
     """Return zdot = alpha v - [gamma + beta sgn(v) sgn(z)] |z|^n v [N/s], thesis (3.7); no |z|^(n-1), so n < 1 is safe."""
     size = abs(z)
@@ -46,7 +46,7 @@ def bouc_wen_rate(alpha, beta, gamma, n, v, z):
     return (alpha - (gamma - beta) * power) * v
 
 
-@njit
+@inlined
 def polynomial(k1, k2, k3, x):
     """Return Ni's odd polynomial F1 = k1 x + k2 sgn(x) x^2 + k3 x^3 [N], thesis (3.16)."""
     return x * (k1 + k2 * abs(x) + k3 * x * x)
@@ -233,7 +233,7 @@ def biaxial(p, i, x, v, z, j, zdot, k):
     return ex * fx + ey * fy
 
 
-@njit
+@inlined
 def evaluate(law, p, i, x, v, z, j, zdot, k):
     """Return the force [N] of the law with this number and write the rates of its states."""
     if law == ASYMMETRIC_BOUC_WEN:
