@@ -158,7 +158,7 @@ def remove_overshoot(lay, i, par, q, act, a):
     axis = i + index(lay[i + at.AXES])
     while left > 0:
         if lay[axis] == MASING or lay[axis] == PARALLEL:
-            hold_slips(int(lay[axis]), par, q + index(lay[axis + 1]), act, a + index(lay[axis + 2]))
+            hold_slips(index(lay[axis]), par, q + index(lay[axis + 1]), act, a + index(lay[axis + 2]))
             left -= 1
         axis += at.AXIS_COLUMNS
 

@@ -31,7 +31,8 @@ class Callbacks(NamedTuple):
 def _find_system(m, system):  # type: ignore[no-untyped-def]
     """Return whether the model at address `m` has a state actuator, which one, and where its parts stand.
 
-    The parts: layout and parameters as arrays, the first entries in userdata and in act.
+    The parts: layout and parameters as arrays, the first entries in userdata and in act. Arrays begin where the system's
+    entries do, so that the kernels get 0 for their places: a constant, which the compiler sees is not negative.
     """
     last = int64_array(m + system[0])[0] - 1
     prm = member(m, system[1], 10 * last)
@@ -50,19 +51,19 @@ def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
     u = member(d, field[0], userdata)
     drive_base(
         lay, 0, u, 0, float64_array(d + time)[0],
-        member(d, field[1], 0),
-        member(d, field[2], 0),
-        member(d, field[3], 0),
+        member(d, field[1]),
+        member(d, field[2]),
+        member(d, field[3]),
     )  # fmt: skip
     apply_mounts(
         lay, 0, par, 0, u, 0, member(d, field[4], activation), 0,
-        member(d, field[5], 0),
-        member(d, field[6], 0),
-        member(d, field[7], 0),
-        member(d, field[8], 0),
-        member(d, field[9], 0),
-        member(d, field[10], 0),
-        member(d, field[11], 0),
+        member(d, field[5]),
+        member(d, field[6]),
+        member(d, field[7]),
+        member(d, field[8]),
+        member(d, field[9]),
+        member(d, field[10]),
+        member(d, field[11]),
     )  # fmt: skip
 
 
@@ -104,17 +105,17 @@ def _sensor(m, d, system, field, time, place, part):  # type: ignore[no-untyped-
         _contacts(d, lay, u, now, place, part)
     observe(
         lay, 0, u, 0, act, 0, now,
-        member(d, field[2], 0),
-        member(d, field[3], 0),
-        member(d, field[4], 0),
-        member(d, field[5], 0),
-        member(d, field[6], 0),
-        member(d, field[7], 0),
-        member(d, field[8], 0),
-        member(d, field[9], 0),
-        member(d, field[10], 0),
-        member(d, field[11], 0),
-        member(d, field[12], 0),
+        member(d, field[2]),
+        member(d, field[3]),
+        member(d, field[4]),
+        member(d, field[5]),
+        member(d, field[6]),
+        member(d, field[7]),
+        member(d, field[8]),
+        member(d, field[9]),
+        member(d, field[10]),
+        member(d, field[11]),
+        member(d, field[12]),
     )  # fmt: skip
 
 

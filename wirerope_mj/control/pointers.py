@@ -43,6 +43,6 @@ def int32_member(struct, offset):  # type: ignore[no-untyped-def]
 
 
 @inlined
-def member(struct, offset, start):  # type: ignore[no-untyped-def]
+def member(struct, offset, start=0):  # type: ignore[no-untyped-def]
     """Return the float64 array that the pointer at `offset` in a struct leads to, from its entry `start`."""
     return float64_array(int64_array(struct + offset)[0] + 8 * start)
