@@ -1,6 +1,8 @@
 """The law from points of curves: closed forms, a vendor's curve, what is refused, and its places in files."""
 
 import math
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,8 @@ CB1390 = {
     "amplitudes": [36e-3], "areas": [60.0], "yield_deflection": 1e-3,
 }  # fmt: skip
 """Socitec CB1390-20 in compression: static and shock force at their deflections; the area is an example."""
+
+PAGE = Path(__file__).parents[1] / "docs" / "laws.md"
 
 LIMITS = {"deflection": [-0.01, 0.0, 0.01], "upper": [-100.0, 50.0, 300.0], "lower": [-200.0, -50.0, 100.0]}
 
@@ -167,6 +171,13 @@ def test_an_isolator_file_has_the_points_beside_it_or_in_it(tmp_path, points):
     (tmp_path / "elsewhere").mkdir()
     first.save(tmp_path / "elsewhere" / "saved.toml")  # complete in itself
     assert wr.load_isolator(tmp_path / "elsewhere" / "saved.toml") == first
+
+
+def test_the_page_enters_that_curve_in_under_ten_lines(tmp_path):
+    text = re.search(r"```toml\n(\[axial\].*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[1]
+    assert len(text.splitlines()) < 10
+    (tmp_path / "a.toml").write_text('name = "a"\n' + text)
+    assert wr.load_isolator(tmp_path / "a.toml").axial == wr.Tabulated(**CB1390)
 
 
 @pytest.mark.parametrize(

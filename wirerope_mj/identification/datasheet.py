@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import ConvergenceError, ModelError
-from wirerope_mj.identification.curve_sheet import fit_curves
+from wirerope_mj.identification.curve_fit import fit_curves
 from wirerope_mj.identification.secants import Curve, NiLaw, fit_damped, fit_secants
 from wirerope_mj.identification.sheet import AxisFigures, DataSheet, Stated
 from wirerope_mj.identification.sheet_table import diagonal_figures

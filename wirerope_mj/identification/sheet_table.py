@@ -4,7 +4,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wirerope_mj.identification import figures
-from wirerope_mj.identification.curve_sheet import curve_figures, read_curve_sheet
+from wirerope_mj.identification.curve_fit import curve_figures
+from wirerope_mj.identification.curve_sheet import read_curve_sheet
 from wirerope_mj.identification.sheet import AxisFigures, DataSheet, Stated
 from wirerope_mj.identification.vendor import read_datasheet
 from wirerope_mj.isolator import Isolator

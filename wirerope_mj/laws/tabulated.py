@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import BPoly, PchipInterpolator, PPoly
+from scipy.interpolate import PPoly
 
 from wirerope_mj.laws import kernels
 from wirerope_mj.laws.law import ROUNDING, Law
-from wirerope_mj.laws.path import follow_path
+from wirerope_mj.laws.table_cubics import cycle_area, held, level_cubics, monotone, packed
 
 Array = npt.NDArray[np.float64]
 
@@ -140,15 +140,15 @@ class Tabulated(Law):
                 self._mirrored(0.5 * (upper - lower), odd=False),
             )
             z_max = float(half.max())
-            share = _monotone(x, half / z_max if z_max > 0.0 else half)
+            share = monotone(x, half / z_max if z_max > 0.0 else half)
         else:
             widths = self._widths()
             z_max = max(widths, default=0.0)
-            share = _level_cubics(self.amplitudes, widths, z_max)
+            share = level_cubics(self.amplitudes, widths, z_max)
             mean = self._mirrored(np.array(self.force), odd=True)
             if self.curve == "virgin" and z_max > 0.0:
-                mean = mean + z_max * share(_held(x, share)) * np.sign(x) * np.expm1(-np.abs(x) / self.yield_deflection)
-        curve = _monotone(x, mean)
+                mean = mean + z_max * share(held(x, share)) * np.sign(x) * np.expm1(-np.abs(x) / self.yield_deflection)
+        curve = monotone(x, mean)
         if not self.symmetric:
             curve.c[-1] -= curve(0.0)
         return curve, share, z_max
@@ -166,7 +166,7 @@ class Tabulated(Law):
         for number, (amplitude, area) in enumerate(zip(self.amplitudes, self.areas, strict=True)):
             # What the next amplitude's knot changes lies beyond this cycle: the areas are met one after the other.
             parts = np.eye(number + 1)
-            one = [_cycle_area(self.amplitudes[: number + 1], part, amplitude, self.yield_deflection) for part in parts]
+            one = [cycle_area(self.amplitudes[: number + 1], part, amplitude, self.yield_deflection) for part in parts]
             width = (area - float(np.dot(one[:-1], widths))) / one[-1]
             if width < 0.0:
                 raise ValueError(
@@ -182,7 +182,7 @@ class Tabulated(Law):
 
     @cached_property
     def _parameters(self) -> Array:
-        return _packed(*self._curves, self.yield_deflection or 1.0)  # without hysteresis any length will do
+        return packed(*self._curves, self.yield_deflection or 1.0)  # without hysteresis any length will do
 
     def surely_holds(self, columns: Mapping[str, Any]) -> bool:
         """Return False: a table is tried entry by entry."""
@@ -213,7 +213,7 @@ class Tabulated(Law):
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, M'(0) + g(0) z_max / x_y [N/m]."""
         curve, share, z_max = self._curves
-        friction = float(share(_held(np.zeros(1), share))[0]) * z_max / self.yield_deflection if z_max > 0.0 else 0.0
+        friction = float(share(held(np.zeros(1), share))[0]) * z_max / self.yield_deflection if z_max > 0.0 else 0.0
         return float(curve(0.0, 1)) + friction
 
     @property
@@ -250,53 +250,3 @@ def _require_increasing(name: str, values: Array) -> None:
     if (np.diff(values) <= 0.0).any():
         at = int(np.argmax(np.diff(values) <= 0.0))
         raise ValueError(f"`{name}` must increase strictly, got {values[at]:.6g} before {values[at + 1]:.6g}.")
-
-
-def _monotone(x: Array, values: Array) -> PPoly:
-    """Return the monotone cubics through points."""
-    with np.errstate(over="ignore"):  # a mean of slopes of which one is as good as zero
-        return PchipInterpolator(x, values)
-
-
-def _level_cubics(knots: Sequence[float], values: Sequence[float] | Array, scale: float) -> PPoly:
-    """Return values over a scale as a function of |x|, joined by cubics that are level at its knots; constant without any."""
-    if len(values) == 0 or scale == 0.0:
-        return PPoly(np.zeros((1, 1)), np.array([-1.0, 1.0]))
-    ends = np.concatenate([-np.array(knots)[::-1], knots])
-    shares = np.concatenate([np.array(values)[::-1], values]) / scale
-    return PPoly.from_bernstein_basis(BPoly.from_derivatives(ends, np.column_stack([shares, np.zeros_like(shares)])))
-
-
-def _held(x: Array, curve: PPoly) -> Array:
-    """Return deflections, those beyond the ends of a curve moved there."""
-    return np.clip(x, curve.x[0], curve.x[-1])
-
-
-def _packed(curve: PPoly, share: PPoly, z_max: float, x_y: float) -> Array:
-    """Return the kernel's parameters of a law with M and g, `curve` and `share`."""
-    knots = np.union1d(curve.x, share.x)
-    rows = np.zeros((knots.size + 1, 8))
-    factorials = (1.0, 1.0, 2.0, 6.0)
-    for first, poly in ((0, curve), (4, share)):
-        at = _held(knots, poly)
-        for power in range(4):
-            rows[1:, first + power] = poly(at, power) / factorials[power]
-    # Outside both are what they are at their ends; M goes straight on.
-    below, above = knots < curve.x[0], knots >= curve.x[-1]
-    for outside, end in ((below, curve.x[0]), (above, curve.x[-1])):
-        rows[1:][outside, 0] = curve(end) + curve(end, 1) * (knots[outside] - end)
-        rows[1:][outside, 1] = curve(end, 1)
-        rows[1:][outside, 2:4] = 0.0
-    rows[1:][(knots < share.x[0]) | (knots >= share.x[-1]), 5:] = 0.0
-    rows[0] = rows[1]
-    rows[0, [2, 3, 5, 6, 7]] = 0.0
-    return np.concatenate([[z_max / x_y, 1.0 / x_y, 0.0, 1.0, knots.size], knots, rows.ravel()])
-
-
-def _cycle_area(knots: Sequence[float], widths: Array, amplitude: float, x_y: float) -> float:
-    """Return the area of a closed cycle about zero with half widths [N] at knots of |x| [J]."""
-    elastic = PPoly(np.zeros((1, 1)), np.array([-1.0, 1.0]))
-    # Unit bound of z: g takes the widths themselves.
-    p = _packed(elastic, _level_cubics(knots, widths, 1.0), 1.0, x_y)
-    path = np.array([-amplitude, amplitude, -amplitude])
-    return float(follow_path(kernels.TABULATED, p, path, np.array([-math.tanh(amplitude / x_y)]), 1)[2][-1])
