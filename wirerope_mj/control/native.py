@@ -12,6 +12,7 @@ from wirerope_mj.control.contacts import begin_contacts, normal_force, track_con
 from wirerope_mj.control.mounts import apply_mounts, copy_rates, drive_base, remove_overshoot
 from wirerope_mj.control.observer import observe
 from wirerope_mj.control.pointers import float64_array, int32_array, int32_member, int64_array, member
+from wirerope_mj.control.stops import track_stops
 from wirerope_mj.control.structs import DATA_FIELDS, offsets, size_of
 from wirerope_mj.jit import inlined, njit
 
@@ -103,6 +104,13 @@ def _sensor(m, d, system, field, time, place, part):  # type: ignore[no-untyped-
     remove_overshoot(lay, 0, par, 0, act, 0)
     if u[at.OBSERVING] != 0.0:
         _contacts(d, lay, u, now, place, part)
+        track_stops(
+            lay, 0, par, 0, u, 0, act, 0, now,
+            member(d, field[3]),
+            member(d, field[13]),
+            member(d, field[7]),
+            member(d, field[8]),
+        )  # fmt: skip
     observe(
         lay, 0, u, 0, act, 0, now,
         member(d, field[2]),
@@ -125,7 +133,7 @@ CONTROL_FIELDS = (
 )  # fmt: skip
 SENSOR_FIELDS = (
     "userdata", "act", "sensordata", "site_xpos", "site_xquat", "xipos", "xquat", "subtree_com", "cvel", "cdof", "cdof_dot",
-    "qvel", "qacc",
+    "qvel", "qacc", "site_xmat",
 )  # fmt: skip
 
 
