@@ -111,7 +111,8 @@ def test_beyond_the_table_the_end_slope_goes_on_if_that_is_stated():
         ({"deflection": [-0.01, 0.01, 0.0]}, "`deflection` must increase strictly, got 0.01 before 0"),
         ({"deflection": [0.0], "upper": [1.0], "lower": [0.0]}, "`deflection` must have at least 2 points, got 1"),
         ({"upper": [1.0]}, "`upper` must have one entry for each `deflection`, 3, got 1"),
-        ({"deflection": [0.01, 0.02, 0.03]}, "must reach from zero or below to zero or above, got 0.01 to 0.03 m"),
+        ({"deflection": [0.01, 0.02, 0.03]}, "`deflection` must reach from below zero to above, got 0.01 to 0.03 m"),
+        ({"deflection": [0.0, 0.02, 0.03]}, "from zero on only if `symmetric` mirrors the points or `extrapolate`"),
         ({"force": [0.0, 1.0, 2.0]}, "give either `upper` and `lower`, the limit curves, or `force`"),
         ({"lower": []}, "`lower` must have one entry for each `deflection`, 3, got 0"),
         ({"yield_deflection": 0.0}, "`yield_deflection` must be > 0 for a law with hysteresis"),
@@ -221,6 +222,8 @@ def test_a_table_reaches_as_far_as_the_rated_travel():
     wr.Isolator(name="a", axial=law, limits=wr.Limits(travel=wr.Travel(compression=0.01)))
     with pytest.raises(ValueError, match=r"its table ends .* inside the rated travel of 0.02 m"):
         wr.Isolator(name="a", axial=law, limits=wr.Limits(travel=wr.Travel(tension=0.02)))
-    one_sided = wr.Tabulated(deflection=[-0.03, 0.0], force=[-300.0, 0.0])
-    assert one_sided.travel_ends == (0.03, 0.0)
-    wr.Isolator(name="a", axial=one_sided, limits=wr.Limits(travel=wr.Travel(compression=0.03)))
+    lopsided = wr.Tabulated(deflection=[-0.03, 0.0, 0.01], force=[-300.0, 0.0, 100.0])
+    assert lopsided.travel_ends == (0.03, 0.01)
+    wr.Isolator(name="a", axial=lopsided, limits=wr.Limits(travel=wr.Travel(compression=0.03)))
+    one_sided = wr.Tabulated(deflection=[-0.03, 0.0], force=[-300.0, 0.0], extrapolate=True)
+    assert one_sided.trace([0.0, 0.02]).force[-1] == pytest.approx(200.0)
