@@ -76,6 +76,21 @@ def test_constant_width_is_vaiana_and_rosatis_law():
     assert not elastic.trace(path).hysteretic_state.any()
 
 
+@pytest.mark.parametrize("seed", range(60))
+def test_friction_alone_never_gives_work(seed):
+    """Widths that jump between nothing and much, and M = 0, whose potential would hide what friction gives."""
+    rng = np.random.default_rng(seed)
+    below, above = np.cumsum(rng.exponential(1.0, (2, rng.integers(1, 7))), axis=1)
+    x = np.concatenate([-below[::-1], [0.0], above])
+    half = rng.exponential(1.0, x.size) ** 3 * (rng.random(x.size) < 0.6)
+    law = wr.Tabulated(
+        deflection=x, upper=half, lower=-half, yield_deflection=10.0 ** rng.uniform(-3.0, 2.0), extrapolate=True
+    )
+    path = np.concatenate([[0.0], rng.normal(size=40) * rng.exponential(3.0)])
+    work = law.trace(path).work
+    assert work.min() >= -1e-12 * np.abs(work).max()  # rounding of its sum
+
+
 def test_limit_curves_are_reached():
     law = wr.Tabulated(**LIMITS, yield_deflection=1e-4)
     loop = law.trace([0.0, 0.01, -0.01, 0.01])
