@@ -73,6 +73,10 @@ def test_tension_and_points_in_a_file(tmp_path):
     assert isolator.axial.trace([0.0, -0.036]).force[-1] == pytest.approx(-8460.0, rel=1e-12)
     assert isolator.limits.travel.tension == 0.015
     assert isolator.axial.travel_ends == (0.036, 0.015)
+    isolator.save(tmp_path / "out.toml")
+    # Cycles about zero end where tension does, though compression is rated for more.
+    assert main(["isolators", str(tmp_path / "out.toml"), "--out", str(tmp_path / "loops.png")]) == 0
+    assert main(["loops", str(tmp_path / "out.toml"), "--out", str(tmp_path / "cycles.png")]) == 0
 
 
 def test_the_command_writes_one_file_that_loads(tmp_path, capsys):

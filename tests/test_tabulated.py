@@ -76,6 +76,21 @@ def test_constant_width_is_vaiana_and_rosatis_law():
     assert not elastic.trace(path).hysteretic_state.any()
 
 
+@pytest.mark.parametrize("seed", range(60))
+def test_friction_alone_never_gives_work(seed):
+    """Widths that jump between nothing and much, and M = 0, whose potential would hide what friction gives."""
+    rng = np.random.default_rng(seed)
+    below, above = np.cumsum(rng.exponential(1.0, (2, rng.integers(1, 7))), axis=1)
+    x = np.concatenate([-below[::-1], [0.0], above])
+    half = rng.exponential(1.0, x.size) ** 3 * (rng.random(x.size) < 0.6)
+    law = wr.Tabulated(
+        deflection=x, upper=half, lower=-half, yield_deflection=10.0 ** rng.uniform(-3.0, 2.0), extrapolate=True
+    )
+    path = np.concatenate([[0.0], rng.normal(size=40) * rng.exponential(3.0)])
+    work = law.trace(path).work
+    assert work.min() >= -1e-12 * np.abs(work).max()  # rounding of its sum
+
+
 def test_limit_curves_are_reached():
     law = wr.Tabulated(**LIMITS, yield_deflection=1e-4)
     loop = law.trace([0.0, 0.01, -0.01, 0.01])
@@ -111,7 +126,8 @@ def test_beyond_the_table_the_end_slope_goes_on_if_that_is_stated():
         ({"deflection": [-0.01, 0.01, 0.0]}, "`deflection` must increase strictly, got 0.01 before 0"),
         ({"deflection": [0.0], "upper": [1.0], "lower": [0.0]}, "`deflection` must have at least 2 points, got 1"),
         ({"upper": [1.0]}, "`upper` must have one entry for each `deflection`, 3, got 1"),
-        ({"deflection": [0.01, 0.02, 0.03]}, "must reach from zero or below to zero or above, got 0.01 to 0.03 m"),
+        ({"deflection": [0.01, 0.02, 0.03]}, "`deflection` must reach from below zero to above, got 0.01 to 0.03 m"),
+        ({"deflection": [0.0, 0.02, 0.03]}, "from zero on only if `symmetric` mirrors the points or `extrapolate`"),
         ({"force": [0.0, 1.0, 2.0]}, "give either `upper` and `lower`, the limit curves, or `force`"),
         ({"lower": []}, "`lower` must have one entry for each `deflection`, 3, got 0"),
         ({"yield_deflection": 0.0}, "`yield_deflection` must be > 0 for a law with hysteresis"),
@@ -221,6 +237,8 @@ def test_a_table_reaches_as_far_as_the_rated_travel():
     wr.Isolator(name="a", axial=law, limits=wr.Limits(travel=wr.Travel(compression=0.01)))
     with pytest.raises(ValueError, match=r"its table ends .* inside the rated travel of 0.02 m"):
         wr.Isolator(name="a", axial=law, limits=wr.Limits(travel=wr.Travel(tension=0.02)))
-    one_sided = wr.Tabulated(deflection=[-0.03, 0.0], force=[-300.0, 0.0])
-    assert one_sided.travel_ends == (0.03, 0.0)
-    wr.Isolator(name="a", axial=one_sided, limits=wr.Limits(travel=wr.Travel(compression=0.03)))
+    lopsided = wr.Tabulated(deflection=[-0.03, 0.0, 0.01], force=[-300.0, 0.0, 100.0])
+    assert lopsided.travel_ends == (0.03, 0.01)
+    wr.Isolator(name="a", axial=lopsided, limits=wr.Limits(travel=wr.Travel(compression=0.03)))
+    one_sided = wr.Tabulated(deflection=[-0.03, 0.0], force=[-300.0, 0.0], extrapolate=True)
+    assert one_sided.trace([0.0, 0.02]).force[-1] == pytest.approx(200.0)

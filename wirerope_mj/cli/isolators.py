@@ -110,10 +110,10 @@ def _measures(isolator: Isolator) -> Table:
             continue
         rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
         for share in _SHARES:
-            amplitude = share * (rated or _UNRATED)
+            amplitude = share * min(rated or _UNRATED, law.finite_travel)
             loop = cyclic_test(law, amplitude, frequency=_FREQUENCY)[0]
             values = (1e-3 * loop.secant_stiffness, loop.dissipated_energy, 100.0 * loop.damping_ratio)
-            part = "-" if rated is None else f"{100 * share:.0f}"
+            part = "-" if rated is None else f"{100 * amplitude / rated:.0f}"
             table.add_row(axis, f"{1e3 * amplitude:.3g}", part, *[f"{value:.4g}" for value in values])
     return table
 

@@ -86,7 +86,7 @@ def _load(source: str, axis: str | None) -> tuple[Isolator, str, bool]:
         law = read_law(content, f"{path}:", path.parent)
         axes: dict[str, Any] = {axis or "axial": law}
         # A law file has no ratings; a law that ends somewhere says so itself when a test leads there.
-        end = law.finite_travel if law.finite_travel < math.inf else None
+        end = law.finite_travel if law.needs_rating and law.finite_travel < math.inf else None
         ends = None if end is None else math.nextafter(end, 0.0)
         travel = Travel(compression=ends, tension=ends, shear=ends, roll=ends)
         return Isolator(name=path.stem, limits=Limits(travel=travel), **axes), path.stem, False

@@ -87,9 +87,11 @@ class Tabulated(Law):
         _require_increasing("deflection", x)
         if self.symmetric and x[0] != 0.0:
             raise ValueError(f"`deflection` must begin at 0 where `symmetric` mirrors it, got {x[0]:.6g} m.")
-        if not x[0] <= 0.0 <= x[-1]:
+        beyond = self.symmetric or self.extrapolate
+        if not (x[0] <= 0.0 <= x[-1] if beyond else x[0] < 0.0 < x[-1]):
             raise ValueError(
-                f"`deflection` must reach from zero or below to zero or above, got {x[0]:.6g} to {x[-1]:.6g} m."
+                f"`deflection` must reach from below zero to above, got {x[0]:.6g} to {x[-1]:.6g} m; from zero on only if "
+                "`symmetric` mirrors the points or `extrapolate` goes on with the slope at zero."
             )
         if bool(self.force) == bool(self.upper or self.lower):
             raise ValueError("give either `upper` and `lower`, the limit curves, or `force`, one curve.")

@@ -77,10 +77,14 @@ def distinct_axes(isolator: Isolator) -> list[tuple[str, str, Law]]:
 
 
 def largest_amplitude(isolator: Isolator, axis: str) -> float:
-    """Return the amplitude of the largest loop worth drawing [m]: the rated travel, or 5 % of the height, or 5 mm."""
+    """Return the amplitude of the largest loop worth drawing [m]: the rated travel, or 5 % of the height, or 5 mm.
+
+    If the law ends before that on one side, it is what it has there.
+    """
     rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
     height = isolator.geometry.height if isolator.geometry is not None else None
-    return rated or (_UNRATED if height is None else _UNRATED_SHARE * height)
+    law, size = isolator.axes[axis], rated or (_UNRATED if height is None else _UNRATED_SHARE * height)
+    return size if law is None else min(size, law.finite_travel)
 
 
 def _save(figure: Figure, path: Path) -> None:
