@@ -118,7 +118,9 @@ def _measures(isolator: Isolator) -> Table:
 
 
 def describe(law: Law) -> str:
-    """Return a law's name and parameters in words."""
+    """Return a law's name and parameters in words, those of several one after the other."""
+    if len(law.components) > 1:
+        return " and ".join(describe(one) for one in law.components)
     values = law.to_dict()
     words = [
         f"{key} = [{', '.join(f'{number:.6g}' for number in value)}]"
