@@ -37,6 +37,12 @@ PARAMETERS = {
         "gap_below": 2e-3, "gap_above": 4e-3, "k": 4e6, "exponent": 1.5, "rounding": 2e-3, "loss": 0.4, "reversal": 5e-4,
         "c": 200.0,
     },
+    "tabulated": {
+        "deflection": [-0.06, -0.02, -5e-3, 0.0, 5e-3, 0.02, 0.06],
+        "upper": [-1.5e3, -1.1e3, -150.0, 150.0, 600.0, 2.5e3, 9e3],
+        "lower": [-2.0e3, -1.6e3, -450.0, -150.0, 200.0, 1.7e3, 8e3],
+        "yield_deflection": 2e-3,
+    },
 }  # fmt: skip
 """In SI units, for a mass of about 20 kg that moves by about 10 mm; the keys are those of an isolator file."""
 
@@ -96,6 +102,24 @@ def parallel_laws(draw):
     return Parallel(laws=tuple(draw(STRATEGIES[name]) for name in draw(st.lists(names, min_size=2, max_size=3))))
 
 
+@st.composite
+def _tabulated(draw):
+    """Return limit curves of different shapes, or a curve with areas, around zero and as wide as the paths."""
+    spacings = st.lists(st.floats(0.1, 2.0), min_size=1, max_size=4)
+    sides = [np.cumsum(draw(spacings)) for _ in range(2)]
+    x = np.concatenate([-sides[0][::-1] / sides[0][-1], [0.0], sides[1] / sides[1][-1]]) * 3.0
+    mean = np.concatenate([-np.cumsum(draw(st.lists(small, min_size=len(side), max_size=len(side)))) for side in sides])
+    mean = np.concatenate([mean[: len(sides[0])][::-1], [0.0], -mean[len(sides[0]) :]])
+    kept = {"deflection": x, "yield_deflection": draw(st.floats(0.1, 3.0)), "extrapolate": True}
+    if draw(st.booleans()):
+        half = np.array(draw(st.lists(small, min_size=x.size, max_size=x.size)))
+        return LAWS["tabulated"](upper=mean + half, lower=mean - half, **kept)
+    sizes = np.array([0.5, 2.0])
+    areas = 4.0 * draw(positive) * (sizes - kept["yield_deflection"] * np.tanh(sizes / kept["yield_deflection"]))
+    areas[1] *= draw(st.floats(0.9, 2.0))
+    return LAWS["tabulated"](force=mean, curve="mid", amplitudes=sizes, areas=areas, **kept)
+
+
 POLYNOMIAL = {"k1": small, "k2": small, "k3": small}
 STRATEGIES = {
     "bouc-wen": _bouc_wen("bouc-wen", k=small),
@@ -128,6 +152,7 @@ STRATEGIES = {
         psi=st.floats(0.1, 1.0), delta_psi=st.floats(0.0, 0.05), lam=st.floats(0.1, 1.0),
     ),
     "stop": _stop(),
+    "tabulated": _tabulated(),
 }  # fmt: skip
 
 SLOWED = {
@@ -148,12 +173,20 @@ def _swapped(law):
     return replace(law, **swap, **{b: getattr(law, a) * (-1.0 if a in turned else 1.0) for a, b in both})
 
 
+def _turned(law):
+    """Return a tabulated law turned about the origin."""
+    flip = {name: tuple(-v for v in getattr(law, name)[::-1]) for name in ("deflection", "force")}
+    both = {"upper": "lower", "lower": "upper"}
+    return replace(law, **flip, **{a: tuple(-v for v in getattr(law, b)[::-1]) for a, b in both.items()})
+
+
 MIRRORED = {
     "asymmetric-bouc-wen": lambda law: replace(law, c=-law.c),
     "tinker-cutchins": lambda law: replace(law, k2=-law.k2),
     "equivalent-viscous": lambda law: replace(law, k2=-law.k2),
     "vaiana-rosati": _swapped,
     "stop": lambda law: replace(law, gap_below=law.gap_above, gap_above=law.gap_below),
+    "tabulated": _turned,
 }
 """The law that answers the mirrored path with the mirrored force; a law that is not named here is odd itself."""
 

@@ -144,7 +144,7 @@ def test_a_path_step_by_step_is_the_path_at_once(name, data, points):
     assert work == pytest.approx(loop.work[-1], rel=1e-13, abs=1e-13)
 
 
-EXACT = {"enhanced-dry-friction", "masing", "vaiana-rosati"}
+EXACT = {"enhanced-dry-friction", "masing", "vaiana-rosati", "tabulated"}
 
 
 @pytest.mark.parametrize("name", [name for name in NAMES if example(name).rate_independent])

@@ -168,7 +168,7 @@ def _start(path: Path, axis: str) -> Law:
     )
     if not isinstance(table, dict):
         raise ModelError(f"{place} is missing; a search on this axis has no start there.")
-    return read_law(table, place)
+    return read_law(table, place, path.parent)
 
 
 def _check_places(request: Request) -> None:

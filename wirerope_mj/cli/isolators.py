@@ -1,6 +1,7 @@
 """`wirerope isolators`: the catalogue as a table, and one isolator with its loops."""
 
 from pathlib import Path
+from typing import Any
 
 from rich import box
 from rich.markup import escape
@@ -122,14 +123,15 @@ def describe(law: Law) -> str:
     if len(law.components) > 1:
         return " and ".join(describe(one) for one in law.components)
     values = law.to_dict()
-    words = [
-        f"{key} = [{', '.join(f'{number:.6g}' for number in value)}]"
-        if isinstance(value, list)
-        else f"{key} = {value:.6g}"
-        for key, value in values.items()
-        if key != "law"
-    ]
+    words = [f"{key} = {_value(value)}" for key, value in values.items() if key != "law"]
     return f"{values['law']}: {', '.join(words)}"
+
+
+def _value(value: Any) -> str:
+    """Return a parameter in words: a number, a list of them, or a choice."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_value, value))}]"
+    return f"{value:.6g}" if isinstance(value, int | float) and not isinstance(value, bool) else str(value).lower()
 
 
 def check_place(out: Path) -> None:

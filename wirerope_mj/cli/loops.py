@@ -83,7 +83,7 @@ def _load(source: str, axis: str | None) -> tuple[Isolator, str, bool]:
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
         return load_isolator(path), path.stem, True  # says what is wrong with the file
     if "law" in content or "laws" in content:
-        law = read_law(content, f"{path}:")
+        law = read_law(content, f"{path}:", path.parent)
         axes: dict[str, Any] = {axis or "axial": law}
         # A law file has no ratings; a law that ends somewhere says so itself when a test leads there.
         end = law.finite_travel if law.finite_travel < math.inf else None

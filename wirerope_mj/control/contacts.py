@@ -5,7 +5,7 @@ contacts costs one comparison.
 """
 
 from wirerope_mj.control import layout as at
-from wirerope_mj.jit import njit
+from wirerope_mj.jit import inlined, njit
 
 FRICTIONLESS, PYRAMIDAL, ELLIPTIC = 5, 6, 7
 """mjCNSTR_CONTACT_FRICTIONLESS, _PYRAMIDAL and _ELLIPTIC: how the forces of a contact stand in efc_force."""
@@ -22,7 +22,7 @@ def normal_force(force, address, kind, dimension):
     return total
 
 
-@njit
+@inlined
 def contact_rows(lay, i, w):
     """Return where the memory of contacts begins in userdata."""
     return (
@@ -36,7 +36,7 @@ def contact_rows(lay, i, w):
     )
 
 
-@njit
+@inlined
 def begin_contacts(lay, i, u, w, n_contacts):
     """Prepare the memory for the contacts of a step: empty at the first one, without forces of this step at the others."""
     n_rows = int(lay[i + at.N_CONTACTS])
@@ -73,7 +73,14 @@ def track_contact(lay, i, u, w, time, one, other, distance, force):
     """Update the memory of a pair of geoms with one of its contact points: distance [m], negative inside, and force [N]."""
     if distance >= 0.0 and force <= 0.0:  # within a margin, but not pressed
         return
-    k = contact_row(u, contact_rows(lay, i, w), int(lay[i + at.N_CONTACTS]), one, other)
+    touch(
+        u, w, contact_row(u, contact_rows(lay, i, w), int(lay[i + at.N_CONTACTS]), one, other), time, -distance, force
+    )
+
+
+@njit
+def touch(u, w, k, time, depth, force):
+    """Update the memory in row `k` with a touch at this step: depth [m] and force [N], which adds to what pressed already."""
     before = u[w + at.TIME_1]
     if u[k + at.TOUCHES] == 0.0:
         u[k + at.FIRST_TOUCH], u[k + at.TOUCHES] = time, 1.0
@@ -86,5 +93,5 @@ def track_contact(lay, i, u, w, time, one, other, distance, force):
     u[k + at.FORCE_NOW] += force
     if u[k + at.FORCE_NOW] > u[k + at.FORCE_PEAK]:
         u[k + at.FORCE_PEAK], u[k + at.FORCE_TIME] = u[k + at.FORCE_NOW], time
-    if -distance > u[k + at.DEPTH]:
-        u[k + at.DEPTH], u[k + at.DEPTH_TIME] = -distance, time
+    if depth > u[k + at.DEPTH]:
+        u[k + at.DEPTH], u[k + at.DEPTH_TIME] = depth, time

@@ -11,7 +11,7 @@ from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Rotation, S
 from wirerope_mj.isolator.stiffening import Stiffening
 from wirerope_mj.isolator.tables import AXES, read_tables, write_toml
 from wirerope_mj.isolator.travel import SIDES
-from wirerope_mj.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling
+from wirerope_mj.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, Stop
 from wirerope_mj.plain_text import plain
 
 COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}
@@ -93,13 +93,13 @@ class Isolator:
     def _require_travel(self) -> None:
         """Raise ValueError if a law does not hold as far as its axis' rated travel."""
         for axis, law in self.axes.items():
-            if law is None or law.finite_travel == math.inf:
+            if law is None:
                 continue
-            ends = f"[{axis}] {law.name} holds up to a deflection of {law.finite_travel:.6g} m, where {law.travel_rule}"
-            for rated in self.rated_travel(axis):
-                if rated is None:
+            for end, rated in zip(law.travel_ends, self.rated_travel(axis), strict=True):
+                ends = f"[{axis}] {law.name} holds up to a deflection of {end:.6g} m, where {law.travel_rule}"
+                if rated is None and end < math.inf and law.needs_rating:
                     raise ValueError(f"{ends}: such a law needs a rated travel on both sides, less than that.")
-                if law.finite_travel <= rated:
+                if rated is not None and (end < rated or (end == rated and law.needs_rating)):
                     raise ValueError(f"{ends}; that is inside the rated travel of {rated:.6g} m.")
 
     @property
@@ -120,6 +120,16 @@ class Isolator:
     def coupled_axes(self) -> tuple[int, ...]:
         """Places of the two coupled axes among roll, shear and axial; none if the axes are independent."""
         return () if self.coupling is None else tuple(AXES.index(axis) for axis in COUPLINGS[self.coupling])
+
+    @property
+    def stops(self) -> tuple[str, ...]:
+        """The axis of every stop among the laws, in their order."""
+        return tuple(axis for axis, law in self.axes.items() for part in _parts(law) if isinstance(part, Stop))
+
+    @property
+    def is_stop(self) -> bool:
+        """Whether all laws are stops: a device that does nothing within its gap, and is no isolator in a list of them."""
+        return all(isinstance(part, Stop) for law in self.axes.values() for part in _parts(law))
 
     @cached_property
     def conditioned(self) -> "Isolator":
@@ -158,18 +168,23 @@ class Isolator:
         return content
 
     @classmethod
-    def from_dict(cls, content: dict[str, Any], *, where: str = "isolator") -> "Isolator":
+    def from_dict(cls, content: dict[str, Any], *, where: str = "isolator", folder: Path | None = None) -> "Isolator":
         """Return the isolator that a file's content describes.
 
         Args:
             content: the tables of the file.
             where: what messages call the file.
+            folder: that of the file, for the points of a tabulated law in a CSV file beside it.
 
         Raises:
             ModelError: something is missing, extra, wrongly typed, not finite or not passive; the message names where,
                 axis, key and rule.
         """
         try:
-            return cls(**read_tables(content, where))
+            return cls(**read_tables(content, where, folder))
         except ValueError as error:
             raise ModelError(f"{where}: {error}") from error
+
+
+def _parts(law: Law | None) -> tuple[Law, ...]:
+    return () if law is None else law.components

@@ -140,6 +140,11 @@ class Stop(Law):
         return self.c == 0.0
 
     @property
+    def remembers_slow_paths(self) -> bool:
+        """True: viscous loss does not touch the state."""
+        return True
+
+    @property
     def state_names(self) -> tuple[str, ...]:
         """The state w of the loss, between -1 and 1; none without loss."""
         return ("w",) if self.loss > 0.0 else ()
