@@ -119,7 +119,9 @@ def _measures(isolator: Isolator) -> Table:
 
 
 def describe(law: Law) -> str:
-    """Return a law's name and parameters in words."""
+    """Return a law's name and parameters in words, those of several one after the other."""
+    if len(law.components) > 1:
+        return " and ".join(describe(one) for one in law.components)
     values = law.to_dict()
     words = [f"{key} = {_value(value)}" for key, value in values.items() if key != "law"]
     return f"{values['law']}: {', '.join(words)}"

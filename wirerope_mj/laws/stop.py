@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 import numpy.typing as npt
 from scipy.interpolate import PchipInterpolator
+from scipy.optimize import brentq
 
 from wirerope_mj.laws import kernels
 from wirerope_mj.laws.law import Law, anywhere, require_not_negative, require_positive
@@ -113,14 +114,21 @@ class Stop(Law):
         )
 
     def _points(self) -> npt.NDArray[np.float64]:
-        """Return places, forces and slopes of the table, the origin first, (3 n,)."""
+        """Return depths that count, forces, slopes and depths behind the gap of the table, the origin first, (4 n,)."""
         if self.k is not None:
             return np.empty(0)
         # A point before the origin, without force: monotone cubics then leave the origin flat.
         places, forces = (
             np.array([*start, *values]) for start, values in (((-1.0, 0.0), self.depths), ((0.0, 0.0), self.forces))
         )
-        return np.concatenate([places[1:], forces[1:], PchipInterpolator(places, forces).derivative()(places)[1:]])
+        slopes = PchipInterpolator(places, forces).derivative()(places)[1:]
+        return np.concatenate([places[1:], forces[1:], slopes, [self._depth(place) for place in places[1:]]])
+
+    def _depth(self, counted: float) -> float:
+        """Return the depth of which so much counts [m]."""
+        if counted >= 0.5 * self.rounding:
+            return counted + 0.5 * self.rounding
+        return float(brentq(lambda depth: seated(depth, self.rounding)[0] - counted, 0.0, self.rounding, xtol=1e-300))
 
     def pressed(self, depth: float) -> float:
         """Return the elastic force at a depth behind the gap [N]."""
@@ -156,7 +164,7 @@ class Stop(Law):
     def closed_stiffness(self) -> float:
         """Tangent behind gap and rounding [N/m]: k, the steepest of the points' cubics, of a hardening stop 1 mm deep."""
         if self.k is None:
-            return float(np.max(self._points()[2 * len(self.depths) + 2 :]))
+            return float(np.max(np.split(self._points(), 4)[2]))
         return self.k * self.exponent * 1e-3 ** (self.exponent - 1.0)
 
     @property

@@ -75,8 +75,8 @@ def stop_force(p, i, x, v, w):
 def stop(p, i, x, v, z, j, zdot, k):
     """Return the force of a stop [N]; the state w of a lossy one follows w' = (v - |v| w) / reversal, the only state.
 
-    p = 1 / reversal, 1 / reversal, 0, 1, loss, c, gap below, gap above, rounding, k, exponent, n, then depths,
-    forces and slopes (n each).
+    p = 1 / reversal, 1 / reversal, 0, 1, loss, c, gap below, gap above, rounding, k, exponent, n, then depths
+    that count, forces, slopes and depths behind the gap (n each).
     """
     if p[i + LOSS] == 0.0:
         return stop_force(p, i, x, v, 0.0)
@@ -101,7 +101,7 @@ def next_corner(p, i, x, s):
             if corner == 1:
                 depth = r
             elif corner > 1:
-                depth = p[i + POINTS + corner - 2] + 0.5 * r
+                depth = p[i + POINTS + 3 * n + corner - 2]
             ahead = s * (side * (gap + depth) - x)
             if 0.0 < ahead < best:
                 best = ahead
@@ -174,9 +174,9 @@ def pushing_work(p, i, cubic, start, end, x0, w, s):
 def stop_work(p, i, cubic, start, end, z, j):
     """Carry the state of a viscous stop in place along a cubic path without a reversal and return the work done on it [J]."""
     x0, x1, lossy = position(cubic, start), position(cubic, end), p[i + LOSS] > 0.0
-    s, work, t, w = 1.0 if x1 > x0 else -1.0, 0.0, start, z[j] if lossy else 0.0
+    s, work, t, w, x = 1.0 if x1 > x0 else -1.0, 0.0, start, z[j] if lossy else 0.0, x0
     while t < end:
-        corner = next_corner(p, i, position(cubic, t), s)
+        corner = next_corner(p, i, x, s)  # from the last one on, and not from where rounding holds the path before it
         until = end
         if s * (corner - x1) < 0.0:
             until = zero_between((cubic[0] - corner, cubic[1], cubic[2], cubic[3]), t, end)
@@ -190,7 +190,7 @@ def stop_work(p, i, cubic, start, end, z, j):
                 work += pushing_work(p, i, cubic, one, kink, x0, w, s)
                 one = kink
             work += pushing_work(p, i, cubic, one, two, x0, w, s)
-        t = until
+        t, x = until, corner
     if lossy:
         z[j] = turned(p, i, w, s, abs(x1 - x0))
     return work
