@@ -73,7 +73,14 @@ def track_contact(lay, i, u, w, time, one, other, distance, force):
     """Update the memory of a pair of geoms with one of its contact points: distance [m], negative inside, and force [N]."""
     if distance >= 0.0 and force <= 0.0:  # within a margin, but not pressed
         return
-    k = contact_row(u, contact_rows(lay, i, w), int(lay[i + at.N_CONTACTS]), one, other)
+    touch(
+        u, w, contact_row(u, contact_rows(lay, i, w), int(lay[i + at.N_CONTACTS]), one, other), time, -distance, force
+    )
+
+
+@njit
+def touch(u, w, k, time, depth, force):
+    """Update the memory in row `k` with a touch at this step: depth [m] and force [N], which adds to what pressed already."""
     before = u[w + at.TIME_1]
     if u[k + at.TOUCHES] == 0.0:
         u[k + at.FIRST_TOUCH], u[k + at.TOUCHES] = time, 1.0
@@ -86,5 +93,5 @@ def track_contact(lay, i, u, w, time, one, other, distance, force):
     u[k + at.FORCE_NOW] += force
     if u[k + at.FORCE_NOW] > u[k + at.FORCE_PEAK]:
         u[k + at.FORCE_PEAK], u[k + at.FORCE_TIME] = u[k + at.FORCE_NOW], time
-    if -distance > u[k + at.DEPTH]:
-        u[k + at.DEPTH], u[k + at.DEPTH_TIME] = -distance, time
+    if depth > u[k + at.DEPTH]:
+        u[k + at.DEPTH], u[k + at.DEPTH_TIME] = depth, time

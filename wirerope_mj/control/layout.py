@@ -20,8 +20,8 @@ PARAMETERS = "wirerope/parameters"
 
 # header of the layout
 N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
-MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONTACTS = range(7, 17)
-HEADER = 17
+MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONTACTS, N_STOPS = range(7, 18)
+HEADER = 18
 
 # columns of the tables
 # payload site, base site, payload body, base body, payload root, base root, base takes the reaction, and what follows
@@ -58,7 +58,7 @@ LOW, LOW_TIME, HIGH, HIGH_TIME = 6, 9, 12, 15  # extremes of the components
 PEAK, PEAK_TIME, PEAK_VECTOR = 18, 19, 20  # of the norm
 CHANNEL_MEMORY = 23
 
-# memory of the contacts of one pair of geoms
+# memory of the contacts of one pair of geoms, and of one stop among the mounts' laws (which has no geoms)
 GEOMS, TOUCHES, FROM_START, FIRST_TOUCH, LAST_TOUCH, TOUCHED_FOR, FORCE_NOW = 0, 2, 3, 4, 5, 6, 7
 FORCE_PEAK, FORCE_TIME, DEPTH, DEPTH_TIME = 8, 9, 10, 11
 CONTACT_MEMORY = 12
@@ -74,6 +74,7 @@ class UserData:
     n_tree: int
     n_channels: int
     n_contacts: int
+    n_stops: int = 0
 
     @property
     def mounts(self) -> int:
@@ -101,6 +102,11 @@ class UserData:
         return self.channels + CHANNEL_MEMORY * self.n_channels
 
     @property
+    def stops(self) -> int:
+        """Memory of the stops among the mounts' laws, (n_stops, CONTACT_MEMORY)."""
+        return self.contacts + CONTACT_MEMORY * self.n_contacts
+
+    @property
     def size(self) -> int:
         """Number of entries."""
-        return self.contacts + CONTACT_MEMORY * self.n_contacts
+        return self.stops + CONTACT_MEMORY * self.n_stops

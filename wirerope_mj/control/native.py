@@ -12,6 +12,7 @@ from wirerope_mj.control.contacts import begin_contacts, normal_force, track_con
 from wirerope_mj.control.mounts import apply_mounts, copy_rates, drive_base, remove_overshoot
 from wirerope_mj.control.observer import observe
 from wirerope_mj.control.pointers import float64_array, int32_array, int32_member, int64_array, member
+from wirerope_mj.control.stops import track_stops
 from wirerope_mj.control.structs import DATA_FIELDS, offsets, size_of
 from wirerope_mj.jit import njit
 
@@ -100,6 +101,14 @@ def _sensor(m, d, system, field, time, place, part):  # type: ignore[no-untyped-
     lay, q, w, a = int(prm[p + 1]), int(prm[p + 2]), int(prm[p + 3]), int(prm[p + 4])
     remove_overshoot(numeric, lay, numeric, q, member(d, field[1]), a)
     _contacts(d, numeric, lay, member(d, field[0]), w, float64_array(d + time)[0], place, part)
+    track_stops(
+        numeric, lay, numeric, q, member(d, field[0]), w, member(d, field[1]), a,
+        float64_array(d + time)[0],
+        member(d, field[2]),
+        member(d, field[13]),
+        member(d, field[6]),
+        member(d, field[7]),
+    )  # fmt: skip
     observe(
         numeric, lay, member(d, field[0]), w, member(d, field[1]), a,
         float64_array(d + time)[0],
@@ -123,7 +132,7 @@ CONTROL_FIELDS = (
 )  # fmt: skip
 SENSOR_FIELDS = (
     "userdata", "act", "sensordata", "site_xpos", "site_xquat", "xipos", "xquat", "subtree_com", "cvel", "cdof", "cdof_dot",
-    "qvel", "qacc",
+    "qvel", "qacc", "site_xmat",
 )  # fmt: skip
 
 

@@ -2,6 +2,9 @@
 
 from wirerope_mj.criteria.acceleration import acceleration_verdicts as acceleration_verdicts
 from wirerope_mj.criteria.bottoming import bottoming_verdicts as bottoming_verdicts
+from wirerope_mj.criteria.contact import CONTACT as CONTACT
+from wirerope_mj.criteria.contact import STOP as STOP
+from wirerope_mj.criteria.contact import closing_words as closing_words
 from wirerope_mj.criteria.contact import contact_verdicts as contact_verdicts
 from wirerope_mj.criteria.judge import judge as judge
 from wirerope_mj.criteria.mount_load import peak_force_verdicts as peak_force_verdicts

@@ -6,7 +6,7 @@ from typing import Any
 
 WITHIN, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
 STRUCK, TOUCHING, CLEAR = "struck", "touching from the start", "not touched"
-"""Verdicts on contact pairs, which have no limit: a struck stop is a finding in itself."""
+"""Verdicts on contact pairs and stops, which have no limit: a struck stop is a finding in itself."""
 
 
 @dataclass(frozen=True, kw_only=True)

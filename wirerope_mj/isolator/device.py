@@ -11,7 +11,7 @@ from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Rotation, S
 from wirerope_mj.isolator.stiffening import Stiffening
 from wirerope_mj.isolator.tables import AXES, read_tables, write_toml
 from wirerope_mj.isolator.travel import SIDES
-from wirerope_mj.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling
+from wirerope_mj.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, Stop
 from wirerope_mj.plain_text import plain
 
 COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}
@@ -121,6 +121,16 @@ class Isolator:
         """Places of the two coupled axes among roll, shear and axial; none if the axes are independent."""
         return () if self.coupling is None else tuple(AXES.index(axis) for axis in COUPLINGS[self.coupling])
 
+    @property
+    def stops(self) -> tuple[str, ...]:
+        """The axis of every stop among the laws, in their order."""
+        return tuple(axis for axis, law in self.axes.items() for part in _parts(law) if isinstance(part, Stop))
+
+    @property
+    def is_stop(self) -> bool:
+        """Whether all laws are stops: a device that does nothing within its gap, and is no isolator in a list of them."""
+        return all(isinstance(part, Stop) for law in self.axes.values() for part in _parts(law))
+
     @cached_property
     def conditioned(self) -> "Isolator":
         """The isolator as it acts: all forces times the factor of its stiffening; itself where that is 1.
@@ -173,3 +183,7 @@ class Isolator:
             return cls(**read_tables(content, where))
         except ValueError as error:
             raise ModelError(f"{where}: {error}") from error
+
+
+def _parts(law: Law | None) -> tuple[Law, ...]:
+    return () if law is None else law.components

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.criteria import closing_words
 from wirerope_mj.recording.paths import AXES, AXIAL, Array, at, entity
 from wirerope_mj.recording.selection import Selection, travel_limits
 from wirerope_mj.response import Response
@@ -68,14 +69,13 @@ def events_of(response: Response, selection: Selection) -> list[Event]:
 def _contact_events(response: Response) -> list[Event]:
     """Return when stops are struck first, and how hard at most."""
     contacts = response.peaks.contacts or {}
-    return [
-        Event(
-            time=_short(contacts[name].first_touch or 0.0),
-            level="WARN",
-            text=f"{name}: struck, at most {1e-3 * contacts[name].force:.3g} kN",
-        )
-        for name in response.peaks.struck
-    ]
+    found = []
+    for name in response.peaks.struck:
+        contact = contacts[name]
+        text = f"{name}: struck, at most {1e-3 * contact.force:.3g} kN"
+        text = closing_words(name, contact) if contact.mount else text
+        found.append(Event(time=_short(contact.first_touch or 0.0), level="WARN", text=text))
+    return found
 
 
 def _travel_events(response: Response, mount: SceneMount, axis: str) -> list[Event]:

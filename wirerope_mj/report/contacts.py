@@ -9,7 +9,7 @@ from wirerope_mj.verdicts import contact_lines
 
 
 def contacts_section(run: FinishedRun) -> Section:
-    """Return what became of every pair of geoms that may touch; without blocks where nothing may, or nothing did."""
+    """Return what became of every pair of geoms that may touch and of every stop; without blocks where there are none."""
     title = "Stops and contacts"
     contacts = run.response.peaks.contacts
     if contacts is None:
@@ -30,7 +30,7 @@ def _table(run: FinishedRun) -> Table:
         times = [ABSENT if t is None else fixed(t, 4) for t in (contact.first_touch, contact.force_time)]
         rows.append(
             (
-                verdict.subject,
+                contact.called(verdict.subject),
                 Mark(text=verdict.verdict, tone=TONE[verdict.verdict]),
                 times[0],
                 str(contact.touches),
@@ -41,9 +41,9 @@ def _table(run: FinishedRun) -> Table:
             )
         )
     return Table(
-        caption="Pairs that the model declares, and others that touched",
+        caption="Pairs that the model declares, others that touched, and the stops of mounts",
         head=(
-            "pair",
+            "stop or pair",
             "verdict",
             "first touch [s]",
             "touches",
@@ -55,5 +55,5 @@ def _table(run: FinishedRun) -> Table:
         align="llrrrrrr",
         rows=tuple(rows),
         note="Forces are normal forces of all contact points of a pair together, at steps. Depth: how far the two overlap "
-        "when pressed, as the model's stiffness of the contact has it.",
+        "when pressed, as the model's stiffness of the contact has it; of a mount's stop how far it is pressed beyond its gap.",
     )

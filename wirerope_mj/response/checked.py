@@ -158,6 +158,8 @@ def _check_mount(mount: Any, where: str, bodies: Sequence[str]) -> None:
     for key in ("payload_body", "base_body"):
         if mount[key] not in (*bodies, "world"):
             raise ValueError(f"`{where}.{key}` must be a body of the scene, got {mount[key]!r}.")
+    if not isinstance(mount.get("stop", False), bool):  # older responses have none
+        raise ValueError(f"`{where}.stop` must be true or false, got {_shown(mount['stop'])}.")
     for key in ("payload_point", "base_point"):
         _numbers(mount[key], f"{where}.{key}", 3)
     for i, row in enumerate(_sequence(mount["axes"], f"{where}.axes", 3)):

@@ -1,4 +1,4 @@
-"""Contacts of a response: what two geoms that may touch, such as a stop and its pad, did over every step."""
+"""Contacts of a response: what two geoms that may touch, or a stop among the mounts' laws, did over every step."""
 
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -6,11 +6,14 @@ from typing import Any
 
 @dataclass(frozen=True, kw_only=True)
 class ContactPeak:
-    """First touch, largest force and deepest penetration of a pair of geoms, over every step.
+    """First touch, largest force and deepest penetration of a pair of geoms, or of a stop of a mount, over every step.
+
+    A stop of a mount touches while it presses: its penetration is how far the deflection is beyond the gap.
 
     Attributes:
-        geoms: names of the two geoms; a stop and its pad as the model's `pair` has them.
+        geoms: names of the two geoms; a stop and its pad as the model's `pair` has them; of a mount's stop "".
         bodies: names of the bodies that they belong to.
+        mount: name of the mount whose law the stop is; "" for geoms.
         touches: how often they came together; a touch that begins and ends between two steps is not seen.
         from_start: whether they touch at the start already, as what rests on its stops does; counted among the touches.
         first_touch: instant of the first touch [s]; None if they never touch.
@@ -23,6 +26,7 @@ class ContactPeak:
 
     geoms: tuple[str, str]
     bodies: tuple[str, str]
+    mount: str = ""
     touches: int = 0
     from_start: bool = False
     first_touch: float | None = None
@@ -36,6 +40,10 @@ class ContactPeak:
     def struck(self) -> bool:
         """Whether they came together during the run; resting on each other from the start is no strike."""
         return self.touches > int(self.from_start)
+
+    def called(self, name: str) -> str:
+        """Return what a text calls the contact of this name: a stop of a mount "stop s3", a pair of geoms by its name."""
+        return f"stop {name}" if self.mount and not name.startswith("stop") else name
 
     def later(self, by: float) -> "ContactPeak":
         """Return the contact on a timeline `by` seconds later."""

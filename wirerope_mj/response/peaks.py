@@ -78,11 +78,12 @@ class MountPeaks:
 
 @dataclass(frozen=True, kw_only=True)
 class Peaks:
-    """Peaks by name of body, point, mount and pair of geoms that may touch.
+    """Peaks by name of body, point, mount, and of what may touch.
 
     Attributes:
         bodies, points, mounts: by name.
-        contacts: by name of the pair, "stop_1 on pad_1"; None where they were not recorded, as in older responses.
+        contacts: by name of the pair, "stop_1 on pad_1", or of the mount that has a stop, "s3"; None where they were not
+            recorded, as in older responses.
     """
 
     bodies: dict[str, BodyPeaks]
@@ -92,7 +93,7 @@ class Peaks:
 
     @property
     def struck(self) -> list[str]:
-        """Names of the pairs of geoms that came together during the run, the first to touch first."""
+        """Names of the pairs and stops of `contacts` that came together during the run, the first to touch first."""
         found = {name: contact.first_touch or 0.0 for name, contact in (self.contacts or {}).items() if contact.struck}
         return sorted(found, key=lambda name: found[name])
 

@@ -1,6 +1,7 @@
 """What can be drawn of a system: bodies with their geoms, and mounts, frozen and without the engine."""
 
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -70,6 +71,7 @@ class SceneMount:
         height, width: of the unloaded device [m]; NaN if unknown.
         static_load: rated static load [N]; NaN if not judged.
         travel: rated travel [m] by "compression", "tension", "shear", "roll"; absent if not judged.
+        stop: whether it is a stop: all its laws are.
     """
 
     name: str
@@ -83,6 +85,7 @@ class SceneMount:
     width: float
     static_load: float
     travel: dict[str, float]
+    stop: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,6 +104,11 @@ class Scene:
     bodies: tuple[SceneBody, ...]
     mounts: tuple[SceneMount, ...]
     limits: tuple[PayloadLimit, ...] = ()
+
+    @property
+    def isolating(self) -> tuple[SceneMount, ...]:
+        """The mounts that are listed as such: all but stops without a rating, of which the table of contacts has all."""
+        return tuple(mount for mount in self.mounts if not mount.stop or mount.travel or isfinite(mount.static_load))
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:

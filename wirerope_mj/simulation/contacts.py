@@ -1,5 +1,7 @@
 """The contacts of a run, from the tracker's memory in the system's userdata."""
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -13,7 +15,7 @@ OTHERS = "further pairs"
 
 
 def contacts_of(system: System, user: npt.NDArray[np.float64]) -> dict[str, ContactPeak]:
-    """Return the contacts by name: the model's declared pairs, touched or not, then what else touched.
+    """Return the contacts by name: the model's declared pairs, touched or not, what else touched, then the mounts' stops.
 
     Where more touched than the memory has rows for, the last row is of all further pairs together, and what is not known to
     have touched is left out.
@@ -22,13 +24,30 @@ def contacts_of(system: System, user: npt.NDArray[np.float64]) -> dict[str, Cont
     declared = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True) if places.n_contacts else ()
     pairs = [payload_first(model, base, pair) for pair in declared]
     found = {contact_name(model, pair): _contact(system, pair) for pair in pairs}
-    for row in user[places.contacts : places.size].reshape(-1, at.CONTACT_MEMORY):
+    for row in user[places.contacts : places.stops].reshape(-1, at.CONTACT_MEMORY):
         if row[at.TOUCHES] and row[at.GEOMS] == at.SEVERAL:
             found[OTHERS] = _touched(ContactPeak(geoms=(OTHERS, ""), bodies=("", "")), row)
         elif row[at.TOUCHES]:
             pair = payload_first(model, base, (int(row[at.GEOMS]), int(row[at.GEOMS + 1])))
             found[contact_name(model, pair)] = _touched(_contact(system, pair), row)
-    return {name: contact for name, contact in found.items() if contact.touches} if OTHERS in found else found
+    if OTHERS in found:
+        found = {name: contact for name, contact in found.items() if contact.touches}
+    return found | _stops(system, user)
+
+
+def _stops(system: System, user: npt.NDArray[np.float64]) -> dict[str, ContactPeak]:
+    """Return the stops among the mounts' laws, open or not, by the mount's name; with the axis where it has several."""
+    rows = iter(user[system.assembly.tables.user.stops :].reshape(-1, at.CONTACT_MEMORY))
+    found = {}
+    for mount in system.mounts.values():
+        axes = mount.isolator.stops
+        for number, axis in enumerate(axes):
+            name = mount.name if len(axes) == 1 else f"{mount.name} {axis}"
+            name += f" {axes[: number + 1].count(axis)}" if axes.count(axis) > 1 else ""
+            open_stop = ContactPeak(geoms=("", ""), bodies=(mount.payload_body, mount.base_body), mount=mount.name)
+            row = next(rows)
+            found[name] = _touched(open_stop, row) if row[at.TOUCHES] else open_stop
+    return found
 
 
 def _contact(system: System, pair: tuple[int, int]) -> ContactPeak:
@@ -40,9 +59,8 @@ def _contact(system: System, pair: tuple[int, int]) -> ContactPeak:
 
 def _touched(contact: ContactPeak, row: npt.NDArray[np.float64]) -> ContactPeak:
     force, depth = float(row[at.FORCE_PEAK]), float(row[at.DEPTH])
-    return ContactPeak(
-        geoms=contact.geoms,
-        bodies=contact.bodies,
+    return replace(
+        contact,
         touches=int(row[at.TOUCHES]),
         from_start=bool(row[at.FROM_START]),
         first_touch=float(row[at.FIRST_TOUCH]),

@@ -96,6 +96,7 @@ def _mount(model: mujoco.MjModel, data: mujoco.MjData, mount: Mount) -> SceneMou
         width=_NAN if geometry is None else _number(geometry.width),
         static_load=_number(limits.static_load),
         travel=limits.travel.stated,
+        stop=isolator.is_stop,
     )
 
 

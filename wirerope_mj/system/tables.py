@@ -108,6 +108,7 @@ def make_tables(
     header[at.SENSOR] = sensor
     header[at.N_SLIPPING] = _slipping(axes)
     header[at.N_CONTACTS] = n_contacts = contact_rows(model)
+    header[at.N_STOPS] = n_stops = sum(len(isolator.stops) for isolator in isolators.values())
     return Tables(
         layout=np.concatenate([header, *flat]),
         parameters=np.concatenate([*parameters, []]),
@@ -117,6 +118,7 @@ def make_tables(
             n_tree=int(model.nbody),
             n_channels=len(channels),
             n_contacts=n_contacts,
+            n_stops=n_stops,
         ),
         drive=drive,
         channels=np.array(channels, dtype=np.int64),
@@ -143,6 +145,7 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
     rows[:, at.PARTNER] = [_partner(isolator) for isolator in isolators.values()]
     layout[first : first + at.AXIS_COLUMNS * len(axes)] = np.ravel(axes)
     layout[at.N_SLIPPING] = _slipping(axes)
+    layout[at.N_STOPS] = sum(len(isolator.stops) for isolator in isolators.values())
     return replace(tables, layout=layout, parameters=np.concatenate([*parameters, []]), states=states)
 
 

@@ -204,11 +204,18 @@ def _moved_tables(
         for name, mount in system.mounts.items()
     ]
     old = system.assembly
-    return make_tables(model, data, declared, old.subjects, sensor=old.sensor, drive=old.tables.drive)
+    tables = make_tables(model, data, declared, old.subjects, sensor=old.sensor, drive=old.tables.drive)
+    return replace(tables, user=old.tables.user)
 
 
 def _write_tables(model: mujoco.MjModel, system: System, isolators: Mapping[str, Isolator], tables: Tables) -> None:
     """Write tables to where those of the original model stand in its copy."""
+    n_stops, rows = int(tables.layout[at.N_STOPS]), tables.user.n_stops
+    if n_stops > rows:
+        raise ModelError(
+            f"the laws of all mounts have {n_stops} stops, those that the model was compiled with {rows}: load the model with "
+            "such isolators from the start, load_system(..., isolators={...}), and vary that."
+        )
     room = model.numeric(at.PARAMETERS).data
     if tables.parameters.size > room.size:
         raise ModelError(_no_room(system, isolators, tables.parameters.size, room.size))

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from wirerope_mj.criteria import EXCEEDED, STRUCK, WITHIN, Verdict
+from wirerope_mj.criteria import CONTACT, EXCEEDED, STOP, STRUCK, WITHIN, Verdict
 
 
 def headline(verdicts: Sequence[Verdict]) -> str:
     """Return the answer in one sentence: how many limits are exceeded, how many stops are struck, how much is not judged."""
-    over, within, struck = (sum(row.verdict == verdict for row in verdicts) for verdict in (EXCEEDED, WITHIN, STRUCK))
+    over, within = (sum(row.verdict == verdict for row in verdicts) for verdict in (EXCEEDED, WITHIN))
     judged, contacts = over + within, sum(bool(row.contact) for row in verdicts)
     if over:
         # "of" the judged, so that it is not read as a share of everything
@@ -17,8 +17,10 @@ def headline(verdicts: Sequence[Verdict]) -> str:
     else:
         answer = "Nothing is judged: no limit is stated for anything in this run"
     parts = [answer]
-    if struck:
-        parts.append(f"{struck} of {_several(contacts, 'contact pair')} struck")
+    for criterion, thing in ((CONTACT, "contact pair"), (STOP, "stop")):
+        found = [row.contact for row in verdicts if row.contact and row.criterion == criterion]
+        if STRUCK in found:
+            parts.append(f"{found.count(STRUCK)} of {_several(len(found), thing)} struck")
     left = len(verdicts) - judged - contacts
     if judged and left:
         parts.append(f"{_several(left, 'figure')} {'is' if left == 1 else 'are'} not judged")

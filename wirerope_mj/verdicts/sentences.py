@@ -6,6 +6,7 @@ from wirerope_mj.criteria import (
     Verdict,
     acceleration_verdicts,
     bottoming_verdicts,
+    closing_words,
     rattle_verdicts,
     travel_verdicts,
 )
@@ -24,9 +25,10 @@ def verdict_lines(response: Response) -> list[str]:
 
 
 def contact_lines(response: Response) -> list[str]:
-    """Return which pair of geoms was struck hardest and how many others were, and what touches from the start."""
-    contacts = response.peaks.contacts or {}
-    lines, struck = [], response.peaks.struck
+    """Return which pair of geoms was struck hardest and how many others were, which stops closed, and what touches always."""
+    known = response.peaks.contacts or {}
+    contacts = {name: contact for name, contact in known.items() if not contact.mount}
+    lines, struck = [], [name for name in response.peaks.struck if name in contacts]
     if struck:
         first, hardest = contacts[struck[0]], max(struck, key=lambda name: contacts[name].force)
         lines.append(
@@ -35,16 +37,29 @@ def contact_lines(response: Response) -> list[str]:
         )
     elif contacts and not any(contact.touches for contact in contacts.values()):
         lines.append(f"No stop is struck: {len(contacts)} pair{'s' if len(contacts) > 1 else ''} may touch, none did.")
-    resting = [name for name, contact in contacts.items() if contact.from_start and not contact.struck]
+    lines += _stop_lines(response, len(known) - len(contacts))
+    resting = [contact.called(name) for name, contact in known.items() if contact.from_start and not contact.struck]
     if resting:
         lines.append(f"Touching from the start: {_listed(resting)}.")
     return lines
 
 
-def _listed(names: list[str]) -> str:
+def _stop_lines(response: Response, n_stops: int) -> list[str]:
+    """Return which stops of mounts closed, the first one first, or that none of them did."""
+    contacts = response.peaks.contacts or {}
+    closed = [name for name in response.peaks.struck if contacts[name].mount]
+    if closed:
+        words = _listed([closing_words(name, contacts[name]) for name in closed], "; ")
+        return [f"{words[0].upper()}{words[1:]}. From then on accelerations depend on what the stops are made of."]
+    if n_stops and not any(contact.touches for contact in contacts.values() if contact.mount):
+        return [f"No stop closes: {'there is one' if n_stops == 1 else f'there are {n_stops}'}."]
+    return []
+
+
+def _listed(names: list[str], between: str = ", ") -> str:
     """Return some names and how many more there are."""
     more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
-    return ", ".join(names[:_NAMED]) + more
+    return between.join(names[:_NAMED]) + more
 
 
 def _payload_lines(response: Response) -> list[str]:

@@ -40,7 +40,7 @@ def summary(response: Response, verdicts: Sequence[Verdict]) -> dict[str, Any]:
 
 
 def _contacts(response: Response) -> list[dict[str, Any]] | None:
-    """Return what is known of every pair of geoms that may touch; None where contacts were not recorded."""
+    """Return what is known of every pair of geoms that may touch and every stop; None where contacts were not recorded."""
     if response.peaks.contacts is None:
         return None
     return [
@@ -48,6 +48,7 @@ def _contacts(response: Response) -> list[dict[str, Any]] | None:
             "name": name,
             "geoms": list(contact.geoms),
             "bodies": list(contact.bodies),
+            "mount": contact.mount,
             "verdict": verdict.verdict,
             "from_start": contact.from_start,
             "touches": contact.touches,
