@@ -104,10 +104,10 @@ def _sensor(m, d, system, field, time, place, part):  # type: ignore[no-untyped-
     track_stops(
         numeric, lay, numeric, q, member(d, field[0]), w, member(d, field[1]), a,
         float64_array(d + time)[0],
-        member(d, field[2]),
+        member(d, field[3]),
         member(d, field[13]),
-        member(d, field[6]),
         member(d, field[7]),
+        member(d, field[8]),
     )  # fmt: skip
     observe(
         numeric, lay, member(d, field[0]), w, member(d, field[1]), a,
