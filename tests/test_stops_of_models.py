@@ -35,6 +35,20 @@ def test_contacts_and_stops_of_one_table_say_nearly_the_same():
     assert stops.peaks.mounts["s1"].force.maximum[2] == 0.0  # it never pulls, and no refined peak says so
 
 
+@pytest.mark.filterwarnings("ignore:4 of 4 stops were struck")  # on purpose
+def test_a_struck_stop_keeps_the_accuracy_that_is_asked_for():
+    """Contacts do not: see test_timestep. A warning of accuracy is an error here."""
+    system = wr.load_system(models_folder() / "shock_table.xml")
+    r = wr.simulate(system, hard_shock(), duration=0.12, accuracy=1e-4)
+    fine = table("shock_table.xml")
+    assert r.estimated_error <= 1e-4
+    wanted = fine.peaks.bodies["block"].acceleration.value
+    assert r.peaks.bodies["block"].acceleration.value == pytest.approx(wanted, rel=1e-4)
+    for name in ("m1", "s1"):
+        force = fine.peaks.mounts[name].force
+        np.testing.assert_allclose(r.peaks.mounts[name].force.minimum, force.minimum, atol=1e-4 * force.value)
+
+
 def heavy(name, factor, isolators=None):
     """Return a model of the house under a multiple of gravity."""
     text = (models_folder() / name).read_text()
