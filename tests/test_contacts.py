@@ -13,7 +13,7 @@ from test_equilibrium import floor_on_stops
 import wirerope_mj as wr
 from wirerope_mj.control import installed
 from wirerope_mj.criteria import CLEAR, STRUCK, TOUCHING, contact_verdicts
-from wirerope_mj.resources import models_folder
+from wirerope_mj.resources import models_folder, scenarios_folder
 from wirerope_mj.simulation.contacts import OTHERS
 from wirerope_mj.simulation.stepper import STATE
 from wirerope_mj.system import contact_pairs
@@ -28,7 +28,7 @@ def shock(level):
 
 @pytest.fixture(scope="module")
 def table():
-    return wr.load_system(models_folder() / "shock_table.xml")
+    return wr.load_system(models_folder() / "shock_table_contacts.xml")
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +116,7 @@ def test_every_declared_stop_has_a_verdict_struck_or_not(table, struck):
 def test_pairs_beyond_the_memory_are_told_together_and_nothing_is_called_untouched(monkeypatch):
     monkeypatch.setattr(contact_pairs, "contact_rows", lambda model: 2)
     monkeypatch.setattr("wirerope_mj.system.tables.contact_rows", lambda model: 2)
-    system = wr.load_system(models_folder() / "shock_table.xml")
+    system = wr.load_system(models_folder() / "shock_table_contacts.xml")
     with pytest.warns(wr.AccuracyWarning):
         r = wr.simulate(system, shock(60.0), duration=0.12, timestep=STEP)
     assert list(r.peaks.contacts) == ["stop_1 on pad_1", OTHERS]
@@ -145,9 +145,13 @@ def test_contacts_come_back_from_the_file_and_older_files_have_none(struck, tmp_
 
 
 def test_the_command_says_struck_stops_in_every_output(tmp_path):
+    scenario = (
+        (scenarios_folder() / "shock_table.py").read_text().replace("shock_table.xml", "shock_table_contacts.xml")
+    )
+    (tmp_path / "on_contacts.py").write_text(scenario)
     done = wirerope(
         "run",
-        "shock_table",
+        "on_contacts.py",
         "--duration",
         "0.12",
         "--level-g",

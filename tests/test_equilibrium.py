@@ -53,7 +53,8 @@ def test_the_floating_floor_hangs_in_balance(systems):
     force, place, mass, centre = loads(system, e)
     weight = mass * G
     assert mass == pytest.approx(3300.0, abs=1.0)
-    upright = [name for name, mount in system.mounts.items() if mount.axes[2, 2] > 0.99 and mount.isolator.axial]
+    isolators = {name: mount for name, mount in system.mounts.items() if not mount.isolator.is_stop}
+    upright = [name for name, mount in isolators.items() if mount.axes[2, 2] > 0.99 and mount.isolator.axial]
     assert len(upright) >= 12
     for name in upright:
         assert e.mounts[name].deflection[2] < 0.0

@@ -49,10 +49,10 @@ def test_every_verdict_that_the_headline_counts_stands_in_the_summary(tmp_path):
     summary = json.loads((tmp_path / "here" / "summary.json").read_text(encoding="utf-8"))
     told = [row["verdict"] for row in summary["judged"]]
     over, judged = told.count("exceeded"), told.count("exceeded") + told.count("within")
-    struck, pairs = told.count("struck"), sum(row["criterion"] == "contact" for row in summary["judged"])
+    struck, pairs = told.count("struck"), sum(row["criterion"] == "stop" for row in summary["judged"])
     rest = len(told) - judged - pairs
     assert summary["headline"] == (
-        f"Exceeded: {over} of {judged} limits; {struck} of {pairs} contact pairs struck; {rest} figures are not judged."
+        f"Exceeded: {over} of {judged} limits; {struck} of {pairs} stops struck; {rest} figures are not judged."
     )
     assert struck == pairs == 4
 

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from wirerope_mj.isolator import load_isolator
 from wirerope_mj.units import STANDARD_GRAVITY
 
 MODELS = Path(__file__).parents[1] / "models"
@@ -23,16 +24,18 @@ class Expected:
     stop_gap: float  # [m], rated travel of the mounts in compression
     side_gap: float | None  # [m]
     vertical_mounts: int
-    mounts: int
+    mounts: int  # that isolate
     carrier: str = ""  # what the mounts stand on, if it is not the base itself
+    stops: int = 0  # that are mounts, not contacts
 
 
 EXPECTED = {
     "sdof_shaker": Expected("table", "mass", 3.5, (0.0, 0.0, 0.095), 0.015, None, 1, 1),
-    "shock_table": Expected("table", "block", 50.0, (0.0, 0.0, 0.1035), 0.0401, None, 1, 1),
-    "shock_table_frame": Expected("table", "block", 50.0, (0.0, 0.0, 0.1035), 0.0401, None, 1, 1, "frame"),
-    "floating_floor": Expected("deck", "floor", 3300.0, (0.2755, 0.1600, 0.4995), 0.0432, 0.0401, 16, 24),
-    "cabinet": Expected("deck", "rack", 850.0, (0.0319, 0.0264, 0.7962), 0.03556, 0.03556, 6, 10),
+    "shock_table": Expected("table", "block", 50.0, (0.0, 0.0, 0.1035), 0.0401, None, 1, 1, stops=4),
+    "shock_table_contacts": Expected("table", "block", 50.0, (0.0, 0.0, 0.1035), 0.0401, None, 1, 1),
+    "shock_table_frame": Expected("table", "block", 50.0, (0.0, 0.0, 0.1035), 0.0401, None, 1, 1, "frame", 4),
+    "floating_floor": Expected("deck", "floor", 3300.0, (0.2755, 0.1600, 0.4995), 0.0432, 0.0401, 16, 24, stops=16),
+    "cabinet": Expected("deck", "rack", 850.0, (0.0319, 0.0264, 0.7962), 0.03556, 0.03556, 6, 10, stops=6),
 }
 
 # From the catalogues: vibration stiffness [N/m] along roll, shear and axial, rated static load [N] in compression.
@@ -68,6 +71,16 @@ def mounts_of(model):
         isolator = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_TEXT, ids[2]).removeprefix("isolator/")
         found[name.removeprefix("mount/")] = (int(ids[0]), int(ids[1]), isolator)
     return found
+
+
+def stops_of(model):
+    """Those of the mounts that are stops, by name."""
+    return {name: mount for name, mount in mounts_of(model).items() if mount[2].startswith("bump_stop")}
+
+
+def isolators_of(model):
+    """Those of the mounts that are not stops, by name."""
+    return {name: mount for name, mount in mounts_of(model).items() if not mount[2].startswith("bump_stop")}
 
 
 def geoms_of(model, body):
@@ -124,7 +137,7 @@ def test_mass_and_centre_of_mass_are_those_of_the_comment(case):
 def test_mount_sites_coincide_and_point_from_base_to_payload(case):
     expected, model, data = case
     mounts = mounts_of(model)
-    assert len(mounts) == expected.mounts
+    assert (len(isolators_of(model)), len(stops_of(model))) == (expected.mounts, expected.stops)
     assert sum(name.startswith("m") for name in mounts) == expected.vertical_mounts
     for name, (payload_site, base_site, _) in mounts.items():
         assert model.site(payload_site).name == f"{expected.payload}/{name}"
@@ -133,6 +146,8 @@ def test_mount_sites_coincide_and_point_from_base_to_payload(case):
         assert np.linalg.norm(data.site_xpos[payload_site] - data.site_xpos[base_site]) < 1e-6
         frame = data.site_xmat[base_site].reshape(3, 3)
         np.testing.assert_allclose(data.site_xmat[payload_site].reshape(3, 3), frame, atol=1e-12)
+        if name in stops_of(model):
+            continue  # what they stand before decides; the next test but one looks
         if name[0] in "mr":
             np.testing.assert_allclose(frame[:, 2], [0, 0, 1], atol=1e-12)
         else:  # horizontal: towards the payload's centre, roll upright
@@ -156,24 +171,52 @@ def test_base_and_payload_stand_apart_by_the_mounts_height(case):
             assert data.site_xpos[site][2] == pytest.approx(underside / 2.0, abs=1e-9)
 
 
-def test_each_stop_waits_at_the_rated_travel(case):
+def spheres_of(model):
+    """The geoms that are drawn as stops."""
+    sphere = mujoco.mjtGeom.mjGEOM_SPHERE
+    return {g for g in range(model.ngeom) if "stop" in model.geom(g).name and model.geom_type[g] == sphere}
+
+
+def test_nothing_touches_but_declared_pairs_and_only_where_no_stop_is_a_mount(case):
     expected, model, data = case
     assert data.ncon == 0
-    assert model.npair > 0
     assert not np.any(model.geom_contype)
     assert not np.any(model.geom_conaffinity)
-    touched = set()
+    assert (model.npair > 0) != (expected.stops > 0)
+
+
+def test_each_pair_waits_at_the_rated_travel(case):
+    expected, model, data = case
     for stop, pad in zip(model.pair_geom1, model.pair_geom2, strict=True):
-        names = sorted((model.geom(stop).name, model.geom(pad).name), key=lambda name: "stop" not in name)
-        touched.add(names[0])
-        side = names[0].startswith(("side", "rear"))
-        wanted = expected.side_gap if side else expected.stop_gap
-        assert distance(model, data, stop, pad) == pytest.approx(wanted, abs=1e-9), names  # rounding of the file
-    assert touched == {
-        model.geom(g).name
-        for g in range(model.ngeom)
-        if "stop" in model.geom(g).name and model.geom_type[g] == mujoco.mjtGeom.mjGEOM_SPHERE
-    }
+        assert distance(model, data, stop, pad) == pytest.approx(expected.stop_gap, abs=1e-9)  # rounding of the file
+    assert expected.stops or spheres_of(model) < {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
+    assert expected.stops or model.npair == len(spheres_of(model))
+
+
+def test_each_stop_of_the_mounts_stands_in_its_sphere_and_closes_where_it_meets_its_pad(case):
+    """Sphere and pad as drawn touch at the gap of the isolator file, along the axis of the site."""
+    expected, model, data = case
+    spheres = spheres_of(model) if expected.stops else set()
+    for name, (payload_site, base_site, isolator) in stops_of(model).items():
+        (sphere,) = (g for g in spheres if np.allclose(data.geom_xpos[g], data.site_xpos[payload_site], atol=1e-9))
+        spheres.remove(sphere)
+        lines = np.zeros((len(geoms_of(model, expected.base)), 6))
+        apart = [
+            mujoco.mj_geomDistance(model, data, sphere, g, 20.0, line)
+            for g, line in zip(geoms_of(model, expected.base), lines, strict=True)
+        ]
+        stop = load_isolator(MODELS / "isolators" / f"{isolator}.toml")
+        gap = stop.axial.gap_below
+        assert stop.is_stop
+        assert stop.limits.travel.stated == {}
+        side = "side" in isolator or model.geom(sphere).name.startswith("rear")
+        assert gap == (expected.side_gap if side else expected.stop_gap)
+        assert min(apart) == pytest.approx(gap, abs=1e-9), name  # rounding of the file
+        line = lines[int(np.argmin(apart))]
+        np.testing.assert_allclose(
+            (line[:3] - line[3:]) / gap, data.site_xmat[base_site].reshape(3, 3)[:, 2], atol=1e-6
+        )
+    assert not spheres
 
 
 def test_points_of_interest_belong_to_the_payload(case):
@@ -196,8 +239,8 @@ def driven(name):
 
 
 @pytest.mark.parametrize("timestep", [2e-4, 5e-4])
-@pytest.mark.parametrize("name", EXPECTED)
-def test_a_payload_without_mounts_settles_on_its_stops(name, timestep):
+@pytest.mark.parametrize("name", [name for name, expected in EXPECTED.items() if not expected.stops])
+def test_a_payload_without_mounts_settles_on_its_contacts(name, timestep):
     """Dropped from 1 mm above the stops: resting force is the weight within 1e-5, less than 0.25 mm deep."""
     expected, model = EXPECTED[name], driven(name)
     model.opt.timestep = timestep
@@ -220,7 +263,7 @@ def static_forces(name):
     model, data = compiled(name)
     centre = data.subtree_com[model.body(expected.payload).id]
     stiffness, rows = np.zeros((6, 6)), {}
-    for mount, (_, site, isolator) in mounts_of(model).items():
+    for mount, (_, site, isolator) in isolators_of(model).items():
         axes = data.site_xmat[site].reshape(3, 3)
         arm = data.site_xpos[site] - centre
         spin = np.array([[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]])

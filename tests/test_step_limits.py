@@ -17,7 +17,7 @@ G = wr.STANDARD_GRAVITY
 
 @pytest.fixture(scope="module")
 def table():
-    return wr.load_system(models_folder() / "shock_table.xml")
+    return wr.load_system(models_folder() / "shock_table_contacts.xml")
 
 
 def pulse_record(path):

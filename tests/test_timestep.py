@@ -76,8 +76,8 @@ def test_tighter_accuracy_takes_a_smaller_step(system):
     assert steps[1] < steps[0] / 4
 
 
-def test_bottoming_reports_the_accuracy_it_reached():
-    system = wr.load_system(models_folder() / "shock_table.xml")
+def test_bottoming_on_contacts_reports_the_accuracy_it_reached():
+    system = wr.load_system(models_folder() / "shock_table_contacts.xml")
     motion = wr.HalfSine(peak=40 * G, duration=0.011, direction="z", start=0.02)
     with pytest.warns(wr.AccuracyWarning) as told:
         response = wr.simulate(system, motion, duration=0.2)

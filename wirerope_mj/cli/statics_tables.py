@@ -60,6 +60,8 @@ def _mounts(name: str, table: StaticTable, verdicts: list[Verdict]) -> Table:
     exceeded = {verdict.subject for verdict in verdicts if verdict.verdict == "exceeded"}
     judged = {verdict.subject for verdict in verdicts if verdict.limit is not None}
     for mount in next(iter(table.sags.values())).mounts:
+        if not any(mount in sag.listed for sag in table.sags.values()):
+            continue
         columns = zip(*(_cells(sag, mount) for sag in table.sags.values()), strict=True)
         word = "[bold red]exceeded[/]" if mount in exceeded else "within" if mount in judged else "not judged"
         found.add_row(escape(mount), *[" / ".join(column) for column in columns], word)

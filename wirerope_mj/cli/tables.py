@@ -59,7 +59,7 @@ def print_run(scenario: Scenario, response: Response, folder: Path, *, seconds: 
     out = console()
     out.print(f"\n[bold]{escape(scenario.name)}[/]  {escape(scenario.motion.description)}")
     out.print(_accelerations(scenario, response))
-    if response.scene.mounts:
+    if response.scene.isolating:
         out.print()
         out.print(_mounts(response))
         out.print()

@@ -54,10 +54,14 @@ def kinematics(out, o, point, p, quaternion, k, body, root, subtree_com, cvel, c
 
 @njit
 def parabola_extreme(t0, y0, t1, y1, t2, y2):
-    """Return instant and value of the extreme of the parabola through three points whose middle one is extreme."""
+    """Return instant and value of the extreme of the parabola through three points whose middle one is extreme.
+
+    An extreme of exactly zero stays: it belongs to a stop that lets go, whose force rests at zero behind a corner, and a
+    parabola across the corner would let it pull.
+    """
     left, right = (y1 - y0) / (t1 - t0), (y2 - y1) / (t2 - t1)
     curvature = (right - left) / (t2 - t0)
-    if curvature == 0.0:
+    if curvature == 0.0 or y1 == 0.0:
         return t1, y1
     time = 0.5 * (t0 + t1 - left / curvature)
     return time, y0 + (time - t0) * (left + curvature * (time - t1))

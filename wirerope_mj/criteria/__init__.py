@@ -2,7 +2,6 @@
 
 from wirerope_mj.criteria.acceleration import acceleration_verdicts as acceleration_verdicts
 from wirerope_mj.criteria.bottoming import bottoming_verdicts as bottoming_verdicts
-from wirerope_mj.criteria.contact import CONTACT as CONTACT
 from wirerope_mj.criteria.contact import STOP as STOP
 from wirerope_mj.criteria.contact import closing_words as closing_words
 from wirerope_mj.criteria.contact import contact_verdicts as contact_verdicts

@@ -13,7 +13,7 @@ def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
     its bars would meet. No law knows that end, so that what is beyond it cannot happen: a stop is missing in the model.
     """
     found = []
-    for mount in response.scene.mounts:
+    for mount in response.scene.isolating:
         deflection = response.peaks.mounts[mount.name].deflection
         unknown = math.isnan(mount.height)
         verdict = Verdict(

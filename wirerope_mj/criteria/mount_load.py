@@ -28,7 +28,7 @@ def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
     rest = max(start, default=0.0) < AT_REST
     return tuple(
         _static(mount, read_start(response, f"mounts/{mount.name}/force/roll", 3), rest)
-        for mount in response.scene.mounts
+        for mount in response.scene.isolating
     )
 
 

@@ -12,7 +12,7 @@ def static_load_verdicts(table: StaticTable) -> list[Verdict]:
     """
     found = []
     for history, sag in table.sags.items():
-        for name, mount in sag.mounts.items():
+        for name, mount in sag.listed.items():
             note = static_load_unjudged(mount.force, mount.static_load)
             found.append(
                 Verdict(

@@ -26,7 +26,7 @@ def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
     "travel combined" is exceeded, is this project's own.
     """
     found: list[Verdict] = []
-    for mount in response.scene.mounts:
+    for mount in response.scene.isolating:
         deflection = read_columns(response, f"mounts/{mount.name}/deflection/roll", 3)
         found += [_along(response, mount, rating, deflection) for rating in RATINGS]
         found.append(_combined(response.time, mount, deflection))

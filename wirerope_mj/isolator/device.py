@@ -128,8 +128,9 @@ class Isolator:
 
     @property
     def is_stop(self) -> bool:
-        """Whether all laws are stops: a device that does nothing within its gap, and is no isolator in a list of them."""
-        return all(isinstance(part, Stop) for law in self.axes.values() for part in _parts(law))
+        """Whether all laws are stops and nothing is rated: listed with contacts, and not among the isolators."""
+        laws = [part for law in self.axes.values() for part in _parts(law)]
+        return all(isinstance(law, Stop) for law in laws) and self.limits == Limits()
 
     @cached_property
     def conditioned(self) -> "Isolator":

@@ -58,6 +58,8 @@ def carried(system: System, found: Modes) -> Carried:
                 if law is None or is_neutral(law) or sizes[axis] < SMALL or not math.isfinite(frequency):
                     continue
                 rest, force = float(load.deflection[axis]), float(forces[axis])
+                if law.initial_stiffness == 0.0 and force == 0.0:
+                    continue  # an open stop carries nothing, and where it would go is up to the others
                 there = _carrying(law, rest, force, float(sizes[axis]), frequency)
                 gain = _stiffness(law, there, sizes[axis], frequency) - _stiffness(law, rest, sizes[axis], frequency)
                 stiffness += found.mounts[mount][mode, axis] ** 2 * gain
@@ -92,7 +94,7 @@ def _carrying(law: Law, rest: float, force: float, amplitude: float, frequency: 
     here = excess(rest)
     if abs(here) <= 1e-9 * (abs(force) + law.initial_stiffness * amplitude):  # rounding of a sum over a cycle
         return rest
-    before, step = rest, -here / law.initial_stiffness
+    before, step = rest, -here / law.closed_stiffness
     for _ in range(30):
         beyond = before + step
         there = excess(beyond)

@@ -90,7 +90,7 @@ def _overview(response: Response, selection: Selection) -> Any:
     views = [_acceleration_plot(response, selection, TOTAL)]
     if selection.axes:
         views += [_mount_plot(response, selection, quantity, selection.axes[0]) for quantity in UNITS]
-    lanes = lane_paths(selection)
+    lanes = lane_paths(response, selection)
     views.append(
         rrb.StateTimelineView(
             origin=entity("lanes"),

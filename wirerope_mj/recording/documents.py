@@ -57,7 +57,7 @@ def peaks_markdown(response: Response, selection: Selection, verdicts: Sequence[
     """Return verdicts, peak accelerations, and peaks of the mounts against their rated travel."""
     parts = ["### Verdicts\n" + "\n".join(f"- {markdown(line)}" for line in verdicts)] if verdicts else []
     parts.append(_acceleration_table(response))
-    if response.scene.mounts:
+    if selection.mounts:
         parts.append(_mount_table(response, selection))
     return "\n\n".join(parts)
 

@@ -8,6 +8,7 @@ import numpy as np
 from wirerope_mj.criteria import closing_words
 from wirerope_mj.recording.paths import AXES, AXIAL, Array, at, entity
 from wirerope_mj.recording.selection import Selection, travel_limits
+from wirerope_mj.recording.stops import CLOSED, changes, closed_at
 from wirerope_mj.response import Response
 from wirerope_mj.response.scene import SceneMount
 from wirerope_mj.units import STANDARD_GRAVITY
@@ -39,17 +40,22 @@ def log_events(rec: Any, response: Response, selection: Selection) -> None:
         columns = rr.TextLog.columns(text=[event.text for event in found], level=[event.level for event in found])
         rec.send_columns(entity("events"), at([event.time for event in found]), columns)
     _log_lane(rec, "base", _phases(response), _PHASES, _PHASE_COLORS)
+    if response.scene.stops:
+        closed = closed_at(response, response.scene.stops)
+        states = [(float(response.time[row]), int(closed[row])) for row in changes(closed)]
+        _log_lane(rec, "stops", states, ("open", "closed"), (_PHASE_COLORS[0], CLOSED))
     for axis in AXES:
-        changes = _travel_changes(response, selection, axis)
-        if changes:
-            _log_lane(rec, f"travel_{axis}", changes, _TRAVEL, _TRAVEL_COLORS)
+        used = _travel_changes(response, selection, axis)
+        if used:
+            _log_lane(rec, f"travel_{axis}", used, _TRAVEL, _TRAVEL_COLORS)
 
 
-def lane_paths(selection: Selection) -> list[str]:
-    """Return the entities of the lanes that say something: axes near their rated travel, or else the nearest one."""
+def lane_paths(response: Response, selection: Selection) -> list[str]:
+    """Return the entities of the lanes that say something: stops, axes near their rated travel, or else the nearest one."""
     rated = [axis for axis in selection.axes if not np.isnan(selection.share(selection.ranked[axis][0], axis))]
     near = [axis for axis in rated if selection.share(selection.ranked[axis][0], axis) >= NEAR]
-    return [entity("lanes", "base"), *(entity("lanes", f"travel_{axis}") for axis in near or rated[:1])]
+    stops = [entity("lanes", "stops")] if response.scene.stops else []
+    return [entity("lanes", "base"), *stops, *(entity("lanes", f"travel_{axis}") for axis in near or rated[:1])]
 
 
 def events_of(response: Response, selection: Selection) -> list[Event]:
@@ -127,8 +133,7 @@ def _travel_changes(response: Response, selection: Selection, axis: str) -> list
     if used is None:
         return []
     state = (used >= NEAR).astype(int) + (used >= 1.0)
-    changes = np.flatnonzero(np.diff(state, prepend=-1))
-    return [(float(response.time[row]), int(state[row])) for row in changes]
+    return [(float(response.time[row]), int(state[row])) for row in changes(state)]
 
 
 def _used_travel(response: Response, axis: str) -> Array | None:

@@ -20,7 +20,7 @@ _FLAT = 0.08
 _MOST_LABELS = 12
 """With more mounts only those whose loops are shown first get a label."""
 
-BESIDE = ("labels", "forces", "acceleration")
+BESIDE = ("labels", "forces", "acceleration", "stops")
 """Entities of a base body that would stand in front of a mount seen from near."""
 
 
@@ -37,7 +37,7 @@ class Device:
 def devices_of(response: Response, extent: float) -> list[Device]:
     """Return the mounts with their sizes; where the model knows none, a size that suits a scene of `extent` [m]."""
     devices = []
-    for mount in response.scene.mounts:
+    for mount in response.scene.isolating:
         height = mount.height if np.isfinite(mount.height) else float(np.clip(0.03 * extent, 0.01, 0.1))
         width = mount.width if np.isfinite(mount.width) else 1.1 * height
         # Every wire rope carries along its axis; what does not is a rubber block that acts sideways only.

@@ -83,7 +83,7 @@ def worst_first(overlay: Overlay) -> list[str]:
         rows = [run.selection.shares[run.selection.mounts.index(name)] for run in overlay.having(name)]
         return float(np.nan_to_num(rows, nan=-1.0).max())
 
-    mounts = dict.fromkeys(name for run in overlay.runs for name in run.response.mounts)
+    mounts = dict.fromkeys(name for run in overlay.runs for name in run.selection.mounts)
     return sorted(mounts, key=largest, reverse=True)
 
 

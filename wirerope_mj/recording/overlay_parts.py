@@ -70,4 +70,6 @@ def parts_of(response: Response) -> list[Part]:
 
 def has(response: Response, thing: Part | str) -> bool:
     """Return whether a response has a part, or a mount of that name."""
-    return thing in response.mounts if isinstance(thing, str) else thing in parts_of(response)
+    if isinstance(thing, str):
+        return any(mount.name == thing for mount in response.scene.isolating)
+    return thing in parts_of(response)

@@ -53,7 +53,7 @@ class Overlay:
     def of_run(self, run: Run) -> Selection:
         """Return the shared mounts that a run has."""
         ranked = {
-            axis: tuple(n for n in names if n in run.response.mounts) for axis, names in self.shared.ranked.items()
+            axis: tuple(n for n in names if n in run.selection.mounts) for axis, names in self.shared.ranked.items()
         }
         return replace(self.shared, ranked=ranked)
 
@@ -145,7 +145,7 @@ def _shared(runs: tuple[Run, ...], mounts: tuple[str, ...]) -> Selection:
     acting = np.zeros((len(mounts), 3), dtype=bool)
     for row, name in enumerate(mounts):
         for run in runs:
-            if name in run.response.mounts:
+            if name in run.selection.mounts:
                 own, peak = run.selection, run.response.peaks.mounts[name].deflection
                 shares[row] = np.fmax(shares[row], own.shares[own.mounts.index(name)])
                 travel[row] = np.maximum(travel[row], peak.maximum - peak.minimum)
@@ -169,4 +169,4 @@ def _shared(runs: tuple[Run, ...], mounts: tuple[str, ...]) -> Selection:
 
 def _things(run: Run) -> list[Part | str]:
     """Return parts and names of mounts."""
-    return [*parts_of(run.response), *run.response.mounts]
+    return [*parts_of(run.response), *run.selection.mounts]

@@ -10,6 +10,7 @@ from wirerope_mj.recording.paths import Rows, at, child, entity
 from wirerope_mj.recording.poses import Frame, conjugate, rotate
 from wirerope_mj.recording.selection import Selection
 from wirerope_mj.recording.shapes import draw_geoms
+from wirerope_mj.recording.stops import log_stops
 from wirerope_mj.recording.thin import rows_of_steps
 from wirerope_mj.response import Response
 from wirerope_mj.units import STANDARD_GRAVITY
@@ -41,6 +42,7 @@ def log_scene(
         draw_geoms(rec, frame.path, body.geoms, extent)
     if response.scene.mounts:
         log_mounts(rec, response, selection, frames, rows, extent=extent)
+        log_stops(rec, response, frames, extent=extent)
     _log_base_acceleration(rec, response, frames, extent, arrow)
 
 

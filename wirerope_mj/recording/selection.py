@@ -35,7 +35,7 @@ class Selection:
         event: instant of the first event of the motion [s].
         window: first and last instant of what follows from it [s].
         shares: peak deflection over rated travel, (n_mounts, 3); NaN where nothing is rated.
-        mounts: names of the mounts, in the order of `shares`.
+        mounts: names of the mounts that are no stops, in the order of `shares`.
         ranked: per axis the mounts that act in it, largest share of the rated travel first.
         bodies, points: names whose accelerations are shown, largest peak first.
         colors: of mounts by name.
@@ -77,8 +77,8 @@ class Selection:
 
 def select(response: Response) -> Selection:
     """Return what is shown of `response`."""
-    mounts = tuple(mount.name for mount in response.scene.mounts)
-    shares = np.array([_shares(m, response.peaks.mounts[m.name].deflection) for m in response.scene.mounts])
+    mounts = tuple(mount.name for mount in response.scene.isolating)
+    shares = np.array([_shares(m, response.peaks.mounts[m.name].deflection) for m in response.scene.isolating])
     shares = shares.reshape(-1, 3)
     ranked = {axis: _ranked(response, mounts, shares, number) for number, axis in enumerate(AXES)}
     first, last = float(response.time[0]), float(response.time[-1])

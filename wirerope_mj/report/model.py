@@ -38,7 +38,9 @@ def model_section(run: FinishedRun) -> Section:
 
 def _words(run: FinishedRun) -> str:
     scene = run.response.scene
-    count = several(len(scene.mounts), "mount") if scene.mounts else "no mounts"
+    count = several(len(scene.isolating), "mount") if scene.isolating else "no mounts"
+    n_stops = len(scene.mounts) - len(scene.isolating)
+    count += f" and {several(n_stops, 'stop')}" if n_stops else ""
     driven = f"The base {scene.base} is driven" if scene.base else "Nothing is driven"
     weight = f"gravity is {run.gravity:g} m/s²" if run.gravity else "there is no gravity"
     return (

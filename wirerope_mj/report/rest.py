@@ -52,6 +52,8 @@ def _loads(run: FinishedRun, sags: Mapping[str, Sag]) -> Table:
         ]
     rows = []
     for mount in run.response.scene.mounts:
+        if not any(mount.name in sag.listed for sag in sags.values()):
+            continue
         cells: list[Cell] = [mount.name]
         for sag in sags.values():
             load = sag.mounts[mount.name]

@@ -1,7 +1,6 @@
 """What can be drawn of a system: bodies with their geoms, and mounts, frozen and without the engine."""
 
 from dataclasses import dataclass, field
-from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -71,7 +70,7 @@ class SceneMount:
         height, width: of the unloaded device [m]; NaN if unknown.
         static_load: rated static load [N]; NaN if not judged.
         travel: rated travel [m] by "compression", "tension", "shear", "roll"; absent if not judged.
-        stop: whether it is a stop: all its laws are.
+        stop: whether it is a stop, see `wirerope_mj.isolator.Isolator.is_stop`.
     """
 
     name: str
@@ -107,8 +106,13 @@ class Scene:
 
     @property
     def isolating(self) -> tuple[SceneMount, ...]:
-        """The mounts that are listed as such: all but stops without a rating, of which the table of contacts has all."""
-        return tuple(mount for mount in self.mounts if not mount.stop or mount.travel or isfinite(mount.static_load))
+        """The mounts that are no stops, as tables, loops and histories list them; stops are listed with contacts."""
+        return tuple(mount for mount in self.mounts if not mount.stop)
+
+    @property
+    def stops(self) -> tuple[SceneMount, ...]:
+        """The mounts that are stops."""
+        return tuple(mount for mount in self.mounts if mount.stop)
 
 
 def scene_to_dict(scene: Scene) -> dict[str, Any]:

@@ -178,7 +178,7 @@ def _write_pictures(scenario: Scenario, response: Response, judged: "JudgedRun",
     verdicts = [judged.headline, *verdict_lines(response)]
     record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=verdicts)
     save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
-    if response.scene.mounts:
+    if response.scene.isolating:
         save_mount_loops(response, folder / "loops.png", title=title)
     for number, record in enumerate(records_of(scenario.motion), start=1):
         name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"

@@ -14,7 +14,7 @@ def warn_of_uncertainty(response: Response) -> None:
         struck = [name for name in response.peaks.struck if name in alike]
         if struck:
             warnings.warn(
-                f"{len(struck)} of {len(alike)} {things} were struck, first {struck[0]} at "
+                f"{len(struck)} of {len(alike)} {things} were struck, first {contacts[struck[0]].called(struck[0])} at "
                 f"{contacts[struck[0]].first_touch:.4f} s: accelerations are uncertain from there on, because they depend on "
                 "stiffness and damping of the stops.",
                 AccuracyWarning,

@@ -33,6 +33,7 @@ class MountSag:
             mounts carry those above as well, and the shares add up to more than 1.
         compression: axial load [N]; 0 in tension.
         static_load: rated load in compression [N]; None = not judged.
+        stop: whether it is a stop, see `wirerope_mj.isolator.Isolator.is_stop`.
     """
 
     deflection: Array
@@ -41,6 +42,7 @@ class MountSag:
     split: float
     compression: float
     static_load: float | None
+    stop: bool = False
 
     @property
     def share(self) -> float | None:
@@ -87,6 +89,11 @@ class Sag:
     on_mounts: float
     on_contacts: float
     equilibrium: Equilibrium
+
+    @property
+    def listed(self) -> dict[str, MountSag]:
+        """The mounts but for stops that are open."""
+        return {name: mount for name, mount in self.mounts.items() if not mount.stop or mount.force.any()}
 
     @property
     def elsewhere(self) -> float:
@@ -162,6 +169,7 @@ def _sag(system: System, found: Equilibrium) -> Sag:
             split=lift / weight if weight else np.nan,
             compression=max(-float(load.force[2]), 0.0),
             static_load=mount.isolator.limits.static_load,
+            stop=mount.isolator.is_stop,
         )
         on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
     return Sag(

@@ -23,9 +23,11 @@ def measure_names(system: System) -> list[str]:
     names = ["acceleration", "travel", "static_load", "fragility", "mounts", "struck"]
     names += [f"acceleration/{name}" for name in (*bodies, *points)]
     names += [f"displacement/{name}" for name in points]
-    for mount in system.mounts:
-        names += [f"deflection/{mount}/{rating}" for rating in RATINGS]
-        names += [f"{measure}/{mount}" for measure in ("travel", "static_load", "force")]
+    for name, mount in system.mounts.items():
+        if not mount.isolator.is_stop:
+            names += [f"deflection/{name}/{rating}" for rating in RATINGS]
+            names += [f"{measure}/{name}" for measure in ("travel", "static_load")]
+        names.append(f"force/{name}")
     return names
 
 
@@ -37,7 +39,8 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     positive; force/MOUNT: largest norm [N]. static_load: largest share of a rated static load [-] of any mount at rest;
     static_load/MOUNT: of one, not judged where it hangs or carries more across its axis than along it.
     displacement/POINT: largest norm relative to the base [m]. fragility: largest share [-] of an acceleration that the model
-    states as a limit. mounts: number of mounts that are fitted and have not failed. struck: number of pairs of geoms, such as
+    states as a limit. mounts: number of mounts that are fitted and have not failed, stops left out, of which force/MOUNT alone
+    is kept. struck: number of pairs of geoms, such as
     a stop and its pad, that came together, and of stops of mounts that closed. NaN where nothing is rated or stated.
     """
     bodies, points = payload_bodies(system), payload_points(system)
@@ -45,7 +48,9 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     at |= {name: peaks.points[name].acceleration for name in points}
     found = {"acceleration": _largest(at[name].value for name in bodies)}
     found |= dict.fromkeys(("travel", "static_load", "fragility"), NAN)
-    found["mounts"] = float(sum(acts(mount.isolator) for mount in system.mounts.values()))
+    found["mounts"] = float(
+        sum(acts(mount.isolator) and not mount.isolator.is_stop for mount in system.mounts.values())
+    )
     found["struck"] = float(len(peaks.struck))
     found |= {f"acceleration/{name}": peak.value for name, peak in at.items()}
     found |= {f"displacement/{name}": peaks.points[name].relative_displacement.value for name in points}
@@ -54,10 +59,13 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     lowest, highest = (np.array([getattr(d, end) for d in deflections]) for end in ("minimum", "maximum"))
     every = {rating: values.tolist() for rating, values in travel_reached(lowest, highest).items()}
     for place, (name, mount) in enumerate(system.mounts.items()):
+        found[f"force/{name}"] = peaks.mounts[name].force.value
+        if mount.isolator.is_stop:
+            continue
         reached = {rating: values[place] for rating, values in every.items()}
         shares.append(_largest(travel_shares(reached, mount.isolator.limits.travel.stated).values()))
         found |= {f"deflection/{name}/{rating}": value for rating, value in reached.items()}
-        found |= {f"travel/{name}": shares[-1], f"force/{name}": peaks.mounts[name].force.value}
+        found[f"travel/{name}"] = shares[-1]
     loads = _static_loads(system, rest)
     found |= {f"static_load/{name}": share for name, share in loads.items()}
     for measure, values in (("travel", shares), ("static_load", loads.values())):
@@ -82,8 +90,8 @@ def payload_points(system: System) -> list[str]:
 
 
 def _static_loads(system: System, rest: State | None) -> dict[str, float]:
-    """Return the share of its rated static load that every mount carries at rest; NaN where it is not judged."""
-    found = dict.fromkeys(system.mounts, NAN)
+    """Return the share of its rated static load that every mount but a stop carries at rest; NaN where it is not judged."""
+    found = {name: NAN for name, mount in system.mounts.items() if not mount.isolator.is_stop}
     if rest is None:
         return found
     for (name, mount), force in zip(system.mounts.items(), forces_at_rest(system, rest), strict=True):

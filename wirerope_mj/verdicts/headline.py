@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from wirerope_mj.criteria import CONTACT, EXCEEDED, STOP, STRUCK, WITHIN, Verdict
+from wirerope_mj.criteria import EXCEEDED, STOP, STRUCK, WITHIN, Verdict
 
 
 def headline(verdicts: Sequence[Verdict]) -> str:
@@ -17,8 +17,8 @@ def headline(verdicts: Sequence[Verdict]) -> str:
     else:
         answer = "Nothing is judged: no limit is stated for anything in this run"
     parts = [answer]
-    for criterion, thing in ((CONTACT, "contact pair"), (STOP, "stop")):
-        found = [row.contact for row in verdicts if row.contact and row.criterion == criterion]
+    for thing, of_mounts in (("contact pair", False), ("stop", True)):
+        found = [row.contact for row in verdicts if row.contact and (row.criterion == STOP) is of_mounts]
         if STRUCK in found:
             parts.append(f"{found.count(STRUCK)} of {_several(len(found), thing)} struck")
     left = len(verdicts) - judged - contacts

@@ -74,7 +74,7 @@ def body_peaks(response: Response) -> list[BodyPeak]:
 def mount_peaks(response: Response) -> list[MountPeak]:
     """Return the peaks of the mounts; the largest share of a rated travel first, those not judged last."""
     found = []
-    for mount in response.scene.mounts:
+    for mount in response.scene.isolating:
         peaks = response.peaks.mounts[mount.name]
         low, high = peaks.deflection.minimum, peaks.deflection.maximum
         force = [_extreme(float(a), float(b)) for a, b in zip(peaks.force.minimum, peaks.force.maximum, strict=True)]
