@@ -15,7 +15,9 @@ from wirerope_mj.recording import record_rerun
 from wirerope_mj.recording.events import events_of
 from wirerope_mj.recording.selection import select
 from wirerope_mj.recording.stops import CLOSED, OPEN
+from wirerope_mj.simulation.timestep import ACCURACY
 from wirerope_mj.statics import static_table
+from wirerope_mj.study.inputs.variants import without_force
 from wirerope_mj.verdicts import mount_peaks, verdict_lines
 from wirerope_mj.verdicts.headline import headline
 
@@ -196,3 +198,18 @@ def test_the_recording_colours_a_stop_while_it_is_closed(response, tmp_path):
         int.from_bytes(bytes(CLOSED if closed[row] else OPEN)) for row in changes
     ]
     assert len(colors) > 2
+
+
+def test_an_isolator_with_a_stop_can_fail_in_a_study():
+    inside = mass_on_stop(inside=wr.Stop(**LOSSY)).mounts["m1"].isolator
+    failed = without_force(inside)
+    assert failed.axial.n_states == inside.axial.n_states
+    assert failed.stops == ()
+
+
+@pytest.mark.filterwarnings("ignore:1 of 1 stops:wirerope_mj.errors.AccuracyWarning")
+def test_the_step_of_a_stop_is_chosen_for_the_accuracy_asked_for(system):
+    """With contacts a run ends where they let it; a stop's force has no jump, and finer steps bring the accuracy."""
+    numerics = wr.simulate(system, SHOCK, duration=0.12, accuracy=1e-5).numerics
+    assert numerics.limited_by == ACCURACY
+    assert numerics.error_estimate <= 1e-5

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from wirerope_mj.excitation import BaseMotion, Scaled, Turned
 from wirerope_mj.isolator import Isolator, Limits, Stiffening
-from wirerope_mj.laws import BoucWenBaberNoori, KelvinVoigt, Law, Masing, Zener
+from wirerope_mj.laws import BoucWenBaberNoori, KelvinVoigt, Law, Masing, Parallel, Zener
 from wirerope_mj.study.inputs.quantities import STIFFENING, WORLD, Column
 from wirerope_mj.system import Changes, System
 from wirerope_mj.system.centres import body_axes, centre_of_mass
@@ -202,6 +202,8 @@ def _faint(law: Law) -> Law:
         return replace(law, stiffness=faint, slip_force=faint, k=0.0)
     if isinstance(law, BoucWenBaberNoori):
         return replace(law, alpha=FAINT, k=0.0)
+    if isinstance(law, Parallel):
+        return Parallel(laws=tuple(_faint(part) for part in law.laws))
     return _FAINT_WITH_STATE if law.n_states == 1 else _FAINT_WITHOUT_STATE
 
 
