@@ -142,9 +142,7 @@ def test_a_start_joins_the_grid_and_must_say_what_the_loops_show():
         )
     with pytest.raises(ValueError, match=r"`fixed` and `free` both name exponent"):
         wr.identify(loops, law=wr.Stop, fixed={"exponent": 1.5}, free=["exponent"])
-    with pytest.raises(
-        ValueError, match=r"`free` names 'hardness', which stop does not have here; it has gap_below, k, "
-    ):
+    with pytest.raises(ValueError, match=r"`free` names 'hardness', which stop does not have; it has gap_below, k, "):
         wr.identify(loops, law=wr.Stop, free=["hardness"])
 
 

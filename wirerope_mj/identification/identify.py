@@ -161,7 +161,7 @@ def _search(
         for name in named:
             if name not in names:
                 raise ValueError(
-                    f"`{option}` names {name!r}, which {law.name} does not have here; it has {', '.join(names)}."
+                    f"`{option}` names {name!r}, which {law.name} does not have; it has {', '.join(names)}."
                 )
     if both := [name for name in free if name in fixed]:
         raise ValueError(f"`fixed` and `free` both name {', '.join(both)}.")
