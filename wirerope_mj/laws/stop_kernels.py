@@ -7,6 +7,7 @@ import numpy as np
 from wirerope_mj.jit import njit
 from wirerope_mj.laws.cubic import position, speed, zero_between
 from wirerope_mj.laws.quadrature import NODES, WEIGHTS
+from wirerope_mj.laws.table_kernels import ROW, cubics, row_at
 
 LOSS, VISCOUS, BELOW, ABOVE, ROUNDING, STIFFNESS, EXPONENT, N_POINTS, POINTS = range(4, 13)
 """Places of a stop's parameters behind 1 / reversal (twice), 0 and 1, which are those of a Bouc-Wen law with n = 1."""
@@ -14,28 +15,6 @@ LOSS, VISCOUS, BELOW, ABOVE, ROUNDING, STIFFNESS, EXPONENT, N_POINTS, POINTS = r
 
 _BESIDE = 1e-12
 """Part of an interval that is passed over where rounding holds a path on a corner."""
-
-
-@njit
-def hermite(p, i, n, x):
-    """Return the piecewise cubic through n points and its slope: p = places (n), values (n), slopes (n); straight beyond."""
-    if x <= p[i]:
-        return p[i + n] + p[i + 2 * n] * (x - p[i]), p[i + 2 * n]
-    last = i + n - 1
-    if x >= p[last]:
-        return p[last + n] + p[last + 2 * n] * (x - p[last]), p[last + 2 * n]
-    low, high = i, last
-    while high - low > 1:
-        middle = (low + high) // 2
-        if x < p[middle]:
-            high = middle
-        else:
-            low = middle
-    width = p[high] - p[low]
-    t, chord = (x - p[low]) / width, (p[high + n] - p[low + n]) / width
-    one, two = p[low + 2 * n], p[high + 2 * n]
-    square, cube = 3.0 * chord - 2.0 * one - two, one + two - 2.0 * chord
-    return p[low + n] + width * t * (one + t * (square + t * cube)), one + t * (2.0 * square + 3.0 * t * cube)
 
 
 @njit
@@ -51,7 +30,8 @@ def seated(depth, rounding):
 def elastic(p, i, depth):
     """Return the elastic force of the stop at what counts of its depth [N]."""
     if p[i + N_POINTS] > 0.0:
-        return hermite(p, i + POINTS, int(p[i + N_POINTS]), depth)[0]
+        table = i + N_POINTS - 4  # as in a tabulated law
+        return cubics(p, table, row_at(p, table, depth), depth)[0]
     if p[i + EXPONENT] == 1.0:
         return p[i + STIFFNESS] * depth
     return p[i + STIFFNESS] * depth ** p[i + EXPONENT]
@@ -75,8 +55,8 @@ def stop_force(p, i, x, v, w):
 def stop(p, i, x, v, z, j, zdot, k):
     """Return the force of a stop [N]; the state w of a lossy one follows w' = (v - |v| w) / reversal, the only state.
 
-    p = 1 / reversal, 1 / reversal, 0, 1, loss, c, gap below, gap above, rounding, k, exponent, n, then depths
-    that count, forces, slopes and depths behind the gap (n each).
+    p = 1 / reversal, 1 / reversal, 0, 1, loss, c, gap below, gap above, rounding, k, exponent, number n of knots, and of the
+    points what a tabulated law has behind that, then the knots as depths behind the gap (n,).
     """
     if p[i + LOSS] == 0.0:
         return stop_force(p, i, x, v, 0.0)
@@ -101,7 +81,7 @@ def next_corner(p, i, x, s):
             if corner == 1:
                 depth = r
             elif corner > 1:
-                depth = p[i + POINTS + 3 * n + corner - 2]
+                depth = p[i + POINTS + n + ROW * (n + 1) + corner - 2]
             ahead = s * (side * (gap + depth) - x)
             if 0.0 < ahead < best:
                 best = ahead
