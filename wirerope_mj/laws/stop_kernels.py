@@ -16,6 +16,9 @@ LOSS, VISCOUS, BELOW, ABOVE, ROUNDING, STIFFNESS, EXPONENT, N_POINTS, POINTS = r
 _BESIDE = 1e-12
 """Part of an interval that is passed over where rounding holds a path on a corner."""
 
+_STEEPEST = 4.0
+"""Largest slope of `graded`."""
+
 
 @njit
 def seated(depth, rounding):
@@ -89,6 +92,25 @@ def next_corner(p, i, x, s):
 
 
 @njit
+def at_touch(p, i, x):
+    """Return whether a stop just touches at a deflection."""
+    return x == -p[i + BELOW] or x == p[i + ABOVE]
+
+
+@njit
+def graded(u, touch):
+    """Return a part of an interval and its slope over u, 0 to 1: u^4 from a touch at the start (-1) or end (1) of the interval.
+
+    There a force d^exponent is not smooth, and one of u is, as smooth as u^(4 exponent + 3).
+    """
+    if touch == 0:
+        return u, 1.0
+    u = u if touch < 0 else 1.0 - u
+    part = u * u * u * u
+    return (part if touch < 0 else 1.0 - part), _STEEPEST * u * u * u
+
+
+@njit
 def advance_stop(p, i, x0, x1, z, j):
     """Carry the state of a stop without viscous loss from x0 to x1 in place and return the work done on it [J]."""
     s, work, x, lossy = 1.0 if x1 > x0 else -1.0, 0.0, x0, p[i + LOSS] > 0.0
@@ -99,12 +121,14 @@ def advance_stop(p, i, x0, x1, z, j):
         if not -p[i + BELOW] <= 0.5 * (x + end) <= p[i + ABOVE]:
             # On each panel w is an exponential over at most one of its lengths.
             length = abs(end - x)
-            panels = 1 + (min(int(p[i] * length), 40) if lossy else 0)
+            panels = 1 + (min(int(_STEEPEST * p[i] * length), 160) if lossy else 0)
+            touch = -1 if at_touch(p, i, x) else 1 if at_touch(p, i, end) else 0
             for panel in range(panels):
                 for node in range(8):
-                    way = length * (panel + NODES[node]) / panels
-                    here = turned(p, i, w, s, way) if lossy else 0.0
-                    work += s * length / panels * WEIGHTS[node] * stop_force(p, i, x + s * way, 0.0, here)
+                    part, weight = graded((panel + NODES[node]) / panels, touch)
+                    here = turned(p, i, w, s, length * part) if lossy else 0.0
+                    force = stop_force(p, i, x + s * length * part, 0.0, here)
+                    work += s * length / panels * WEIGHTS[node] * weight * force
         if lossy:
             w = turned(p, i, w, s, abs(end - x))
         x = end
@@ -139,14 +163,23 @@ def letting_go(p, i, cubic, start, end, x0, w, s):
 
 
 @njit
+def touching(p, i, x):
+    """Return the deflection at which the stop on the side of x touches."""
+    return -p[i + BELOW] if x < 0.0 else p[i + ABOVE]
+
+
+@njit
 def pushing_work(p, i, cubic, start, end, x0, w, s):
     """Return the work over an interval on which a stop either pushes or does not [J]."""
-    work, width = 0.0, end - start
+    work, width, early, late = 0.0, end - start, position(cubic, start), position(cubic, end)
+    touch = -1 if abs(early - touching(p, i, early)) <= _BESIDE * abs(late - early) else 0
+    touch = 1 if abs(late - touching(p, i, late)) <= _BESIDE * abs(late - early) else touch
     for node in range(8):
-        t = start + width * NODES[node]
+        part, weight = graded(NODES[node], touch)
+        t = start + width * part
         force = max(pull_at(p, i, cubic, t, x0, w, s), 0.0)
         x = position(cubic, t)
-        work += width * WEIGHTS[node] * speed(cubic, t) * (force if x > 0.0 else -force)
+        work += width * WEIGHTS[node] * weight * speed(cubic, t) * (force if x > 0.0 else -force)
     return work
 
 
