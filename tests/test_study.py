@@ -176,6 +176,21 @@ def test_a_name_that_does_not_exist_is_refused_with_what_does(vary, message):
         table_study(vary)
 
 
+@pytest.mark.parametrize(
+    ("pattern", "parameter", "expected"),
+    [
+        ("*", "alpha", ["m1"]),  # the four stops have none, and are not meant
+        ("s*", "k", ["s1", "s2", "s3", "s4"]),
+        ("s[12]", "gap_below", ["s1", "s2"]),
+        ("s3", "k", ["s3"]),
+    ],
+)
+def test_a_pattern_means_stops_only_where_it_matches_nothing_else(pattern, parameter, expected):
+    study = table_study({f"mount/{pattern}/axial/{parameter}": wr.Normal(1.0, 0.1, relative=True, each=True)})
+    columns = [name for name in study.table().column_names if name.startswith("mount/")]
+    assert columns == [f"mount/{mount}/axial/{parameter}" for mount in expected]
+
+
 def test_an_isolator_without_spread_has_no_specimens():
     bare = dataclasses.replace(wr.load_isolator(models_folder() / "isolators/enidine_wr12_400.toml"), spread=None)
     with pytest.raises(wr.ModelError, match="of mount 'm1' has no \\[spread\\]"):

@@ -62,7 +62,11 @@ def test_measures_are_those_of_the_peaks():
     force = peak_of(value=123.0)
     found = measures(
         system,
-        Peaks(bodies=still.bodies, points=still.points, mounts={"m1": MountPeaks(deflection=deflection, force=force)}),
+        Peaks(
+            bodies=still.bodies,
+            points=still.points,
+            mounts=still.mounts | {"m1": MountPeaks(deflection=deflection, force=force)},
+        ),
         None,
     )
     rated = system.mounts["m1"].isolator.limits.travel

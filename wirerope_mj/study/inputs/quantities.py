@@ -125,8 +125,10 @@ def _of_mounts(name: str, pattern: str, key: tuple[str, str], distribution: Dist
         )
     if key[0] == "position_shift":
         _check_axis(name, key[1], distribution)
-        return _shifted(name, pattern, list(system.mounts), "mount", distribution, kind=key[0], key=(key[1],))
-    mounts = _matching(name, pattern, list(system.mounts), "mount")
+        return _shifted(
+            name, pattern, list(system.mounts), "mount", distribution, stops=_stops(system), kind=key[0], key=(key[1],)
+        )
+    mounts = _mounts(name, pattern, system)
     nominal = [_parameter(name, system.mounts[mount].written, mount, *key) for mount in mounts]
     for value in nominal:
         if isinstance(value, tuple) and not distribution.relative:
@@ -162,7 +164,7 @@ def _parameter(name: str, isolator: Isolator, mount: str, axis: str, parameter: 
 
 
 def _fitted(name: str, pattern: str, distribution: Distribution, system: System) -> Quantity:
-    mounts = _matching(name, pattern, list(system.mounts), "mount")
+    mounts = _mounts(name, pattern, system)
     choices = distribution.choices if isinstance(distribution, Choice) else (None,)
     if not all(isinstance(value, bool) for value in choices):
         raise ValueError(f"`vary`: {name!r} must be a Choice of True and False, got {distribution!r}.")
@@ -170,7 +172,7 @@ def _fitted(name: str, pattern: str, distribution: Distribution, system: System)
 
 
 def _failed(name: str, pattern: str, distribution: Distribution, system: System) -> Quantity:
-    mounts = _matching(name, pattern, list(system.mounts), "mount")
+    mounts = _mounts(name, pattern, system)
     choices = distribution.choices if isinstance(distribution, Choice) else (None,)
     if all(isinstance(value, str) for value in choices) and not distribution.each:
         unknown = [value for value in choices if value not in ("", *mounts)]
@@ -224,7 +226,7 @@ def _of_motion(name: str, kind: str, distribution: Distribution, motions: Sequen
 def _specimens(name: str, pattern: str, distribution: Distribution, system: System) -> Quantity:
     if not isinstance(distribution, Specimens):
         raise ValueError(f"`vary`: {name!r} must be Specimens, got {distribution!r}.")
-    mounts = _matching(name, pattern, list(system.mounts), "mount")
+    mounts = _mounts(name, pattern, system)
     isolators = [system.mounts[mount].written for mount in mounts]
     for mount, isolator in zip(mounts, isolators, strict=True):
         if isolator.spread is None:
@@ -251,28 +253,37 @@ def _specimens(name: str, pattern: str, distribution: Distribution, system: Syst
     return Quantity(name=name, distribution=distribution, columns=columns, isolators=tuple(isolators))
 
 
-def _matching(name: str, pattern: str, existing: Sequence[str], word: str) -> list[str]:
+def _stops(system: System) -> list[str]:
+    return [name for name, mount in system.mounts.items() if mount.isolator.is_stop]
+
+
+def _mounts(name: str, pattern: str, system: System) -> list[str]:
+    return _matching(name, pattern, list(system.mounts), "mount", _stops(system))
+
+
+def _matching(name: str, pattern: str, existing: Sequence[str], word: str, stops: Sequence[str] = ()) -> list[str]:
+    """Return what the parts of a pattern match; a part that matches isolators as well as stops, as * does, means those."""
     patterns = [pattern] if pattern in existing else pattern.split(",")
     found: list[str] = []
     for part in patterns:
         matched = [one for one in existing if fnmatchcase(one, part)]
         if not matched:
             raise ModelError(f"`vary`: {name!r}: there is no {word} {part!r}. There is: {', '.join(existing)}.")
-        found += matched
+        found += [one for one in matched if one not in stops] or matched
     return list(dict.fromkeys(found))
 
 
 def _shifted(
     name: str, pattern: str, existing: Sequence[str], word: str, distribution: Distribution, *, kind: str,
-    key: tuple[str, ...],
+    key: tuple[str, ...], stops: Sequence[str] = (),
 ) -> Quantity:  # fmt: skip
     """Return the quantity of a shift; what stands behind a minus moves the other way: "m01,m04,-m13,-m16"."""
     parts = [pattern] if pattern in existing else pattern.split(",")
     others = ",".join(part[1:] for part in parts if part.startswith("-"))
-    every = _matching(name, ",".join(part.removeprefix("-") for part in parts), existing, word)
-    mirrored = _matching(name, others, existing, word) if others else []
+    every = _matching(name, ",".join(part.removeprefix("-") for part in parts), existing, word, stops)
+    mirrored = _matching(name, others, existing, word, stops) if others else []
     both = set(mirrored) & {
-        one for part in parts if not part.startswith("-") for one in _matching(name, part, existing, word)
+        one for part in parts if not part.startswith("-") for one in _matching(name, part, existing, word, stops)
     }
     if both:
         raise ValueError(f"`vary`: {name!r}: {min(both)!r} cannot move both ways.")
