@@ -16,6 +16,9 @@ LOSS, VISCOUS, BELOW, ABOVE, ROUNDING, STIFFNESS, EXPONENT, N_POINTS, POINTS = r
 _BESIDE = 1e-12
 """Part of an interval that is passed over where rounding holds a path on a corner."""
 
+_PANELS = 4
+"""Panels at least: within its rounding a hardening stop begins as depth^(3 exponent), which eight points have to 1e-10 then."""
+
 _STEEPEST = 4.0
 """Largest slope of `graded`."""
 
@@ -93,8 +96,8 @@ def next_corner(p, i, x, s):
 
 @njit
 def at_touch(p, i, x):
-    """Return whether a stop just touches at a deflection."""
-    return x == -p[i + BELOW] or x == p[i + ABOVE]
+    """Return whether a stop that is not rounded just touches at a deflection."""
+    return p[i + ROUNDING] == 0.0 and (x == -p[i + BELOW] or x == p[i + ABOVE])
 
 
 @njit
@@ -121,7 +124,7 @@ def advance_stop(p, i, x0, x1, z, j):
         if not -p[i + BELOW] <= 0.5 * (x + end) <= p[i + ABOVE]:
             # On each panel w is an exponential over at most one of its lengths.
             length = abs(end - x)
-            panels = 1 + (min(int(_STEEPEST * p[i] * length), 160) if lossy else 0)
+            panels = _PANELS + (min(int(_STEEPEST * p[i] * length), 160) if lossy else 0)
             touch = -1 if at_touch(p, i, x) else 1 if at_touch(p, i, end) else 0
             for panel in range(panels):
                 for node in range(8):
@@ -163,23 +166,14 @@ def letting_go(p, i, cubic, start, end, x0, w, s):
 
 
 @njit
-def touching(p, i, x):
-    """Return the deflection at which the stop on the side of x touches."""
-    return -p[i + BELOW] if x < 0.0 else p[i + ABOVE]
-
-
-@njit
 def pushing_work(p, i, cubic, start, end, x0, w, s):
     """Return the work over an interval on which a stop either pushes or does not [J]."""
-    work, width, early, late = 0.0, end - start, position(cubic, start), position(cubic, end)
-    touch = -1 if abs(early - touching(p, i, early)) <= _BESIDE * abs(late - early) else 0
-    touch = 1 if abs(late - touching(p, i, late)) <= _BESIDE * abs(late - early) else touch
+    work, width = 0.0, end - start
     for node in range(8):
-        part, weight = graded(NODES[node], touch)
-        t = start + width * part
+        t = start + width * NODES[node]
         force = max(pull_at(p, i, cubic, t, x0, w, s), 0.0)
         x = position(cubic, t)
-        work += width * WEIGHTS[node] * weight * speed(cubic, t) * (force if x > 0.0 else -force)
+        work += width * WEIGHTS[node] * speed(cubic, t) * (force if x > 0.0 else -force)
     return work
 
 
@@ -195,7 +189,7 @@ def stop_work(p, i, cubic, start, end, z, j):
             until = zero_between((cubic[0] - corner, cubic[1], cubic[2], cubic[3]), t, end)
             if until <= t:  # by rounding the path stands on the corner
                 until = min(end, t + _BESIDE * (end - start))
-        panels = 1 + (min(int(p[i] * abs(x1 - x0)), 40) if lossy else 0)
+        panels = _PANELS + (min(int(p[i] * abs(x1 - x0)), 40) if lossy else 0)
         for panel in range(panels):
             one, two = t + (until - t) * panel / panels, t + (until - t) * (panel + 1) / panels
             if (pull_at(p, i, cubic, one, x0, w, s) > 0.0) != (pull_at(p, i, cubic, two, x0, w, s) > 0.0):
