@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import strategies as st
 
-from wirerope_mj.laws import LAWS, Law
+from wirerope_mj.laws import LAWS, Law, Parallel
 
 PARAMETERS = {
     "bouc-wen": {"alpha": 1e5, "beta": 75.0, "gamma": 30.0, "n": 1.2, "k": 2e4},
@@ -32,6 +32,16 @@ PARAMETERS = {
     "bouc-wen-baber-noori": {
         "alpha": 1e5, "beta": 250.0, "gamma": 100.0, "n": 1.0, "k": 4e4, "delta_alpha": 200.0, "delta_nu": 0.1,
         "delta_eta": 0.05, "zeta": 0.6, "q": 0.1, "p": 1.0, "psi": 60.0, "delta_psi": 5.0, "lam": 0.5,
+    },
+    "stop": {
+        "gap_below": 2e-3, "gap_above": 4e-3, "k": 4e6, "exponent": 1.5, "rounding": 2e-3, "loss": 0.4, "reversal": 5e-4,
+        "c": 200.0,
+    },
+    "tabulated": {
+        "deflection": [-0.06, -0.02, -5e-3, 0.0, 5e-3, 0.02, 0.06],
+        "upper": [-1.5e3, -1.1e3, -150.0, 150.0, 600.0, 2.5e3, 9e3],
+        "lower": [-2.0e3, -1.6e3, -450.0, -150.0, 200.0, 1.7e3, 8e3],
+        "yield_deflection": 2e-3,
     },
 }  # fmt: skip
 """In SI units, for a mass of about 20 kg that moves by about 10 mm; the keys are those of an isolator file."""
@@ -68,6 +78,48 @@ def _masing(draw):
     return LAWS["masing"](stiffness=stiffness, slip_force=slip, k=draw(small))
 
 
+@st.composite
+def _stop(draw):
+    """Return stops of one side or both, elastic, lossy or viscous or both, by k and exponent or by points."""
+    side = draw(st.sampled_from(["below", "above", "both"]))
+    gaps = {f"gap_{name}": draw(st.floats(0.0, 2.0)) for name in ("below", "above") if side in (name, "both")}
+    if draw(st.booleans()):
+        curve = {"k": draw(positive), "exponent": draw(st.sampled_from([1.0, 1.5, 2.0]))}
+    else:
+        steps = draw(st.lists(st.tuples(st.floats(0.1, 1.0), st.floats(0.1, 3.0)), min_size=1, max_size=5))
+        depths, forces = np.cumsum(np.array(steps), axis=0).T
+        curve = {"depths": depths, "forces": forces}
+    loss, viscous = draw(st.none() | st.floats(0.05, 1.0)), draw(st.none() | small)
+    lossy = {} if loss is None else {"loss": loss, "reversal": draw(st.floats(0.05, 2.0))}
+    rounding = draw(st.floats(0.05, 1.0)) if viscous else draw(small)
+    return LAWS["stop"](**gaps, **curve, **lossy, rounding=rounding, c=viscous or 0.0)
+
+
+@st.composite
+def parallel_laws(draw):
+    """Return two or three laws in parallel, a stop among them more often than others."""
+    names = st.sampled_from([*(name for name in STRATEGIES if name != "bouc-wen-baber-noori"), *["stop"] * 6])
+    return Parallel(laws=tuple(draw(STRATEGIES[name]) for name in draw(st.lists(names, min_size=2, max_size=3))))
+
+
+@st.composite
+def _tabulated(draw):
+    """Return limit curves of different shapes, or a curve with areas, around zero and as wide as the paths."""
+    spacings = st.lists(st.floats(0.1, 2.0), min_size=1, max_size=4)
+    sides = [np.cumsum(draw(spacings)) for _ in range(2)]
+    x = np.concatenate([-sides[0][::-1] / sides[0][-1], [0.0], sides[1] / sides[1][-1]]) * 3.0
+    mean = np.concatenate([-np.cumsum(draw(st.lists(small, min_size=len(side), max_size=len(side)))) for side in sides])
+    mean = np.concatenate([mean[: len(sides[0])][::-1], [0.0], -mean[len(sides[0]) :]])
+    kept = {"deflection": x, "yield_deflection": draw(st.floats(0.1, 3.0)), "extrapolate": True}
+    if draw(st.booleans()):
+        half = np.array(draw(st.lists(small, min_size=x.size, max_size=x.size)))
+        return LAWS["tabulated"](upper=mean + half, lower=mean - half, **kept)
+    sizes = np.array([0.5, 2.0])
+    areas = 4.0 * draw(positive) * (sizes - kept["yield_deflection"] * np.tanh(sizes / kept["yield_deflection"]))
+    areas[1] *= draw(st.floats(0.9, 2.0))
+    return LAWS["tabulated"](force=mean, curve="mid", amplitudes=sizes, areas=areas, **kept)
+
+
 POLYNOMIAL = {"k1": small, "k2": small, "k3": small}
 STRATEGIES = {
     "bouc-wen": _bouc_wen("bouc-wen", k=small),
@@ -99,6 +151,8 @@ STRATEGIES = {
         delta_eta=st.floats(0.0, 0.1), zeta=st.floats(0.0, 0.9), q=st.floats(0.0, 0.3), p=small,
         psi=st.floats(0.1, 1.0), delta_psi=st.floats(0.0, 0.05), lam=st.floats(0.1, 1.0),
     ),
+    "stop": _stop(),
+    "tabulated": _tabulated(),
 }  # fmt: skip
 
 SLOWED = {
@@ -106,6 +160,7 @@ SLOWED = {
     "zener": lambda law, s: replace(law, c=law.c * s),
     "tinker-cutchins": lambda law, s: replace(law, c=law.c * s**law.n, smoothing=law.smoothing / s),
     "equivalent-viscous": lambda law, s: replace(law, frequency=law.frequency / s),
+    "stop": lambda law, s: replace(law, c=law.c * s),
 }
 """The law that draws, s times slower, the loop of `law`: the stated rate dependence. The others do not know the rate."""
 
@@ -118,18 +173,29 @@ def _swapped(law):
     return replace(law, **swap, **{b: getattr(law, a) * (-1.0 if a in turned else 1.0) for a, b in both})
 
 
+def _turned(law):
+    """Return a tabulated law turned about the origin."""
+    flip = {name: tuple(-v for v in getattr(law, name)[::-1]) for name in ("deflection", "force")}
+    both = {"upper": "lower", "lower": "upper"}
+    return replace(law, **flip, **{a: tuple(-v for v in getattr(law, b)[::-1]) for a, b in both.items()})
+
+
 MIRRORED = {
     "asymmetric-bouc-wen": lambda law: replace(law, c=-law.c),
     "tinker-cutchins": lambda law: replace(law, k2=-law.k2),
     "equivalent-viscous": lambda law: replace(law, k2=-law.k2),
     "vaiana-rosati": _swapped,
+    "stop": lambda law: replace(law, gap_below=law.gap_above, gap_above=law.gap_below),
+    "tabulated": _turned,
 }
 """The law that answers the mirrored path with the mirrored force; a law that is not named here is odd itself."""
 
 
 def passive(law):
     """Return whether no path from the unloaded state should gain work: only Vaiana and Rosati's law claims less."""
-    return law.name != "vaiana-rosati" or (law.f0, law.alpha) == (law.f0_minus, law.alpha_minus)
+    return all(
+        one.name != "vaiana-rosati" or (one.f0, one.alpha) == (one.f0_minus, one.alpha_minus) for one in law.components
+    )
 
 
 turning_points = st.lists(st.floats(-3.0, 3.0), min_size=2, max_size=10)

@@ -132,7 +132,23 @@ def tumbling():
     return wr.simulate(system, quiet(), duration=0.5, timestep=1e-4, initial=spinning(system), sample_rate=10_000.0)
 
 
-@pytest.mark.parametrize("law", [wr.KelvinVoigt(k=4e3, c=8.0), wr.BoucWen(**hysteresis(alpha=4e3, z_max=8.0), k=2e3)])
+BUMPER = wr.Stop(gap_below=8e-3, gap_above=8e-3, k=4e4, rounding=1e-3, loss=0.3, reversal=1e-3, c=4.0)
+CURVES = wr.Tabulated(
+    deflection=[-0.1, 0.0, 0.05], upper=[-250.0, 8.0, 300.0], lower=[-280.0, -8.0, 250.0], yield_deflection=2e-3,
+    extrapolate=True,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        wr.KelvinVoigt(k=4e3, c=8.0),
+        wr.BoucWen(**hysteresis(alpha=4e3, z_max=8.0), k=2e3),
+        CURVES,
+        wr.Parallel(laws=[wr.KelvinVoigt(k=4e3, c=8.0), BUMPER]),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:3 of 3 stops were struck")
 def test_a_free_pair_joined_by_one_mount_keeps_its_momenta(law):
     system = free_pair(law)
     r = wr.simulate(system, quiet(), duration=0.5, timestep=1e-4, initial=spinning(system))

@@ -69,6 +69,7 @@ from wirerope_mj.laws import Parallel as Parallel
 from wirerope_mj.laws import Smoothed as Smoothed
 from wirerope_mj.laws import Stop as Stop
 from wirerope_mj.laws import SymmetricBoucWen as SymmetricBoucWen
+from wirerope_mj.laws import Tabulated as Tabulated
 from wirerope_mj.laws import TinkerCutchins as TinkerCutchins
 from wirerope_mj.laws import VaianaRosati as VaianaRosati
 from wirerope_mj.laws import Zener as Zener

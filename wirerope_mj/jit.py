@@ -13,6 +13,10 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numpy as np
+
+index = np.uint32
+"""A table's entry as an index: unsigned, so that no code is compiled for indices from an array's end."""
 
 _PACKAGE = Path(__file__).resolve().parent
 
@@ -36,9 +40,18 @@ def cache_folder() -> str:
 
 def njit(function: Callable[..., Any]) -> Callable[..., Any]:
     """Return `function` compiled on its first call; divisions by zero give inf and NaN as in NumPy."""
+    return _compiled(function, forceinline=False)
+
+
+def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return `function` as `njit` does, compiled into its callers: handing on arrays costs as much as a small kernel."""
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Callable[..., Any]:
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder()  # read when the function is decorated, and only then
     try:
-        return numba.njit(cache=True, error_model="numpy")(function)
+        return numba.njit(cache=True, error_model="numpy", forceinline=forceinline)(function)
     finally:
         numba.config.CACHE_DIR = before

@@ -3,6 +3,12 @@
 STANDARD_GRAVITY = 9.80665
 """Standard acceleration of free fall [m/s^2] (ISO 80000-3), the g of shock levels."""
 
+LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+"""Units of deflections that data sheets use, and what one of them is in metres."""
+
+FORCE_UNITS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "lbf": 4.4482216152605}
+"""Units of forces that data sheets use, and what one of them is in newtons."""
+
 _SHOWN = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "m/s^2": ("g", 1.0 / STANDARD_GRAVITY)}
 
 

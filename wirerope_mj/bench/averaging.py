@@ -71,7 +71,9 @@ def whole_record(trace: Trace) -> Cycle:
     return Cycle(np.arange(samples), phase, (*tips.tolist(), *([0.0] if tips.size == 1 else [])))
 
 
-def mean_loop(cycles: list[Cycle], x: Array, f: Array, count: int, gap: float, where: str) -> RecordedLoop:
+def mean_loop(
+    cycles: list[Cycle], x: Array, f: Array, count: int, gap: float, where: str, *, stop: bool = False
+) -> RecordedLoop:
     """Return the mean of cycles over bins of phase, whose first and last bin are one.
 
     Args:
@@ -81,6 +83,7 @@ def mean_loop(cycles: list[Cycle], x: Array, f: Array, count: int, gap: float, w
         count: cycles that were run.
         gap: between the forces at the ends of the last one [N].
         where: they stand, in words.
+        stop: whether the device is a bump stop, which need not have force or area.
     """
     phase = np.concatenate([cycle.phase for cycle in cycles])
     bins = min(POINTS, *(round((cycle.phase.size - 1) / np.ptp(cycle.phase)) for cycle in cycles))
@@ -110,10 +113,11 @@ def mean_loop(cycles: list[Cycle], x: Array, f: Array, count: int, gap: float, w
     loop = RecordedLoop.from_samples(np.append(mean_x, mean_x[0]), np.append(mean_f, mean_f[0]), cycles=count)
     assert isinstance(loop, RecordedLoop)
     loop = replace(loop, scatter=_scatter(cycles, force, bins))
-    require_passive(loop, where)
-    require_area(loop, where)
+    require_passive(loop, where, stop=stop)
+    if not stop:
+        require_area(loop, where)
     elapsed = np.mean([cycle.elapsed(np.flatnonzero(filled) / bins) for cycle in cycles], axis=0)
-    return replace(loop, closure=gap / float(np.ptp(mean_f)), elapsed=np.append(elapsed, 1.0))
+    return replace(loop, closure=gap / max(float(np.ptp(mean_f)), 1e-300), elapsed=np.append(elapsed, 1.0))
 
 
 def _bin(phase: Array, bins: int) -> npt.NDArray[np.int64]:

@@ -21,7 +21,7 @@ _ELASTIC, _ERRORS = 0.5, 3.0
 what has a slope that its noise hides is not known to be level."""
 
 
-def require_unclipped(deflection: Array, force: Array, where: str) -> None:
+def require_unclipped(deflection: Array, force: Array, where: str, *, stop: bool = False) -> None:
     """Raise ValueError if samples stand at exactly the extreme force while the deflection moves on.
 
     Over a twentieth of the stroke nothing but saturation does that. Over less, steps of a converter do, but then every value
@@ -31,12 +31,15 @@ def require_unclipped(deflection: Array, force: Array, where: str) -> None:
         deflection: of cycles that are like each other [m], (n_t,).
         force: of the same samples [N], (n_t,).
         where: they stand, in words.
+        stop: whether the device is a bump stop, whose force stands still within its gap.
     """
     _, counts = np.unique(force, return_counts=True)
     usual = int(np.sort(counts)[-3]) if counts.size > 2 else 0  # either extreme apart
     for word, extreme in (("largest", force.max()), ("smallest", force.min())):
         at = force == extreme
         moved, stroke = float(np.ptp(deflection[at])), float(np.ptp(deflection))
+        if stop and _is_open(deflection, force, extreme):
+            continue
         alone = at.sum() >= _OFTEN * max(usual, 1) and moved > _SURE * rms_noise(deflection)
         if 3 < at.sum() < force.size and moved > (_NARROW if alone else _WIDE) * stroke:
             raise ValueError(
@@ -45,7 +48,7 @@ def require_unclipped(deflection: Array, force: Array, where: str) -> None:
             )
 
 
-def require_falling(loop: Loop, where: str) -> None:
+def require_falling(loop: Loop, where: str, *, stop: bool = False) -> None:
     """Raise ValueError if the force is level before a turning point and behind it: cut off, with noise behind.
 
     What yields falls at once when the deflection turns back, at its elastic stiffness. Where the true force is beyond what was
@@ -54,9 +57,12 @@ def require_falling(loop: Loop, where: str) -> None:
     Args:
         loop: mean of cycles.
         where: it stands, in words.
+        stop: whether the device is a bump stop, whose force stands still within its gap.
     """
     for rising, word in ((True, "largest"), (False, "smallest")):
         (x, f), (x_back, f_back) = loop.branch(rising=rising), loop.branch(rising=not rising)
+        if stop and _is_open(loop.deflection, loop.force, float(f_back[0])):
+            continue
         if _level(loop, x[::-1], f[::-1]) and _level(loop, x_back, f_back):
             raise ValueError(
                 f"{where}: at its {word} deflection the force stays at {f_back[0]:.5g} N, on the way there and back, "
@@ -73,6 +79,13 @@ def is_level(loop: Loop) -> bool:
     """
     branches = [loop.branch(rising=rising) for rising in (True, False)]
     return any(_level(loop, x[::-1], f[::-1]) for x, f in branches)
+
+
+def _is_open(deflection: Array, force: Array, level: float) -> bool:
+    """Return whether a force is the one of the unloaded device, that at the deflection nearest to zero."""
+    distance = np.abs(deflection)
+    near = distance <= distance.min() + _END * float(np.ptp(deflection))
+    return bool(abs(level - np.median(force[near])) <= _END * float(np.ptp(force)))
 
 
 def _level(loop: Loop, x: Array, f: Array) -> bool:

@@ -30,11 +30,15 @@ _REPEATS = 0.02  # of the amplitude, root mean square: cycles that repeat the de
 _UNLOADED = 0.05  # of its range, within which a record begins at the unloaded device
 
 
-def read_cycles(path: str | Path) -> list[Loop]:
+def read_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
     """Return the steady loops of a measured cyclic test of any length, in the order of the file.
 
     The file is that of `read_cyclic_test`, but its rows, or those with one value of `loop` or `amplitude`, may hold any
     number of cycles, amplitudes and operating points one after the other. See `steady_loops` for what is made of them.
+
+    Args:
+        path: of the file.
+        stop: whether the device is a bare bump stop: without force within its gap, and without area if it is elastic.
 
     Raises:
         RecordError: names file and lines, what stands there and what is expected.
@@ -48,7 +52,7 @@ def read_cycles(path: str | Path) -> list[Loop]:
 
         try:
             time = np.array(samples.time) if samples.time else None
-            found = _steady(np.array(samples.deflection), np.array(samples.force), time, place)
+            found = _steady(np.array(samples.deflection), np.array(samples.force), time, place, stop)
             for loop in found:
                 require_nominal(samples, loop.amplitude, place(0, len(samples.lines) - 1))
                 require_likely(loop.amplitude, place(0, len(samples.lines) - 1))
@@ -58,7 +62,9 @@ def read_cycles(path: str | Path) -> list[Loop]:
     return loops
 
 
-def steady_loops(deflection: npt.ArrayLike, force: npt.ArrayLike, *, time: npt.ArrayLike | None = None) -> list[Loop]:
+def steady_loops(
+    deflection: npt.ArrayLike, force: npt.ArrayLike, *, time: npt.ArrayLike | None = None, stop: bool = False
+) -> list[Loop]:
     """Return one loop for every run of like cycles in a record.
 
     Turning points are reversals of the smoothed deflection by more than its noise and by more than 1 % of its range. Strokes
@@ -76,6 +82,7 @@ def steady_loops(deflection: npt.ArrayLike, force: npt.ArrayLike, *, time: npt.A
         deflection: record [m], (n_t,).
         force: restoring force [N], (n_t,).
         time: increasing [s], (n_t,); None: the samples are uniform.
+        stop: whether the device is a bare bump stop: without force within its gap, and without area if it is elastic.
 
     Raises:
         ValueError: there is no full cycle, the deflection does not move, the force is clipped or works the wrong way.
@@ -89,10 +96,10 @@ def steady_loops(deflection: npt.ArrayLike, force: npt.ArrayLike, *, time: npt.A
         )
     if t is not None and (t.shape != x.shape or not np.isfinite(t).all() or (np.diff(t) <= 0.0).any()):
         raise ValueError("`time` must be finite, as long as `deflection`, and increase from sample to sample.")
-    return _steady(x, f, t, lambda first, last: f"samples {first} to {last}")
+    return _steady(x, f, t, lambda first, last: f"samples {first} to {last}", stop)
 
 
-def _steady(x: Array, f: Array, time: Array | None, place: Place) -> list[Loop]:
+def _steady(x: Array, f: Array, time: Array | None, place: Place, stop: bool) -> list[Loop]:
     """Return the loops of a record; `place` says in words where samples stand."""
     whole = place(0, x.size - 1) if x.size else "the record"
     if x.size < _FEWEST:
@@ -103,8 +110,8 @@ def _steady(x: Array, f: Array, time: Array | None, place: Place) -> list[Loop]:
     if trace.turns.size == 0 or is_noise(x, trace.noise):
         raise ValueError(f"{whole}: {no_cycle_text(x)}")
     if trace.strokes.size <= 3 and _ends_meet(trace):
-        require_unclipped(x, f, whole)
-        return [mean_loop([whole_record(trace)], x, f, 1, abs(float(f[-1] - f[0])), whole)]
+        require_unclipped(x, f, whole, stop=stop)
+        return [mean_loop([whole_record(trace)], x, f, 1, abs(float(f[-1] - f[0])), whole, stop=stop)]
     runs = _runs(trace)
     if not runs:
         strokes = ", ".join(f"{1e3 * s:.4g}" for s in trace.strokes[:6]) + (", ..." if trace.strokes.size > 6 else "")
@@ -112,7 +119,7 @@ def _steady(x: Array, f: Array, time: Array | None, place: Place) -> list[Loop]:
             f"{whole}: there is no full cycle. The deflection goes to and fro by {strokes} mm; a cycle is two strokes of "
             "one length, or ends where it began."
         )
-    loops = [_loop_of_run(trace, f, first, last, place) for first, last in runs]
+    loops = [_loop_of_run(trace, f, first, last, place, stop) for first, last in runs]
     if abs(float(trace.smooth[0])) > _UNLOADED * np.ptp(x):  # how the device came there is not in the record
         return [replace(loop, averaged=0) for loop in loops]
     return _led_there(trace, runs, loops)
@@ -156,7 +163,7 @@ def _led_there(trace: Trace, runs: list[tuple[int, int]], loops: list[RecordedLo
     ]
 
 
-def _loop_of_run(trace: Trace, force: Array, first: int, last: int, place: Place) -> RecordedLoop:
+def _loop_of_run(trace: Trace, force: Array, first: int, last: int, place: Place, stop: bool) -> RecordedLoop:
     """Return the mean of the last cycles of a run, without drift."""
     cycles = [cycle_to(trace, end) for end in range(last, first + 1, -2)]
     fewest = min(cycle.samples.size for cycle in cycles[:KEPT])
@@ -173,13 +180,14 @@ def _loop_of_run(trace: Trace, force: Array, first: int, last: int, place: Place
         kept.append(cycle)
     every = np.concatenate([cycle.samples for cycle in kept])
     where = place(int(every.min()), int(every.max()))
-    require_unclipped(trace.deflection[every], force[every], where)
+    require_unclipped(trace.deflection[every], force[every], where, stop=stop)
     times = trace.times[[last - 2, last]]
     rise, period = np.diff(np.interp(times, trace.time, trace.smoothed(force)))[0], times[1] - times[0]
     slope = _drift(trace, kept, force, last) if len(kept) > 1 else rise / period
     gap = abs(float(rise - slope * period))
-    loop = mean_loop(kept, trace.deflection, force - slope * (trace.time - times[1]), len(cycles), gap, where)
-    require_falling(loop, where)
+    without_drift = force - slope * (trace.time - times[1])
+    loop = mean_loop(kept, trace.deflection, without_drift, len(cycles), gap, where, stop=stop)
+    require_falling(loop, where, stop=stop)
     return replace(loop, averaged=len(kept))
 
 

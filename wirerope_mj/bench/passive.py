@@ -7,21 +7,21 @@ from wirerope_mj.laws import Loop
 
 _THIN = 0.01  # of stroke times force range: an area that a lag by 1/80 of a radian takes away
 
+_ROUNDING = 1e-9  # of the force, within which it stands still: a drift of the zero was taken out
 
-def require_passive(loop: Loop, where: str) -> None:
+
+def require_passive(loop: Loop, where: str, *, stop: bool = False) -> None:
     """Raise ValueError if a loop cannot be that of an isolator: no force, noise alone, a wrong sign, or energy given away.
 
     Args:
         loop: one cycle, or the mean of some.
         where: it stands, as text.
+        stop: whether the device is a bump stop, which has no force within its gap.
     """
-    if np.ptp(loop.force) == 0.0:
-        raise ValueError(f"{where}: the force never changes, it stands at {loop.force[0]:.6g} N.")
-    if is_noise(loop.force[:-1], force_noise(loop)) or not has_cycle(loop.force[:-1]):
-        raise ValueError(
-            f"{where}: the force is {noise_text(loop)}: it does not follow the deflection of +-{1e3 * loop.amplitude:.4g} mm. "
-            "Was this channel connected, and is its range right? Leave the loop out, or measure more cycles of it."
-        )
+    if not stop:
+        _require_force(loop, where)
+    elif np.ptp(loop.force) <= _ROUNDING * np.abs(loop.force).max():
+        return
     if loop.secant_stiffness < 0.0 and not stiffness_in_noise(loop):
         raise ValueError(
             f"{where}: the force falls where the deflection grows; both are positive in tension. It has {noise_text(loop)}."
@@ -30,6 +30,17 @@ def require_passive(loop: Loop, where: str) -> None:
         raise ValueError(
             f"{where}: the cycle gives {-loop.dissipated_energy:.3g} J away, and no isolator does. Is the order of the samples "
             f"that of time, and do both channels have the same filter? The force has {noise_text(loop)}."
+        )
+
+
+def _require_force(loop: Loop, where: str) -> None:
+    """Raise ValueError if a loop holds no force but noise."""
+    if np.ptp(loop.force) == 0.0:
+        raise ValueError(f"{where}: the force never changes, it stands at {loop.force[0]:.6g} N.")
+    if is_noise(loop.force[:-1], force_noise(loop)) or not has_cycle(loop.force[:-1]):
+        raise ValueError(
+            f"{where}: the force is {noise_text(loop)}: it does not follow the deflection of +-{1e3 * loop.amplitude:.4g} mm. "
+            "Was this channel connected, and is its range right? Leave the loop out, or measure more cycles of it."
         )
 
 

@@ -67,7 +67,7 @@ def read_cyclic_test(path: str | Path) -> list[Loop]:
 
 def read_rows(path: Path) -> list[Samples]:
     """Return the rows of a cyclic test, those of one loop together, or raise RecordError with file and line."""
-    lines = _lines(path)
+    lines = said_lines(path, "cyclic test", _EXAMPLE)
     header, columns = _header(path, lines)
     groups = _group(header, columns, lines)
     if not groups:
@@ -75,18 +75,18 @@ def read_rows(path: Path) -> list[Samples]:
     return groups
 
 
-def _lines(path: Path) -> list[tuple[int, str]]:
-    """Return number and text of every line that says something."""
+def said_lines(path: Path, what: str, example: str) -> list[tuple[int, str]]:
+    """Return number and text of every line that says something; RecordError if there is none, with a header as an example."""
     try:
         text = path.read_text(encoding="utf-8-sig", errors="replace")
     except FileNotFoundError:
-        raise RecordError(f"{path}: no such file. A cyclic test is a CSV file with the columns {_EXAMPLE}.") from None
+        raise RecordError(f"{path}: no such file. A {what} is a CSV file with the columns {example}.") from None
     except OSError as error:
-        raise RecordError(f"{path}: the cyclic test cannot be read: {why_unread(error)}") from None
+        raise RecordError(f"{path}: the {what} cannot be read: {why_unread(error)}") from None
     rows = enumerate(text.splitlines(), start=1)
     said = [(number, line) for number, line in rows if line.strip() and not line.lstrip().startswith("#")]
     if not said:
-        raise RecordError(f"{path}: the file is empty. Expected a header such as {_EXAMPLE} and rows of numbers.")
+        raise RecordError(f"{path}: the file is empty. Expected a header such as {example} and rows of numbers.")
     return said
 
 
@@ -121,9 +121,9 @@ def _group(header: Header, columns: dict[str, int], lines: list[tuple[int, str]]
     key = next((name for name in ("loop", "amplitude") if name in columns), None)
     groups: dict[str, Samples] = {}
     samples = None
-    for number, where, cells in _rows(header, lines):
+    for number, where, cells in rows_behind(header, lines):
         values = {
-            name: factor * _number(where, header.names[columns[name]], cells[columns[name]])
+            name: factor * number_in(where, header.names[columns[name]], cells[columns[name]])
             for name, factor in factors.items()
         }
         label = cells[columns[key]] if key else "1"
@@ -144,7 +144,7 @@ def _group(header: Header, columns: dict[str, int], lines: list[tuple[int, str]]
     return list(groups.values())
 
 
-def _rows(header: Header, lines: list[tuple[int, str]]) -> Iterator[tuple[int, str, list[str]]]:
+def rows_behind(header: Header, lines: list[tuple[int, str]]) -> Iterator[tuple[int, str, list[str]]]:
     """Yield line number, where it is in words, and the cells of every row."""
     for number, text in lines:
         where = f"{header.path}, line {number}"
@@ -158,7 +158,7 @@ def _rows(header: Header, lines: list[tuple[int, str]]) -> Iterator[tuple[int, s
         yield number, where, cells
 
 
-def _number(where: str, name: str, cell: str) -> float:
+def number_in(where: str, name: str, cell: str) -> float:
     """Return the finite number in a cell."""
     try:
         value = parse_number(cell)

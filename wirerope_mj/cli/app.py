@@ -198,7 +198,7 @@ def fit(datasheet: Path, out: Path) -> int:
     """Fit an isolator from a vendor's data sheet and print every figure beside what the fit gives.
 
     Args:
-        datasheet: TOML file with the vendor's figures.
+        datasheet: TOML file with the vendor's figures, or with `curve = "shock"` or `"static"` and force-deflection curves.
         out: isolator file to write.
     """
     from wirerope_mj.identification.datasheet import fit_datasheet

@@ -3,7 +3,7 @@
 import math
 import shutil
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,8 +27,8 @@ from wirerope_mj.errors import ModelError
 from wirerope_mj.identification.fitted import FittedLoop, fitted_loops
 from wirerope_mj.identification.identify import Constraint, family_of, identify
 from wirerope_mj.identification.result import Identification
-from wirerope_mj.isolator import Isolator, Provenance, read_law
-from wirerope_mj.laws import LAWS, AsymmetricBoucWen, Law, Masing
+from wirerope_mj.isolator import Isolator, Provenance, load_isolator, read_law
+from wirerope_mj.laws import LAWS, AsymmetricBoucWen, Law, Masing, Stop
 from wirerope_mj.runfolder.folder import check_target, written_whole
 from wirerope_mj.toml_file import read_toml
 
@@ -52,6 +52,8 @@ class Request:
         name: of the isolator; None: that of its file.
         constraint: on Bouc-Wen's beta and gamma.
         fix: NAME=VALUE each.
+        free: parameters that are given otherwise.
+        beside: isolator file with the law that is known.
         elements: of a Masing law; None: five, or as many as the start has.
         start: law or isolator file where a three-stage search begins too.
         force: whether `out` and `report` are replaced.
@@ -66,6 +68,8 @@ class Request:
     name: str | None = None
     constraint: Constraint | None = None
     fix: Sequence[str] = ()
+    free: Sequence[str] = ()
+    beside: Path | None = None
     elements: int | None = None
     start: Path | None = None
     force: bool = False
@@ -81,14 +85,17 @@ def identify_command(request: Request) -> int:
     """Fit a law to records, print what was found, write report and isolator; return the exit code."""
     kind, fixed = _kind(request), _fixed(request.fix)
     start = None if request.start is None else _start(request.start, request.axis)
+    known = None if request.beside is None else load_isolator(request.beside)
+    known_law = None if known is None else _known_law(known, request)
     _check_places(request)
-    tests = read_tests(request.files)
+    tests = read_tests(request.files, stop=kind is Stop and known is None)
     loops = [loop for part in tests.values() for loop in part]
     result = identify(
-        loops, law=kind, start=start, fixed=fixed, constraint=request.constraint, elements=request.elements or _ELEMENTS
-    )
+        loops, law=kind, start=start, fixed=fixed, free=request.free, beside=known_law, constraint=request.constraint,
+        elements=request.elements or _ELEMENTS,
+    )  # fmt: skip
     fits = fitted_loops(result)
-    isolator = _isolator(request, result, fits, _given(request, result))
+    isolator = _isolator(request, result, fits, _given(request, result), known)
     wanted = result.converged or request.accept_unconverged
     with written_whole(request.folder, force=request.force, kind="report", marks=(_REPORT,)) as folder:
         _write_report(folder, request, result, fits, tests)
@@ -124,6 +131,16 @@ def _kind(request: Request) -> type[Law]:
     return LAWS[name]
 
 
+def _known_law(known: Isolator, request: Request) -> Law:
+    """Return the law of a known isolator on the axis of the tests."""
+    law = known.conditioned.axes[request.axis]
+    if law is None:
+        raise ModelError(
+            f"{request.beside}: [{request.axis}] is missing; nothing is known beside what the tests moved."
+        )
+    return law
+
+
 def _fixed(words: Sequence[str]) -> dict[str, float]:
     """Return the values of NAME=VALUE."""
     values = {}
@@ -146,10 +163,12 @@ def _start(path: Path, axis: str) -> Law:
     if not path.is_file():
         raise ModelError(f"{path}: no such file. A search starts at a law file or at an isolator file.")
     content = read_toml(path, "start of a search")
-    table, place = (content, f"{path}:") if "law" in content else (content.get(axis), f"{path}: [{axis}]")
+    table, place = (
+        (content, f"{path}:") if {"law", "laws"} & content.keys() else (content.get(axis), f"{path}: [{axis}]")
+    )
     if not isinstance(table, dict):
         raise ModelError(f"{place} is missing; a search on this axis has no start there.")
-    return read_law(table, place)
+    return read_law(table, place, path.parent)
 
 
 def _check_places(request: Request) -> None:
@@ -171,6 +190,8 @@ def _given(request: Request, result: Identification) -> list[str]:
     words = [f"{word}: given, not fitted" for word in request.fix]
     if request.constraint is not None:
         words.append(f"{request.constraint}: given, not fitted")
+    if request.beside is not None:
+        words.append(f"the law of {request.beside.name} beside it: given, not fitted")
     if isinstance(result.law, AsymmetricBoucWen):
         words.append("b = e: of b and c only the product c ln b acts on the force")
     words.append("the force's zero: the mean of each loop's force was free, so that the law has no force unloaded")
@@ -180,8 +201,10 @@ def _given(request: Request, result: Identification) -> list[str]:
     return words
 
 
-def _isolator(request: Request, result: Identification, fits: Sequence[FittedLoop], assumed: Sequence[str]) -> Isolator:
-    """Return the isolator with its provenance."""
+def _isolator(
+    request: Request, result: Identification, fits: Sequence[FittedLoop], assumed: Sequence[str], known: Isolator | None
+) -> Isolator:
+    """Return the isolator with its provenance; everything else of one that was known stays."""
     sizes = ", ".join(f"{1e3 * fit.amplitude:.3g} ({100.0 * fit.error:.2g} %)" for fit in fits)
     points = sorted({round(1e3 * fit.operating_point, 1) + 0.0 for fit in fits})
     provenance = Provenance(
@@ -194,7 +217,10 @@ def _isolator(request: Request, result: Identification, fits: Sequence[FittedLoo
         assumed=tuple(assumed),
     )
     axes: Mapping[str, Any] = {request.axis: result.law}
-    return Isolator(name=request.name or request.out.stem, provenance=provenance, **axes)
+    name = request.name or request.out.stem
+    if known is not None:
+        return replace(known.conditioned, name=name, provenance=provenance, spread=None, **axes)
+    return Isolator(name=name, provenance=provenance, **axes)
 
 
 def _keep_others(before: Path, folder: Path) -> None:
@@ -218,7 +244,8 @@ def _write_report(
     """Write text and pictures into a folder."""
     from wirerope_mj.plots.identification import fit_figure, measures_figure, residual_figure
 
-    title = f"{request.name or request.out.stem}, {request.axis}: {result.law.name}"
+    kinds = " and ".join(law.name for law in result.law.components)
+    title = f"{request.name or request.out.stem}, {request.axis}: {kinds}"
     for name, figure in zip(PICTURES, (fit_figure, residual_figure, measures_figure), strict=True):
         figure(fits, title=title).savefig(folder / name)
     sources = [f"{path}: {held(loops)}" for path, loops in tests.items()] + remarks(tests, result)

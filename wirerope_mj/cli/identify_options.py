@@ -17,6 +17,8 @@ def identify_records(
     name: str | None = None,
     constraint: Literal["beta>gamma", "beta=gamma", "beta<gamma"] | None = None,
     fix: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    free: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    beside: Path | None = None,
     elements: Whole | None = None,
     start: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
@@ -31,13 +33,16 @@ def identify_records(
     Args:
         files: records, one or several.
         law: to fit: asymmetric-bouc-wen for tension and compression, symmetric-bouc-wen for shear and roll, bouc-wen, ozdemir,
-            vaiana-rosati, enhanced-dry-friction or masing.
+            vaiana-rosati, enhanced-dry-friction or masing; stop for a bump stop, alone or with --beside.
         out: isolator file to write.
         axis: along which the tests moved.
         report: folder for text and pictures; NAME-report beside the isolator file by default.
         name: of the isolator; that of its file by default.
         constraint: on beta and gamma, where nothing else tells them apart.
         fix: parameters that are given, NAME=VALUE in SI units, by the names that the table prints.
+        free: parameters that are searched for, though they are given otherwise: a stop's exponent (1) and rounding (0).
+        beside: isolator file whose law on this axis is known and acts in parallel, as where the isolator strikes its bumper;
+            the file written is that isolator with both laws.
         elements: Jenkin elements of a masing law; 5 by default.
         start: law file or isolator file from which a search in three stages begins, besides those from a grid.
         force: replace an isolator file and a report that are there.
@@ -49,6 +54,7 @@ def identify_records(
         raise ValueError("name the records: wirerope identify TEST.csv .. --law LAW --out ISOLATOR.toml")
     request = Request(
         files=files, law=law, out=out, axis=axis, report=report, name=name, constraint=constraint, fix=fix or (),
-        elements=elements, start=start, force=force, accept_unconverged=accept_unconverged,
+        free=free or (), beside=beside, elements=elements, start=start, force=force,
+        accept_unconverged=accept_unconverged,
     )  # fmt: skip
     return identify_command(request)

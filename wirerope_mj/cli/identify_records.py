@@ -12,7 +12,8 @@ from wirerope_mj.cli.identify_report import millimetres
 from wirerope_mj.errors import RecordError
 from wirerope_mj.identification.measured import prepare
 from wirerope_mj.identification.result import Identification
-from wirerope_mj.laws import Loop
+from wirerope_mj.identification.stops import closes
+from wirerope_mj.laws import Loop, Stop
 
 Tests = Mapping[Path, Sequence[Loop]]
 
@@ -29,17 +30,24 @@ _OTHER_UNITS = 100.0
 """Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold."""
 
 
-def read_tests(files: Sequence[Path]) -> dict[Path, list[Loop]]:
-    """Return the loops by file, or raise RecordError that names the file which cannot be used."""
+def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[Loop]]:
+    """Return the loops by file, or raise RecordError that names the file which cannot be used.
+
+    Args:
+        files: records.
+        stop: whether the device is a bare bump stop, which may have no force in some of them.
+    """
     tests: dict[Path, list[Loop]] = {}
     for path in files:
         if path in tests:
             raise ValueError(f"{path} is named twice; its loops would count twice.")
-        tests[path] = read_cycles(path)
+        tests[path] = read_cycles(path, stop=stop)
         try:
-            prepare(tests[path])
+            prepare(tests[path], stop=stop)
         except ValueError as error:
             raise RecordError(f"{path}: {error}") from None
+    if stop:
+        return tests
     stiffness = {path: float(np.median([loop.secant_stiffness for loop in loops])) for path, loops in tests.items()}
     soft, stiff = min(stiffness, key=stiffness.__getitem__), max(stiffness, key=stiffness.__getitem__)
     if stiffness[stiff] > _OTHER_UNITS * stiffness[soft]:
@@ -52,7 +60,23 @@ def read_tests(files: Sequence[Path]) -> dict[Path, list[Loop]]:
 
 def remarks(tests: Tests, result: Identification) -> list[str]:
     """Return what is to be known of loops before their fit is believed, one sentence each."""
+    if isinstance(result.law, Stop):
+        tests, open_ones = _closing(tests)
+        return open_ones + _unsteady(tests) + _unexplained(tests, result)
     return _unsteady(tests) + _unexplained(tests, result) + _level(tests) + _soft(tests)
+
+
+def _closing(tests: Tests) -> tuple[Tests, list[str]]:
+    """Return the loops that close a bare stop, and which do not in words."""
+    inside = {id(loop) for loops in tests.values() for loop in loops if not closes(prepare([loop], stop=True)[0])}
+    words = [
+        f"{path}: ±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm stays within the gap and is not "
+        "fitted"
+        for path, loops in tests.items()
+        for loop in loops
+        if id(loop) in inside
+    ]
+    return {path: [loop for loop in loops if id(loop) not in inside] for path, loops in tests.items()}, words
 
 
 def _unsteady(tests: Tests) -> list[str]:
@@ -75,7 +99,7 @@ def _unexplained(tests: Tests, result: Identification) -> list[str]:
         for loop in loops:
             if not (isinstance(loop, RecordedLoop) and loop.averaged > 1):
                 continue
-            law_closure = prepare([loop])[0].law_closure(result.law)
+            law_closure = prepare([loop], stop=isinstance(result.law, Stop))[0].law_closure(result.law)
             # Besides its noise, which the residual is a measure of.
             if abs(loop.closure - law_closure) > _STEADY + result.residual:
                 size, point = f"±{1e3 * loop.amplitude:.3g} mm", millimetres(loop.operating_point)

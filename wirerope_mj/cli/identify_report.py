@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from wirerope_mj.identification.fitted import FittedLoop, neighbours_correlation
 from wirerope_mj.identification.result import Identification
+from wirerope_mj.laws import Law, Stop
 from wirerope_mj.plain_text import markdown
 
 PICTURES = {
@@ -20,6 +21,7 @@ _UNITS = {
     "alpha": "N/m", "beta": "N^(1-n)/m", "gamma": "N^(1-n)/m", "k": "N/m", "k1": "N/m", "k2": "N/m^2", "k3": "N/m^3",
     "c": "1/m", "d": "N", "u_c": "m", "stiffness": "N/m", "slip_force": "N",
 }  # fmt: skip
+_STOP_UNITS = {"gap_below": "m", "gap_above": "m", "k": "N/m^exponent", "rounding": "m", "reversal": "m", "c": "N s/m"}
 """Of the parameters of laws in their isolator files, where these are not the coordinates of the search; b and n have none."""
 
 _BENT = 0.5
@@ -82,13 +84,18 @@ def stage_rows(result: Identification) -> Rows:
 
 def law_words(result: Identification) -> str:
     """Return the law's name and its own parameters with their units, those of an isolator file."""
-    values = result.law.to_dict()
-    words = []
+    return " and ".join(_one_law(law, result) for law in result.law.components)
+
+
+def _one_law(law: Law, result: Identification) -> str:
+    """Return name and parameters of one of the laws on the axis; the last one was searched for."""
+    values, found, words = law.to_dict(), law is result.law.components[-1], []
+    units = _UNITS | _STOP_UNITS if isinstance(law, Stop) else _UNITS
     for name, value in values.items():
         if name == "law":
             continue
-        known = result.parameters.get(name)
-        unit = known.unit if known else _UNITS.get(name, "-")
+        known = result.parameters.get(name) if found else None
+        unit = known.unit if known else units.get(name, "-")
         number = f"[{', '.join(f'{one:.6g}' for one in value)}]" if isinstance(value, list) else f"{value:.6g}"
         words.append(f"{name} = {number} {unit}".removesuffix(" -"))
     return f"{values['law']}: {', '.join(words)}"
@@ -111,6 +118,7 @@ def meanings(result: Identification) -> list[str]:
         "x_y": "x_y = z_max / alpha, the deflection at which it yields",
         "sigma": "sigma = beta / (beta + gamma): the larger, the wider a loop between the same tips",
         "c_ln_b": "c_ln_b = c ln b: of b and c only this acts",
+        "reversal": "reversal: length over which a stop's force turns from pressing to letting go",
         "x1": "x1: deflection at which the first element slips; x2/x1 ..: how much further the next ones do",
     }
     return [words for name, words in known.items() if name in result.parameters]

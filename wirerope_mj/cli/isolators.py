@@ -1,6 +1,7 @@
 """`wirerope isolators`: the catalogue as a table, and one isolator with its loops."""
 
 from pathlib import Path
+from typing import Any
 
 from rich import box
 from rich.markup import escape
@@ -109,10 +110,11 @@ def _measures(isolator: Isolator) -> Table:
             continue
         rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
         for share in _SHARES:
-            amplitude = _gap(law) + share * _UNRATED if rated is None else share * rated
+            wanted = _gap(law) + share * _UNRATED if rated is None else share * rated
+            amplitude = min(wanted, share * law.finite_travel)
             loop = cyclic_test(law, amplitude, frequency=_FREQUENCY)[0]
             values = (1e-3 * loop.secant_stiffness, loop.dissipated_energy, 100.0 * loop.damping_ratio)
-            part = "-" if rated is None else f"{100 * share:.0f}"
+            part = "-" if rated is None else f"{100 * amplitude / rated:.0f}"
             table.add_row(axis, f"{1e3 * amplitude:.3g}", part, *[f"{value:.4g}" for value in values])
     return table
 
@@ -124,16 +126,19 @@ def _gap(law: Law) -> float:
 
 
 def describe(law: Law) -> str:
-    """Return a law's name and parameters in words."""
+    """Return a law's name and parameters in words, those of several one after the other."""
+    if len(law.components) > 1:
+        return " and ".join(describe(one) for one in law.components)
     values = law.to_dict()
-    words = [
-        f"{key} = [{', '.join(f'{number:.6g}' for number in value)}]"
-        if isinstance(value, list)
-        else f"{key} = {value:.6g}"
-        for key, value in values.items()
-        if key != "law"
-    ]
+    words = [f"{key} = {_value(value)}" for key, value in values.items() if key != "law"]
     return f"{values['law']}: {', '.join(words)}"
+
+
+def _value(value: Any) -> str:
+    """Return a parameter in words: a number, a list of them, or a choice."""
+    if isinstance(value, list):
+        return f"[{', '.join(map(_value, value))}]"
+    return f"{value:.6g}" if isinstance(value, int | float) and not isinstance(value, bool) else str(value).lower()
 
 
 def check_place(out: Path) -> None:

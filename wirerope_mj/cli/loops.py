@@ -82,11 +82,11 @@ def _load(source: str, axis: str | None) -> tuple[Isolator, str, bool]:
         content = toml_content(path)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
         return load_isolator(path), path.stem, True  # says what is wrong with the file
-    if "law" in content:
-        law = read_law(content, f"{path}:")
+    if "law" in content or "laws" in content:
+        law = read_law(content, f"{path}:", path.parent)
         axes: dict[str, Any] = {axis or "axial": law}
         # A law file has no ratings; a law that ends somewhere says so itself when a test leads there.
-        end = law.finite_travel if law.finite_travel < math.inf else None
+        end = law.finite_travel if law.needs_rating and law.finite_travel < math.inf else None
         ends = None if end is None else math.nextafter(end, 0.0)
         travel = Travel(compression=ends, tension=ends, shear=ends, roll=ends)
         return Isolator(name=path.stem, limits=Limits(travel=travel), **axes), path.stem, False
@@ -158,9 +158,9 @@ def _print(
 def _row(loop: Loop, law: Law) -> list[str]:
     """Return a loop's measures in words; a rate-dependent force turns round smoothly and has no tangent to state."""
     values = (1e3 * loop.amplitude, loop.secant_stiffness / 1e3, loop.dissipated_energy, 100.0 * loop.damping_ratio)
-    tangents = [f"{slope / 1e3:.4g}" if law.rate_independent else "-" for slope in loop.tangents_at_reversal]
+    tangents = [f"{slope / 1e3 + 0.0:.4g}" if law.rate_independent else "-" for slope in loop.tangents_at_reversal]
     closed = f"{loop.cycles}" if loop.closure <= 1e-10 else f"{loop.cycles}, open by {loop.closure:.1g}"
-    return [*[f"{value:.4g}" for value in values], *tangents, closed]
+    return [*["-" if math.isnan(value) else f"{value:.4g}" for value in values], *tangents, closed]
 
 
 def _sentences(loops: Sequence[Loop]) -> list[str]:

@@ -5,7 +5,7 @@ contacts costs one comparison.
 """
 
 from wirerope_mj.control import layout as at
-from wirerope_mj.jit import njit
+from wirerope_mj.jit import inlined, njit
 
 FRICTIONLESS, PYRAMIDAL, ELLIPTIC = 5, 6, 7
 """mjCNSTR_CONTACT_FRICTIONLESS, _PYRAMIDAL and _ELLIPTIC: how the forces of a contact stand in efc_force."""
@@ -22,7 +22,7 @@ def normal_force(force, address, kind, dimension):
     return total
 
 
-@njit
+@inlined
 def contact_rows(lay, i, w):
     """Return where the memory of contacts begins in userdata."""
     return (
@@ -36,7 +36,7 @@ def contact_rows(lay, i, w):
     )
 
 
-@njit
+@inlined
 def begin_contacts(lay, i, u, w, n_contacts):
     """Prepare the memory for the contacts of a step: empty at the first one, without forces of this step at the others."""
     n_rows = int(lay[i + at.N_CONTACTS])

@@ -14,7 +14,7 @@ from wirerope_mj.control.observer import observe
 from wirerope_mj.control.pointers import float64_array, int32_array, int32_member, int64_array, member
 from wirerope_mj.control.stops import track_stops
 from wirerope_mj.control.structs import DATA_FIELDS, offsets, size_of
-from wirerope_mj.jit import njit
+from wirerope_mj.jit import inlined, njit
 
 ACCELERATION_STAGE = 3
 """mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last."""
@@ -28,30 +28,36 @@ class Callbacks(NamedTuple):
     sensor: object
 
 
-@njit
-def _find_system(m, nu, dynprm, numeric):  # type: ignore[no-untyped-def]
-    """Return whether the model at address `m` has a state actuator, where, its dynprm, and numeric_data."""
-    n = int64_array(m + nu)[0]
-    prm = member(m, dynprm)
-    found = n > 0 and prm[10 * (n - 1)] == at.MAGIC
-    return found, 10 * (n - 1), prm, member(m, numeric)
+@inlined
+def _find_system(m, system):  # type: ignore[no-untyped-def]
+    """Return whether the model at address `m` has a state actuator, which one, and where its parts stand.
+
+    The parts: layout and parameters as arrays, the first entries in userdata and in act. Arrays begin where the system's
+    entries do, so that the kernels get 0 for their places: a constant, which the compiler sees is not negative.
+    """
+    last = int64_array(m + system[0])[0] - 1
+    prm = member(m, system[1], 10 * last)
+    found = last >= 0 and prm[0] == at.MAGIC
+    layout, parameters, userdata, activation = (
+        (int(prm[1]), int(prm[2]), int(prm[3]), int(prm[4])) if found else (0, 0, 0, 0)
+    )
+    return found, last, member(m, system[2], layout), member(m, system[2], parameters), userdata, activation
 
 
-@njit
+@inlined
 def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
-    found, p, prm, numeric = _find_system(m, system[0], system[1], system[2])
+    found, _, lay, par, userdata, activation = _find_system(m, system)
     if not found:
         return
-    lay, q, w, a = int(prm[p + 1]), int(prm[p + 2]), int(prm[p + 3]), int(prm[p + 4])
-    u = member(d, field[0])
+    u = member(d, field[0], userdata)
     drive_base(
-        numeric, lay, u, w, float64_array(d + time)[0],
+        lay, 0, u, 0, float64_array(d + time)[0],
         member(d, field[1]),
         member(d, field[2]),
         member(d, field[3]),
     )  # fmt: skip
     apply_mounts(
-        numeric, lay, numeric, q, u, w, member(d, field[4]), a,
+        lay, 0, par, 0, u, 0, member(d, field[4], activation), 0,
         member(d, field[5]),
         member(d, field[6]),
         member(d, field[7]),
@@ -62,56 +68,51 @@ def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@njit
+@inlined
 def _act_dyn(m, d, actuator, system, userdata, act_dot):  # type: ignore[no-untyped-def]
-    found, p, prm, numeric = _find_system(m, system[0], system[1], system[2])
-    if found and p == 10 * actuator:
-        lay, w, a = int(prm[p + 1]), int(prm[p + 3]), int(prm[p + 4])
-        u = member(d, userdata)
-        return copy_rates(numeric, lay, u, w, member(d, act_dot), a)
+    found, last, lay, _, w, a = _find_system(m, system)
+    if found and last == actuator:
+        return copy_rates(lay, 0, member(d, userdata, w), 0, member(d, act_dot, a), 0)
     return 0.0
 
 
 @njit
-def _contacts(d, numeric, lay, u, w, time, place, part):  # type: ignore[no-untyped-def]
+def _contacts(d, lay, u, time, place, part):  # type: ignore[no-untyped-def]
     """Remember the contacts of this step; `place` and `part` are offsets in mjData and in mjContact, whose size is last."""
-    if u[w + at.OBSERVING] == 0.0:
-        return
     number = int32_array(d + place[0])[0]
-    begin_contacts(numeric, lay, u, w, number)
-    if number == 0 or numeric[lay + at.N_CONTACTS] == 0.0:
+    begin_contacts(lay, 0, u, 0, number)
+    if number == 0 or lay[at.N_CONTACTS] == 0.0:
         return
-    contact, force, kinds = int64_array(d + place[1])[0], member(d, place[2]), int32_member(d, place[3])
+    contact, force, kinds = int64_array(d + place[1])[0], member(d, place[2], 0), int32_member(d, place[3])
     for _ in range(number):
         address = int32_array(contact + part[3])[0]
         if address >= 0:  # otherwise MuJoCo left it out
             geoms = int32_array(contact + part[1])
             pressed = normal_force(force, address, kinds[address], int32_array(contact + part[2])[0])
             track_contact(
-                numeric, lay, u, w, time, float(geoms[0]), float(geoms[1]), float64_array(contact + part[0])[0], pressed
+                lay, 0, u, 0, time, float(geoms[0]), float(geoms[1]), float64_array(contact + part[0])[0], pressed
             )
         contact += part[4]
 
 
-@njit
+@inlined
 def _sensor(m, d, system, field, time, place, part):  # type: ignore[no-untyped-def]
-    found, p, prm, numeric = _find_system(m, system[0], system[1], system[2])
+    found, _, lay, par, userdata, activation = _find_system(m, system)
     if not found:
         return
-    lay, q, w, a = int(prm[p + 1]), int(prm[p + 2]), int(prm[p + 3]), int(prm[p + 4])
-    remove_overshoot(numeric, lay, numeric, q, member(d, field[1]), a)
-    _contacts(d, numeric, lay, member(d, field[0]), w, float64_array(d + time)[0], place, part)
-    track_stops(
-        numeric, lay, numeric, q, member(d, field[0]), w, member(d, field[1]), a,
-        float64_array(d + time)[0],
-        member(d, field[3]),
-        member(d, field[13]),
-        member(d, field[7]),
-        member(d, field[8]),
-    )  # fmt: skip
+    u, act, now = member(d, field[0], userdata), member(d, field[1], activation), float64_array(d + time)[0]
+    remove_overshoot(lay, 0, par, 0, act, 0)
+    if u[at.OBSERVING] != 0.0:
+        _contacts(d, lay, u, now, place, part)
+        track_stops(
+            lay, 0, par, 0, u, 0, act, 0, now,
+            member(d, field[3]),
+            member(d, field[13]),
+            member(d, field[7]),
+            member(d, field[8]),
+        )  # fmt: skip
     observe(
-        numeric, lay, member(d, field[0]), w, member(d, field[1]), a,
-        float64_array(d + time)[0],
+        lay, 0, u, 0, act, 0, now,
         member(d, field[2]),
         member(d, field[3]),
         member(d, field[4]),

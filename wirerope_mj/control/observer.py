@@ -8,18 +8,18 @@ around an extreme; a parabola is never drawn across a corner of the base motion.
 import math
 
 from wirerope_mj.control import layout as at
-from wirerope_mj.jit import njit
+from wirerope_mj.jit import index, inlined, njit
 
 
-@njit
+@inlined
 def body_accelerations(lay, i, out, w, cdof, cdof_dot, qvel, qacc):
     """Write the spatial coordinate acceleration of every body, rotation first, about its tree's centre of mass."""
-    tree = i + int(lay[i + at.TREE])
+    tree = i + index(lay[i + at.TREE])
     for c in range(6):
         out[w + c] = 0.0
-    for body in range(1, int(lay[i + at.N_TREE])):
+    for body in range(1, index(lay[i + at.N_TREE])):
         row = tree + at.TREE_COLUMNS * body
-        parent, first, number = int(lay[row]), int(lay[row + 1]), int(lay[row + 2])
+        parent, first, number = index(lay[row]), index(lay[row + 1]), index(lay[row + 2])
         for c in range(6):
             total = out[w + 6 * parent + c]
             for dof in range(first, first + number):
@@ -27,7 +27,7 @@ def body_accelerations(lay, i, out, w, cdof, cdof_dot, qvel, qacc):
             out[w + 6 * body + c] = total
 
 
-@njit
+@inlined
 def kinematics(out, o, point, p, quaternion, k, body, root, subtree_com, cvel, cacc, w):
     """Write position, orientation, velocity, angular velocity, acceleration and angular acceleration of a point."""
     rx, ry, rz = (
@@ -67,7 +67,7 @@ def parabola_extreme(t0, y0, t1, y1, t2, y2):
     return time, y0 + (time - t0) * (left + curvature * (time - t1))
 
 
-@njit
+@inlined
 def track_component(u, m, c, history, t0, t1, t2, y2):
     """Update the extremes of one component with its newest value `y2`."""
     if history == 0:
@@ -90,13 +90,13 @@ def track_component(u, m, c, history, t0, t1, t2, y2):
             u[m + at.LOW + c], u[m + at.LOW_TIME + c] = value, time
 
 
-@njit
+@inlined
 def norm_at(u, m, place):
     """Return the norm of one of the channel's remembered vectors."""
     return math.sqrt(u[m + place] ** 2 + u[m + place + 1] ** 2 + u[m + place + 2] ** 2)
 
 
-@njit
+@inlined
 def track_norm(u, m, history, t0, t1, t2, s, j):
     """Update the peak of the norm with the newest vector `s[j:j + 3]`."""
     y2 = math.sqrt(s[j] ** 2 + s[j + 1] ** 2 + s[j + 2] ** 2)
@@ -119,25 +119,25 @@ def track_norm(u, m, history, t0, t1, t2, s, j):
             u[m + at.PEAK_VECTOR + c] = v0 + (time - t0) * (left + curvature * (time - t1))
 
 
-@njit
+@inlined
 def track_peaks(lay, i, u, w, time, s, first):
     """Update all channels with the values of this step; `s[first:]` are the system's sensor values."""
     event, history = u[w + at.EVENT], int(u[w + at.HISTORY])
     if event == at.JUMP and history > 1:
         history = 1  # what follows a jump is compared with what was, but no parabola is drawn to it
     t0, t1 = u[w + at.TIME_2], u[w + at.TIME_1]
-    n_channels = int(lay[i + at.N_CHANNELS])
-    channel = i + int(lay[i + at.CHANNELS])
+    n_channels = index(lay[i + at.N_CHANNELS])
+    channel = i + index(lay[i + at.CHANNELS])
     m = (
         w
         + at.STAGES
         + 3 * (2 * at.MAX_STEPS + 1)
-        + 6 * int(lay[i + at.N_MOUNTS])
-        + int(lay[i + at.N_STATES])
-        + 6 * int(lay[i + at.N_TREE])
+        + 6 * index(lay[i + at.N_MOUNTS])
+        + index(lay[i + at.N_STATES])
+        + 6 * index(lay[i + at.N_TREE])
     )
     for _ in range(n_channels):
-        j = first + int(lay[channel])
+        j = first + index(lay[channel])
         for c in range(3):
             track_component(u, m, c, history, t0, t1, time, s[j + c])
         track_norm(u, m, history, t0, t1, time, s, j)
@@ -151,41 +151,41 @@ def track_peaks(lay, i, u, w, time, s, first):
     u[w + at.EVENT] = at.SMOOTH
 
 
-@njit
+@inlined
 def observe(
     lay, i, u, w, act, a, time, s, site_xpos, site_xquat, xipos, xquat, subtree_com, cvel, cdof, cdof_dot, qvel, qacc
 ):
     """Write the system's sensor values of this instant and, while a simulation observes, update the peaks."""
-    n_mounts, n_states = int(lay[i + at.N_MOUNTS]), int(lay[i + at.N_STATES])
+    n_mounts, n_states = index(lay[i + at.N_MOUNTS]), index(lay[i + at.N_STATES])
     record = w + at.STAGES + 3 * (2 * at.MAX_STEPS + 1)
     cacc = record + 6 * n_mounts + n_states
     body_accelerations(lay, i, u, cacc, cdof, cdof_dot, qvel, qacc)
-    first = int(lay[i + at.SENSOR])
+    first = index(lay[i + at.SENSOR])
     o = first
-    row = i + int(lay[i + at.BODIES])
-    for _ in range(int(lay[i + at.N_BODIES])):
-        body, root = int(lay[row]), int(lay[row + 1])
+    row = i + index(lay[i + at.BODIES])
+    for _ in range(index(lay[i + at.N_BODIES])):
+        body, root = index(lay[row]), index(lay[row + 1])
         kinematics(s, o, xipos, 3 * body, xquat, 4 * body, body, root, subtree_com, cvel, u, cacc)
         o += at.KINEMATICS
         row += at.BODY_COLUMNS
-    row = i + int(lay[i + at.POINTS])
-    for _ in range(int(lay[i + at.N_POINTS])):
-        site, body, root = int(lay[row]), int(lay[row + 1]), int(lay[row + 2])
+    row = i + index(lay[i + at.POINTS])
+    for _ in range(index(lay[i + at.N_POINTS])):
+        site, body, root = index(lay[row]), index(lay[row + 1]), index(lay[row + 2])
         kinematics(s, o, site_xpos, 3 * site, site_xquat, 4 * site, body, root, subtree_com, cvel, u, cacc)
-        base = 3 * int(lay[row + 3])
+        base = 3 * index(lay[row + 3])
         for c in range(3):
             s[o + at.RELATIVE + c] = site_xpos[3 * site + c] - xipos[base + c] - lay[row + 4 + c]
         o += at.POINT_VALUES
         row += at.POINT_COLUMNS
-    axis = i + int(lay[i + at.AXES])
+    axis = i + index(lay[i + at.AXES])
     for _ in range(n_mounts):
         for c in range(at.MOUNT_VALUES):
             s[o + c] = u[record + c]
         o += at.MOUNT_VALUES
         record += 6
         for _axis in range(3):
-            for k in range(int(lay[axis + 3])):
-                s[o] = act[a + int(lay[axis + 2]) + k]
+            for k in range(index(lay[axis + 3])):
+                s[o] = act[a + index(lay[axis + 2]) + k]
                 o += 1
             axis += at.AXIS_COLUMNS
     if u[w + at.OBSERVING] != 0.0:

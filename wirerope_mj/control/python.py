@@ -61,10 +61,10 @@ def python_callbacks() -> Callbacks:
         remove_overshoot(v.numeric, v.layout, v.numeric, v.parameters, v.d_act, v.states)
         if v.d_userdata[v.userdata + at.OBSERVING] != 0.0:
             _track_contacts(v, data)
-        track_stops(
-            v.numeric, v.layout, v.numeric, v.parameters, v.d_userdata, v.userdata, v.d_act, v.states, data.time,
-            v.d_site_xpos, v.d_site_xmat, v.d_subtree_com, v.d_cvel,
-        )  # fmt: skip
+            track_stops(
+                v.numeric, v.layout, v.numeric, v.parameters, v.d_userdata, v.userdata, v.d_act, v.states, data.time,
+                v.d_site_xpos, v.d_site_xmat, v.d_subtree_com, v.d_cvel,
+            )  # fmt: skip
         observe(
             v.numeric, v.layout, v.d_userdata, v.userdata, v.d_act, v.states, data.time, v.d_sensordata,
             v.d_site_xpos, v.d_site_xquat, v.d_xipos, v.d_xquat, v.d_subtree_com, v.d_cvel, v.d_cdof, v.d_cdof_dot,

@@ -7,7 +7,7 @@ mounts, axes and laws. A system without stops costs one comparison.
 from wirerope_mj.control import layout as at
 from wirerope_mj.control.contacts import contact_rows, touch
 from wirerope_mj.control.mounts import point_velocity
-from wirerope_mj.jit import njit
+from wirerope_mj.jit import index, njit
 from wirerope_mj.laws.kernels import PARALLEL, STOP
 from wirerope_mj.laws.stop_kernels import ABOVE, BELOW, LOSS, VISCOUS, stop_force
 
@@ -15,32 +15,32 @@ from wirerope_mj.laws.stop_kernels import ABOVE, BELOW, LOSS, VISCOUS, stop_forc
 @njit
 def rate_along(lay, m, c, site_xpos, site_xmat, subtree_com, cvel):
     """Return the rate of the deflection of the mount in row `m` along its axis `c` [m/s]."""
-    s, r = 3 * int(lay[m]), 9 * int(lay[m + 1]) + c
+    s, r = 3 * index(lay[m]), 9 * index(lay[m + 1]) + c
     px, py, pz = site_xpos[s], site_xpos[s + 1], site_xpos[s + 2]
-    ux, uy, uz = point_velocity(cvel, int(lay[m + 2]), subtree_com, int(lay[m + 4]), px, py, pz)
-    bx, by, bz = point_velocity(cvel, int(lay[m + 3]), subtree_com, int(lay[m + 5]), px, py, pz)
+    ux, uy, uz = point_velocity(cvel, index(lay[m + 2]), subtree_com, index(lay[m + 4]), px, py, pz)
+    bx, by, bz = point_velocity(cvel, index(lay[m + 3]), subtree_com, index(lay[m + 5]), px, py, pz)
     return site_xmat[r] * (ux - bx) + site_xmat[r + 3] * (uy - by) + site_xmat[r + 6] * (uz - bz)
 
 
 @njit
 def track_stops(lay, i, par, q, u, w, act, a, time, site_xpos, site_xmat, subtree_com, cvel):
-    """Update the memory of all stops with the deflections of this step while a simulation observes."""
-    n_stops = int(lay[i + at.N_STOPS])
-    if n_stops == 0 or u[w + at.OBSERVING] == 0.0:
+    """Update the memory of all stops with the deflections of this step."""
+    n_stops = index(lay[i + at.N_STOPS])
+    if n_stops == 0:
         return
-    row = contact_rows(lay, i, w) + at.CONTACT_MEMORY * int(lay[i + at.N_CONTACTS])
+    row = contact_rows(lay, i, w) + at.CONTACT_MEMORY * index(lay[i + at.N_CONTACTS])
     if u[w + at.HISTORY] == 0.0:
         for k in range(at.CONTACT_MEMORY * n_stops):
             u[row + k] = 0.0
     record = w + at.STAGES + 3 * (2 * at.MAX_STEPS + 1)
-    m = i + int(lay[i + at.MOUNTS])
-    axis = i + int(lay[i + at.AXES])
-    for _ in range(int(lay[i + at.N_MOUNTS])):
+    m = i + index(lay[i + at.MOUNTS])
+    axis = i + index(lay[i + at.AXES])
+    for _ in range(index(lay[i + at.N_MOUNTS])):
         for c in range(3):
-            law, first = lay[axis], q + int(lay[axis + 1])
+            law, first = lay[axis], q + index(lay[axis + 1])
             n_parts = int(par[first]) if law == PARALLEL else 1 if law == STOP else 0
             for part in range(n_parts):
-                p, z, kind = first, a + int(lay[axis + 2]), law
+                p, z, kind = first, a + index(lay[axis + 2]), law
                 if law == PARALLEL:
                     place = first + 1 + 3 * part
                     kind, p, z = par[place], first + int(par[place + 1]), z + int(par[place + 2])

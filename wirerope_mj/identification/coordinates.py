@@ -6,8 +6,8 @@ deflections at which they slip, each further than the last.
 """
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -28,11 +28,19 @@ Array = npt.NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class Scales:
-    """Sizes of what was measured: the largest and the least amplitude [m], and half the largest force range [N]."""
+    """Sizes of what was measured.
+
+    Attributes:
+        deflection, least: the largest and the least amplitude [m].
+        force: half the largest force range [N].
+        below, above: how far a stop's sides that close were deflected [m]; 0 of one that does not.
+    """
 
     deflection: float
     least: float
     force: float
+    below: float = 0.0
+    above: float = 0.0
 
 
 SEEN = 0.02
@@ -88,11 +96,13 @@ class Family:
         coordinates: the numbers, from the sizes of what was measured.
         make: the law of their values.
         read: the values of a law.
+        usual: values of coordinates that are given unless they are asked for.
     """
 
     coordinates: Callable[[Scales], list[Coordinate]]
     make: Callable[[dict[str, float]], Law]
     read: Callable[[Law], dict[str, float]]
+    usual: Mapping[str, float] = field(default_factory=dict)
 
 
 def least_exponent(s: Scales) -> float:

@@ -1,8 +1,8 @@
 """An isolator from a vendor's data sheet.
 
-What a sheet holds is described in `wirerope_mj.identification.vendor`; those of the catalogue lie in
-`models/isolators/datasheets`, and `wirerope isolators fit` fits one. The shape of the elastic force comes from the rope loop's
-geometry, its size and the friction from the vendor's figures.
+What a sheet holds is described in `wirerope_mj.identification.vendor`, one of force-deflection curves in `curve_sheet` beside
+it; those of the catalogue lie in `models/isolators/datasheets`, and `wirerope isolators fit` fits one. The shape of the elastic
+force comes from the rope loop's geometry, its size and the friction from the vendor's figures.
 """
 
 import math
@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import ConvergenceError, ModelError
+from wirerope_mj.identification.curve_fit import fit_curves
 from wirerope_mj.identification.secants import Curve, NiLaw, fit_damped, fit_secants
 from wirerope_mj.identification.sheet import AxisFigures, DataSheet, Stated
 from wirerope_mj.identification.sheet_table import diagonal_figures
@@ -25,15 +26,19 @@ from wirerope_mj.rope_loop import (
     loop_shape,
     rotational_stiffness,
 )
+from wirerope_mj.toml_file import read_toml
 
 
 def fit_datasheet(path: str | Path) -> Isolator:
-    """Return the isolator that reproduces the figures of a data sheet.
+    """Return the isolator that reproduces the figures, or the curves, of a data sheet.
 
     Raises:
         ModelError: the data sheet breaks a rule, or no rope loop has its measures and travels; the message names the file.
         ConvergenceError: no law has all its figures; the message names the file.
     """
+    content = read_toml(path, "data sheet")
+    if "curve" in content:
+        return fit_curves(content, Path(path))
     sheet = read_datasheet(path)
     try:
         return fit_sheet(sheet)

@@ -1,7 +1,7 @@
 """Cyclic tests -> a law, with what the data could and could not fix."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -16,8 +16,9 @@ from wirerope_mj.identification.result import Identification as Identification
 from wirerope_mj.identification.search import Found, Search
 from wirerope_mj.identification.stages import Method, Stage, run_stages
 from wirerope_mj.identification.start import grid_starts
+from wirerope_mj.identification.stops import STOP, beside_known, closing
 from wirerope_mj.identification.sufficient import require_amplitudes, require_dissipation, require_movement
-from wirerope_mj.laws import AsymmetricBoucWen, Law, Loop, Masing
+from wirerope_mj.laws import AsymmetricBoucWen, Law, Loop, Masing, Stop
 
 Constraint = Literal["beta>gamma", "beta=gamma", "beta<gamma"]
 
@@ -38,6 +39,8 @@ def identify(
     extra_residuals: Sequence[Residual] = (),
     start: Law | None = None,
     fixed: Mapping[str, float] | None = None,
+    free: Sequence[str] = (),
+    beside: Law | None = None,
     constraint: Constraint | None = None,
     elements: int = 5,
     method: Method = "three-stage",
@@ -62,6 +65,9 @@ def identify(
             dynamic measurements join the loops through them.
         start: where to begin, beside the grid.
         fixed: values of parameters that are not searched for, by name.
+        free: names of those that are searched for, though they are given otherwise: a stop's `exponent` 1 and `rounding` 0.
+        beside: law that is known and acts in parallel, as that of an isolator that strikes the bumper which is searched for;
+            the law found is both, a `Parallel`.
         constraint: on Bouc-Wen's beta and gamma.
         elements: Jenkin elements of a Masing law.
         method: "three-stage", or from `start` in one stage "time" (forces) or "frequency" (their Fourier coefficients, which
@@ -82,9 +88,14 @@ def identify(
         method=method, data=data, constraint=constraint, noise=noise, grid=grid, start=start, fixed=fixed or {},
         extra_residuals=extra_residuals,
     )  # fmt: skip
-    measured = prepare(loops, weights=weights)
+    measured = prepare(loops, weights=weights, stop=law is Stop and beside is None)
     require_dissipation(measured)
-    search = _search(measured, law, dict(fixed or {}), constraint, elements, start)
+    sides: Mapping[str, float] = {}
+    if law is Stop:
+        measured, sides = closing(measured, beside)
+    family = family_of(law, len(start.stiffness) if isinstance(start, Masing) else elements)
+    coordinates = family.coordinates(replace(scales_of(measured), **sides))
+    search = _search(law, beside_known(family, beside), coordinates, dict(fixed or {}), free, constraint, start)
     require_amplitudes(measured, search, data)
     full = joined(loop_residual(measured, data), extra_residuals)
     ends: list[_End] = []
@@ -119,33 +130,46 @@ class _End:
 def family_of(law: type[Law], elements: int = 5) -> Family:
     """Return how laws of a class are searched for, or raise ValueError if cyclic tests cannot fix them."""
     require_kind(law)
+    if law is Stop:
+        return STOP
     if law is Masing:
         if not isinstance(elements, int) or elements < 1:
             raise ValueError(f"`elements` must be a whole number >= 1, got {elements!r}.")
         return masing_family(elements)
     if law not in FAMILIES:
-        kinds: list[type[Law]] = [*FAMILIES, Masing]
+        kinds: list[type[Law]] = [*FAMILIES, Masing, Stop]
         known = ", ".join(sorted(kind.name for kind in kinds))
         raise ValueError(f"`law` must be one that cyclic tests can fix ({known}), got {getattr(law, 'name', law)!r}.")
     return FAMILIES[law]
 
 
 def _search(
-    loops: Sequence[MeasuredLoop],
     law: type[Law],
+    family: Family,
+    coordinates: list[Coordinate],
     fixed: dict[str, float],
+    free: Sequence[str],
     constraint: Constraint | None,
-    elements: int,
     start: Law | None,
 ) -> Search:
     if start is not None and type(start) is not law:
         raise ValueError(f"`start` must be a {law.name} law, got {start!r}.")
-    family = family_of(law, len(start.stiffness) if isinstance(start, Masing) else elements)
-    coordinates = family.coordinates(scales_of(loops))
+    if fixed.get("loss") == 0.0:  # an elastic stop has none
+        coordinates = [c for c in coordinates if c.name != "reversal"]
     names = [c.name for c in coordinates]
-    for name in fixed:
-        if name not in names:
-            raise ValueError(f"`fixed` names {name!r}, which {law.name} does not have; it has {', '.join(names)}.")
+    for option, named in (("fixed", fixed), ("free", free)):
+        for name in named:
+            if name not in names:
+                raise ValueError(
+                    f"`{option}` names {name!r}, which {law.name} does not have; it has {', '.join(names)}."
+                )
+    if both := [name for name in free if name in fixed]:
+        raise ValueError(f"`fixed` and `free` both name {', '.join(both)}.")
+    fixed = {**{name: value for name, value in family.usual.items() if name not in free}, **fixed}
+    if start is not None and (missing := [n for n in names if n not in fixed and n not in family.read(start)]):
+        raise ValueError(
+            f"`start` must give {', '.join(missing)}, which the loops show and the search moves, got {start!r}."
+        )
     if set(names) <= set(fixed):
         raise ValueError(f"`fixed` names all parameters, {', '.join(names)}: nothing is left to search for.")
     if constraint is not None:

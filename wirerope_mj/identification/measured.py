@@ -10,6 +10,7 @@ from scipy.optimize import isotonic_regression
 from wirerope_mj.bench.clipping import require_falling, require_unclipped
 from wirerope_mj.bench.reading import require_likely
 from wirerope_mj.bench.recorded import RecordedLoop, mean_of_cycles
+from wirerope_mj.bench.turning import rms_noise
 from wirerope_mj.identification.coordinates import Scales
 from wirerope_mj.laws import Law, Loop
 from wirerope_mj.laws.steady import follow_force, settle
@@ -18,6 +19,9 @@ Array = npt.NDArray[np.float64]
 
 STEADY = 1e-12
 """Change of the hysteretic force over a cycle, relative to the force range, at which it is steady."""
+
+ENDS_NOISE = 6.0
+"""Standard deviations of the noise by which the two ends of a cycle within a stop's gap may differ: four of a difference."""
 
 OPEN_ENDED = 0.2
 """Share of the force range by which the ends of a measured cycle may differ: creep of the first cycles, and noise."""
@@ -78,6 +82,8 @@ class MeasuredLoop:
         made of its. Where they are not known it is in its steady state; elements that never slip there stand as a ramp from the
         unloaded device to the operating point leaves them.
         """
+        if len(law.components) > 1:  # each has its own states, and no word in those of the others
+            return np.asarray(sum(self.model_force(one) for one in law.components))
         if self.averaged:
             return mean_of_cycles(self._led_forces(law), self.elapsed)
         x, parameters = self.deflection, law.kernel_parameters()
@@ -116,7 +122,7 @@ class MeasuredLoop:
         return forces
 
 
-def prepare(loops: Sequence[Loop], *, weights: str = "range") -> list[MeasuredLoop]:
+def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False) -> list[MeasuredLoop]:
     """Return loops ready to be fitted, smallest first.
 
     Noise of the deflection would turn every sample into a reversal; the monotone path nearest to the samples of each branch
@@ -126,6 +132,7 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range") -> list[MeasuredLo
         loops: closed cycles.
         weights: "range" divides residuals by each loop's half force range, so that small loops count as much as large ones;
             "equal" by that of the largest loop.
+        stop: whether the device is a bare bump stop, whose force stands still within its gap.
 
     Raises:
         ValueError: a loop is not a full cycle, its deflection does not move, or its force is clipped.
@@ -135,9 +142,9 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range") -> list[MeasuredLo
     largest = max((0.5 * float(np.ptp(loop.force)) for loop in loops), default=0.0)
     ready = []
     for number, loop in enumerate(loops, start=1):
-        _check(loop, number)
+        _check(loop, number, stop)
         size = 0.5 * float(np.ptp(loop.force)) if weights == "range" else largest
-        one = MeasuredLoop(deflection=_monotone(loop.deflection), force=loop.force, weight=size)
+        one = MeasuredLoop(deflection=_monotone(loop.deflection), force=loop.force, weight=size or 1.0)
         if isinstance(loop, RecordedLoop):
             one = replace(one, history=loop.history, elapsed=loop.elapsed, averaged=loop.averaged)
         ready.append(one)
@@ -154,7 +161,7 @@ def scales_of(loops: Sequence[MeasuredLoop]) -> Scales:
     )
 
 
-def _check(loop: Loop, number: int) -> None:
+def _check(loop: Loop, number: int, stop: bool) -> None:
     """Raise ValueError if a loop cannot be fitted."""
     x, f = loop.deflection, loop.force
     if x.size < 12:
@@ -171,13 +178,13 @@ def _check(loop: Loop, number: int) -> None:
             f"loop {number} is not a full cycle: it begins at {x[0]:.6g} m and ends at {x[-1]:.6g} m, of a range of "
             f"{np.ptp(x):.6g} m."
         )
-    if loop.closure > OPEN_ENDED:
+    if loop.closure > OPEN_ENDED and not (stop and loop.closure * np.ptp(f) <= ENDS_NOISE * rms_noise(f)):
         raise ValueError(
             f"loop {number} is not a full cycle: its force begins at {f[0]:.6g} N and ends at {f[-1]:.6g} N, "
             f"{100 * loop.closure:.0f} % of its range apart."
         )
-    require_unclipped(x, f, f"loop {number}")
-    require_falling(loop, f"loop {number}")
+    require_unclipped(x, f, f"loop {number}", stop=stop)
+    require_falling(loop, f"loop {number}", stop=stop)
 
 
 def _monotone(x: Array) -> Array:

@@ -4,10 +4,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from wirerope_mj.identification import figures
+from wirerope_mj.identification.curve_fit import curve_figures
+from wirerope_mj.identification.curve_sheet import read_curve_sheet
 from wirerope_mj.identification.sheet import AxisFigures, DataSheet, Stated
 from wirerope_mj.identification.vendor import read_datasheet
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.laws import Law, LoopBoucWen
+from wirerope_mj.toml_file import read_toml
 from wirerope_mj.units import STANDARD_GRAVITY
 
 
@@ -29,6 +32,10 @@ class Figure:
 
 def compare(path: str | Path, isolator: Isolator) -> list[Figure]:
     """Return every figure of a data sheet beside what the laws of `isolator` give, and its sags under rated load."""
+    content = read_toml(path, "data sheet")
+    if "curve" in content:
+        stated = curve_figures(read_curve_sheet(content, Path(path)), isolator)
+        return [Figure(axis=a, name=n, unit=u, vendor=value, fitted=fitted) for a, n, u, value, fitted in stated]
     sheet = read_datasheet(path)
     if isolator.axial is None:
         raise ValueError(f"`isolator` must have an axial law, {isolator.name} has not.")

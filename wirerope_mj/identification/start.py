@@ -68,11 +68,17 @@ def _places(c: Coordinate, amplitudes: Array) -> list[float]:
     by_name: dict[str, Sequence[float]] = {
         "sigma": (0.3, 0.6, 1.0, 1.5),
         "n": (1.0, 2.0),  # the two with closed forms: the grid takes a tenth of the time
+        "exponent": (1.0, 2.0),
+        "rounding": (0.0, 0.3 * largest),
+        "loss": (0.1, 0.5),
+        "reversal": (0.03 * largest, 0.2 * largest),
         "c_ln_b": (-1.0 / largest, 0.0, 1.0 / largest),
         "b2": (-8.0 / largest, -3.0 / largest, 3.0 / largest, 8.0 / largest),
         "g2": (2.0 / largest, 6.0 / largest, 20.0 / largest),
         "g3": (-0.4 * largest, 0.0, 0.4 * largest),
     }
+    if c.name in ("gap_below", "gap_above"):  # loops may close by little
+        return [float(v) for v in c.upper * np.array([0.0, 0.2, 0.4, 0.6, 0.75, 0.88, 0.96])]
     if c.name == "x1":
         return [float(v) for v in smallest * np.array([0.15, 0.5])]
     if "/" in c.name:  # Jenkin elements slip one after the other up to the largest amplitude

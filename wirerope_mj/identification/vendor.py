@@ -25,27 +25,25 @@ from wirerope_mj.errors import ModelError
 from wirerope_mj.identification.secants import DAMPING_AMPLITUDE, Secant
 from wirerope_mj.identification.sheet import AxisFigures, DataSheet, Stated, two_stiffnesses
 from wirerope_mj.toml_file import read_toml
-from wirerope_mj.units import STANDARD_GRAVITY
+from wirerope_mj.units import FORCE_UNITS, LENGTH_UNITS, STANDARD_GRAVITY
 
 _UNITS = {
-    "mm": 1e-3,
-    "in": 0.0254,
-    "N": 1.0,
-    "daN": 10.0,
+    **LENGTH_UNITS,
+    **FORCE_UNITS,
     "N_per_mm": 1e3,
     "lb_per_in": 175.12683524647636,  # 4.4482216152605 N / 0.0254 m
     "Hz": 1.0,
 }
-_LENGTH, _FORCE, _STIFFNESS, _FREQUENCY = ("mm", "in"), ("N", "daN"), ("N_per_mm", "lb_per_in"), ("Hz",)
+LENGTH, FORCE, _STIFFNESS, _FREQUENCY = ("mm", "in"), ("N", "daN", "kN"), ("N_per_mm", "lb_per_in"), ("Hz",)
 
 
 def read_datasheet(path: str | Path) -> DataSheet:
     """Return the data sheet in a TOML file; ModelError names file, table, key and rule."""
-    return _Reader(str(path)).sheet(read_toml(path, "data sheet"))
+    return Reader(str(path)).sheet(read_toml(path, "data sheet"))
 
 
 @dataclass(frozen=True)
-class _Reader:
+class Reader:
     """Reads tables of one file and names it in every message."""
 
     path: str
@@ -66,16 +64,16 @@ class _Reader:
         sheet = DataSheet(
             name=self.text(content, "name", place),
             source=self.text(content, "source", place),
-            height=self.quantity(content, "height", _LENGTH, place),
-            width=self.quantity(content, "width", _LENGTH, place),
-            rope=self.quantity(content, "rope", _LENGTH, place),
-            bar=self.quantity(content, "bar", _LENGTH, place),
+            height=self.quantity(content, "height", LENGTH, place),
+            width=self.quantity(content, "width", LENGTH, place),
+            rope=self.quantity(content, "rope", LENGTH, place),
+            bar=self.quantity(content, "bar", LENGTH, place),
             loops=self.loops(content, place),
-            bar_length=self.optional(content, "bar_length", _LENGTH, place),
-            static_load=self.quantity(content, "static_load", _FORCE, place),
-            damping_amplitude=self.optional(content, "damping_amplitude", _LENGTH, place) or DAMPING_AMPLITUDE,
+            bar_length=self.optional(content, "bar_length", LENGTH, place),
+            static_load=self.quantity(content, "static_load", FORCE, place),
+            damping_amplitude=self.optional(content, "damping_amplitude", LENGTH, place) or DAMPING_AMPLITUDE,
             roll_of_loop=self.roll_of_loop(content, place),
-            yielding=self.optional(content, "yield_deflection", _LENGTH, place),
+            yielding=self.optional(content, "yield_deflection", LENGTH, place),
             damping_range=self.damping_range(content, axes, place),
             assumed=self.sentences(content, "assumed", place),
             **axes,
@@ -117,7 +115,7 @@ class _Reader:
         damping = self.optional_number(table, "damping_target", place)
         hardening = self.optional_number(table, "hardening", place)
         compared = self.sentences(table, "compared", place)
-        travel = self.quantity(table, "travel", _LENGTH, place)
+        travel = self.quantity(table, "travel", LENGTH, place)
         stated = [
             *self.stiffnesses(table, travel, place),
             *self.loads(table, travel, place),
@@ -136,7 +134,7 @@ class _Reader:
 
     def stiffnesses(self, table: dict[str, Any], travel: float, place: str) -> list[Stated]:
         """Take vibration and shock stiffness out of the table."""
-        amplitude = self.optional(table, "vibration_amplitude", _LENGTH, place)
+        amplitude = self.optional(table, "vibration_amplitude", LENGTH, place)
         vibration = self.optional(table, "vibration_stiffness", _STIFFNESS, place)
         shock = self.optional(table, "shock_stiffness", _STIFFNESS, place)
         both = two_stiffnesses(travel, vibration or 0.0, shock or 0.0, amplitude)
@@ -145,10 +143,10 @@ class _Reader:
     def loads(self, table: dict[str, Any], travel: float, place: str) -> list[Stated]:
         """Take static and shock load, and the resonance of the static load's mass, out of the table."""
         found: list[Stated] = []
-        load, shock = (self.optional(table, f"{name}_load", _FORCE, place) for name in ("static", "shock"))
+        load, shock = (self.optional(table, f"{name}_load", FORCE, place) for name in ("static", "shock"))
         resonance = self.optional(table, "resonance", _FREQUENCY, place)
         if load is not None:
-            depth = self.quantity(table, "static_deflection", _LENGTH, place)
+            depth = self.quantity(table, "static_deflection", LENGTH, place)
             if depth >= travel:
                 raise ModelError(f"{place} `static_deflection` must be below `travel`.")
             found.append(_force("static force", depth, load))

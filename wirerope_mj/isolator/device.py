@@ -93,13 +93,13 @@ class Isolator:
     def _require_travel(self) -> None:
         """Raise ValueError if a law does not hold as far as its axis' rated travel."""
         for axis, law in self.axes.items():
-            if law is None or law.finite_travel == math.inf:
+            if law is None:
                 continue
-            ends = f"[{axis}] {law.name} holds up to a deflection of {law.finite_travel:.6g} m, where {law.travel_rule}"
-            for rated in self.rated_travel(axis):
-                if rated is None:
+            for end, rated in zip(law.travel_ends, self.rated_travel(axis), strict=True):
+                ends = f"[{axis}] {law.name} holds up to a deflection of {end:.6g} m, where {law.travel_rule}"
+                if rated is None and end < math.inf and law.needs_rating:
                     raise ValueError(f"{ends}: such a law needs a rated travel on both sides, less than that.")
-                if law.finite_travel <= rated:
+                if rated is not None and (end < rated or (end == rated and law.needs_rating)):
                     raise ValueError(f"{ends}; that is inside the rated travel of {rated:.6g} m.")
 
     @property
@@ -169,19 +169,20 @@ class Isolator:
         return content
 
     @classmethod
-    def from_dict(cls, content: dict[str, Any], *, where: str = "isolator") -> "Isolator":
+    def from_dict(cls, content: dict[str, Any], *, where: str = "isolator", folder: Path | None = None) -> "Isolator":
         """Return the isolator that a file's content describes.
 
         Args:
             content: the tables of the file.
             where: what messages call the file.
+            folder: that of the file, for the points of a tabulated law in a CSV file beside it.
 
         Raises:
             ModelError: something is missing, extra, wrongly typed, not finite or not passive; the message names where,
                 axis, key and rule.
         """
         try:
-            return cls(**read_tables(content, where))
+            return cls(**read_tables(content, where, folder))
         except ValueError as error:
             raise ModelError(f"{where}: {error}") from error
 

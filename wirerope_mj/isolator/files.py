@@ -14,7 +14,7 @@ def load_isolator(path: str | Path) -> Isolator:
     Raises:
         ModelError: the file is missing, is not TOML, or breaks a rule; the message names file, axis, key and rule.
     """
-    return Isolator.from_dict(read_toml(path, "isolator file"), where=str(path))
+    return Isolator.from_dict(read_toml(path, "isolator file"), where=str(path), folder=Path(path).parent)
 
 
 def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path:

@@ -10,9 +10,10 @@ from typing import Any
 import tomli_w
 
 from wirerope_mj.errors import ModelError
+from wirerope_mj.isolator.curves import curve_in_si
 from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, Travel
 from wirerope_mj.isolator.stiffening import Stiffening
-from wirerope_mj.laws import LAWS, Law, LoopCoupling, Parallel
+from wirerope_mj.laws import LAWS, Law, LoopCoupling, Parallel, Tabulated
 from wirerope_mj.whole import written_whole
 
 AXES = ("roll", "shear", "axial")
@@ -22,8 +23,8 @@ _KEYS = ("name", "coupling")
 _TABLES = (*AXES, "loop", "rotation", "stiffening", "limits", "geometry", "provenance", "spread")
 
 
-def read_tables(content: dict[str, Any], where: str) -> dict[str, Any]:
-    """Return the arguments of an Isolator from the content of a file; ModelError names where, table, key and rule."""
+def read_tables(content: dict[str, Any], where: str, folder: Path | None = None) -> dict[str, Any]:
+    """Return the arguments of an Isolator from the content of a file in `folder`; ModelError names where, table, key, rule."""
     _require_keys(content, ("name",), (*_KEYS, *_TABLES), f"{where}:", "the file")
     arguments: dict[str, Any] = {key: content[key] for key in _KEYS if key in content}
     for name in _TABLES:
@@ -32,31 +33,36 @@ def read_tables(content: dict[str, Any], where: str) -> dict[str, Any]:
         table, place = content[name], f"{where}: [{name}]"
         if not isinstance(table, dict):
             raise ModelError(f"{place} must be a table, got {table!r}.")
-        arguments[name] = read_law(table, place) if name in AXES else _PARTS[name](table, place)
+        arguments[name] = read_law(table, place, folder) if name in AXES else _PARTS[name](table, place)
     return arguments
 
 
-def read_law(table: dict[str, Any], place: str) -> Law:
-    """Return the law that an axis table describes, or its several `laws`; ModelError names `place`, key and rule."""
+def read_law(table: dict[str, Any], place: str, folder: Path | None = None) -> Law:
+    """Return the law, or the several `laws`, that an axis table of a file in `folder` describes.
+
+    ModelError names `place`, key and rule.
+    """
     if "laws" in table:
-        return _read_parallel(table, place)
+        return _read_parallel(table, place, folder)
     kind = LAWS.get(table["law"]) if isinstance(table.get("law"), str) else None
     if kind is None:
         known = ", ".join(sorted(LAWS))
         found = f"there is no law {table['law']!r}" if "law" in table else "`law` is missing"
         raise ModelError(f"{place} {found}; the laws are {known}.")
     parameters = {key: value for key, value in table.items() if key != "law"}
+    if kind is Tabulated:
+        parameters = curve_in_si(parameters, place, folder)
     return _make(kind, parameters, place, f"law {kind.name}")
 
 
-def _read_parallel(table: dict[str, Any], place: str) -> Parallel:
+def _read_parallel(table: dict[str, Any], place: str, folder: Path | None) -> Parallel:
     """Return the laws in parallel of an axis table."""
     _require_keys(table, (), ("laws",), place, "an axis with several laws")
     laws = table["laws"]
     if not isinstance(laws, list) or not all(isinstance(one, dict) and "laws" not in one for one in laws):
         raise ModelError(f"{place} `laws` must be a list of tables, each with its `law`, got {laws!r}.")
     try:
-        return Parallel(laws=tuple(read_law(one, f"{place} laws[{index}]") for index, one in enumerate(laws)))
+        return Parallel(laws=tuple(read_law(one, f"{place} laws[{index}]", folder) for index, one in enumerate(laws)))
     except ValueError as error:
         raise ModelError(f"{place} {error}") from error
 

@@ -19,6 +19,7 @@ from wirerope_mj.laws.semi_empirical import EquivalentViscous as EquivalentVisco
 from wirerope_mj.laws.semi_empirical import TinkerCutchins as TinkerCutchins
 from wirerope_mj.laws.smoothed import Smoothed as Smoothed
 from wirerope_mj.laws.stop import Stop as Stop
+from wirerope_mj.laws.tabulated import Tabulated as Tabulated
 from wirerope_mj.laws.vaiana_rosati import VaianaRosati as VaianaRosati
 from wirerope_mj.laws.viscoelastic import KelvinVoigt as KelvinVoigt
 from wirerope_mj.laws.viscoelastic import Zener as Zener
@@ -27,7 +28,7 @@ LAWS: dict[str, type[Law]] = {
     law.name: law
     for law in (
         BoucWen, Ozdemir, AsymmetricBoucWen, SymmetricBoucWen, BoucWenBaberNoori, VaianaRosati, EnhancedDryFriction, Masing,
-        TinkerCutchins, EquivalentViscous, KelvinVoigt, Zener, Stop,
+        TinkerCutchins, EquivalentViscous, KelvinVoigt, Zener, Stop, Tabulated,
     )
 }  # fmt: skip
 """The laws by the name that an isolator file calls them."""

@@ -18,11 +18,13 @@ from wirerope_mj.laws.kernels import (
     MASING,
     STOP,
     SYMMETRIC_BOUC_WEN,
+    TABULATED,
     VAIANA_ROSATI,
     evaluate_one,
     limit_curve,
 )
 from wirerope_mj.laws.stop_kernels import LOSS, advance_stop, turned
+from wirerope_mj.laws.table_kernels import advance_table
 
 _NODES = np.array([0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970263])
 _WEIGHTS = np.array([0.17392742256872692, 0.32607257743127307, 0.32607257743127307, 0.17392742256872692])
@@ -42,7 +44,7 @@ def has_closed_form(law, p, i):
     """Return whether the law of this number has a closed form with these parameters."""
     if law in (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN):
         return p[i + 3] == 1.0 or p[i + 3] == 2.0
-    return law in (MASING, VAIANA_ROSATI, STOP)
+    return law in (MASING, VAIANA_ROSATI, STOP, TABULATED)
 
 
 @njit
@@ -185,6 +187,8 @@ def advance_exactly(law, p, i, x0, x1, z, j, trial, unused):
         return work
     if law == STOP:
         return advance_stop(p, i, x0, x1, z, j)
+    if law == TABULATED:
+        return advance_table(p, i, x0, x1, z, j)
     s, length, work = 1.0 if x1 > x0 else -1.0, abs(x1 - x0), 0.0
     if s * z[j] < 0.0:
         b = p[i + 2] - p[i + 1]

@@ -12,8 +12,9 @@ import math
 
 import numpy as np
 
-from wirerope_mj.jit import njit
+from wirerope_mj.jit import inlined, njit
 from wirerope_mj.laws.stop_kernels import stop
+from wirerope_mj.laws.table_kernels import tabulated
 
 BOUC_WEN = 0
 ASYMMETRIC_BOUC_WEN = 1
@@ -35,7 +36,7 @@ WORN_OUT = 1e-3
 """Share of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1."""
 
 
-@njit
+@inlined
 def bouc_wen_rate(alpha, beta, gamma, n, v, z):
     """Return zdot = alpha v - [gamma + beta sgn(v) sgn(z)] |z|^n v [N/s], thesis (3.7); no |z|^(n-1), so n < 1 is safe."""
     size = abs(z)
@@ -50,7 +51,7 @@ def bouc_wen_rate(alpha, beta, gamma, n, v, z):
     return (alpha - (gamma - beta) * power) * v
 
 
-@njit
+@inlined
 def polynomial(k1, k2, k3, x):
     """Return Ni's odd polynomial F1 = k1 x + k2 sgn(x) x^2 + k3 x^3 [N], thesis (3.16)."""
     return x * (k1 + k2 * abs(x) + k3 * x * x)
@@ -200,6 +201,8 @@ def smoothable(law, p, i, x, v, z, j, zdot, k):
         return asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
     if law == STOP:
         return stop(p, i, x, v, z, j, zdot, k)
+    if law == TABULATED:
+        return tabulated(p, i, x, v, z, j, zdot, k)
     return vaiana_rosati(p, i, x, v, z, j, zdot, k)
 
 
@@ -251,12 +254,14 @@ def biaxial(p, i, x, v, z, j, zdot, k):
     return ex * fx + ey * fy
 
 
-@njit
+@inlined
 def evaluate(law, p, i, x, v, z, j, zdot, k):
     """Return the force [N] of the law with this number and write the rates of its states."""
+    if law <= KELVIN_VOIGT:
+        return common(law, p, i, x, v, z, j, zdot, k)
     if law == PARALLEL:
         return parallel(p, i, x, v, z, j, zdot, k)
-    return evaluate_one(law, p, i, x, v, z, j, zdot, k)
+    return evaluate_rarer(law, p, i, x, v, z, j, zdot, k)
 
 
 @njit
@@ -284,15 +289,21 @@ def component(p, i, part, n_states):
 @njit
 def evaluate_one(law, p, i, x, v, z, j, zdot, k):
     """Do what `evaluate` does for every law but several in parallel."""
+    if law <= KELVIN_VOIGT:
+        return common(law, p, i, x, v, z, j, zdot, k)
+    return evaluate_rarer(law, p, i, x, v, z, j, zdot, k)
+
+
+@inlined
+def common(law, p, i, x, v, z, j, zdot, k):
+    """Do the same for the laws that most mounts have."""
     if law == ASYMMETRIC_BOUC_WEN:
         return asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
     if law == SYMMETRIC_BOUC_WEN:
         return symmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
     if law == BOUC_WEN:
         return bouc_wen(p, i, x, v, z, j, zdot, k)
-    if law == KELVIN_VOIGT:
-        return kelvin_voigt(p, i, x, v, z, j, zdot, k)
-    return evaluate_rarer(law, p, i, x, v, z, j, zdot, k)
+    return kelvin_voigt(p, i, x, v, z, j, zdot, k)
 
 
 @njit
@@ -314,4 +325,6 @@ def evaluate_rarer(law, p, i, x, v, z, j, zdot, k):
         return smoothed(p, i, x, v, z, j, zdot, k)
     if law == STOP:
         return stop(p, i, x, v, z, j, zdot, k)
+    if law == TABULATED:
+        return tabulated(p, i, x, v, z, j, zdot, k)
     return np.nan

@@ -13,6 +13,9 @@ from wirerope_mj.laws.loop import Loop
 from wirerope_mj.laws.path import follow_path
 from wirerope_mj.laws.timed import follow_time
 
+ROUNDING = 1e-9
+"""Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Law(ABC):
@@ -25,12 +28,20 @@ class Law(ABC):
     name: ClassVar[str]
     kernel: ClassVar[int]
     travel_rule: ClassVar[str] = "its force becomes infinite"
+    needs_rating: ClassVar[bool] = True
+    """Whether a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into."""
+    options: ClassVar[Mapping[str, type]] = {}
+    """Parameters that are no numbers but choices, and their types."""
     leaders: ClassVar[Mapping[str, str]] = {}
     """The parameter that another one is equal to unless it is stated itself, by the name of that one."""
 
     def __post_init__(self) -> None:
         open_ones = {field.name for field in fields(self) if field.default is None}
         for key, value in list(vars(self).items()):
+            if key in self.options:
+                if not isinstance(value, self.options[key]):
+                    raise ValueError(f"`{key}` must be a {self.options[key].__name__}, got {value!r}.")
+                continue
             if isinstance(value, np.integer | np.floating):
                 object.__setattr__(self, key, value.item())
                 value = value.item()
@@ -51,6 +62,11 @@ class Law(ABC):
     def rate_independent(self) -> bool:
         """Whether the force depends on the path of deflections alone, and not on how fast it is run through."""
         return True
+
+    @property
+    def remembers_slow_paths(self) -> bool:
+        """Whether internal states depend on the path of deflections however slowly it is run through."""
+        return self.rate_independent
 
     @property
     def components(self) -> "tuple[Law, ...]":
@@ -95,6 +111,11 @@ class Law(ABC):
     def finite_travel(self) -> float:
         """Deflection up to which the law holds [m], for the reason in `travel_rule`; infinite if it holds everywhere."""
         return math.inf
+
+    @property
+    def travel_ends(self) -> tuple[float, float]:
+        """Deflections below and above zero up to which the law holds [m], both positive; `finite_travel` for most laws."""
+        return self.finite_travel, self.finite_travel
 
     @property
     def largest_force(self) -> float:

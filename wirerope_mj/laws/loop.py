@@ -89,10 +89,10 @@ class Loop:
         """Equivalent viscous damping ratio zeta = W / (2 pi K A^2) [-] of a closed cycle, W its area, K its secant stiffness.
 
         It is the ratio of the linear spring and damper that dissipate the same in a sine of amplitude A at the resonance
-        sqrt(K/m). Infinite for a pure damper, K = 0; without meaning where K < 0.
+        sqrt(K/m). Infinite for a pure damper, K = 0; NaN without any force; without meaning where K < 0.
         """
         stored = np.float64(2.0 * np.pi * self.secant_stiffness * self.amplitude**2)
-        with np.errstate(divide="ignore"):
+        with np.errstate(divide="ignore", invalid="ignore"):
             return float(np.float64(self.dissipated_energy) / stored)
 
     @property

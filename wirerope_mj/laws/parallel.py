@@ -52,6 +52,11 @@ class Parallel(Law):
         return all(law.rate_independent for law in self.laws)
 
     @property
+    def remembers_slow_paths(self) -> bool:
+        """Whether any of them does."""
+        return any(law.remembers_slow_paths for law in self.laws)
+
+    @property
     def travel_rule(self) -> str:  # type: ignore[override]
         """Why the law does not hold beyond its finite travel."""
         return min(self.laws, key=lambda law: law.finite_travel).travel_rule
@@ -96,9 +101,20 @@ class Parallel(Law):
         return max(law.relaxation_rate for law in self.laws)
 
     @property
+    def travel_ends(self) -> tuple[float, float]:
+        """How far below and above zero all of them hold [m]."""
+        ends = np.array([law.travel_ends for law in self.laws]).min(axis=0)
+        return float(ends[0]), float(ends[1])
+
+    @property
     def finite_travel(self) -> float:
-        """Deflection up to which all of them hold [m]."""
-        return min(law.finite_travel for law in self.laws)
+        """The shorter of both [m]."""
+        return min(self.travel_ends)
+
+    @property
+    def needs_rating(self) -> bool:  # type: ignore[override]
+        """Whether one of them that ends somewhere asks for a rated travel."""
+        return any(law.needs_rating for law in self.laws if law.finite_travel < np.inf)
 
     @property
     def largest_force(self) -> float:

@@ -10,9 +10,13 @@ from wirerope_mj.laws.exact import advance_exactly, has_closed_form
 from wirerope_mj.laws.kernels import (
     ASYMMETRIC_BOUC_WEN,
     BOUC_WEN,
+    KELVIN_VOIGT,
     LOOP,
     PARALLEL,
+    SMOOTHED,
     SYMMETRIC_BOUC_WEN,
+    TINKER_CUTCHINS,
+    ZENER,
     component,
     evaluate,
     polynomial,
@@ -44,6 +48,8 @@ def segment(law, p, i, x0, x1, z, j, n_states, slopes, trial):
     work = 0.0
     for part in range(int(p[i])):
         one, first, state, count = component(p, i, part, n_states)
+        if one in (KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, SMOOTHED):  # infinitely slow: their states stay at zero
+            continue
         work += segment_of_one(one, p, first, x0, x1, z, j + state, count, slopes, trial)
     return work
 

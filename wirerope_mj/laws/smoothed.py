@@ -24,8 +24,8 @@ class Smoothed(Law):
     changes a loop by 1e-4; what is chosen belongs beside every result, for the law now depends on the rate.
 
     Laws with one state whose rate is a slope times xdot can be smoothed: Bouc and Wen's, Ni's, Ozdemir's, the enhanced dry
-    friction and Vaiana and Rosati's. It lives in memory alone: an isolator file holds the law itself. A static equilibrium
-    takes z = 0, as after long vibration.
+    friction, Vaiana and Rosati's and the tabulated one. It lives in memory alone: an isolator file holds the law itself. A
+    static equilibrium takes z = 0, as after long vibration.
 
     Source: thesis, summary (its form is not given there).
     """
@@ -83,6 +83,11 @@ class Smoothed(Law):
         return self.law.finite_travel
 
     @property
+    def travel_ends(self) -> tuple[float, float]:
+        """Deflections below and above zero up to which the law holds [m]."""
+        return self.law.travel_ends
+
+    @property
     def largest_force(self) -> float:
         """That of the law [N]: finite without an elastic part."""
         return self.law.largest_force
@@ -105,9 +110,6 @@ def smoothable(law: Law) -> bool:
 
 
 _SMOOTHABLE = (
-    kernels.BOUC_WEN,
-    kernels.SYMMETRIC_BOUC_WEN,
-    kernels.ASYMMETRIC_BOUC_WEN,
-    kernels.VAIANA_ROSATI,
-    kernels.STOP,
-)
+    kernels.BOUC_WEN, kernels.SYMMETRIC_BOUC_WEN, kernels.ASYMMETRIC_BOUC_WEN, kernels.VAIANA_ROSATI, kernels.STOP,
+    kernels.TABULATED,
+)  # fmt: skip

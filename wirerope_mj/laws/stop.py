@@ -7,11 +7,13 @@ from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import PchipInterpolator
+from scipy.interpolate import PPoly
+from scipy.optimize import brentq
 
 from wirerope_mj.laws import kernels
 from wirerope_mj.laws.law import Law, anywhere, require_not_negative, require_positive
 from wirerope_mj.laws.stop_kernels import elastic, seated
+from wirerope_mj.laws.table_cubics import level_cubics, monotone, packed
 
 NEVER = 1e300
 """Gap of a side without a stop [m]."""
@@ -107,20 +109,23 @@ class Stop(Law):
         """Return what `wirerope_mj.laws.stop_kernels.stop` reads."""
         inverse = 1.0 if self.reversal is None else 1.0 / self.reversal
         gaps = [NEVER if gap is None else gap for gap in (self.gap_below, self.gap_above)]
-        k, n = (0.0, len(self.depths) + 1) if self.k is None else (self.k, 0)
-        return np.array(
-            [inverse, inverse, 0.0, 1.0, self.loss, self.c, *gaps, self.rounding, k, self.exponent, n, *self._points()]
-        )
-
-    def _points(self) -> npt.NDArray[np.float64]:
-        """Return places, forces and slopes of the table, the origin first, (3 n,)."""
+        own = [inverse, inverse, 0.0, 1.0, self.loss, self.c, *gaps, self.rounding]
         if self.k is not None:
-            return np.empty(0)
-        # A point before the origin, without force: monotone cubics then leave the origin flat.
-        places, forces = (
-            np.array([*start, *values]) for start, values in (((-1.0, 0.0), self.depths), ((0.0, 0.0), self.forces))
-        )
-        return np.concatenate([places[1:], forces[1:], PchipInterpolator(places, forces).derivative()(places)[1:]])
+            return np.array([*own, self.k, self.exponent, 0.0])
+        constant = level_cubics((), (), 0.0)
+        knots = [self._depth(counted) for counted in self._curve.x]
+        return np.array([*own, 0.0, 1.0, *packed(self._curve, constant, 1.0, 1.0)[4:], *knots])
+
+    @property
+    def _curve(self) -> PPoly:
+        """Force over what counts of the depth; a point before the origin makes it leave that flat."""
+        return monotone(np.array([-1.0, 0.0, *self.depths]), np.array([0.0, 0.0, *self.forces]))
+
+    def _depth(self, counted: float) -> float:
+        """Return the depth of which so much counts [m]; what lies before the touch stays there."""
+        if not 0.0 <= counted < 0.5 * self.rounding:
+            return counted + 0.5 * self.rounding
+        return float(brentq(lambda depth: seated(depth, self.rounding)[0] - counted, 0.0, self.rounding, xtol=1e-300))
 
     def pressed(self, depth: float) -> float:
         """Return the elastic force at a depth behind the gap [N]."""
@@ -130,6 +135,11 @@ class Stop(Law):
     def rate_independent(self) -> bool:
         """Whether the force does not depend on the rate: without viscous loss."""
         return self.c == 0.0
+
+    @property
+    def remembers_slow_paths(self) -> bool:
+        """True: viscous loss does not touch the state."""
+        return True
 
     @property
     def state_names(self) -> tuple[str, ...]:
@@ -151,7 +161,7 @@ class Stop(Law):
     def closed_stiffness(self) -> float:
         """Tangent behind gap and rounding [N/m]: k, the steepest of the points' cubics, of a hardening stop 1 mm deep."""
         if self.k is None:
-            return float(np.max(self._points()[2 * len(self.depths) + 2 :]))
+            return float(self._curve.derivative()(np.array(self.depths)).max())
         return self.k * self.exponent * 1e-3 ** (self.exponent - 1.0)
 
     @property

@@ -7,6 +7,7 @@ import numpy as np
 from wirerope_mj.jit import njit
 from wirerope_mj.laws.cubic import position, speed, zero_between
 from wirerope_mj.laws.quadrature import NODES, WEIGHTS
+from wirerope_mj.laws.table_kernels import ROW, cubics, row_at
 
 LOSS, VISCOUS, BELOW, ABOVE, ROUNDING, STIFFNESS, EXPONENT, N_POINTS, POINTS = range(4, 13)
 """Places of a stop's parameters behind 1 / reversal (twice), 0 and 1, which are those of a Bouc-Wen law with n = 1."""
@@ -15,27 +16,11 @@ LOSS, VISCOUS, BELOW, ABOVE, ROUNDING, STIFFNESS, EXPONENT, N_POINTS, POINTS = r
 _BESIDE = 1e-12
 """Part of an interval that is passed over where rounding holds a path on a corner."""
 
+_PANELS = 4
+"""Panels at least: within its rounding a hardening stop begins as depth^(3 exponent), which eight points have to 1e-10 then."""
 
-@njit
-def hermite(p, i, n, x):
-    """Return the piecewise cubic through n points and its slope: p = places (n), values (n), slopes (n); straight beyond."""
-    if x <= p[i]:
-        return p[i + n] + p[i + 2 * n] * (x - p[i]), p[i + 2 * n]
-    last = i + n - 1
-    if x >= p[last]:
-        return p[last + n] + p[last + 2 * n] * (x - p[last]), p[last + 2 * n]
-    low, high = i, last
-    while high - low > 1:
-        middle = (low + high) // 2
-        if x < p[middle]:
-            high = middle
-        else:
-            low = middle
-    width = p[high] - p[low]
-    t, chord = (x - p[low]) / width, (p[high + n] - p[low + n]) / width
-    one, two = p[low + 2 * n], p[high + 2 * n]
-    square, cube = 3.0 * chord - 2.0 * one - two, one + two - 2.0 * chord
-    return p[low + n] + width * t * (one + t * (square + t * cube)), one + t * (2.0 * square + 3.0 * t * cube)
+_STEEPEST = 4.0
+"""Largest slope of `graded`."""
 
 
 @njit
@@ -51,7 +36,8 @@ def seated(depth, rounding):
 def elastic(p, i, depth):
     """Return the elastic force of the stop at what counts of its depth [N]."""
     if p[i + N_POINTS] > 0.0:
-        return hermite(p, i + POINTS, int(p[i + N_POINTS]), depth)[0]
+        table = i + N_POINTS - 4  # as in a tabulated law
+        return cubics(p, table, row_at(p, table, depth), depth)[0]
     if p[i + EXPONENT] == 1.0:
         return p[i + STIFFNESS] * depth
     return p[i + STIFFNESS] * depth ** p[i + EXPONENT]
@@ -75,8 +61,8 @@ def stop_force(p, i, x, v, w):
 def stop(p, i, x, v, z, j, zdot, k):
     """Return the force of a stop [N]; the state w of a lossy one follows w' = (v - |v| w) / reversal, the only state.
 
-    p = 1 / reversal, 1 / reversal, 0, 1, loss, c, gap below, gap above, rounding, k, exponent, n, then depths,
-    forces and slopes (n each).
+    p = 1 / reversal, 1 / reversal, 0, 1, loss, c, gap below, gap above, rounding, k, exponent, number n of knots, and of the
+    points what a tabulated law has behind that, then the knots as depths behind the gap (n,).
     """
     if p[i + LOSS] == 0.0:
         return stop_force(p, i, x, v, 0.0)
@@ -101,11 +87,30 @@ def next_corner(p, i, x, s):
             if corner == 1:
                 depth = r
             elif corner > 1:
-                depth = p[i + POINTS + corner - 2] + 0.5 * r
+                depth = p[i + POINTS + n + ROW * (n + 1) + corner - 2]
             ahead = s * (side * (gap + depth) - x)
             if 0.0 < ahead < best:
                 best = ahead
     return x + s * best
+
+
+@njit
+def at_touch(p, i, x):
+    """Return whether a stop that is not rounded just touches at a deflection."""
+    return p[i + ROUNDING] == 0.0 and (x == -p[i + BELOW] or x == p[i + ABOVE])
+
+
+@njit
+def graded(u, touch):
+    """Return a part of an interval and its slope over u, 0 to 1: u^4 from a touch at the start (-1) or end (1) of the interval.
+
+    There a force d^exponent is not smooth, and one of u is, as smooth as u^(4 exponent + 3).
+    """
+    if touch == 0:
+        return u, 1.0
+    u = u if touch < 0 else 1.0 - u
+    part = u * u * u * u
+    return (part if touch < 0 else 1.0 - part), _STEEPEST * u * u * u
 
 
 @njit
@@ -119,12 +124,14 @@ def advance_stop(p, i, x0, x1, z, j):
         if not -p[i + BELOW] <= 0.5 * (x + end) <= p[i + ABOVE]:
             # On each panel w is an exponential over at most one of its lengths.
             length = abs(end - x)
-            panels = 1 + (min(int(p[i] * length), 40) if lossy else 0)
+            panels = _PANELS + (min(int(_STEEPEST * p[i] * length), 160) if lossy else 0)
+            touch = -1 if at_touch(p, i, x) else 1 if at_touch(p, i, end) else 0
             for panel in range(panels):
                 for node in range(8):
-                    way = length * (panel + NODES[node]) / panels
-                    here = turned(p, i, w, s, way) if lossy else 0.0
-                    work += s * length / panels * WEIGHTS[node] * stop_force(p, i, x + s * way, 0.0, here)
+                    part, weight = graded((panel + NODES[node]) / panels, touch)
+                    here = turned(p, i, w, s, length * part) if lossy else 0.0
+                    force = stop_force(p, i, x + s * length * part, 0.0, here)
+                    work += s * length / panels * WEIGHTS[node] * weight * force
         if lossy:
             w = turned(p, i, w, s, abs(end - x))
         x = end
@@ -174,15 +181,15 @@ def pushing_work(p, i, cubic, start, end, x0, w, s):
 def stop_work(p, i, cubic, start, end, z, j):
     """Carry the state of a viscous stop in place along a cubic path without a reversal and return the work done on it [J]."""
     x0, x1, lossy = position(cubic, start), position(cubic, end), p[i + LOSS] > 0.0
-    s, work, t, w = 1.0 if x1 > x0 else -1.0, 0.0, start, z[j] if lossy else 0.0
+    s, work, t, w, x = 1.0 if x1 > x0 else -1.0, 0.0, start, z[j] if lossy else 0.0, x0
     while t < end:
-        corner = next_corner(p, i, position(cubic, t), s)
+        corner = next_corner(p, i, x, s)  # from the last one on, and not from where rounding holds the path before it
         until = end
         if s * (corner - x1) < 0.0:
             until = zero_between((cubic[0] - corner, cubic[1], cubic[2], cubic[3]), t, end)
             if until <= t:  # by rounding the path stands on the corner
                 until = min(end, t + _BESIDE * (end - start))
-        panels = 1 + (min(int(p[i] * abs(x1 - x0)), 40) if lossy else 0)
+        panels = _PANELS + (min(int(p[i] * abs(x1 - x0)), 40) if lossy else 0)
         for panel in range(panels):
             one, two = t + (until - t) * panel / panels, t + (until - t) * (panel + 1) / panels
             if (pull_at(p, i, cubic, one, x0, w, s) > 0.0) != (pull_at(p, i, cubic, two, x0, w, s) > 0.0):
@@ -190,7 +197,7 @@ def stop_work(p, i, cubic, start, end, z, j):
                 work += pushing_work(p, i, cubic, one, kink, x0, w, s)
                 one = kink
             work += pushing_work(p, i, cubic, one, two, x0, w, s)
-        t = until
+        t, x = until, corner
     if lossy:
         z[j] = turned(p, i, w, s, abs(x1 - x0))
     return work

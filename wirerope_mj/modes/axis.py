@@ -42,6 +42,9 @@ def loading_and_unloading(law: Law, deflection: float, states: Array) -> tuple[f
     Bouc-Wen's are alpha - (beta + gamma) |z|^n and alpha + (beta - gamma) |z|^n, each with the elastic part. Without a
     hysteretic force the sense is that of the deflection. A law that depends on the rate has one slope at rest.
     """
+    if len(law.components) > 1:
+        pairs = [loading_and_unloading(one, deflection, own) for one, own in _parts(law, states)]
+        return sum(on for on, _ in pairs), sum(back for _, back in pairs)
     if not law.rate_independent:
         slope = _elastic_slope(law, deflection, states)
         return slope, slope
@@ -64,6 +67,9 @@ def vanishing_cycle(law: Law, deflection: float, states: Array, *, frequency: fl
         states: internal states there; only wear matters.
         frequency: of the cycle [Hz]; without effect on a rate-independent law.
     """
+    if len(law.components) > 1:
+        parts = _parts(law, states)
+        return sum((vanishing_cycle(one, deflection, own, frequency=frequency) for one, own in parts), 0j)
     if not law.rate_independent:
         return _linearised(law, deflection, states, 2.0 * np.pi * frequency)
     settled = states.copy()
@@ -76,14 +82,8 @@ def vanishing_cycle(law: Law, deflection: float, states: Array, *, frequency: fl
 
 
 def lasting(law: Law, deflection: float) -> float:
-    """Return the slope that is left after long vibration [N/m]: of the elastic part, hysteretic forces having leaked away.
-
-    A law that depends on the rate has its static slope.
-    """
-    states = np.zeros(law.n_states)
-    if not law.rate_independent:
-        return _linearised(law, deflection, states, 0.0).real
-    return _elastic_slope(law, deflection, states)
+    """Return the slope that is left after long vibration [N/m]: of the elastic part, internal forces having leaked away."""
+    return _elastic_slope(law, deflection, np.zeros(law.n_states))
 
 
 def closed_cycle(law: Law, deflection: float, amplitude: float, *, frequency: float) -> complex:
@@ -130,13 +130,19 @@ def _force(law: Law, deflection: float, rate: float, states: Array) -> tuple[flo
 
 def _force_states(law: Law) -> list[int]:
     """Return which internal states are hysteretic forces."""
-    return [i for i, name in enumerate(law.state_names) if name.startswith("z")]
+    return [i for i, name in enumerate(law.state_names) if name.startswith(("z", "w"))]
 
 
 def _elastic_slope(law: Law, deflection: float, states: Array) -> float:
     """Return dF/dx with the states held [N/m]."""
     above, below = (_force(law, deflection + step, 0.0, states)[0] for step in (_STEP, -_STEP))
     return (above - below) / (2.0 * _STEP)
+
+
+def _parts(law: Law, states: Array) -> list[tuple[Law, Array]]:
+    """Return the laws in parallel, each with its own states."""
+    ends = np.cumsum([one.n_states for one in law.components])
+    return list(zip(law.components, np.split(states, ends[:-1]), strict=True))
 
 
 def _balanced_force(law: Law, deflection: float, states: Array, place: int) -> float:

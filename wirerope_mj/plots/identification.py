@@ -42,7 +42,7 @@ def fit_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
         panel.plot(1e3 * fit.deflection, size * fit.fitted, color=_FITTED, lw=1.0, label="fitted")
         panel.set_title(f"{_name(fit, fits)}: {100.0 * fit.error:.2g} % of half its range", fontsize=10)
         panel.set_ylabel(f"force [{unit}]")
-    panels[0][1].legend(fontsize=8, loc="upper left")
+    panels[0][1].legend(fontsize=8, loc="best")  # a stop has its knee where other loops leave room
     return figure
 
 

@@ -1,5 +1,6 @@
 """Force-deflection loops as a picture: of an isolator with its ratings, or of any cyclic tests."""
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -77,10 +78,14 @@ def distinct_axes(isolator: Isolator) -> list[tuple[str, str, Law]]:
 
 
 def largest_amplitude(isolator: Isolator, axis: str) -> float:
-    """Return the amplitude of the largest loop worth drawing [m]: the rated travel, or 5 % of the height, or 5 mm."""
+    """Return the amplitude of the largest loop worth drawing [m]: the rated travel, or 5 % of the height, or 5 mm.
+
+    If the law ends before that on one side, it is what it has there.
+    """
     rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
     height = isolator.geometry.height if isolator.geometry is not None else None
-    return rated or (_UNRATED if height is None else _UNRATED_SHARE * height)
+    law, size = isolator.axes[axis], rated or (_UNRATED if height is None else _UNRATED_SHARE * height)
+    return size if law is None else min(size, law.finite_travel)
 
 
 def _save(figure: Figure, path: Path) -> None:
@@ -100,7 +105,8 @@ def _draw_loops(panel: Any, loops: Sequence[Loop], *, kilo: bool) -> None:
     shades = matplotlib.colormaps["Blues"](np.linspace(0.4, 0.95, len(loops)))
     labelled = set(np.linspace(0, len(loops) - 1, min(len(loops), _MOST_LABELS)).round().astype(int))
     for index, (loop, colour) in enumerate(zip(loops, shades, strict=True)):
-        label = f"±{_tidy(1e3 * loop.amplitude)} mm, ζ = {100.0 * loop.damping_ratio:.1f} %"
+        ratio, size = loop.damping_ratio, f"±{_tidy(1e3 * loop.amplitude)} mm"
+        label = f"{size}, within the gap" if math.isnan(ratio) else f"{size}, ζ = {100.0 * ratio:.1f} %"
         force = loop.force / 1e3 if kilo else loop.force
         panel.plot(1e3 * loop.deflection, force, color=colour, lw=1.6, label=label if index in labelled else None)
 
@@ -115,7 +121,7 @@ def _dress(panel: Any, axis: str, title: str, *, unit: str = "kN") -> None:
     panel.grid(color="0.92", zorder=0)
     panel.set_axisbelow(True)
     panel.margins(0.08)
-    panel.legend(fontsize=8, loc="upper left", framealpha=0.9)
+    panel.legend(fontsize=8, loc="best", framealpha=0.9)
 
 
 def _draw_ratings(panel: Any, isolator: Isolator, axis: str, law: Law) -> None:

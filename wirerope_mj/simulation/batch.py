@@ -13,12 +13,13 @@ import numpy.typing as npt
 
 from wirerope_mj.control import installed
 from wirerope_mj.control.install import Kind
-from wirerope_mj.errors import WireRopeError
+from wirerope_mj.errors import SimulationError, WireRopeError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.response.peaks import Peaks
 from wirerope_mj.response.response import Numerics, Response
 from wirerope_mj.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.simulation.initial import initial_state
+from wirerope_mj.simulation.lawful import require_lawful
 from wirerope_mj.simulation.lockstep import Lockstep
 from wirerope_mj.simulation.recorder import Recorder
 from wirerope_mj.simulation.run import run
@@ -231,7 +232,11 @@ def _forget(sample: int, values: Array) -> None:
 def _result(
     variant: _Variant, grid: TimeGrid, final: State, peaks: Peaks, recorder: Recorder | None,
     *, timestep: float, steps: int, callback: Kind,
-) -> BatchResult:  # fmt: skip
+) -> BatchResult | BatchFailure:  # fmt: skip
+    try:
+        require_lawful(variant.system, peaks)
+    except SimulationError as error:
+        return BatchFailure(error=error)
     response = None
     if recorder is not None:
         numerics = Numerics(

@@ -18,6 +18,7 @@ from wirerope_mj.response.response import Numerics, Response
 from wirerope_mj.response.storage import FILE
 from wirerope_mj.simulation.grid import time_grid
 from wirerope_mj.simulation.initial import initial_state
+from wirerope_mj.simulation.lawful import require_lawful
 from wirerope_mj.simulation.progress import progress_bar
 from wirerope_mj.simulation.recorder import Recorder
 from wirerope_mj.simulation.run import run
@@ -65,7 +66,8 @@ def simulate(
         ValueError: an argument is out of range.
         ModelError: the motion needs a slide that the base does not have.
         RecordError: `out` already holds a response, which an open `Response` may be reading.
-        SimulationError: the step is too large, or the engine reported that the state is not valid any more.
+        SimulationError: the step is too large, a mount went to where its law does not hold, or the engine reported that the
+            state is not valid any more.
         ConvergenceError: there is no equilibrium to start from.
 
     Warns:
@@ -91,6 +93,7 @@ def simulate(
     try:
         with progress_bar(grid, enabled=progress) as update:
             done = run(system, motion, grid, start, callback=callback, sink=recorder.add, progress=update)
+        require_lawful(system, done.peaks)
         numerics = Numerics(
             timestep=done.largest_step,
             accuracy=accuracy if timestep is None else math.nan,

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import SimulationError
 from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.isolator.travel import beyond_law
 from wirerope_mj.simulation.grid import SAME_TIME, Grid
 from wirerope_mj.simulation.stages import Piece, along_slides
 from wirerope_mj.state import State
@@ -114,12 +115,8 @@ class Stepper:
     def _beyond(self, deflections: Array) -> str:
         """Return words for a mount that was near or beyond the end of its law, "" if there is none."""
         for (name, mount), row in zip(self.system.mounts.items(), deflections, strict=True):
-            for (axis, law), deflection in zip(mount.isolator.axes.items(), row, strict=True):
-                if law is not None and abs(deflection) > _NEAR * law.finite_travel:
-                    return (
-                        f" Mount {name!r} stood at {deflection:.4g} m on its {axis} axis, whose law holds up to "
-                        f"{law.finite_travel:.4g} m, where {law.travel_rule}."
-                    )
+            if where := beyond_law(mount.isolator.axes, row, row, share=_NEAR):
+                return f" Mount {name!r} stood {where}."
         return ""
 
 

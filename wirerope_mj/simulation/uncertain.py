@@ -15,8 +15,8 @@ def warn_of_uncertainty(response: Response) -> None:
         if struck:
             warnings.warn(
                 f"{len(struck)} of {len(alike)} {things} were struck, first {contacts[struck[0]].called(struck[0])} at "
-                f"{contacts[struck[0]].first_touch:.4f} s: accelerations are uncertain from there on, because they depend on "
-                "stiffness and damping of the stops.",
+                f"{contacts[struck[0]].first_touch:.4f} s: from there on accelerations are only as good as "
+                "what is known of the stops' stiffness and damping.",
                 AccuracyWarning,
                 stacklevel=3,
             )

@@ -6,6 +6,7 @@ import numpy as np
 from wirerope_mj.control import installed
 from wirerope_mj.control import layout as at
 from wirerope_mj.errors import ConvergenceError
+from wirerope_mj.isolator.travel import beyond_law
 from wirerope_mj.state import State
 from wirerope_mj.statics.payloads import payloads_of
 from wirerope_mj.statics.result import Array, Equilibrium, History, MountLoad
@@ -103,6 +104,7 @@ class Loading:
         self._accelerations(qpos)
         mujoco.mj_forward(model, data)  # sensors too
         record = self._record().copy()
+        self._check_laws(record[:, 0])
         mounts = {
             name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(self.system.mounts, record, strict=True)
         }
@@ -129,6 +131,12 @@ class Loading:
                 f"there is no equilibrium that mounts can bear: {100 * load:.3g} % of the weight deflects mount {name!r} by "
                 f"{deflections.max():.3g} m. {self._loads()}"
             )
+
+    def _check_laws(self, deflections: Array) -> None:
+        """Raise ConvergenceError if a mount stands where its law does not hold; deflections (n_mounts, 3) [m]."""
+        for (name, mount), deflection in zip(self.system.mounts.items(), deflections, strict=True):
+            if where := beyond_law(mount.isolator.axes, deflection, deflection):
+                raise ConvergenceError(f"there is no equilibrium: mount {name!r} would stand {where}. {self._loads()}")
 
     def _loads(self) -> str:
         """Return words for what the weight comes from, and what to check."""

@@ -72,7 +72,7 @@ class SlowPath:
         self.single = np.array(
             [
                 [
-                    law is not None and law.rate_independent and axis not in isolator.coupled_axes
+                    law is not None and law.remembers_slow_paths and axis not in isolator.coupled_axes
                     for axis, law in enumerate(isolator.axes.values())
                 ]
                 for isolator in mounts

@@ -90,7 +90,8 @@ class Cycles:
                 cycle += 1
         found = Extremes(lowest=lowest, highest=highest)
         middles = (instants[:-1] + instants[1:]) / 2.0
-        self._lawful.require(frequencies_at(self._motion, middles), found.largest[:, self._mounts])
+        on = self._mounts
+        self._lawful.require(frequencies_at(self._motion, middles), found.lowest[:, on], found.highest[:, on])
         self._check()
         self.steps += int(grid.steps.sum())
         self.largest_step = max(self.largest_step, grid.largest_step)

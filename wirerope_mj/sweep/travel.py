@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from wirerope_mj.errors import SimulationError
 from wirerope_mj.isolator.travel import RATINGS, travel_reached
+from wirerope_mj.laws.law import ROUNDING
 from wirerope_mj.system import System
 
 Array = npt.NDArray[np.float64]
@@ -21,27 +22,30 @@ class Lawful:
     def __init__(self, system: System) -> None:
         self._mounts = system.mounts
         axes = [mount.isolator.axes.values() for mount in system.mounts.values()]
-        self._limits = np.array([[math.inf if law is None else law.finite_travel for law in laws] for laws in axes])
+        ends = [[(math.inf, math.inf) if law is None else law.travel_ends for law in laws] for laws in axes]
+        self._ends = np.array(ends).reshape(-1, 3, 2)
 
-    def require(self, frequency: Array, reached: Array) -> None:
-        """Raise SimulationError at the first cycle in which a mount went beyond the finite travel of its law.
+    def require(self, frequency: Array, lowest: Array, highest: Array) -> None:
+        """Raise SimulationError at the first cycle in which a mount went to where its law does not hold.
 
         Args:
             frequency: of the cycles [Hz], (n,).
-            reached: largest absolute deflections in them [m], (n, n_mounts, 3).
+            lowest: deflections in them [m], (n, n_mounts, 3).
+            highest: the same.
         """
-        beyond = reached > self._limits
+        reached = np.stack([-lowest, highest], axis=-1)
+        beyond = reached > self._ends + ROUNDING
         if not beyond.any():
             return
-        row, number, place = np.argwhere(beyond)[0]
+        row, number, place, side = np.argwhere(beyond)[0]
         name, mount = list(self._mounts.items())[number]
         axis, law = list(mount.isolator.axes.items())[place]
         assert law is not None  # what has no law has no end of it
-        far = reached[row, number, place]
-        went = f"reached {far:.4g} m" if far < RAN_AWAY * law.finite_travel else "ran away"
+        far, end = reached[row, number, place, side], law.travel_ends[side]
+        went = f"reached {far:.4g} m" if far < RAN_AWAY * end else "ran away"
         raise SimulationError(
             f"at {frequency[row]:.5g} Hz mount {name!r} {went} on its {axis} axis, whose "
-            f"law holds up to {law.finite_travel:.4g} m, where {law.travel_rule}. Shake more gently, or use an isolator with "
+            f"law holds up to {end:.4g} m, where {law.travel_rule}. Shake more gently, or use an isolator with "
             "more travel."
         )
 

@@ -151,7 +151,7 @@ def _parameter(name: str, isolator: Isolator, mount: str, axis: str, parameter: 
     if law is None:
         there = [axis for axis, law in isolator.axes.items() if law is not None]
         raise ModelError(f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}.")
-    names = [key for key in law.to_dict() if key != "law"]
+    names = [key for key in law.to_dict() if key != "law" and key not in law.options]
     lists = {key: value for key in names if isinstance(value := getattr(law, key), tuple)}
     if parameter not in names + [f"{key}[{place}]" for key, value in lists.items() for place in range(len(value))]:
         raise ModelError(
