@@ -165,7 +165,7 @@ def test_the_command_says_struck_stops_in_every_output(tmp_path):
     warned = done.stderr.splitlines()
     assert len(warned) == 1
     assert "4 of 4 contact pairs were struck" in warned[0]
-    assert "from there on accelerations are only as good as what is known of the stops" in warned[0]
+    assert "accelerations are uncertain from there on" in warned[0]
     summary = json.loads((tmp_path / "here" / "summary.json").read_text(encoding="utf-8"))
     first = summary["contacts"][0]
     assert (first["name"], first["verdict"], first["touches"]) == ("stop_1 on pad_1", "struck", 1)

@@ -148,7 +148,6 @@ CURVES = wr.Tabulated(
         wr.Parallel(laws=[wr.KelvinVoigt(k=4e3, c=8.0), BUMPER]),
     ],
 )
-@pytest.mark.filterwarnings("ignore:3 of 3 stops were struck")
 def test_a_free_pair_joined_by_one_mount_keeps_its_momenta(law):
     system = free_pair(law)
     r = wr.simulate(system, quiet(), duration=0.5, timestep=1e-4, initial=spinning(system))

@@ -71,7 +71,7 @@ def simulate(
         ConvergenceError: there is no equilibrium to start from.
 
     Warns:
-        AccuracyWarning: the estimated error is above `accuracy`, or stops were struck.
+        AccuracyWarning: the estimated error is above `accuracy`, or contacts were struck.
     """
     check_arguments(duration=duration, sample_rate=sample_rate, accuracy=accuracy, timestep=timestep)
     if timestep is None and (accuracy is None or accuracy < FINEST):

@@ -58,8 +58,8 @@ def struck_sentences(table: pa.Table) -> list[str]:
     if not struck:
         return []
     return [
-        f"Stops are struck in {struck} of {table.num_rows} variants: their accelerations are only as good as what is "
-        "known of the stops' stiffness and damping."
+        f"Stops are struck in {struck} of {table.num_rows} variants: their accelerations depend on stiffness and "
+        "damping of the stops."
     ]
 
 
