@@ -88,6 +88,13 @@ def test_the_command_writes_one_file_that_loads(tmp_path, capsys):
     assert "curve" not in capsys.readouterr().out.split("axial: tabulated")[1].split("assumed")[0]
 
 
+def test_points_of_compression_are_positive_in_a_file_too(tmp_path):
+    (tmp_path / "curve.csv").write_text("deflection_mm,force_kN\n0,0\n-10,-1\n-20,-3\n")
+    path = written(tmp_path, SHEET.replace("shock_mm_daN = [[32, 674]]", 'shock = "curve.csv"'))
+    with pytest.raises(ModelError, match=r"sheet.toml: \[shear\] `shock`: curve.csv: points must be > 0"):
+        fit_datasheet(path)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

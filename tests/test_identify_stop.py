@@ -183,6 +183,17 @@ def test_records_of_a_bare_stop_become_an_isolator(folder, capsys, noise, step):
     assert (folder / "bumper-report" / "loops.png").stat().st_size > 10_000
 
 
+def test_a_record_of_a_stop_without_loss(folder, capsys):
+    time, x, force = rig_record(wr.Stop(gap_below=5e-3, k=5e5), [6e-3, 8e-3], noise=0.0)
+    write_record(folder / "bare.csv", time, x, force + 0.5 * np.random.default_rng(3).standard_normal(force.size))
+    run(capsys, "bare.csv", "--law", "stop", "--fix", "loss=0", "--out", "bumper.toml")
+    stop = wr.load_isolator("bumper.toml").axial
+    assert stop.state_names == ()
+    # bins of 1/200 of a cycle round the knee by some 20 um
+    assert stop.gap_below == pytest.approx(5e-3, abs=5e-5)
+    assert stop.k == pytest.approx(5e5, rel=0.03)
+
+
 def test_a_record_of_a_bare_stop_that_never_closes(folder, capsys):
     bare_record(folder, [2e-3, 4e-3])
     out = run(capsys, "bare.csv", "--law", "stop", "--out", "bumper.toml", code=2)

@@ -22,7 +22,7 @@ from wirerope_mj.isolator import (
     find_isolator,
     load_isolator,
 )
-from wirerope_mj.laws import LAWS, AsymmetricBoucWen, BoucWen, KelvinVoigt, Ozdemir, SymmetricBoucWen
+from wirerope_mj.laws import LAWS, AsymmetricBoucWen, BoucWen, KelvinVoigt, Ozdemir, Parallel, Stop, SymmetricBoucWen
 
 EVERY_LAW = [
     BoucWen(alpha=1e5, beta=2.0, gamma=-0.5, n=0.7, k=3e4),
@@ -165,6 +165,44 @@ def test_millimetres_taken_for_metres_are_refused_with_the_number_to_write(path,
         Isolator.from_dict(changed(path, value), where="f.toml")
 
 
+STOP = {"law": "stop", "gap_below": 0.03, "k": 1e6}
+
+
+@pytest.mark.parametrize(
+    ("law", "message"),
+    [
+        ({**STOP, "gap_below": 36}, r"\[axial\] stop: `gap_below` must be in metres .*got 36\. .*write 0\.036"),
+        ({**STOP, "rounding": 1e300}, r"\[axial\] stop: `rounding` must be in metres"),
+        ({"laws": [STOP, {**STOP, "gap_above": 5.0}]}, r"\[axial\] stop: `gap_above` must be in metres .*got 5\."),
+        (
+            {"law": "tabulated", "deflection": [-36, 36], "force": [-8e3, 8e3], "curve": "mid"},
+            r"\[axial\] tabulated: `deflection` must be in metres .*got 36\. .*write 0\.036",
+        ),
+    ],
+)
+def test_millimetres_in_a_stop_or_a_table_are_refused(law, message):
+    with pytest.raises(ModelError, match=message):
+        Isolator.from_dict({"name": "a", "axial": law})
+
+
+@pytest.mark.parametrize(
+    ("table", "message"),
+    [
+        ({"laws": []}, r"\[axial\] `laws` must be a list of one law or more"),
+        ({"laws": STOP}, r"\[axial\] `laws` must be a list of tables, each with its `law`"),
+        ({"laws": [STOP, {"laws": [STOP]}]}, r"\[axial\] laws\[1\] holds `laws` itself: put all of them into one list"),
+        (
+            {**STOP, "laws": [STOP]},
+            r"\[axial\] `law` stands beside `laws`: put it into the table of a law in that list",
+        ),
+        ({"laws": [STOP, {**STOP, "gap_below": -1}]}, r"\[axial\] laws\[1\] `gap_below` must be >= 0, got -1"),
+    ],
+)
+def test_laws_in_parallel_that_cannot_be_are_refused(table, message):
+    with pytest.raises(ModelError, match=message):
+        Isolator.from_dict({"name": "a", "axial": table})
+
+
 @pytest.mark.parametrize(("travel", "largest"), [("compression", 0.12), ("shear", 1.2)])
 def test_travel_is_held_against_the_height_of_the_isolator(travel, largest):
     """A mount 0.12 m high is not compressed by 0.13 m, and does not move sideways by ten times its height."""
@@ -234,6 +272,11 @@ def test_coupling_is_saved_and_loaded(tmp_path):
             {"roll": replace(COUPLED, beta=30.0, gamma=70.0), "shear": replace(COUPLED, beta=60.0, gamma=140.0)},
             "biaxial",
             "must have the same z_max.* not be passive",
+        ),
+        (
+            {"roll": COUPLED, "shear": Parallel(laws=[COUPLED, Stop(gap_below=0.03, k=1e6)])},
+            "biaxial",
+            "`shear` must be a Bouc-Wen law .*, got parallel. Beside a coupled isolator a stop is a mount of its own",
         ),
     ],
 )

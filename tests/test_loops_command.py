@@ -110,3 +110,9 @@ def test_bad_input_gets_one_message_and_writes_nothing(folder, capsys, arguments
     assert caught.err.count("\n") == 1
     assert re.search(message, caught.err), caught.err
     assert sorted(folder.iterdir()) == before
+
+
+def test_a_list_of_one_law_is_that_law(folder, capsys):
+    (folder / "one.toml").write_text('name = "a"\n[axial]\nlaws = [{ law = "stop", gap_below = 0.002, k = 1e6 }]\n')
+    assert "axial: stop: gap_below = 0.002, k = 1e+06" in printed(capsys, "loops", "one.toml", "--amplitudes", "4")
+    assert "axial: stop: gap_below = 0.002, k = 1e+06" in printed(capsys, "isolators", "one.toml")

@@ -69,3 +69,11 @@ def test_a_loop_within_the_gap_has_no_damping_ratio():
     loop = wr.cyclic_test(STOP, 2e-3)[0]
     assert loop.dissipated_energy == 0.0
     assert np.isnan(loop.damping_ratio)
+
+
+@pytest.mark.parametrize("reversal", [1e-9, 1e-300])
+def test_a_loss_that_turns_at_once_takes_its_part_of_every_push(reversal):
+    """2 loss of what both pushes store, 1/2 k d^2 each; short of that by what is turned within the reversal, reversal / d."""
+    law = wr.Stop(gap_below=0.01, gap_above=0.01, k=1e6, loss=0.3, reversal=reversal)
+    (loop,) = wr.cyclic_test(law, 0.02)
+    assert loop.dissipated_energy == pytest.approx(2 * 0.5 * 1e6 * 0.01**2 * 2 * 0.3, rel=1e-6)

@@ -152,6 +152,7 @@ def test_bad_curves_are_refused(changes, message):
         ({"force": [10.0, 2820.0, 8460.0]}, '"virgin" curve must contain `deflection` 0 with `force` 0'),
         ({"areas": [-1.0]}, "every entry of `areas` must be > 0, got -1"),
         ({"amplitudes": [5e-3, 5e-3], "areas": [1.0, 2.0]}, "`amplitudes` must increase strictly"),
+        ({"amplitudes": [6e-3, 60e-3], "areas": [5.0, 60.0]}, "`amplitudes` must end within the table, at 0.036 m, got 0.06 m"),
         ({"amplitudes": [5e-3, 36e-3], "areas": [5.0, 6.0]}, "smaller cycles make .* J of a cycle of 0.036 m already, .* 6 J"),
     ],
 )  # fmt: skip
@@ -226,6 +227,11 @@ def test_bad_files_of_points_are_refused(tmp_path, points, message):
 def test_what_stands_twice_or_without_a_file_is_refused(tmp_path):
     (tmp_path / "a.toml").write_text(FILE + "yield_deflection = 1e-3\n")
     with pytest.raises(ModelError, match=r"\[axial\] `yield_deflection` is stated twice"):
+        wr.load_isolator(tmp_path / "a.toml")
+    (tmp_path / "a.toml").write_text(FILE + "deflection_cm = [0, 3.6]\nforce_N = [0, 8460]\n")
+    with pytest.raises(
+        ModelError, match=r"\[axial\] `deflection_cm` has the unknown unit 'cm'\. Known units: m, mm, in\."
+    ):
         wr.load_isolator(tmp_path / "a.toml")
     with pytest.raises(ModelError, match="`points` names a file, but this isolator comes from none"):
         wr.Isolator.from_dict({"name": "a", "axial": {"law": "tabulated", "points": "curve.csv"}})

@@ -10,7 +10,7 @@ from rich.table import Table
 from wirerope_mj.bench import cyclic_test
 from wirerope_mj.cli.tables import console
 from wirerope_mj.isolator import AXES, Isolator, find_isolator, load_isolator
-from wirerope_mj.laws import Law, Stop
+from wirerope_mj.laws import Law, Parallel, Stop
 from wirerope_mj.resources import catalogue_folder
 from wirerope_mj.whole import check_place as check_writable
 
@@ -127,7 +127,7 @@ def _gap(law: Law) -> float:
 
 def describe(law: Law) -> str:
     """Return a law's name and parameters in words, those of several one after the other."""
-    if len(law.components) > 1:
+    if isinstance(law, Parallel):
         return " and ".join(describe(one) for one in law.components)
     values = law.to_dict()
     words = [f"{key} = {_value(value)}" for key, value in values.items() if key != "law"]

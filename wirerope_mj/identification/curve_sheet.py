@@ -115,7 +115,12 @@ def _points(read: Reader, table: dict[str, Any], kind: str, place: str, folder: 
         if set(columns) != {"deflection", "force"}:
             raise ModelError(f"{place} `{kind}`: {file} must have the columns deflection and force.")
         rows = list(zip(columns["deflection"], columns["force"], strict=True))
-        return [row for row in rows if row != (0.0, 0.0)]
+        rows = [row for row in rows if row != (0.0, 0.0)]
+        if any(min(row) <= 0.0 for row in rows):
+            raise ModelError(
+                f"{place} `{kind}`: {file}: points must be > 0, those of compression too: the table names the direction."
+            )
+        return rows
     for length in LENGTH:
         for force in FORCE:
             if f"{kind}_{length}_{force}" in table:

@@ -117,7 +117,7 @@ class MeasuredLoop:
         for cycle in range(self.averaged):
             before = states.copy()
             forces[cycle:] = follow_force(law.kernel, parameters, x, states, law.n_states)
-            if np.abs(states - before).max() <= STEADY * float(np.ptp(self.force)):
+            if np.abs(states - before).max(initial=0.0) <= STEADY * float(np.ptp(self.force)):
                 break
         return forces
 

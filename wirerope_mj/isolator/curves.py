@@ -33,6 +33,8 @@ def curve_in_si(table: Mapping[str, Any], place: str, folder: Path | None) -> di
     for key, value in table.items():
         name, _, unit = key.rpartition("_")
         factor = _UNITS.get(name, {}).get(unit)
+        if factor is None and name in _UNITS and unit:
+            raise ModelError(f"{place} `{key}` has the unknown unit {unit!r}. Known units: {', '.join(_UNITS[name])}.")
         _state(values, key if factor is None else name, _times(value, factor), place)
     if (file := values.pop("points", None)) is None:
         return values

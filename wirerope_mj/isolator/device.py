@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.errors import ModelError
-from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread
+from wirerope_mj.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, require_law_in_metres
 from wirerope_mj.isolator.stiffening import Stiffening
 from wirerope_mj.isolator.tables import AXES, read_tables, write_toml
 from wirerope_mj.isolator.travel import SIDES
@@ -70,6 +70,8 @@ class Isolator:
             raise ValueError(f"`rotation` must be a Rotation or None, got {self.rotation!r}.")
         if self.stiffening is not None and not isinstance(self.stiffening, Stiffening):
             raise ValueError(f"`stiffening` must be a Stiffening or None, got {self.stiffening!r}.")
+        for axis, law in self.axes.items():
+            require_law_in_metres(axis, law)
         _ = self.coupled  # raises if the two laws cannot be coupled
         self._require_travel()
         if self.geometry is not None:

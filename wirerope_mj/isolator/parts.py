@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
+from wirerope_mj.laws import Law
+
 KINDS = ("catalogue", "identified", "published", "estimated", "illustrative")
 """Kinds of provenance: fitted to vendor figures, to measurements, taken from a publication, estimated from the geometry, or an
 example."""
@@ -15,6 +17,10 @@ LARGEST = 2.0
 HEIGHTS = {"compression": 1.0, "tension": 10.0, "shear": 10.0, "roll": 10.0}
 """Largest rated travel in heights of the isolator: it cannot become shorter than nothing; in the other directions the 72 parts
 of the vendors' tables reach 0.7, and 10 keeps clear of inches (26), centimetres and millimetres taken for metres."""
+
+
+_LENGTHS = {"stop": ("gap_below", "gap_above", "depths", "rounding", "reversal"), "tabulated": ("deflection",)}
+"""Lengths of laws that a file states as they are measured."""
 
 
 def _require_positive(part: Any, *names: str) -> None:
@@ -32,9 +38,21 @@ def _require_metres(part: Any, *names: str) -> None:
     for name in names:
         value = getattr(part, name)
         if value is not None and value > LARGEST:
-            raise ValueError(
-                f"`{name}` must be in metres and at most {LARGEST:g} m, got {value:.6g}. {_in_metres(value)}"
-            )
+            raise ValueError(_too_large(name, value))
+
+
+def require_law_in_metres(axis: str, law: Law | None) -> None:
+    """Raise ValueError if a stop or a table has lengths so large that they are probably not in metres."""
+    for part in law.components if law else ():
+        for name in _LENGTHS.get(part.name, ()):
+            value = getattr(part, name)
+            largest = max(map(abs, value), default=0.0) if isinstance(value, tuple) else value or 0.0
+            if largest > LARGEST:
+                raise ValueError(f"[{axis}] {part.name}: {_too_large(name, largest)}")
+
+
+def _too_large(name: str, value: float) -> str:
+    return f"`{name}` must be in metres and at most {LARGEST:g} m, got {value:.6g}. {_in_metres(value)}"
 
 
 def _in_metres(value: float) -> str:

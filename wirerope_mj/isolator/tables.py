@@ -57,10 +57,15 @@ def read_law(table: dict[str, Any], place: str, folder: Path | None = None) -> L
 
 def _read_parallel(table: dict[str, Any], place: str, folder: Path | None) -> Parallel:
     """Return the laws in parallel of an axis table."""
-    _require_keys(table, (), ("laws",), place, "an axis with several laws")
+    for key in table:
+        if key != "laws":
+            raise ModelError(f"{place} `{key}` stands beside `laws`: put it into the table of a law in that list.")
     laws = table["laws"]
-    if not isinstance(laws, list) or not all(isinstance(one, dict) and "laws" not in one for one in laws):
+    if not isinstance(laws, list) or not all(isinstance(one, dict) for one in laws):
         raise ModelError(f"{place} `laws` must be a list of tables, each with its `law`, got {laws!r}.")
+    for index, one in enumerate(laws):
+        if "laws" in one:
+            raise ModelError(f"{place} laws[{index}] holds `laws` itself: put all of them into one list.")
     try:
         return Parallel(laws=tuple(read_law(one, f"{place} laws[{index}]", folder) for index, one in enumerate(laws)))
     except ValueError as error:

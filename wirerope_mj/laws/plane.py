@@ -38,7 +38,10 @@ class PlaneTrace:
 def require_couplable(axis: str, law: Law, allowed: tuple[int, ...], kind: str) -> None:
     """Raise ValueError unless a law is a bounded Bouc-Wen law of one of the allowed kernels; `kind` says which these are."""
     if not isinstance(law, Law) or law.kernel not in allowed:
-        raise ValueError(f"`{axis}` must be {kind} to be coupled, got {law!r}.")
+        got, hint = (law.name, "") if isinstance(law, Law) else (repr(law), "")
+        if isinstance(law, Law) and any(part.kernel == kernels.STOP for part in law.components):
+            hint = " Beside a coupled isolator a stop is a mount of its own."
+        raise ValueError(f"`{axis}` must be {kind} to be coupled, got {got}.{hint}")
     if not math.isfinite(form_of(law)[2]):
         raise ValueError(f"`{axis}` must have `beta` + `gamma` > 0 to be coupled: without a bound it has no scale.")
 

@@ -124,7 +124,7 @@ def advance_stop(p, i, x0, x1, z, j):
         if not -p[i + BELOW] <= 0.5 * (x + end) <= p[i + ABOVE]:
             # On each panel w is an exponential over at most one of its lengths.
             length = abs(end - x)
-            panels = _PANELS + (min(int(_STEEPEST * p[i] * length), 160) if lossy else 0)
+            panels = _PANELS + (int(min(_STEEPEST * p[i] * length, 160.0)) if lossy else 0)
             touch = -1 if at_touch(p, i, x) else 1 if at_touch(p, i, end) else 0
             for panel in range(panels):
                 for node in range(8):
@@ -189,7 +189,7 @@ def stop_work(p, i, cubic, start, end, z, j):
             until = zero_between((cubic[0] - corner, cubic[1], cubic[2], cubic[3]), t, end)
             if until <= t:  # by rounding the path stands on the corner
                 until = min(end, t + _BESIDE * (end - start))
-        panels = _PANELS + (min(int(p[i] * abs(x1 - x0)), 40) if lossy else 0)
+        panels = _PANELS + (int(min(p[i] * abs(x1 - x0), 40.0)) if lossy else 0)
         for panel in range(panels):
             one, two = t + (until - t) * panel / panels, t + (until - t) * (panel + 1) / panels
             if (pull_at(p, i, cubic, one, x0, w, s) > 0.0) != (pull_at(p, i, cubic, two, x0, w, s) > 0.0):

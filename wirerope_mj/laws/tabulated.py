@@ -118,6 +118,11 @@ class Tabulated(Law):
             if any(value <= 0.0 for value in getattr(self, name)):
                 raise ValueError(f"every entry of `{name}` must be > 0, got {min(getattr(self, name)):.6g}.")
         _require_increasing("amplitudes", np.array(self.amplitudes))
+        if self.amplitudes and self.amplitudes[-1] > self.finite_travel + ROUNDING:
+            raise ValueError(
+                f"`amplitudes` must end within the table, at {self.finite_travel:.6g} m, got {self.amplitudes[-1]:.6g} m: "
+                "areas are those of cycles about zero. `extrapolate = true` goes on beyond it."
+            )
         half = np.array(self.upper) - np.array(self.lower)
         if (half < 0.0).any():
             at = int(np.argmin(half))

@@ -91,10 +91,11 @@ def measures_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
         about = "" if len(groups) == 1 else f" about {_millimetres(group)} mm"
         _draw(energy, group, "energy", 1.0, marker, colours, about)
         _draw(stiffness, group, "secant_stiffness", 1e-3, marker, colours, about)
-    energy.set_yscale("log")
-    energy.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-    energy.yaxis.set_major_formatter(FormatStrFormatter("%g"))  # that of logarithmic axes writes formulas
-    energy.yaxis.set_minor_formatter(NullFormatter())
+    if any(fit.energy(fit.measured) > 0.0 for fit in fits):  # that of a device without loss is noise of either sign
+        energy.set_yscale("log")
+        energy.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        energy.yaxis.set_major_formatter(FormatStrFormatter("%g"))  # that of logarithmic axes writes formulas
+        energy.yaxis.set_minor_formatter(NullFormatter())
     energy.set_ylabel("energy per cycle [J]")
     stiffness.set_ylabel("secant stiffness [kN/m]")
     stiffness.set_ylim(bottom=0.0)

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.laws import Law
+from wirerope_mj.laws import Law, Parallel
 from wirerope_mj.study.inputs.quantities import WORLD
 from wirerope_mj.system import System
 from wirerope_mj.system.centres import centre_of_mass
@@ -23,6 +23,9 @@ def possible_lines(system: System, motion: BaseMotion) -> list[str]:
     for mounts, laws in _alike(system):
         lines.append(f"mounts {', '.join(mounts)}:")
         for axis, law in laws.items():
+            if isinstance(law, Parallel):
+                lines.append(f"  {axis}: several laws, which do not vary")
+                continue
             values = ", ".join(f"{key} = {_text(value)}" for key, value in law.to_dict().items() if key != "law")
             values += " (what is 0 takes no factors)" if 0.0 in law.to_dict().values() else ""
             lines.append(f"  mount/NAME/{axis}/PARAMETER  value [SI] or factor; {law.name}: {values}")

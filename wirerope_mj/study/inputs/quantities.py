@@ -8,6 +8,7 @@ from typing import Any
 from wirerope_mj.errors import ModelError
 from wirerope_mj.excitation import BaseMotion
 from wirerope_mj.isolator import AXES, Isolator, Stiffening
+from wirerope_mj.laws import Parallel
 from wirerope_mj.study.inputs.distributions import Choice, Distribution, Isotropic, Specimens
 from wirerope_mj.system import System
 from wirerope_mj.system.varied import moving_bodies
@@ -151,6 +152,11 @@ def _parameter(name: str, isolator: Isolator, mount: str, axis: str, parameter: 
     if law is None:
         there = [axis for axis, law in isolator.axes.items() if law is not None]
         raise ModelError(f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}.")
+    if isinstance(law, Parallel):
+        raise ModelError(
+            f"`vary`: {name!r}: mount {mount!r} has several laws on its {axis} axis, which do not vary. Make the one that "
+            "varies a mount of its own between the same sites."
+        )
     names = [key for key in law.to_dict() if key != "law" and key not in law.options]
     lists = {key: value for key in names if isinstance(value := getattr(law, key), tuple)}
     if parameter not in names + [f"{key}[{place}]" for key, value in lists.items() for place in range(len(value))]:
