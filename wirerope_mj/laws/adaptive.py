@@ -50,6 +50,18 @@ def first_step(law, p, i, length):
 
 
 @njit
+def longest_step(law, p, i, e):
+    """Return the longest step that cannot leap over what a law does in a narrow range of its force: over it z gains two widths.
+
+    Only pinching is narrow; its width grows with the work e done on the law.
+    """
+    if law != BABER_NOORI or p[i + 8] == 0.0:
+        return np.inf
+    slip = p[i + 8] * -math.expm1(-p[i + 10] * e)
+    return 2.0 * (p[i + 11] + p[i + 12] * e) * (p[i + 13] + slip) / p[i]
+
+
+@njit
 def slope_at(law, p, i, x, direction, z, j, n, k, stage):
     """Write the slopes of the n states and of the work over the length to `k[stage * (n + 1):]`."""
     row = stage * (n + 1)
@@ -127,7 +139,8 @@ def integrate(law, p, i, x0, direction, length, z, j, n_states, slopes, trial):
     numbers.
     """
     work, power, done, landing, m = 0.0, 0.0, 0.0, 0, n_states + 1
-    step = first_step(law, p, i, length)
+    longest = longest_step(law, p, i, z[j + n_states - 1])
+    step = min(first_step(law, p, i, length), longest)
     tolerance = TOLERANCE_IN_THE_PLANE if law in (BIAXIAL, LOOP) else TOLERANCE
     slope_at(law, p, i, x0, direction, z, j, n_states, slopes, 0)
     while done < length:
@@ -163,5 +176,5 @@ def integrate(law, p, i, x0, direction, length, z, j, n_states, slopes, trial):
             z[j + c] = trial[c]
         for c in range(m):
             slopes[c] = slopes[6 * m + c]
-        step *= min(5.0, max(0.2, 0.9 * (error + 1e-10) ** -0.2))
+        step = min(longest, step * min(5.0, max(0.2, 0.9 * (error + 1e-10) ** -0.2)))
     return work
