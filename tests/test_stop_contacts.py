@@ -15,6 +15,7 @@ from wirerope_mj.recording import record_rerun
 from wirerope_mj.recording.events import events_of
 from wirerope_mj.recording.selection import select
 from wirerope_mj.recording.stops import CLOSED, OPEN
+from wirerope_mj.report.model import _provenance
 from wirerope_mj.resources import models_folder
 from wirerope_mj.simulation.timestep import ACCURACY
 from wirerope_mj.statics import static_table
@@ -213,6 +214,17 @@ def test_a_ball_that_the_model_draws_takes_the_colour(tmp_path):
         if "Ellipsoids3D:half_sizes" in batch.schema.names
     ]
     assert min(half_sizes) > 0.0259  # the ball of the model
+
+
+def test_the_report_states_where_a_stop_closes_and_how_stiff_it_is():
+    device = wr.Isolator(
+        name="bumper",
+        axial=wr.Stop(gap_below=0.0432, k=24e6),
+        roll=wr.Stop(gap_above=0.01, depths=[0.01], forces=[3e3]),
+    )
+    words = _provenance(device)[0].text
+    assert "Stop, axial: gap 43.2 mm below, 24000 kN/m beyond it." in words
+    assert "Stop, roll: gap 10.0 mm above, points up to 3.00 kN at 10.0 mm beyond it." in words
 
 
 def test_an_isolator_with_a_stop_can_fail_in_a_study():
