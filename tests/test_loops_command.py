@@ -49,6 +49,27 @@ def test_a_law_file_is_tested_at_amplitudes_in_millimetres(folder, capsys, optio
     assert [path.name for path in sorted(folder.iterdir())] == ["steel.svg", "steel.toml"]
 
 
+@pytest.mark.parametrize(
+    ("laws", "amplitudes"),
+    [
+        ('law = "stop"\ngap_below = 0.04\nk = 1e6', (0.04025, 0.0405, 0.04125, 0.0425, 0.045)),
+        (
+            'laws = [{ law = "kelvin-voigt", k = 1e5, c = 0.0 }, { law = "stop", gap_below = 0.03, k = 1e6 }]',
+            (0.0175, 0.035),
+        ),
+        ('law = "tabulated"\ndeflection_mm = [0, 36]\nforce_kN = [0, 8]\nsymmetric = true', (0.018, 0.036)),
+    ],
+)
+def test_an_unrated_stop_is_pressed_and_a_table_followed_to_its_end(folder, capsys, laws, amplitudes):
+    (folder / "device.toml").write_text(f'name = "device"\n[axial]\n{laws}\n', encoding="utf-8")
+    out = printed(capsys, "loops", "device.toml")
+    law = wr.load_isolator(folder / "device.toml").axial
+    for amplitude in amplitudes:
+        stiffness = wr.cyclic_test(law, amplitude)[0].secant_stiffness
+        assert stiffness > 0.0
+        assert f"axial {1e3 * amplitude:.4g} {stiffness / 1e3:.4g}" in out
+
+
 def test_loops_of_one_axis_go_to_a_file_that_is_read_back(folder, capsys):
     out = printed(capsys, "loops", "sdof_36hz", "--amplitudes", "1", "--operating-point-mm=-0.5", "--csv", "t.csv")
     assert "about -0.5 mm" in out

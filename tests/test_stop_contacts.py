@@ -15,6 +15,8 @@ from wirerope_mj.recording import record_rerun
 from wirerope_mj.recording.events import events_of
 from wirerope_mj.recording.selection import select
 from wirerope_mj.recording.stops import CLOSED, OPEN
+from wirerope_mj.report.model import _provenance
+from wirerope_mj.resources import models_folder
 from wirerope_mj.simulation.timestep import ACCURACY
 from wirerope_mj.statics import static_table
 from wirerope_mj.study.inputs.variants import without_force
@@ -194,6 +196,31 @@ def test_the_recording_colours_a_stop_while_it_is_closed(response, tmp_path):
         int.from_bytes(bytes(CLOSED if closed[row] else OPEN)) for row in changes
     ]
     assert len(colors) > 2
+
+
+def test_a_ball_that_the_model_draws_takes_the_colour(tmp_path):
+    """The shipped stops are drawn as balls: a bumper inside one would never be seen."""
+    response = wr.simulate(wr.load_system(models_folder() / "shock_table.xml"), quiet(), duration=0.01, timestep=STEP)
+    record_rerun(response, tmp_path / "run.rrd")
+    batches = entities(tmp_path / "run.rrd")
+    (path,) = [path for path in batches if path.endswith("/block/stops/s3")]
+    (half_sizes,) = [
+        batch["Ellipsoids3D:half_sizes"].to_pylist()[0][0]
+        for batch in batches[path]
+        if "Ellipsoids3D:half_sizes" in batch.schema.names
+    ]
+    assert min(half_sizes) > 0.0259  # the ball of the model
+
+
+def test_the_report_states_where_a_stop_closes_and_how_stiff_it_is():
+    device = wr.Isolator(
+        name="bumper",
+        axial=wr.Stop(gap_below=0.0432, k=24e6),
+        roll=wr.Stop(gap_above=0.01, depths=[0.01], forces=[3e3]),
+    )
+    words = _provenance(device)[0].text
+    assert "Stop, axial: gap 43.2 mm below, 24000 kN/m beyond it." in words
+    assert "Stop, roll: gap 10.0 mm above, points up to 3.00 kN at 10.0 mm beyond it." in words
 
 
 def test_an_isolator_with_a_stop_can_fail_in_a_study():

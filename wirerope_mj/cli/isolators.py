@@ -10,7 +10,7 @@ from rich.table import Table
 from wirerope_mj.bench import cyclic_test
 from wirerope_mj.cli.tables import console
 from wirerope_mj.isolator import AXES, Isolator, find_isolator, load_isolator
-from wirerope_mj.laws import Law, Parallel, Stop
+from wirerope_mj.laws import Law, Parallel
 from wirerope_mj.resources import catalogue_folder
 from wirerope_mj.whole import check_place as check_writable
 
@@ -94,6 +94,8 @@ def _joint_lines(isolator: Isolator) -> list[str]:
 
 def _measures(isolator: Isolator) -> Table:
     """Return what steady loops about zero at 25, 50 and 100 % of the rated travel measure, unrated ones behind the gap."""
+    from wirerope_mj.plots.loops import largest_gap
+
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("axis")
     for name in (
@@ -109,20 +111,15 @@ def _measures(isolator: Isolator) -> Table:
         if law is None:
             continue
         rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
+        gap = largest_gap(law)
         for share in _SHARES:
-            wanted = _gap(law) + share * _UNRATED if rated is None else share * rated
+            wanted = gap + share * _UNRATED if rated is None else share * rated
             amplitude = min(wanted, share * law.finite_travel)
             loop = cyclic_test(law, amplitude, frequency=_FREQUENCY)[0]
             values = (1e-3 * loop.secant_stiffness, loop.dissipated_energy, 100.0 * loop.damping_ratio)
             part = "-" if rated is None else f"{100 * amplitude / rated:.0f}"
             table.add_row(axis, f"{1e3 * amplitude:.3g}", part, *[f"{value:.4g}" for value in values])
     return table
-
-
-def _gap(law: Law) -> float:
-    """Return the largest gap of the stops among a law [m], 0 without one."""
-    stops = [part for part in law.components if isinstance(part, Stop)]
-    return max((gap for stop in stops for gap in (stop.gap_below, stop.gap_above) if gap is not None), default=0.0)
 
 
 def describe(law: Law) -> str:

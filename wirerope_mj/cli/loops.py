@@ -117,9 +117,9 @@ def _check_csv(csv: Path, laws: Mapping[str, tuple[str, Law]]) -> None:
 
 
 def _default_amplitudes(isolator: Isolator, axis: str) -> list[float]:
-    from wirerope_mj.plots.loops import largest_amplitude
+    from wirerope_mj.plots.loops import amplitudes_of
 
-    return [share * largest_amplitude(isolator, axis) for share in _SHARES]
+    return amplitudes_of(isolator, axis, _SHARES)
 
 
 def _print(

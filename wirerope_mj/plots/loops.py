@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from wirerope_mj.bench import cyclic_test
 from wirerope_mj.isolator import Isolator
-from wirerope_mj.laws import Law, Loop
+from wirerope_mj.laws import Law, Loop, Stop, Tabulated
 from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.whole import written_whole
 
@@ -27,7 +27,8 @@ def loops_figure(isolator: Isolator, *, frequency: float = 5.0) -> Figure:
     """Return a figure with one panel for each axis: steady loops at 25, 50 and 100 % of the rated travel.
 
     The dashed line is the first loading. Orange marks are the rated travel on it and, in compression, the rated static
-    load. Without a rated travel the largest loop is 5 % of the height. Axes that share their law share a panel.
+    load. Without a rated travel the largest loop is 5 % of the height, beyond the gap of a stop,
+    or the whole of a table. Axes that share their law share a panel.
 
     Args:
         isolator: what to draw.
@@ -36,7 +37,7 @@ def loops_figure(isolator: Isolator, *, frequency: float = 5.0) -> Figure:
     panels = distinct_axes(isolator)
     figure, places = _figure(isolator.name, len(panels))
     for panel, (title, axis, law) in zip(places, panels, strict=True):
-        loops = cyclic_test(law, np.multiply(_SHARES, largest_amplitude(isolator, axis)), frequency=frequency)
+        loops = cyclic_test(law, amplitudes_of(isolator, axis, _SHARES), frequency=frequency)
         _draw_loops(panel, loops, kilo=True)
         _draw_ratings(panel, isolator, axis, law)
         _dress(panel, axis, title if law.rate_independent else f"{title}, {frequency:g} Hz")
@@ -80,12 +81,32 @@ def distinct_axes(isolator: Isolator) -> list[tuple[str, str, Law]]:
 def largest_amplitude(isolator: Isolator, axis: str) -> float:
     """Return the amplitude of the largest loop worth drawing [m]: the rated travel, or 5 % of the height, or 5 mm.
 
-    If the law ends before that on one side, it is what it has there.
+    What is not rated goes that much beyond the largest gap of its stops; a table goes to its end. If the law ends before
+    that on one side, it is what it has there.
     """
     rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
     height = isolator.geometry.height if isolator.geometry is not None else None
     law, size = isolator.axes[axis], rated or (_UNRATED if height is None else _UNRATED_SHARE * height)
-    return size if law is None else min(size, law.finite_travel)
+    if law is None:
+        return size
+    if rated is None and any(isinstance(part, Tabulated) for part in law.components) and law.finite_travel < math.inf:
+        return law.finite_travel
+    return min(size if rated else largest_gap(law) + size, law.finite_travel)
+
+
+def amplitudes_of(isolator: Isolator, axis: str, shares: Sequence[float]) -> list[float]:
+    """Return shares of the largest amplitude [m]; where an unrated axis has nothing but stops, of what is beyond the gap."""
+    law, largest = isolator.axes[axis], largest_amplitude(isolator, axis)
+    only_stops = law is not None and all(isinstance(part, Stop) for part in law.components)
+    rated = any(travel is not None for travel in isolator.rated_travel(axis))
+    start = largest_gap(law) if law is not None and only_stops and not rated else 0.0
+    return [start + share * (largest - start) for share in shares]
+
+
+def largest_gap(law: Law) -> float:
+    """Return the largest gap of the stops among a law [m], 0 without one."""
+    stops = [part for part in law.components if isinstance(part, Stop)]
+    return max((gap for stop in stops for gap in (stop.gap_below, stop.gap_above) if gap is not None), default=0.0)
 
 
 def _save(figure: Figure, path: Path) -> None:

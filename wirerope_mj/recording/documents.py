@@ -64,17 +64,22 @@ def peaks_markdown(response: Response, selection: Selection, verdicts: Sequence[
 
 def _acceleration_table(response: Response) -> str:
     rows = ["| | peak [g] | at [ms] | x [g] | y [g] | z [g] |", "|:--|--:|--:|--:|--:|--:|"]
-    acceleration = response.base.acceleration / STANDARD_GRAVITY
-    norms = np.linalg.norm(acceleration, axis=1)
-    at = int(norms.argmax())
-    largest = np.abs(acceleration).max(axis=0)
-    parts = [("base (samples)", float(norms[at]), float(response.time[at]), largest)]
     accelerations = [(name, peaks.acceleration) for name, peaks in response.peaks.bodies.items()]
     accelerations += [(f"point {name}", peaks.acceleration) for name, peaks in response.peaks.points.items()]
-    for name, peak in sorted(accelerations, key=lambda item: item[1].value, reverse=True):
-        if name != response.scene.base:
-            extremes = np.maximum(peak.maximum, -peak.minimum) / STANDARD_GRAVITY
-            parts.append((name, peak.value / STANDARD_GRAVITY, peak.time, extremes))
+    accelerations.sort(key=lambda item: item[1].value, reverse=True)
+    base = response.scene.base
+    parts = []
+    for name, peak in sorted(accelerations, key=lambda item: item[0] != base):
+        extremes = np.maximum(peak.maximum, -peak.minimum) / STANDARD_GRAVITY
+        title = f"{name} (base)" if name == base else name
+        parts.append((title, peak.value / STANDARD_GRAVITY, peak.time, extremes))
+    if base not in response.peaks.bodies:
+        acceleration = response.base.acceleration / STANDARD_GRAVITY
+        norms = np.linalg.norm(acceleration, axis=1)
+        at = int(norms.argmax())
+        parts.insert(
+            0, ("base (samples)", float(norms[at]), float(response.time[at]), np.abs(acceleration).max(axis=0))
+        )
     for name, value, time, xyz in parts:
         components = " | ".join(f"{component:.2f}" for component in xyz)
         rows.append(f"| {markdown(name)} | **{value:.2f}** | {1e3 * time:.1f} | {components} |")

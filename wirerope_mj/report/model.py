@@ -2,11 +2,12 @@
 
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.isolator.travel import RATINGS
+from wirerope_mj.laws import Law, Stop
 from wirerope_mj.modes import Modes
 from wirerope_mj.plots.report_image import image_of
 from wirerope_mj.plots.report_scene import axial_direction, crowded_label, mount_labels, mount_place, scene_figure
 from wirerope_mj.report.content import Block, Listing, Paragraph, Picture, Section, Table
-from wirerope_mj.report.display import ABSENT, fixed, number, several, shown
+from wirerope_mj.report.display import ABSENT, fixed, number, several, shown, with_unit
 from wirerope_mj.report.run import FinishedRun
 
 _MOST_SHAPES = 80
@@ -127,9 +128,26 @@ def _provenance(device: Isolator) -> list[Block]:
     text = f"{device.name}: {stated.kind} figures. "
     text += f"Source: {stated.source.rstrip('.')}. " if stated.source else "No source is stated. "
     text += f"Fitted to: {stated.fitted_to.rstrip('.')}." if stated.fitted_to else "Nothing is said of a fit."
+    text += "".join(_stop_words(axis, law) for axis, law in device.axes.items() if law is not None)
     if device.stiffening is not None:
         text += f" Stiffened by its first cycles, {device.stiffening.description}."
     blocks: list[Block] = [Paragraph(text=text)]
     if stated.assumed:
         blocks.append(Listing(items=tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)))
     return blocks
+
+
+def _stop_words(axis: str, law: Law) -> str:
+    """Return where the stops on an axis close and how stiff they are, "" without one."""
+    text = ""
+    for stop in [part for part in law.components if isinstance(part, Stop)]:
+        sides = ((stop.gap_below, "below"), (stop.gap_above, "above"))
+        gaps = " and ".join(f"{with_unit(gap, 'm')} {side}" for gap, side in sides if gap is not None)
+        if stop.k is None:
+            force = f"points up to {with_unit(stop.forces[-1], 'N')} at {with_unit(stop.depths[-1], 'm')} beyond it"
+        elif stop.exponent == 1.0:
+            force = f"{number(1e-3 * stop.k)} kN/m beyond it"
+        else:
+            force = f"exponent {number(stop.exponent)} beyond it"
+        text += f" Stop, {axis}: gap {gaps}, {force}."
+    return text
