@@ -36,13 +36,13 @@ def guided(stop, *, gravity=0.0):
     return wr.load_system(text, isolators={name: wr.Isolator(name=name, axial=law) for name, law in laws.items()})
 
 
-def solved(*, k, exponent=1.0, rounding=0.0, loss=0.0, reversal=1.0, c=0.0, start=0.0, stop=DURATION):
+def solved(*, k, exponent=1.0, rounding=0.0, loss=0.0, reversal=1.0, c=0.0):
     """Return the largest acceleration of the mass and force of the stop of the same without the library, and its contacts.
 
     x is the deflection, v its rate, z and w the states. Between events the signs of v and z, the region of the stop and
     whether it pushes are constants.
     """
-    y, t, sv, sz, region, pushes = np.zeros(4), 0.01, -1.0, -1.0, 0, True
+    y, sv, sz, region, pushes = np.zeros(4), -1.0, -1.0, 0, True
     largest, closed = [0.0, 0.0], 0
 
     def press(y):
@@ -58,7 +58,7 @@ def solved(*, k, exponent=1.0, rounding=0.0, loss=0.0, reversal=1.0, c=0.0, star
         stop = press(y) if region and pushes else 0.0
         return -(ROPE["k"] * y[0] + y[2] - stop) / MASS, stop
 
-    for begin, end, inside in PULSE.segments(stop)[1:]:
+    for begin, end, inside in PULSE.segments(DURATION)[1:]:
         t = begin
         while t < end:
 

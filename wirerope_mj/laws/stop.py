@@ -1,6 +1,5 @@
 """A bump stop behind a gap."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
@@ -173,8 +172,3 @@ class Stop(Law):
     def damping_coefficient(self) -> float:
         """Zero: within its gap the stop does nothing [N s/m]."""
         return 0.0
-
-    @property
-    def largest_force(self) -> float:
-        """Infinite: a closed stop carries any load [N]."""
-        return math.inf
