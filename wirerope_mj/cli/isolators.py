@@ -11,6 +11,7 @@ from wirerope_mj.bench import cyclic_test
 from wirerope_mj.cli.tables import console
 from wirerope_mj.isolator import AXES, Isolator, find_isolator, load_isolator
 from wirerope_mj.laws import Law, Parallel
+from wirerope_mj.laws.stop import largest_gap
 from wirerope_mj.resources import catalogue_folder
 from wirerope_mj.whole import check_place as check_writable
 
@@ -94,8 +95,6 @@ def _joint_lines(isolator: Isolator) -> list[str]:
 
 def _measures(isolator: Isolator) -> Table:
     """Return what steady loops about zero at 25, 50 and 100 % of the rated travel measure, unrated ones behind the gap."""
-    from wirerope_mj.plots.loops import largest_gap
-
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("axis")
     for name in (

@@ -172,3 +172,9 @@ class Stop(Law):
     def damping_coefficient(self) -> float:
         """Zero: within its gap the stop does nothing [N s/m]."""
         return 0.0
+
+
+def largest_gap(law: Law) -> float:
+    """Return the largest gap of the stops among a law [m], 0 without one."""
+    stops = [part for part in law.components if isinstance(part, Stop)]
+    return max((gap for stop in stops for gap in (stop.gap_below, stop.gap_above) if gap is not None), default=0.0)

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from wirerope_mj.bench import cyclic_test
 from wirerope_mj.isolator import Isolator
 from wirerope_mj.laws import Law, Loop, Stop, Tabulated
+from wirerope_mj.laws.stop import largest_gap
 from wirerope_mj.plots.plain_figure import PlainFigure
 from wirerope_mj.whole import written_whole
 
@@ -101,12 +102,6 @@ def amplitudes_of(isolator: Isolator, axis: str, shares: Sequence[float]) -> lis
     rated = any(travel is not None for travel in isolator.rated_travel(axis))
     start = largest_gap(law) if law is not None and only_stops and not rated else 0.0
     return [start + share * (largest - start) for share in shares]
-
-
-def largest_gap(law: Law) -> float:
-    """Return the largest gap of the stops among a law [m], 0 without one."""
-    stops = [part for part in law.components if isinstance(part, Stop)]
-    return max((gap for stop in stops for gap in (stop.gap_below, stop.gap_above) if gap is not None), default=0.0)
 
 
 def _save(figure: Figure, path: Path) -> None:

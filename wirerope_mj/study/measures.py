@@ -40,8 +40,8 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     static_load/MOUNT: of one, not judged where it hangs or carries more across its axis than along it.
     displacement/POINT: largest norm relative to the base [m]. fragility: largest share [-] of an acceleration that the model
     states as a limit. mounts: number of mounts that are fitted and have not failed, stops left out, of which force/MOUNT alone
-    is kept. struck: number of pairs of geoms, such as
-    a stop and its pad, that came together, and of stops of mounts that closed. NaN where nothing is rated or stated.
+    is kept. struck: number of pairs of geoms, such as a stop and its pad, that came together, and of stops of mounts that
+    closed. NaN where nothing is rated or stated.
     """
     bodies, points = payload_bodies(system), payload_points(system)
     at = {name: peaks.bodies[name].acceleration for name in bodies}
