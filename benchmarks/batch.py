@@ -22,10 +22,10 @@ from floor import ISOLATOR, floor_mjcf
 from rounds import interleaved
 
 import wirerope_mj as wr
-from wirerope_mj.control import installed
-from wirerope_mj.simulation.grid import time_grid
-from wirerope_mj.simulation.lockstep import Lockstep
-from wirerope_mj.simulation.stability import stable_step
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.simulation.grid import time_grid
+from wirerope_mj.engine.simulation.lockstep import Lockstep
+from wirerope_mj.engine.simulation.stability import stable_step
 
 SHOCK = wr.HalfSine(peak=100.0, duration=0.011, direction=(0.3, 0.2, 1.0), start=0.01)
 STEPS = {"duration": 1.0, "timestep": 1e-3}

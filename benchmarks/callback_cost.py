@@ -15,9 +15,9 @@ from floor import ISOLATOR, floor_mjcf
 from rounds import interleaved
 
 import wirerope_mj as wr
-from wirerope_mj.control import installed
-from wirerope_mj.control import layout as at
-from wirerope_mj.control.install import Kind
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.install import Kind
 
 TIMESTEP = 1e-3
 BURST = 100

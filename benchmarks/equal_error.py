@@ -20,10 +20,10 @@ from rounds import interleaved
 from scipy.integrate import solve_ivp
 
 import wirerope_mj as wr
-from wirerope_mj.control import installed
-from wirerope_mj.control import layout as at
-from wirerope_mj.excitation import BaseMotion
-from wirerope_mj.simulation.stepper import STATE
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.simulation.stepper import STATE
+from wirerope_mj.motions import BaseMotion
 
 Array = npt.NDArray[np.float64]
 

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 import wirerope_mj as wr
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.resources import models_folder
 
 AGREEMENT = 5e-3
 SLOWEST = 1.0 / 32.0  # octaves per minute

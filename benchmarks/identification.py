@@ -27,12 +27,12 @@ from scipy.integrate import solve_ivp
 from twins import LAWS, NOISE, Twin, deviations_of_draws, noisy_loops, start_of, truth_of, twin
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.identification import compare_laws, compare_methods
-from wirerope_mj.identification.identify import family_of, identify
-from wirerope_mj.identification.measured import STEADY, MeasuredLoop, prepare
-from wirerope_mj.identification.residuals import loop_residual
-from wirerope_mj.laws import Law
+from wirerope_mj.mounts.identification import compare_laws, compare_methods
+from wirerope_mj.mounts.identification.identify import family_of, identify
+from wirerope_mj.mounts.identification.measured import STEADY, MeasuredLoop, prepare
+from wirerope_mj.mounts.identification.residuals import loop_residual
+from wirerope_mj.mounts.laws import Law
+from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 Array = npt.NDArray[np.float64]
 

@@ -18,7 +18,7 @@ from time import perf_counter
 import numpy as np
 
 import wirerope_mj as wr
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.resources import models_folder
 
 RATE = 10_000.0  # [Hz]
 BLOCK = 100_000  # rows that are made and written at once

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 from numba import njit
 
-from wirerope_mj.laws import Loop
+from wirerope_mj.mounts.laws import Loop
 
 Array = npt.NDArray[np.float64]
 

@@ -26,13 +26,13 @@ from floor import ISOLATOR, floor_mjcf
 from rounds import interleaved
 
 import wirerope_mj as wr
-from wirerope_mj.study.engines.compute import compute
-from wirerope_mj.study.engines.local import run_local
-from wirerope_mj.study.folder import prepare, write_part
-from wirerope_mj.study.inputs.variants import Maker
-from wirerope_mj.study.measures import measures
-from wirerope_mj.study.responses import PEAKS
-from wirerope_mj.study.run import CHUNK, chunk_size, chunks
+from wirerope_mj.studies.engines.compute import compute
+from wirerope_mj.studies.engines.local import run_local
+from wirerope_mj.studies.folder import prepare, write_part
+from wirerope_mj.studies.inputs.variants import Maker
+from wirerope_mj.studies.measures import measures
+from wirerope_mj.studies.responses import PEAKS
+from wirerope_mj.studies.run import CHUNK, chunk_size, chunks
 
 DURATION, TIMESTEP = 0.5, 1e-3
 PROCESSORS = 2

@@ -18,13 +18,13 @@ from pathlib import Path
 from study import floor_study
 
 import wirerope_mj as wr
-from wirerope_mj.study.answers.summary import summary
-from wirerope_mj.study.engines.compute import compute
-from wirerope_mj.study.folder import finish, prepare, write_part
-from wirerope_mj.study.responses import PEAKS
-from wirerope_mj.study.result import load_study
-from wirerope_mj.study.run import CHUNK, chunks
-from wirerope_mj.study.study_file import load_study_file
+from wirerope_mj.runs.study_file import load_study_file
+from wirerope_mj.studies.engines.compute import compute
+from wirerope_mj.studies.folder import finish, prepare, write_part
+from wirerope_mj.studies.responses import PEAKS
+from wirerope_mj.studies.result import load_study
+from wirerope_mj.studies.results.summary import summary
+from wirerope_mj.studies.run import CHUNK, chunks
 
 
 def seconds(work: Callable[[], object]) -> float:

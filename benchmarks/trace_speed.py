@@ -23,7 +23,7 @@ import numpy.typing as npt
 from rounds import interleaved
 from scipy.integrate import solve_ivp
 
-from wirerope_mj.laws import LAWS, Law, kernels
+from wirerope_mj.mounts.laws import LAWS, Law, kernels
 
 Array = npt.NDArray[np.float64]
 

@@ -6,10 +6,10 @@ import numpy as np
 import numpy.typing as npt
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.identification.certainty import OPEN
-from wirerope_mj.identification.identify import Identification, family_of, identify
-from wirerope_mj.laws import Law, Loop
+from wirerope_mj.mounts.identification.certainty import OPEN
+from wirerope_mj.mounts.identification.identify import Identification, family_of, identify
+from wirerope_mj.mounts.laws import Law, Loop
+from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 Array = npt.NDArray[np.float64]
 

@@ -15,10 +15,10 @@ from pathlib import Path
 
 from rerun.experimental import ViewerClient
 
-from wirerope_mj.recording import record_overlay, record_rerun
-from wirerope_mj.recording.viewer import free_port, viewer_binary
-from wirerope_mj.response import load_response
-from wirerope_mj.runfolder.inputs import run_inputs
+from wirerope_mj.engine.response import load_response
+from wirerope_mj.runs.inputs import run_inputs
+from wirerope_mj.views.recording import record_overlay, record_rerun
+from wirerope_mj.views.recording.viewer import free_port, viewer_binary
 
 
 def main() -> None:

@@ -8,8 +8,8 @@ from dataclasses import replace
 import house
 
 import wirerope_mj as wr
-from wirerope_mj.isolator import Limits, Travel
-from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.mounts.isolator import Limits, Travel
 
 G = wr.STANDARD_GRAVITY
 CENTRE = 0.35

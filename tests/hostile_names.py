@@ -4,7 +4,7 @@ from pathlib import Path
 from xml.sax.saxutils import quoteattr
 
 import wirerope_mj as wr
-from wirerope_mj.resources import catalogue_folder, models_folder
+from wirerope_mj.foundation.resources import catalogue_folder, models_folder
 
 HTML, MARKUP, FORMULA, OUTSIDE, CELL = "<img src=x onerror=alert(1)>", "[red]x[/red]", "$\\frac{", "../../x", "a|b"
 NAME = f"{HTML}{MARKUP}{FORMULA}{OUTSIDE}{CELL}"

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import strategies as st
 
-from wirerope_mj.laws import LAWS, Law, Parallel
+from wirerope_mj.mounts.laws import LAWS, Law, Parallel
 
 PARAMETERS = {
     "bouc-wen": {"alpha": 1e5, "beta": 75.0, "gamma": 30.0, "n": 1.2, "k": 2e4},

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from wirerope_mj.recording.poses import rotate
-from wirerope_mj.response import Numerics, Peak, Response
-from wirerope_mj.response.columns import ColumnPlan
-from wirerope_mj.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
-from wirerope_mj.response.response import MemorySamples
-from wirerope_mj.response.scene import Geom, Scene, SceneBody, SceneMount, scene_to_dict
-from wirerope_mj.response.storage import build_response
+from wirerope_mj.engine.response import Numerics, Peak, Response
+from wirerope_mj.engine.response.columns import ColumnPlan
+from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
+from wirerope_mj.engine.response.response import MemorySamples
+from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount, scene_to_dict
+from wirerope_mj.engine.response.storage import build_response
+from wirerope_mj.views.recording.poses import rotate
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 TRAVEL = {"compression": 0.04, "tension": 0.02, "shear": 0.045, "roll": 0.045}

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from wirerope_mj.bench import cyclic_test
+from wirerope_mj.mounts.test_rig import cyclic_test
 
 
 def rig_record(

@@ -5,7 +5,7 @@ import textwrap
 from house import mjcf
 
 import wirerope_mj as wr
-from wirerope_mj.isolator import Limits, Travel
+from wirerope_mj.mounts.isolator import Limits, Travel
 
 PLACES = {"m1": -0.4, "m2": -0.2, "m3": 0.0, "m4": 0.2, "m5": 0.4}
 """Where the mounts stand along the beam [m]."""

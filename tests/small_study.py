@@ -9,7 +9,7 @@ STUDY_FILE = textwrap.dedent('''
     """
 
     import wirerope_mj as wr
-    from wirerope_mj.isolator import Limits, Travel
+    from wirerope_mj.mounts.isolator import Limits, Travel
     from house import sdof_text
 
 

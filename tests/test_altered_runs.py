@@ -15,11 +15,11 @@ from house import hysteresis, sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.cli.app import main
-from wirerope_mj.errors import RecordError, RecordWarning
-from wirerope_mj.runfolder import replay, run_scenario
-from wirerope_mj.runfolder.checksums import CHECKSUMS, alterations
-from wirerope_mj.runfolder.report import write_report
-from wirerope_mj.scenario import Scenario
+from wirerope_mj.foundation.errors import RecordError, RecordWarning
+from wirerope_mj.runs import replay, run_scenario
+from wirerope_mj.runs.checksums import CHECKSUMS, alterations
+from wirerope_mj.runs.report import write_report
+from wirerope_mj.runs.scenario import Scenario
 
 KEY = b"wirerope_mj"
 

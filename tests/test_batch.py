@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.resources import models_folder
-from wirerope_mj.simulation.same_layout import check_same_layout
+from wirerope_mj.engine.simulation.same_layout import check_same_layout
+from wirerope_mj.foundation.resources import models_folder
 
 G = wr.STANDARD_GRAVITY
 STEPS = {"duration": 0.2, "timestep": 1e-3, "sample_rate": 250.0}
@@ -107,8 +107,8 @@ def test_corners_of_others_leave_a_motion_smooth():
 
 def test_long_motions_of_every_kind_are_evaluated_alike_in_blocks(monkeypatch):
     """Sums over lines are matrix products, whose rounding depends on how many instants are asked for at once."""
-    monkeypatch.setattr("wirerope_mj.simulation.grid.BLOCK", 60)
-    monkeypatch.setattr("wirerope_mj.simulation.stages.POINTS", 100)
+    monkeypatch.setattr("wirerope_mj.engine.simulation.grid.BLOCK", 60)
+    monkeypatch.setattr("wirerope_mj.engine.simulation.stages.POINTS", 100)
     system = wr.load_system(models_folder() / "shock_table.xml")
     density = [(5.0, 1.0), (100.0, 1.0)]
     noise = wr.RandomVibration(psd=density, duration=0.5, seed=3, direction="z")
@@ -126,7 +126,7 @@ def test_a_failing_variant_says_what_it_says_alone_and_stops_no_other(monkeypatc
     (name,) = system.payloads
     motions = [half_sine(level, "z") for level in (10.0, 1e7, 20.0)]
     monkeypatch.delattr(
-        "wirerope_mj.simulation.batch._alone"
+        "wirerope_mj.engine.simulation.batch._alone"
     )  # it is found from where all was well, not from the start
     results = wr.simulate_batch(system, motions, **STEPS)
     with pytest.raises(wr.SimulationError) as alone:
@@ -199,7 +199,7 @@ def test_a_batch_goes_on_from_the_states_of_another():
 def test_interpreted_callbacks_take_the_variants_one_by_one(monkeypatch):
     system = wr.load_system(models_folder() / "sdof_shaker.xml")
     keywords = {**STEPS, "duration": 0.02}
-    monkeypatch.setattr("wirerope_mj.control.install.disagreement", lambda model, data: "qvel")
+    monkeypatch.setattr("wirerope_mj.engine.control.install.disagreement", lambda model, data: "qvel")
     with pytest.warns(RuntimeWarning, match="slower Python callback"):
         (result,) = wr.simulate_batch(system, half_sine(10.0), **keywords)
     assert_same(result, wr.simulate(system, half_sine(10.0), callback="python", **keywords))

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from wirerope_mj.bench import CLOSURE, cyclic_test
-from wirerope_mj.errors import ConvergenceError
-from wirerope_mj.laws import AsymmetricBoucWen, BoucWen, KelvinVoigt, Masing, Zener
+from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, KelvinVoigt, Masing, Zener
+from wirerope_mj.mounts.test_rig import CLOSURE, cyclic_test
 
 BOUC_WEN = BoucWen(alpha=1.0, beta=0.8, gamma=0.2, n=1)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.laws import BoucWen, Loop
+from wirerope_mj.mounts.laws import BoucWen, Loop
+from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 LOOP = cyclic_test(BoucWen(alpha=1e5, beta=800.0, gamma=200.0, n=1), 2e-3)[0]
 

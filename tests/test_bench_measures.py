@@ -7,8 +7,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
-from wirerope_mj.bench import cyclic_test, hardening_overlap, measured, softening_to_hardening
-from wirerope_mj.laws import (
+from wirerope_mj.mounts.laws import (
     AsymmetricBoucWen,
     BoucWen,
     EnhancedDryFriction,
@@ -17,6 +16,7 @@ from wirerope_mj.laws import (
     Masing,
     SymmetricBoucWen,
 )
+from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, measured, softening_to_hardening
 
 NI = AsymmetricBoucWen(alpha=1e5, beta=1500.0, gamma=0.0, n=1, k1=2e4, k2=0.0, k3=1e9, b=np.e, c=150.0)
 CASES = [(0.8, 0.2, 1), (0.2, 0.8, 1), (0.5, 0.5, 1), (0.8, -1.0, 1), (0.5, -0.5, 1), (0.8, 0.2, 2), (0.5, -0.4, 1.5)]

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.resources import models_folder
 
 FOLDER = models_folder().parent / "benchmarks"
 

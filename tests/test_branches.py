@@ -7,12 +7,12 @@ import pytest
 from house import sdof, sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.periodic import backbone, harmonic_content, resonances
-from wirerope_mj.periodic.continuation import Continuation
-from wirerope_mj.periodic.search import Search
-from wirerope_mj.periodic.shooting import close, monodromy, shot
-from wirerope_mj.periodic.variational import Variational
-from wirerope_mj.periodic.walk import Walk
+from wirerope_mj.dynamics.periodic import backbone, harmonic_content, resonances
+from wirerope_mj.dynamics.periodic.continuation import Continuation
+from wirerope_mj.dynamics.periodic.search import Search
+from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
+from wirerope_mj.dynamics.periodic.variational import Variational
+from wirerope_mj.dynamics.periodic.walk import Walk
 
 HARDENING = wr.SymmetricBoucWen(alpha=1.0, beta=0.5, gamma=0.5, n=1.0, k1=0.5, k2=0.0, k3=0.3)
 ALONG = {"direction": "z", "payload": "mass"}

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.foundation.resources import catalogue_folder
 
 ROOT = Path(__file__).parents[1]
 PAGE = (ROOT / "docs/cabinet.md").read_text(encoding="utf-8")

@@ -12,7 +12,7 @@ import pytest
 from house import deck, hysteresis, mjcf, sdof, sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.resources import models_folder
 
 G = wr.STANDARD_GRAVITY
 LAW = wr.BoucWen(**hysteresis(alpha=1e5, z_max=60.0), k=2e4)
@@ -150,7 +150,7 @@ def test_simulate_leaves_no_callback_behind():
 
 
 def test_an_interrupt_leaves_no_callback_behind(tmp_path, monkeypatch):
-    from wirerope_mj.simulation import run as module
+    from wirerope_mj.engine.simulation import run as module
 
     def interrupted(*_args, **_kwargs):
         raise KeyboardInterrupt
@@ -189,7 +189,7 @@ def test_a_callback_that_was_installed_before_comes_back():
 
 
 def test_the_mounts_act_on_a_model_beside_one_that_is_not_ours():
-    from wirerope_mj.control import installed
+    from wirerope_mj.engine.control import installed
 
     other = mujoco.MjModel.from_xml_string(
         '<mujoco><worldbody><body><joint name="j" type="slide" axis="0 0 1"/><geom size=".1"/></body></worldbody>'
@@ -280,7 +280,7 @@ def test_threads_share_the_native_callback():
 
 
 def test_two_kinds_of_callback_cannot_step_at_once():
-    from wirerope_mj.control import installed
+    from wirerope_mj.engine.control import installed
 
     system = sdof(LAW)
     with (

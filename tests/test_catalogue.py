@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 from numba import njit
 
-from wirerope_mj.bench import cyclic_test
 from wirerope_mj.cli import main
-from wirerope_mj.errors import ConvergenceError, ModelError
-from wirerope_mj.identification.datasheet import fit_datasheet
-from wirerope_mj.identification.figures import relaxed_force, secant
-from wirerope_mj.identification.secants import Curve, Secant, fit_damped, fit_secants
-from wirerope_mj.identification.sheet import two_stiffnesses
-from wirerope_mj.identification.sheet_table import compare
-from wirerope_mj.identification.vendor import read_datasheet
-from wirerope_mj.isolator import load_isolator
-from wirerope_mj.laws.kernels import asymmetric_bouc_wen
-from wirerope_mj.resources import catalogue_folder
-from wirerope_mj.rope_loop import RopeLoop, loop_shape
-from wirerope_mj.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.errors import ConvergenceError, ModelError
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.mounts.identification.datasheet import fit_datasheet
+from wirerope_mj.mounts.identification.figures import relaxed_force, secant
+from wirerope_mj.mounts.identification.secants import Curve, Secant, fit_damped, fit_secants
+from wirerope_mj.mounts.identification.sheet import two_stiffnesses
+from wirerope_mj.mounts.identification.sheet_table import compare
+from wirerope_mj.mounts.identification.vendor import read_datasheet
+from wirerope_mj.mounts.isolator import load_isolator
+from wirerope_mj.mounts.laws.kernels import asymmetric_bouc_wen
+from wirerope_mj.mounts.rope_loop import RopeLoop, loop_shape
+from wirerope_mj.mounts.test_rig import cyclic_test
 
 FILES = {path.stem: path for path in sorted(catalogue_folder().glob("*.toml"))}
 SHEETS = {path.stem: path for path in sorted((catalogue_folder() / "datasheets").glob("*.toml"))}

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from wirerope_mj.cli import main
-from wirerope_mj.errors import RecordError
+from wirerope_mj.foundation.errors import RecordError
 
 WIREROPE = [sys.executable, "-c", "import sys; from wirerope_mj.cli import main; sys.exit(main())"]
 
@@ -153,13 +153,13 @@ def test_help_of_a_scenario_shows_its_options(capsys):
 
 def test_show_hands_the_folder_to_the_viewer(monkeypatch):
     seen = []
-    monkeypatch.setattr("wirerope_mj.recording.show", lambda folder, *, web: seen.append((folder, web)))
+    monkeypatch.setattr("wirerope_mj.views.recording.show", lambda folder, *, web: seen.append((folder, web)))
     assert main(["show", "somewhere", "--web"]) == 0
     assert seen == [(Path("somewhere"), True)]
 
 
 def test_show_without_a_run_is_an_error_of_the_recording(tmp_path):
-    from wirerope_mj.recording import show
+    from wirerope_mj.views.recording import show
 
     with pytest.raises(RecordError, match="no such recording"):
         show(tmp_path)

@@ -8,8 +8,8 @@ from house import deck, mjcf, sdof
 from made_up_floor import floor_response
 
 import wirerope_mj as wr
-from wirerope_mj.criteria import acceleration_verdicts, judge
-from wirerope_mj.limits import PayloadLimit
+from wirerope_mj.assessment.criteria import acceleration_verdicts, judge
+from wirerope_mj.foundation.payload_limits import PayloadLimit
 
 G = wr.STANDARD_GRAVITY
 

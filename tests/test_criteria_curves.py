@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.criteria import spectrum_verdict, transmissibility_verdict
+from wirerope_mj.assessment.criteria import spectrum_verdict, transmissibility_verdict
 
 D, LEVEL = 0.011, 100.0
 

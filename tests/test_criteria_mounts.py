@@ -9,8 +9,14 @@ from house import deck, mjcf
 from made_up_floor import TRAVEL, floor_response
 
 import wirerope_mj as wr
-from wirerope_mj.criteria import bottoming_verdicts, judge, peak_force_verdicts, starting_load_verdicts, travel_verdicts
-from wirerope_mj.verdicts import verdict_lines
+from wirerope_mj.assessment.criteria import (
+    bottoming_verdicts,
+    judge,
+    peak_force_verdicts,
+    starting_load_verdicts,
+    travel_verdicts,
+)
+from wirerope_mj.assessment.verdicts import verdict_lines
 
 G = wr.STANDARD_GRAVITY
 

@@ -8,8 +8,8 @@ from house import sdof
 from scipy.signal import lfilter
 
 import wirerope_mj as wr
-from wirerope_mj.criteria import judge_random, random_verdicts
-from wirerope_mj.limits import PayloadLimit
+from wirerope_mj.assessment.criteria import judge_random, random_verdicts
+from wirerope_mj.foundation.payload_limits import PayloadLimit
 
 RATE, F, Q, DENSITY = 1000.0, 20.0, 10.0, 0.5
 MILES = math.sqrt(0.5 * math.pi * F * Q * DENSITY)  # 12.5 m/s^2

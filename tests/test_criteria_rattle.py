@@ -7,10 +7,10 @@ import pytest
 from house import rotation
 from made_up_floor import UPRIGHT, box, floor_response
 
-from wirerope_mj.criteria import rattle_verdicts
-from wirerope_mj.criteria.rattle import body_corners, corner_displacements
-from wirerope_mj.limits import PayloadLimit
-from wirerope_mj.response.response import MemorySamples
+from wirerope_mj.assessment.criteria import rattle_verdicts
+from wirerope_mj.assessment.criteria.rattle import body_corners, corner_displacements
+from wirerope_mj.engine.response.response import MemorySamples
+from wirerope_mj.foundation.payload_limits import PayloadLimit
 
 
 def by_name(verdicts):

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from wirerope_mj.criteria import iso_6954_1984, iso_6954_2000, iso_6954_2000_of_history, velocity_lines
-from wirerope_mj.criteria.ship import RMS_2000, weighting
+from wirerope_mj.assessment.criteria import iso_6954_1984, iso_6954_2000, iso_6954_2000_of_history, velocity_lines
+from wirerope_mj.assessment.criteria.ship import RMS_2000, weighting
 
 
 def test_the_weighting_is_that_of_the_standard():

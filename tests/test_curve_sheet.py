@@ -4,9 +4,9 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli.app import main
-from wirerope_mj.errors import ModelError
-from wirerope_mj.identification.datasheet import fit_datasheet
-from wirerope_mj.identification.sheet_table import compare
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.mounts.identification.datasheet import fit_datasheet
+from wirerope_mj.mounts.identification.sheet_table import compare
 
 SHEET = """name = "Socitec CB1390-20"
 source = "Socitec CB1390 vendor data sheet, page 2"

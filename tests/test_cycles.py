@@ -7,11 +7,11 @@ import pytest
 from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured, read_cycles, steady_loops
-from wirerope_mj.bench.clipping import is_level
-from wirerope_mj.bench.turning import find_turning_points, rms_noise
-from wirerope_mj.errors import RecordError
-from wirerope_mj.identification.measured import prepare
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.mounts.identification.measured import prepare
+from wirerope_mj.mounts.test_rig import cyclic_test, measured, read_cycles, steady_loops
+from wirerope_mj.mounts.test_rig.clipping import is_level
+from wirerope_mj.mounts.test_rig.turning import find_turning_points, rms_noise
 
 LAW = wr.AsymmetricBoucWen.from_normalised(
     z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0

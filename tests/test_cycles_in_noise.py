@@ -5,10 +5,10 @@ import pytest
 from rig_records import write_record
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured, read_cycles, steady_loops
-from wirerope_mj.bench.noise import force_noise
-from wirerope_mj.errors import RecordError
-from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.mounts.test_rig import cyclic_test, measured, read_cycles, steady_loops
+from wirerope_mj.mounts.test_rig.noise import force_noise
 
 LAW = wr.load_isolator(catalogue_folder() / "enidine_wr16_400.toml").axial
 POINTS = 200

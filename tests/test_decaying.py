@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from wirerope_mj.excitation import DecayingSine
+from wirerope_mj.motions import DecayingSine
 
 OMEGA = 2 * math.pi * 14.0
 

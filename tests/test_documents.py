@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.excitation import BaseMotion
+from wirerope_mj.motions import BaseMotion
 
 ROOT = Path(__file__).parents[1]
 

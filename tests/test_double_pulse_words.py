@@ -2,7 +2,7 @@
 
 import pytest
 
-from wirerope_mj.excitation import DoubleHalfSine, DoubleTriangle
+from wirerope_mj.motions import DoubleHalfSine, DoubleTriangle
 
 LEVELS = {"peak": 600.0, "velocity": 2.25, "displacement": 0.0525}
 PULSES = [

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from wirerope_mj.excitation import DesignSpectrum, DoubleHalfSine, DoubleTriangle
-from wirerope_mj.spectra import shock_response_spectrum
+from wirerope_mj.motions import DesignSpectrum, DoubleHalfSine, DoubleTriangle
+from wirerope_mj.motions.spectra import shock_response_spectrum
 
 G = 9.80665
 SPECTRUM = DesignSpectrum(displacement=0.050, velocity=3.0, acceleration=100 * G)

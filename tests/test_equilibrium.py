@@ -7,9 +7,9 @@ from house import deck, hysteresis, mjcf, quiet, sdof, sdof_text
 from scipy.optimize import root
 
 import wirerope_mj as wr
-from wirerope_mj.control import installed
-from wirerope_mj.resources import models_folder
-from wirerope_mj.statics.loading import LOAD_STEPS, Loading
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.statics.loading import LOAD_STEPS, Loading
+from wirerope_mj.foundation.resources import models_folder
 
 G = wr.STANDARD_GRAVITY
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.identification import compare_methods
+from wirerope_mj.mounts.identification import compare_methods
+from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 TRUTH = wr.EnhancedDryFriction(k=6e4, d=400.0, u_c=1e-3)
 

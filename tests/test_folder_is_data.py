@@ -10,12 +10,12 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.errors import RecordError
-from wirerope_mj.recording import viewer
-from wirerope_mj.runfolder import replay
-from wirerope_mj.runfolder.report import write_report
-from wirerope_mj.scenario import load_scenario
-from wirerope_mj.study import load_study
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.runs import replay
+from wirerope_mj.runs.report import write_report
+from wirerope_mj.runs.scenario import load_scenario
+from wirerope_mj.studies import load_study
+from wirerope_mj.views.recording import viewer
 
 CODE = "from pathlib import Path\nPath(__file__).with_name('executed').touch()\n"
 WORKS = {"exec", "import", "pickle.find_class", "subprocess.Popen", "os.system", "os.exec", "os.posix_spawn"}
@@ -123,7 +123,7 @@ def test_a_model_that_names_a_file_outside_the_folder_is_not_loaded(what, use, r
     old, new = OUTSIDE[what]
     edited(copy / "model" / "shock_table.xml", old, new.format(secret=tmp_path / "secret"))
     loaded = []
-    monkeypatch.setattr("wirerope_mj.runfolder.sources.load_system", loaded.append)
+    monkeypatch.setattr("wirerope_mj.runs.sources.load_system", loaded.append)
     with pytest.raises(
         RecordError, match=r"shock_table\.xml names '.*secret.*', which lies outside this folder"
     ) as raised:
@@ -175,7 +175,7 @@ def test_xml_that_mujoco_reads_leniently_is_refused_with_its_line(copy):
 def test_a_study_reads_nothing_outside_its_folder_either(tmp_path):
     from table_study import table_study
 
-    from wirerope_mj.study.folder import _identity  # a hostile colleague can compute it, too
+    from wirerope_mj.studies.folder import _identity  # a hostile colleague can compute it, too
 
     folder = tmp_path / "study"
     table_study(variants=4).run(folder, workers=1)

@@ -8,8 +8,8 @@ from house import deck, hysteresis, mjcf, sdof, sdof_text
 from shaken_mass import DAMPING, LEVEL, MASS, MOUNT, RESONANCE, hysteretic, linear, transmitted, up
 
 import wirerope_mj as wr
-from wirerope_mj.errors import ModelError, RecordError, SimulationError
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.errors import ModelError, RecordError, SimulationError
+from wirerope_mj.foundation.resources import models_folder
 
 
 @pytest.fixture(scope="module")
@@ -288,8 +288,8 @@ def test_a_sweep_comes_back_from_its_file_and_is_replaced_whole(short, tmp_path)
 
 
 def test_a_sweep_that_streams_to_disk_is_the_same(system, short, tmp_path, monkeypatch):
-    monkeypatch.setattr("wirerope_mj.sweep.storage.STREAM_ROWS", 10)  # several blocks
-    monkeypatch.setattr("wirerope_mj.sweep.continuous.CHUNK", 4)
+    monkeypatch.setattr("wirerope_mj.dynamics.sweep.storage.STREAM_ROWS", 10)  # several blocks
+    monkeypatch.setattr("wirerope_mj.dynamics.sweep.continuous.CHUNK", 4)
     options = {"timestep": 1e-3, "settled": None, **MOUNT}
     same(wr.frequency_sweep(system, up(60.0, 6.0, 18.0), out=tmp_path, **options), short)
     same(wr.FrequencySweep.load(tmp_path), short)

@@ -10,9 +10,9 @@ import pyarrow.parquet as pq
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj import errors as wr_errors
 from wirerope_mj.cli import main
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation import errors as wr_errors
+from wirerope_mj.foundation.resources import models_folder
 
 MODEL = str(models_folder() / "sdof_shaker.xml")
 NARROW = ("--start", "34", "--stop", "39", "--largest-step", "0.04")
@@ -88,7 +88,7 @@ def test_pictures_show_amplitudes_transmissibilities_and_loops(written):
 
 
 def test_the_recording_lies_where_show_looks_for_it(written):
-    from wirerope_mj.recording.viewer import find_recording
+    from wirerope_mj.views.recording.viewer import find_recording
 
     assert find_recording(written[2]) == written[2] / "run.rrd"
 
@@ -183,7 +183,7 @@ def test_no_periodic_motion_at_the_start_is_one_message(tmp_path, capsys, monkey
     def lost(*_, **__):
         raise wr_errors.ConvergenceError("no motion of period 1 / (20 Hz) was found: the residual stays at 0.3")
 
-    monkeypatch.setattr("wirerope_mj.frf.solve.follow_branch", lost)
+    monkeypatch.setattr("wirerope_mj.dynamics.frequency_response.solve.follow_branch", lost)
     monkeypatch.chdir(tmp_path)
     assert main(["frf", MODEL, "--start", "20", "--stop", "30"]) == 2
     assert "wirerope: level 1 m/s^2: no motion of period" in capsys.readouterr().err

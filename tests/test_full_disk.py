@@ -6,8 +6,8 @@ import sys
 
 import pytest
 
-from wirerope_mj.errors import DiskFullError
-from wirerope_mj.whole import folder_written_whole, written_whole
+from wirerope_mj.foundation.atomic_files import folder_written_whole, written_whole
+from wirerope_mj.foundation.errors import DiskFullError
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limits of file sizes")
 
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no 
 LIMITED = """
 import resource, sys
 from wirerope_mj.cli import main
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.resources import models_folder
 import wirerope_mj as wr
 
 size, what, folder = int(sys.argv[1]), sys.argv[2], sys.argv[3]

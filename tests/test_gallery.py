@@ -10,7 +10,7 @@ from scipy.optimize import brentq, minimize_scalar
 from scipy.special import hyp2f1
 
 import wirerope_mj as wr
-from wirerope_mj.oscillator.balance import harmonic_balance
+from wirerope_mj.dynamics.single_mass.balance import harmonic_balance
 
 GALLERY = Path(__file__).parents[1] / "docs" / "gallery"
 pytestmark = pytest.mark.skipif(not GALLERY.is_dir(), reason="the gallery stands in a checkout only")

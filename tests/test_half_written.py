@@ -7,16 +7,16 @@ import sys
 
 import pytest
 
-from wirerope_mj import half_written
-from wirerope_mj.errors import RecordError
-from wirerope_mj.half_written import clear_half_written, hidden_file, hidden_folder
-from wirerope_mj.whole import folder_written_whole, written_whole
+from wirerope_mj.foundation import half_written
+from wirerope_mj.foundation.atomic_files import folder_written_whole, written_whole
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.half_written import clear_half_written, hidden_file, hidden_folder
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such locks")
 
 WRITER = """
 import pathlib, sys
-from wirerope_mj.whole import folder_written_whole, written_whole
+from wirerope_mj.foundation.atomic_files import folder_written_whole, written_whole
 
 place = pathlib.Path(sys.argv[1])
 with (

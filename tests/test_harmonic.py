@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.special import exp1
 
-from wirerope_mj.excitation import Sine, Sweep, motion_from_dict
-from wirerope_mj.excitation.sweep_integrals import oscillating_tails
+from wirerope_mj.motions import Sine, Sweep, motion_from_dict
+from wirerope_mj.motions.sweep_integrals import oscillating_tails
 
 THESIS = {"start": 0.1, "stop": 30.0, "rate": 2.0, "acceleration": 1.0, "direction": "z"}
 

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
-from wirerope_mj.errors import ConvergenceError
-from wirerope_mj.laws import (
+from wirerope_mj.dynamics.single_mass.balance import harmonic_balance
+from wirerope_mj.dynamics.single_mass.harmonic_branch import follow_harmonic_balance
+from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.mounts.laws import (
     AsymmetricBoucWen,
     BoucWen,
     BoucWenBaberNoori,
@@ -15,8 +17,6 @@ from wirerope_mj.laws import (
     VaianaRosati,
     Zener,
 )
-from wirerope_mj.oscillator.balance import harmonic_balance
-from wirerope_mj.oscillator.harmonic_branch import follow_harmonic_balance
 
 TURN = 2.0 * np.pi
 

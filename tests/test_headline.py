@@ -8,10 +8,10 @@ import pytest
 from test_cli import wirerope
 from test_recording import column, entities
 
-from wirerope_mj.criteria import CLEAR, STRUCK, TOUCHING, Verdict
-from wirerope_mj.errors import RecordError
-from wirerope_mj.runfolder.headline import read_headline
-from wirerope_mj.verdicts import headline
+from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Verdict
+from wirerope_mj.assessment.verdicts import headline
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.runs.headline import read_headline
 
 
 def row(value=1.0, limit=2.0, **changes):

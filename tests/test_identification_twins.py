@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.resources import models_folder
 
 FOLDER = models_folder().parent / "benchmarks"
 LAWS = [

@@ -1,8 +1,8 @@
 """What a fit and a comparison say when they are printed."""
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.identification import compare_laws
+from wirerope_mj.mounts.identification import compare_laws
+from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 LAW = wr.EnhancedDryFriction(d=400.0, u_c=1e-3, k=5e4)
 LOOPS = measured(cyclic_test(LAW, [1e-3, 4e-3]), points_per_cycle=60, force_noise=1.0, seed=1)

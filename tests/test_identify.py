@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.identification.coordinates import FAMILIES, Scales
-from wirerope_mj.identification.measured import prepare
-from wirerope_mj.identification.residuals import area_residual
-from wirerope_mj.identification.validity import validity_of
+from wirerope_mj.mounts.identification.coordinates import FAMILIES, Scales
+from wirerope_mj.mounts.identification.measured import prepare
+from wirerope_mj.mounts.identification.residuals import area_residual
+from wirerope_mj.mounts.identification.validity import validity_of
+from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 TRAVEL = 0.01
 TESTED = TRAVEL * np.array([0.05, 0.15, 0.4, 0.7, 1.0])

@@ -9,11 +9,11 @@ import pytest
 from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, read_cycles
 from wirerope_mj.cli import identify as command
 from wirerope_mj.cli import main
-from wirerope_mj.identification.fitted import fitted_loops, neighbours_correlation
-from wirerope_mj.plots.identification import fit_figure, measures_figure, residual_figure
+from wirerope_mj.mounts.identification.fitted import fitted_loops, neighbours_correlation
+from wirerope_mj.mounts.test_rig import cyclic_test, read_cycles
+from wirerope_mj.views.plots.identification import fit_figure, measures_figure, residual_figure
 
 TRUTH = wr.AsymmetricBoucWen.from_normalised(
     z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0

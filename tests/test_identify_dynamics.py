@@ -5,7 +5,7 @@ import pytest
 from house import sdof
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test
+from wirerope_mj.mounts.test_rig import cyclic_test
 
 MASS, LEVEL = 20.0, 6.0  # kg, m/s^2
 FREQUENCIES = (6.0, 8.0, 10.0, 13.0)  # around the resonance, near 9 Hz

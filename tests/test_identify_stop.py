@@ -7,8 +7,8 @@ import pytest
 from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured, steady_loops
 from wirerope_mj.cli import main
+from wirerope_mj.mounts.test_rig import cyclic_test, measured, steady_loops
 
 STOP = wr.Stop(gap_below=5e-3, k=5e5, loss=0.3, reversal=5e-4)
 ROPE = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.4, k=5e4)

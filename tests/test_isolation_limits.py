@@ -10,7 +10,7 @@ from house import sdof
 from scipy.optimize import brentq, minimize_scalar
 
 import wirerope_mj as wr
-from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.foundation.resources import catalogue_folder
 
 GALLERY = Path(__file__).parents[1] / "docs" / "gallery"
 MASS = 3.5  # [kg]

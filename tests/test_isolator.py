@@ -9,9 +9,9 @@ from dataclasses import replace
 import pytest
 import tomli_w
 
-from wirerope_mj import resources
-from wirerope_mj.errors import ModelError
-from wirerope_mj.isolator import (
+from wirerope_mj.foundation import resources
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.mounts.isolator import (
     AXES,
     Geometry,
     Isolator,
@@ -22,7 +22,16 @@ from wirerope_mj.isolator import (
     find_isolator,
     load_isolator,
 )
-from wirerope_mj.laws import LAWS, AsymmetricBoucWen, BoucWen, KelvinVoigt, Ozdemir, Parallel, Stop, SymmetricBoucWen
+from wirerope_mj.mounts.laws import (
+    LAWS,
+    AsymmetricBoucWen,
+    BoucWen,
+    KelvinVoigt,
+    Ozdemir,
+    Parallel,
+    Stop,
+    SymmetricBoucWen,
+)
 
 EVERY_LAW = [
     BoucWen(alpha=1e5, beta=2.0, gamma=-0.5, n=0.7, k=3e4),

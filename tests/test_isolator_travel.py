@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from wirerope_mj.isolator import AXES, Travel
-from wirerope_mj.isolator.travel import RATINGS, SIDES, travel_in, travel_reached, travel_shares
+from wirerope_mj.mounts.isolator import AXES, Travel
+from wirerope_mj.mounts.isolator.travel import RATINGS, SIDES, travel_in, travel_reached, travel_shares
 
 # roll, shear, axial: pressed by 30 mm at most, pulled by 10 mm
 LOWEST, HIGHEST = np.array([-0.002, -0.004, -0.030]), np.array([0.005, 0.001, 0.010])

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.identification import compare_laws
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.mounts.identification import compare_laws
+from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 TRUTH = wr.EnhancedDryFriction(k=6e4, d=400.0, u_c=1e-3)
 AMPLITUDES = 0.01 * np.array([0.1, 0.3, 1.0])

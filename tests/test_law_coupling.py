@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from laws_for_tests import path_through
 from scipy.integrate import solve_ivp
 
-from wirerope_mj import laws
+from wirerope_mj.mounts import laws
 
 RNG = np.random.default_rng(7)
 STRAIGHT = path_through(RNG.uniform(-2.0, 2.0, 15), per_segment=4)

@@ -9,8 +9,8 @@ from laws_for_tests import path_through
 from scipy.integrate import solve_ivp
 from scipy.special import gamma as gamma_function
 
-from wirerope_mj import laws
-from wirerope_mj.bench import cyclic_test
+from wirerope_mj.mounts import laws
+from wirerope_mj.mounts.test_rig import cyclic_test
 
 RNG = np.random.default_rng(7)
 PATHS = [path_through(RNG.uniform(-2.0, 2.0, 15), per_segment=4) for _ in range(4)]

@@ -23,7 +23,7 @@ from laws_for_tests import (
     turning_points,
 )
 
-from wirerope_mj.laws import LAWS
+from wirerope_mj.mounts.laws import LAWS
 
 NAMES = sorted(LAWS)
 FRESH_INTERPRETER = 120  # seconds for one that runs the kernels as plain Python on a busy machine
@@ -166,7 +166,7 @@ import json, sys
 import numpy as np
 sys.path.insert(0, sys.argv[1])
 from laws_for_tests import example, smooth_path
-from wirerope_mj.laws import LAWS, kernels
+from wirerope_mj.mounts.laws import LAWS, kernels
 assert not hasattr(kernels.evaluate, "py_func")
 x, time, rate = smooth_path([1.0, -0.7, 0.9, -1.0], per_segment=6)
 loops = {}

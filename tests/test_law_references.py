@@ -11,7 +11,7 @@ import pytest
 from laws_for_tests import path_through, smooth_path
 from scipy.integrate import quad, solve_ivp
 
-from wirerope_mj import laws
+from wirerope_mj.mounts import laws
 
 RNG = np.random.default_rng(20)
 POINTS = [RNG.uniform(-2.0, 2.0, 12) for _ in range(4)]

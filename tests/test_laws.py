@@ -9,8 +9,8 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 from scipy.special import hyp2f1
 
-from wirerope_mj.bench import cyclic_test
-from wirerope_mj.laws import LAWS, AsymmetricBoucWen, BoucWen, KelvinVoigt, Ozdemir, SymmetricBoucWen, kernels
+from wirerope_mj.mounts.laws import LAWS, AsymmetricBoucWen, BoucWen, KelvinVoigt, Ozdemir, SymmetricBoucWen, kernels
+from wirerope_mj.mounts.test_rig import cyclic_test
 
 # Steady loops of amplitude A for alpha = 1: beta, gamma, n, A, peak z, work per cycle. The digits are those of an
 # event-split integration (relative tolerance 1e-12) of the differential equation.

@@ -12,7 +12,7 @@ from test_energy_momentum import free_pair, momenta, spinning
 from test_laws import LOOPS
 
 import wirerope_mj as wr
-from wirerope_mj.laws import LAWS, BiaxialBoucWen, BoucWen
+from wirerope_mj.mounts.laws import LAWS, BiaxialBoucWen, BoucWen
 
 G = wr.STANDARD_GRAVITY
 MASS = 20.0

@@ -1,122 +1,147 @@
-"""The rooms of the house: imports point downwards, and only the rooms meant for it touch an engine or a picture library."""
+"""The house: imports point downwards from wing to wing and from room to room; few of them touch an engine or a picture."""
 
 import ast
 import sys
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 import wirerope_mj
-from wirerope_mj.resources import scenarios_folder
+from wirerope_mj.foundation.resources import scenarios_folder
 
 PACKAGE = Path(wirerope_mj.__file__).parent
-LAYERS = (
-    (
-        "errors", "units", "resources", "state", "jit", "half_written", "whole", "limits", "option_file", "plain_text",
-        "inside", "toml_file",
+HOUSE = {
+    "foundation": (),
+    "mounts": (
+        ("laws",),
+        ("test_rig", "rope_loop"),
+        ("isolator",),
+        ("identification",),
+        ("vendor_parts",),
+        ("estimate",),
     ),
-    ("laws", "excitation", "spectra"),
-    ("isolator", "bench", "oscillator", "rope_loop"),
-    ("identification",),
-    ("system", "control"),
-    ("statics",),
-    ("simulation", "response"),
-    ("modes", "sweep", "periodic", "criteria", "verdicts"),
-    ("study", "frf", "selection", "scenario", "estimate"),
-    ("plots", "recording", "report"),
-    ("runfolder",),
-    ("cli",),
-)  # fmt: skip
-LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}
-ENGINE_ROOMS = {"system", "control", "statics", "simulation", "modes", "sweep", "periodic"}
-OWNERS = {
-    "rerun": {"recording"},
-    "matplotlib": {"plots"},
-    "mujoco": ENGINE_ROOMS,
-    "jinja2": {"report"},
-    "weasyprint": {"report"},
-    "pyuff": {"excitation"},
-    "pymoo": {"study"},
+    "motions": (("spectra",), ("records",)),
+    "engine": (("response", "control"), ("system",), ("statics",), ("simulation",)),
+    "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
+    "assessment": (("criteria",), ("verdicts", "selection")),
+    "studies": (("inputs",), ("engines",), ("search",), ("results",)),
+    "views": (("plots", "recording"), ("report",)),
+    "runs": (),
+    "cli": (),
 }
+"""Wings from the bottom to the top, each with its floors of rooms: a room uses those below it, and none beside it.
+
+A file that stands in the wing itself, beside its rooms, may be used by all of them.
+"""
+
+WINGS = list(HOUSE)
+FLOORS = {wing: {room: n for n, rooms in enumerate(floors) for room in rooms} for wing, floors in HOUSE.items()}
+
+OWNERS = {
+    "rerun": {"views/recording"},
+    "matplotlib": {"views/plots"},
+    "mujoco": {
+        "engine/system", "engine/control", "engine/statics", "engine/simulation",
+        "dynamics/modes", "dynamics/sweep", "dynamics/periodic",
+    },
+    "jinja2": {"views/report"},
+    "weasyprint": {"views/report"},
+    "pyuff": {"motions/records"},
+    "pymoo": {"studies/search"},
+}  # fmt: skip
 
 
-def files():
-    """Return every file of the package but its front door, as paths relative to the package."""
-    return sorted(
-        p.relative_to(PACKAGE) for p in PACKAGE.rglob("*.py") if p != PACKAGE / "__init__.py" and "_data" not in p.parts
-    )
+def module_of(path):
+    """Return the dotted name of a file below the package: `mounts.laws.law`, `mounts.laws` for an `__init__.py`."""
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-def room_of(file):
-    return file.parts[0].removesuffix(".py")
+FILES = {module_of(path): path for path in sorted(PACKAGE.rglob("*.py")) if "_data" not in path.parts}
+MODULES = sorted(FILES.keys() - {""})  # without the front door, which imports all rooms
 
 
-ROOMS = sorted({room_of(file) for file in files()})
-
-
+@cache
 def imported(path):
-    """Return the full names of all modules that a file imports anywhere in it, also inside functions."""
+    """Return the full names of all that a file imports anywhere in it, also inside functions."""
     names = set()
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path}: imports are absolute"
-            names.add(node.module)
-            if node.module == "wirerope_mj":  # from wirerope_mj import laws
-                names |= {f"wirerope_mj.{alias.name}" for alias in node.names}
+            names |= {f"{node.module}.{alias.name}" for alias in node.names}
     return names
 
 
-def imports_of(room):
-    """Return (file, imported name) of all imports in a room."""
-    return [(str(file), name) for file in files() if room_of(file) == room for name in sorted(imported(PACKAGE / file))]
+@cache
+def used(module):
+    """Return the modules of this package that a module imports."""
+    names = {name.removeprefix("wirerope_mj.") for name in imported(FILES[module]) if name.startswith("wirerope_mj.")}
+    return {name if name in FILES else name.rpartition(".")[0] for name in names}
 
 
-def test_every_room_has_its_place():
-    assert set(ROOMS) <= set(LEVEL), f"give {set(ROOMS) - set(LEVEL)} a place in the house"
+def room_of(module):
+    """Return wing and room of a module; "" for a file that stands in the wing itself."""
+    wing, *rest = module.split(".")
+    return wing, rest[0] if rest and rest[0] in FLOORS[wing] else ""
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_imports_point_down(room):
-    wrong = []
-    for file, name in imports_of(room):
-        if name.split(".")[0] != "wirerope_mj":
-            continue
-        target = name.split(".")[1] if "." in name else ""
-        # The front door imports all rooms: from inside it would be a circle.
-        if not target or LEVEL.get(target, len(LAYERS)) > LEVEL[room]:
-            wrong.append(f"{file} imports {name}")
-    assert not wrong, wrong
+def test_every_folder_is_a_wing_or_a_room():
+    assert {entry.name for entry in PACKAGE.iterdir()} - {"__pycache__", "_data", "py.typed"} == {"__init__.py", *HOUSE}
+    for wing in WINGS:
+        folders = {entry.name for entry in (PACKAGE / wing).iterdir() if entry.is_dir()} - {"__pycache__"}
+        assert folders == FLOORS[wing].keys(), f"give the rooms of {wing} an order"
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_imports_point_down(module):
+    wing, room = room_of(module)
+    for target in used(module):
+        assert target, f"{module} imports the front door, which imports it"
+        other, there = room_of(target)
+        assert WINGS.index(other) <= WINGS.index(wing), f"{module} imports {target}, which stands above it"
+        if other == wing and room and there and there != room:
+            assert FLOORS[wing][there] < FLOORS[wing][room], (
+                f"{module} imports {target}, which stands beside or above it"
+            )
+
+
+def test_no_imports_run_in_a_circle():
+    # A package's `__init__.py` only hands on what its files hold: whoever imports it, imports those.
+    try:
+        TopologicalSorter({module: used(module) - {module} for module in MODULES}).prepare()
+    except CycleError as error:
+        pytest.fail(" -> ".join(error.args[1]))
 
 
 @pytest.mark.parametrize("library", OWNERS)
 def test_only_its_rooms_import(library):
-    users = {file for room in ROOMS for file, name in imports_of(room) if name.split(".")[0] == library}
-    assert {room_of(Path(file)) for file in users} <= OWNERS[library], users
+    users = {m for m in MODULES if any(name.split(".")[0] == library for name in imported(FILES[m]))}
+    assert {"/".join(filter(None, room_of(module))) for module in users} <= OWNERS[library], users
 
 
 def test_laws_and_motions_know_nothing_of_engine_files_or_pictures():
     allowed = {"numpy", "scipy", "numba", "wirerope_mj", "pyuff"}  # the last reads universal files of records
-    for room in ("laws", "excitation"):
-        tops = {name.split(".")[0] for _, name in imports_of(room)}
-        assert tops - sys.stdlib_module_names <= allowed
+    for module in MODULES:
+        if room_of(module) == ("mounts", "laws") or module.startswith("motions"):
+            assert {name.split(".")[0] for name in imported(FILES[module])} - sys.stdlib_module_names <= allowed
 
 
 def test_commands_and_scenarios_hold_no_solver_code():
-    shipped = [(path.name, name) for path in scenarios_folder().glob("*.py") for name in imported(path)]
-    for file, name in imports_of("cli") + shipped:
-        assert name.split(".")[0] not in {"mujoco", "scipy", "numba"}, f"{file} imports {name}"
-    for file, name in shipped:
-        assert name.split(".")[0] not in {"matplotlib", "rerun"}, f"{file} imports {name}"
-        assert not name.startswith("wirerope_mj."), f"{file} imports {name}: scenarios use the front door"
+    for path in [FILES[module] for module in MODULES if module.startswith("cli")] + [*scenarios_folder().glob("*.py")]:
+        assert not {"mujoco", "scipy", "numba"} & {name.split(".")[0] for name in imported(path)}, path
+    for path in scenarios_folder().glob("*.py"):
+        assert not {"matplotlib", "rerun"} & {name.split(".")[0] for name in imported(path)}, path
+        inner = {name for name in imported(path) if name.startswith("wirerope_mj.")}
+        assert not inner, f"{path}: scenarios use the front door, not {inner}"
 
 
 def test_a_file_holds_one_idea():
     """Four hundred lines are where a file must have been split; nothing is called after what it is not about."""
-    for file in files():
-        lines = (PACKAGE / file).read_text(encoding="utf-8").count("\n")
-        assert lines < 400, f"{file} has {lines} lines"
-        assert not {"utils", "util", "helpers", "common", "misc", "manager"} & {
-            part.removesuffix(".py") for part in file.parts
-        }
+    for module, path in FILES.items():
+        lines = path.read_text(encoding="utf-8").count("\n")
+        assert lines < 400, f"{path} has {lines} lines"
+        assert not {"utils", "util", "helpers", "common", "misc", "manager"} & set(module.split("."))

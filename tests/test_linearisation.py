@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from wirerope_mj.errors import ConvergenceError
-from wirerope_mj.laws import AsymmetricBoucWen, BoucWen, KelvinVoigt, SymmetricBoucWen, Zener
-from wirerope_mj.oscillator.equivalent import oscillator_at
-from wirerope_mj.oscillator.harmonic_branch import follow_harmonic_balance
-from wirerope_mj.oscillator.linearisation import equivalent_linear, linearised_orbits
-from wirerope_mj.oscillator.simplified import simplified_peak
+from wirerope_mj.dynamics.single_mass.equivalent import oscillator_at
+from wirerope_mj.dynamics.single_mass.harmonic_branch import follow_harmonic_balance
+from wirerope_mj.dynamics.single_mass.linearisation import equivalent_linear, linearised_orbits
+from wirerope_mj.dynamics.single_mass.simplified import simplified_peak
+from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, KelvinVoigt, SymmetricBoucWen, Zener
 
 TURN = 2.0 * np.pi
 SOFT = BoucWen(alpha=1.0, beta=0.5, gamma=0.5, n=1.0)

@@ -13,15 +13,15 @@ from laws_for_tests import path_through
 from scipy.optimize import root
 
 import wirerope_mj as wr
-from wirerope_mj import laws
 from wirerope_mj.cli import main
-from wirerope_mj.errors import ModelError
-from wirerope_mj.laws.loop_kernels import loop_force
-from wirerope_mj.modes.plane import loop_cycle, plane_cycle, plane_tangents
-from wirerope_mj.periodic.search import Search
-from wirerope_mj.periodic.shooting import close, monodromy, shot
-from wirerope_mj.periodic.variational import Variational
-from wirerope_mj.study.inputs.variants import without_force
+from wirerope_mj.dynamics.modes.plane import loop_cycle, plane_cycle, plane_tangents
+from wirerope_mj.dynamics.periodic.search import Search
+from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
+from wirerope_mj.dynamics.periodic.variational import Variational
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.mounts import laws
+from wirerope_mj.mounts.laws.loop_kernels import loop_force
+from wirerope_mj.studies.inputs.variants import without_force
 
 G = wr.STANDARD_GRAVITY
 RNG = np.random.default_rng(11)

@@ -6,7 +6,7 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.isolator import find_isolator
+from wirerope_mj.mounts.isolator import find_isolator
 
 LAW = 'law = "bouc-wen"\nalpha = 1e5\nbeta = 800.0\ngamma = 200.0\nn = 1\n'
 

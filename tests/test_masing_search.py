@@ -3,9 +3,9 @@
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.identification.identify import run_stages as run_all_stages
-from wirerope_mj.identification.search import run_search
+from wirerope_mj.mounts.identification.identify import run_stages as run_all_stages
+from wirerope_mj.mounts.identification.search import run_search
+from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 SMOOTH = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.0, k=5e4)
 LOOPS = measured(cyclic_test(SMOOTH, [0.5e-3, 1.5e-3, 4e-3, 10e-3]), points_per_cycle=60, force_noise=2.0, seed=1)
@@ -31,8 +31,8 @@ def test_a_good_start_is_not_left_for_a_worse_place(monkeypatch):
             return run_search(search, full, far, most=1), ()
         return run_all_stages(search, loops, full, values, method)
 
-    monkeypatch.setattr("wirerope_mj.identification.identify.run_stages", astray)
-    monkeypatch.setattr("wirerope_mj.identification.identify.grid_starts", lambda *_, **__: [])
+    monkeypatch.setattr("wirerope_mj.mounts.identification.identify.run_stages", astray)
+    monkeypatch.setattr("wirerope_mj.mounts.identification.identify.grid_starts", lambda *_, **__: [])
     alone = wr.identify(LOOPS, law=wr.Masing, start=GUESS, method="time", grid=False)
     beside = wr.identify(LOOPS, law=wr.Masing, start=GUESS)
     assert beside.residual == pytest.approx(alone.residual, rel=1e-6)

@@ -10,9 +10,9 @@ from scipy.optimize import brentq
 
 import wirerope_mj as wr
 from wirerope_mj.cli.statics_tables import stability_words
-from wirerope_mj.control import installed
-from wirerope_mj.modes import modes
-from wirerope_mj.modes.rest import linearise
+from wirerope_mj.dynamics.modes import modes
+from wirerope_mj.dynamics.modes.rest import linearise
+from wirerope_mj.engine.control import installed
 
 G = wr.STANDARD_GRAVITY
 PLACES = {"p1": (0.5, 0.4), "p2": (0.5, -0.3), "p3": (-0.6, 0.4), "p4": (-0.6, -0.3)}

@@ -6,11 +6,11 @@ from house import deck, mjcf, sdof
 from laws_for_tests import PARAMETERS, example
 
 import wirerope_mj as wr
-from wirerope_mj.laws import BiaxialBoucWen
-from wirerope_mj.modes import modes
-from wirerope_mj.modes.axis import closed_cycle, one_sided_tangents, vanishing_cycle
-from wirerope_mj.modes.mount import plane_cycle, plane_tangents
-from wirerope_mj.resources import models_folder
+from wirerope_mj.dynamics.modes import modes
+from wirerope_mj.dynamics.modes.axis import closed_cycle, one_sided_tangents, vanishing_cycle
+from wirerope_mj.dynamics.modes.mount import plane_cycle, plane_tangents
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.mounts.laws import BiaxialBoucWen
 
 G = wr.STANDARD_GRAVITY
 SOFT = wr.BoucWen(alpha=1e5, beta=80.0, gamma=40.0, n=1.0, k=2e4)

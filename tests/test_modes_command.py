@@ -9,11 +9,11 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli.app import main
-from wirerope_mj.modes import modes
-from wirerope_mj.modes.film import PERIODS, ROWS, film_of_modes
-from wirerope_mj.recording.modes import MODE, mode_text, record_modes
-from wirerope_mj.recording.viewer import viewer_binary
-from wirerope_mj.resources import models_folder
+from wirerope_mj.dynamics.modes import modes
+from wirerope_mj.dynamics.modes.film import PERIODS, ROWS, film_of_modes
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.views.recording.modes import MODE, mode_text, record_modes
+from wirerope_mj.views.recording.viewer import viewer_binary
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wirerope_mj.errors import ModelError, RecordError
-from wirerope_mj.excitation import (
+from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.motions import (
     DecayingSine,
     DoubleHalfSine,
     DoubleTriangle,
@@ -27,7 +27,7 @@ from wirerope_mj.excitation import (
     load_record,
     motion_from_dict,
 )
-from wirerope_mj.excitation.motion import unique_times
+from wirerope_mj.motions.motion import unique_times
 
 DATA = Path(__file__).parent / "data"
 G = 9.80665

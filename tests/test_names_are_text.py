@@ -27,11 +27,11 @@ from markdown_it import MarkdownIt
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main, tables
-from wirerope_mj.errors import ModelError
-from wirerope_mj.plain_text import markdown, markdown_lines, plain, plain_lines
-from wirerope_mj.plots.plain_figure import PlainFigure
-from wirerope_mj.plots.report_image import short
-from wirerope_mj.system.model_files import write_model
+from wirerope_mj.engine.system.model_files import write_model
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.plain_text import markdown, markdown_lines, plain, plain_lines
+from wirerope_mj.views.plots.plain_figure import PlainFigure
+from wirerope_mj.views.plots.report_image import short
 
 
 def printed(*arguments, code=0) -> str:
@@ -238,7 +238,7 @@ def test_the_texts_of_recordings_show_names_as_text(place, run, study):
 
 
 def test_a_block_of_toml_ends_where_its_text_does(run):
-    from wirerope_mj.recording.documents import scenario_markdown
+    from wirerope_mj.views.recording.documents import scenario_markdown
 
     text = f'a = """\n```\n![x](http://a.b/c.png){ESCAPE}\n"""'.replace("\x1b", "")
     shown = MarkdownIt("commonmark").render(scenario_markdown(wr.load_response(run[0]), NAME, text))
@@ -250,7 +250,7 @@ def test_entities_of_a_recording_are_named_as_they_are(run):
     """A name with slashes is one part of a path, so that no entity lands beside another one."""
     from rerun.chunk import RrdReader
 
-    from wirerope_mj.recording.paths import entity
+    from wirerope_mj.views.recording.paths import entity
 
     paths = {str(chunk.entity_path) for chunk in RrdReader(str(run[0] / "run.rrd")).stream()}
     wanted = entity(BLOCK)
@@ -276,7 +276,7 @@ def test_a_picture_shows_formulas_and_escapes_as_letters(tmp_path):
 
 
 def test_no_picture_is_drawn_without_this_rule():
-    plots = Path(wr.__file__).parent / "plots"
+    plots = Path(wr.__file__).parent / "views" / "plots"
     other = [
         path.name for path in plots.glob("*.py") if re.search(r"(?<!Plain)\bFigure\(\w|\$", path.read_text("utf-8"))
     ]

@@ -9,7 +9,7 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.runfolder import replay
+from wirerope_mj.runs import replay
 
 OLD = Path(__file__).parent / "data" / "november_2026"
 

@@ -8,19 +8,24 @@ import pytest
 from made_up_floor import floor_response, peak
 
 from wirerope_mj.cli import main
-from wirerope_mj.errors import RecordError
-from wirerope_mj.recording import read_state, record_overlay, record_rerun
-from wirerope_mj.recording.film import with_values
-from wirerope_mj.recording.overlay_apart import difference
-from wirerope_mj.recording.overlay_differences import acceleration_rows, identical, largest_travel_row, travel_rows
-from wirerope_mj.recording.overlay_ghosts import ghost_factor
-from wirerope_mj.recording.overlay_parts import BASE, Part
-from wirerope_mj.recording.overlay_runs import COLORS, overlay_of
-from wirerope_mj.recording.overlay_text import different_inputs, findings, mount_tables, percent, summary_markdown
-from wirerope_mj.recording.viewer import viewer_binary
-from wirerope_mj.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
-from wirerope_mj.response.response import MemorySamples
-from wirerope_mj.units import STANDARD_GRAVITY
+from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
+from wirerope_mj.engine.response.response import MemorySamples
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.views.recording import read_state, record_overlay, record_rerun
+from wirerope_mj.views.recording.film import with_values
+from wirerope_mj.views.recording.overlay_apart import difference
+from wirerope_mj.views.recording.overlay_differences import (
+    acceleration_rows,
+    identical,
+    largest_travel_row,
+    travel_rows,
+)
+from wirerope_mj.views.recording.overlay_ghosts import ghost_factor
+from wirerope_mj.views.recording.overlay_parts import BASE, Part
+from wirerope_mj.views.recording.overlay_runs import COLORS, overlay_of
+from wirerope_mj.views.recording.overlay_text import different_inputs, findings, mount_tables, percent, summary_markdown
+from wirerope_mj.views.recording.viewer import viewer_binary
 
 G = STANDARD_GRAVITY
 

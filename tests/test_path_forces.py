@@ -5,8 +5,8 @@ import pytest
 from scipy.special import hyp2f1
 
 import wirerope_mj as wr
-from wirerope_mj.laws.path import follow_path
-from wirerope_mj.laws.steady import follow_force, settle
+from wirerope_mj.mounts.laws.path import follow_path
+from wirerope_mj.mounts.laws.steady import follow_force, settle
 
 LAWS = [
     *(

@@ -3,8 +3,8 @@
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.limits import PayloadLimit
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.resources import models_folder
 
 
 def table_with(numerics):

@@ -5,7 +5,7 @@ import pytest
 from house import sdof, sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.periodic.multipliers import MARGIN
+from wirerope_mj.dynamics.periodic.multipliers import MARGIN
 
 BENCHMARK_ACCURACY = 1e-6  # 1280 steps per period: order 2 at the kinks leaves 3e-6 of the loop's energy
 

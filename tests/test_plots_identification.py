@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from wirerope_mj.identification.fitted import FittedLoop
-from wirerope_mj.plots.identification import fit_figure, measures_figure, residual_figure
+from wirerope_mj.mounts.identification.fitted import FittedLoop
+from wirerope_mj.views.plots.identification import fit_figure, measures_figure, residual_figure
 
 POINTS = (-5e-3, -0.3e-3, 0.0)
 NAME = "a name of an isolator that somebody found worth writing in full, with batch, bench and day, axial: bouc-wen"

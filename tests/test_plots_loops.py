@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from wirerope_mj.bench import cyclic_test
-from wirerope_mj.isolator import find_isolator, load_isolator
-from wirerope_mj.laws import BoucWen
-from wirerope_mj.plots.loops import cyclic_tests_figure, loops_figure, save_cyclic_tests, save_loops
+from wirerope_mj.mounts.isolator import find_isolator, load_isolator
+from wirerope_mj.mounts.laws import BoucWen
+from wirerope_mj.mounts.test_rig import cyclic_test
+from wirerope_mj.views.plots.loops import cyclic_tests_figure, loops_figure, save_cyclic_tests, save_loops
 
 
 def test_panel_holds_loops_in_millimetres_and_kilonewtons_with_the_rated_points():

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.plots.spectra import (
+from wirerope_mj.views.plots.spectra import (
     density_figure,
     four_way_figure,
     save_densities,

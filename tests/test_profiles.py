@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.identification.coordinates import Coordinate, Family
-from wirerope_mj.identification.profiles import survey
-from wirerope_mj.identification.search import Search, run_search
+from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
+from wirerope_mj.mounts.identification.profiles import survey
+from wirerope_mj.mounts.identification.search import Search, run_search
+from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 TRAVEL = 0.01
 

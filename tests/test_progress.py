@@ -1,7 +1,7 @@
 import pytest
 
-from wirerope_mj.simulation import progress
-from wirerope_mj.simulation.progress import share_bar, time_left
+from wirerope_mj.engine.simulation import progress
+from wirerope_mj.engine.simulation.progress import share_bar, time_left
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from wirerope_mj.excitation import psd_from_g, psd_level, psd_rms
-from wirerope_mj.excitation.psd_lines import psd_power
+from wirerope_mj.motions import psd_from_g, psd_level, psd_rms
+from wirerope_mj.motions.psd_lines import psd_power
 
 G = 9.80665
 MINIMUM_INTEGRITY = [(20, 0.04), (1000, 0.04), (2000, 0.01)]  # MIL-STD-810H 514.8: -6 dB/octave from 1000 to 2000 Hz

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from wirerope_mj.excitation import HalfSine, Sawtooth, Trapezoid, VelocityStep
+from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep
 
 G = 9.80665
 

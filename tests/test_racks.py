@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.oscillator.equivalent import oscillator_at
-from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.dynamics.single_mass.equivalent import oscillator_at
+from wirerope_mj.foundation.resources import catalogue_folder
 
 G = wr.STANDARD_GRAVITY
 VELOCITY = 20.0 * G * 11e-3 / 2.0  # [m/s], of the terminal-peak sawtooth of 20 g and 11 ms

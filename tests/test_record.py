@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wirerope_mj.errors import RecordError, RecordWarning
-from wirerope_mj.excitation import HalfSine, load_record, motion_from_dict
+from wirerope_mj.foundation.errors import RecordError, RecordWarning
+from wirerope_mj.motions import HalfSine, load_record, motion_from_dict
 
 DATA = Path(__file__).parent / "data"
 G = 9.80665

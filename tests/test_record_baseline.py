@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from wirerope_mj.errors import RecordWarning
-from wirerope_mj.excitation import HalfSine, load_record, motion_from_dict
-from wirerope_mj.plots.record_baseline import records_of, save_record_baseline
+from wirerope_mj.foundation.errors import RecordWarning
+from wirerope_mj.motions import HalfSine, load_record, motion_from_dict
+from wirerope_mj.views.plots.record_baseline import records_of, save_record_baseline
 
 RATE = 1000.0
 TIME = np.arange(20_001) / RATE

@@ -6,8 +6,8 @@ import warnings
 import numpy as np
 import pytest
 
-from wirerope_mj.errors import RecordWarning
-from wirerope_mj.excitation import HalfSine, Sawtooth, Trapezoid, load_record
+from wirerope_mj.foundation.errors import RecordWarning
+from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, load_record
 
 G = 9.80665
 RATE = 5000.0

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.excitation.piecewise import PiecewiseLinear
-from wirerope_mj.resources import models_folder
-from wirerope_mj.simulation import grid as grid_module
-from wirerope_mj.simulation.grid import time_grid
+from wirerope_mj.engine.simulation import grid as grid_module
+from wirerope_mj.engine.simulation.grid import time_grid
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.motions.piecewise import PiecewiseLinear
 
 SAMPLES = 300_000  # 30 s at 10 kHz
 HELD = 32  # bytes a sample: its instant and three axes
@@ -109,9 +109,9 @@ def test_the_error_of_a_densely_sampled_record_is_estimated_and_not_taken_for_no
 
 
 def test_the_samples_of_a_long_run_are_read_and_recorded_block_by_block(tmp_path, monkeypatch):
-    from wirerope_mj.recording.state import read_state
+    from wirerope_mj.views.recording.state import read_state
 
-    for module in ("wirerope_mj.response.response", "wirerope_mj.response.storage"):
+    for module in ("wirerope_mj.engine.response.response", "wirerope_mj.engine.response.storage"):
         monkeypatch.setattr(f"{module}.BLOCK_ROWS", 70)  # 301 samples: five blocks, the last of them short
     system = wr.load_system(models_folder() / "shock_table.xml")
     memory = wr.simulate(system, wr.HalfSine(peak=50.0, duration=0.011, direction="z"), duration=0.3, timestep=1e-3)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
-from wirerope_mj.errors import RecordError, RecordWarning
-from wirerope_mj.excitation import load_record
+from wirerope_mj.foundation.errors import RecordError, RecordWarning
+from wirerope_mj.motions import load_record
 
 
 @pytest.fixture
@@ -49,7 +49,7 @@ def jittered():
     return time
 
 
-@pytest.mark.filterwarnings("ignore::wirerope_mj.errors.RecordWarning")
+@pytest.mark.filterwarnings("ignore::wirerope_mj.foundation.errors.RecordWarning")
 @pytest.mark.parametrize(("frequency", "loss"), [(50.0, 0.002), (150.0, 0.02), (250.0, 0.11)])
 def test_waves_that_are_sampled_unevenly_keep_their_height(csv, frequency, loss):
     """Straight lines lose 1, 8 and 22 % (averages of sinc^2 over the intervals); the warning says what curves lose."""
@@ -62,7 +62,7 @@ def test_waves_that_are_sampled_unevenly_keep_their_height(csv, frequency, loss)
     assert np.arctan2(parts[1], parts[0]) == pytest.approx(0.3, abs=0.01)
 
 
-@pytest.mark.filterwarnings("ignore::wirerope_mj.errors.RecordWarning")
+@pytest.mark.filterwarnings("ignore::wirerope_mj.foundation.errors.RecordWarning")
 def test_curves_through_uneven_samples_do_not_swing_beside_a_step_nor_where_samples_are_sparse(csv):
     time = jittered()
     record = load_record(csv(time, np.where((time > 1.0) & (time < 1.0155), 100.0, 0.0), fmt="%.17g"))
@@ -128,7 +128,7 @@ def test_what_lies_above_the_new_nyquist_frequency_does_not_come_back_as_an_alia
     assert np.abs(record.samples).max() < 2e-4  # 80 dB
 
 
-@pytest.mark.filterwarnings("ignore::wirerope_mj.errors.RecordWarning")
+@pytest.mark.filterwarnings("ignore::wirerope_mj.foundation.errors.RecordWarning")
 @pytest.mark.parametrize(
     ("rate", "frequency"), [(500.0, 5.0), (500.0, 195.0), (4000.0, 50.0), (4000.0, 390.0), (750.0, 150.0)]
 )
@@ -141,7 +141,7 @@ def test_another_rate_is_right_up_to_the_ends_of_a_vibration_that_was_cut_out(cs
     np.testing.assert_allclose(record.samples[:, 2], exact, atol=3e-4)
 
 
-@pytest.mark.filterwarnings("ignore::wirerope_mj.errors.RecordWarning")
+@pytest.mark.filterwarnings("ignore::wirerope_mj.foundation.errors.RecordWarning")
 @pytest.mark.parametrize(("rate", "error"), [(100.0, 0.02), (4000.0, 0.02), (1.0, 0.3)])
 def test_another_rate_of_noise_that_was_cut_out_is_nearly_that_of_the_whole(csv, rate, error):
     """Noise ten times slower than its sampling, whose prediction is ill-conditioned: with every weight it would explode."""

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from uff_files import history, units
 
-from wirerope_mj.errors import RecordError, RecordWarning
-from wirerope_mj.excitation import load_record, motion_from_dict
-from wirerope_mj.excitation.record import record_channels
+from wirerope_mj.foundation.errors import RecordError, RecordWarning
+from wirerope_mj.motions import load_record, motion_from_dict
+from wirerope_mj.motions.records.record import record_channels
 
 G = 9.80665
 TIME = np.arange(200) * 1e-3

@@ -5,10 +5,10 @@ import pytest
 from rig_records import rig_record
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, steady_loops
-from wirerope_mj.bench.recorded import mean_of_cycles
-from wirerope_mj.identification.fitted import fitted_loops
-from wirerope_mj.identification.measured import prepare
+from wirerope_mj.mounts.identification.fitted import fitted_loops
+from wirerope_mj.mounts.identification.measured import prepare
+from wirerope_mj.mounts.test_rig import cyclic_test, steady_loops
+from wirerope_mj.mounts.test_rig.recorded import mean_of_cycles
 
 LAW = wr.BoucWen(alpha=300e3, beta=2.0, gamma=-0.5, n=1.5, k=80e3)
 AMPLITUDES = [0.5e-3, 2e-3, 5e-3, 15e-3]

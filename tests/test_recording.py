@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 from made_up_floor import floor_response
 
-from wirerope_mj.errors import RecordError
-from wirerope_mj.recording import read_state, record_rerun
-from wirerope_mj.recording.poses import frames_of, rotate
-from wirerope_mj.recording.viewer import viewer_binary
-from wirerope_mj.response import Response
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.views.recording import read_state, record_rerun
+from wirerope_mj.views.recording.poses import frames_of, rotate
+from wirerope_mj.views.recording.viewer import viewer_binary
 
 
 @pytest.fixture(scope="module")
@@ -179,7 +179,7 @@ def test_file_grows_linearly_with_rows(tmp_path):
 
 
 def test_a_recording_that_fails_leaves_nothing_behind(floor, tmp_path, monkeypatch):
-    monkeypatch.setattr("wirerope_mj.recording.record.log_state", lambda *_: 1 / 0)
+    monkeypatch.setattr("wirerope_mj.views.recording.record.log_state", lambda *_: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         record_rerun(floor, tmp_path / "run.rrd")
     assert list(tmp_path.iterdir()) == []

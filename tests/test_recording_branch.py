@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.frf import Question, frequency_response
-from wirerope_mj.frf.summary import findings_of
-from wirerope_mj.recording.along import FREQUENCY, POINT
-from wirerope_mj.recording.branch import record_branches
-from wirerope_mj.recording.enlarge import enlarged, factor_of
-from wirerope_mj.recording.film import MOST_POINTS, ROWS, film_of, strips_of
-from wirerope_mj.recording.paths import TIMELINE
-from wirerope_mj.recording.viewer import viewer_binary
-from wirerope_mj.resources import models_folder
+from wirerope_mj.dynamics.frequency_response import Question, frequency_response
+from wirerope_mj.dynamics.frequency_response.summary import findings_of
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.views.recording.along import FREQUENCY, POINT
+from wirerope_mj.views.recording.branch import record_branches
+from wirerope_mj.views.recording.enlarge import enlarged, factor_of
+from wirerope_mj.views.recording.film import MOST_POINTS, ROWS, film_of, strips_of
+from wirerope_mj.views.recording.paths import TIMELINE
+from wirerope_mj.views.recording.viewer import viewer_binary
 
 
 @pytest.fixture(scope="module")

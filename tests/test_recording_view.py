@@ -9,15 +9,15 @@ import numpy as np
 import pytest
 from made_up_floor import floor_response
 
-from wirerope_mj.errors import RecordError, WireRopeError
-from wirerope_mj.recording import loops, record_rerun, show
-from wirerope_mj.recording.documents import peaks_markdown
-from wirerope_mj.recording.events import events_of
-from wirerope_mj.recording.frame import ticks
-from wirerope_mj.recording.poses import quaternion_of, rotate
-from wirerope_mj.recording.selection import select
-from wirerope_mj.recording.thin import rows_of_extremes, rows_of_line, rows_of_steps
-from wirerope_mj.recording.viewer import free_port, web_address
+from wirerope_mj.foundation.errors import RecordError, WireRopeError
+from wirerope_mj.views.recording import loops, record_rerun, show
+from wirerope_mj.views.recording.documents import peaks_markdown
+from wirerope_mj.views.recording.events import events_of
+from wirerope_mj.views.recording.frame import ticks
+from wirerope_mj.views.recording.poses import quaternion_of, rotate
+from wirerope_mj.views.recording.selection import select
+from wirerope_mj.views.recording.thin import rows_of_extremes, rows_of_line, rows_of_steps
+from wirerope_mj.views.recording.viewer import free_port, web_address
 
 
 def test_drawn_lines_stay_within_their_tolerance():
@@ -124,7 +124,7 @@ def test_without_a_screen_the_message_says_what_to_do(recording, monkeypatch):
 
 
 def test_without_a_screen_the_file_is_named_that_is_to_be_opened(tmp_path, monkeypatch):
-    monkeypatch.setattr("wirerope_mj.recording.viewer.has_display", lambda: False)
+    monkeypatch.setattr("wirerope_mj.views.recording.viewer.has_display", lambda: False)
     (tmp_path / "worst").mkdir()
     for name in ("study.toml", "worst/worst.rrd"):
         (tmp_path / name).touch()
@@ -138,7 +138,7 @@ def test_a_folder_without_a_recording_is_named(tmp_path):
 
 
 def test_the_browser_gets_the_viewer_from_this_machine_only(recording):
-    code = f"from wirerope_mj.recording import show; show({str(recording)!r}, web=True)"
+    code = f"from wirerope_mj.views.recording import show; show({str(recording)!r}, web=True)"
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         address = process.stdout.readline().split()[1]

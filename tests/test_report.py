@@ -11,20 +11,20 @@ import pytest
 from house import sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN, judge
-from wirerope_mj.errors import RecordWarning
-from wirerope_mj.limits import PayloadLimit
-from wirerope_mj.plots.report_response import accelerations_figure
-from wirerope_mj.plots.report_scene import crowded_label
-from wirerope_mj.report import Absent, judged, report_content, report_html, worst_names
-from wirerope_mj.report.content import Picture, Table
-from wirerope_mj.report.display import fixed
-from wirerope_mj.report.model import model_section
-from wirerope_mj.runfolder import report as report_module
-from wirerope_mj.runfolder.judged import run_verdicts
-from wirerope_mj.runfolder.report import write_report
-from wirerope_mj.runfolder.run_spectra import run_spectra
-from wirerope_mj.scenario import Scenario, load_scenario
+from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN, judge
+from wirerope_mj.foundation.errors import RecordWarning
+from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.runs import report as report_module
+from wirerope_mj.runs.judged import run_verdicts
+from wirerope_mj.runs.report import write_report
+from wirerope_mj.runs.run_spectra import run_spectra
+from wirerope_mj.runs.scenario import Scenario, load_scenario
+from wirerope_mj.views.plots.report_response import accelerations_figure
+from wirerope_mj.views.plots.report_scene import crowded_label
+from wirerope_mj.views.report import Absent, judged, report_content, report_html, worst_names
+from wirerope_mj.views.report.content import Picture, Table
+from wirerope_mj.views.report.display import fixed
+from wirerope_mj.views.report.model import model_section
 
 HOSTILE = "<script>alert('deck')</script>"
 
@@ -446,7 +446,7 @@ def test_long_names_are_numbered_in_the_drawing(finished):
 
 
 def test_long_names_in_legends_keep_what_tells_them_apart():
-    from wirerope_mj.plots.report_image import short
+    from wirerope_mj.views.plots.report_image import short
 
     names = [short(f"starboard_quarter_mount_number_{place}") for place in range(3)]
     assert names[0] == "starboard_qua…mount_number_0"
@@ -455,7 +455,7 @@ def test_long_names_in_legends_keep_what_tells_them_apart():
 
 
 def test_a_long_response_is_thinned_to_its_extremes():
-    from wirerope_mj.plots.report_image import thinned
+    from wirerope_mj.views.plots.report_image import thinned
 
     time = np.linspace(0.0, 600.0, 1_000_001)
     values = np.sin(2.0 * math.pi * 50.0 * time)
@@ -470,7 +470,7 @@ def test_a_long_response_is_thinned_to_its_extremes():
 
 def test_pictures_show_samples_column_by_column(finished, monkeypatch):
     """A response of ten minutes is larger than memory: no more than a column may be asked for at once."""
-    from wirerope_mj.report.motion import mounts_section, response_section
+    from wirerope_mj.views.report.motion import mounts_section, response_section
 
     widths = []
 

@@ -8,14 +8,14 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.errors import ConvergenceError, RecordError, WireRopeError
-from wirerope_mj.report import pdf as pdf_module
-from wirerope_mj.report import report_html
-from wirerope_mj.report.content import Mark, ReportContent, Section, Table
-from wirerope_mj.runfolder import page as page_module
-from wirerope_mj.runfolder import report as report_module
-from wirerope_mj.runfolder.report import write_report
-from wirerope_mj.scenario import load_scenario
+from wirerope_mj.foundation.errors import ConvergenceError, RecordError, WireRopeError
+from wirerope_mj.runs import page as page_module
+from wirerope_mj.runs import report as report_module
+from wirerope_mj.runs.report import write_report
+from wirerope_mj.runs.scenario import load_scenario
+from wirerope_mj.views.report import pdf as pdf_module
+from wirerope_mj.views.report import report_html
+from wirerope_mj.views.report.content import Mark, ReportContent, Section, Table
 
 
 @pytest.fixture(scope="module")

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import pytest
 
-from wirerope_mj.criteria import Verdict
-from wirerope_mj.report import judged
-from wirerope_mj.report.content import Mark, Paragraph, Table
-from wirerope_mj.report.display import fixed, listed, number, shown, shown_unit, title_of
+from wirerope_mj.assessment.criteria import Verdict
+from wirerope_mj.views.report import judged
+from wirerope_mj.views.report.content import Mark, Paragraph, Table
+from wirerope_mj.views.report.display import fixed, listed, number, shown, shown_unit, title_of
 
 
 def verdict(**changes):

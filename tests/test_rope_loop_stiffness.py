@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from wirerope_mj.rope_loop import (
+from wirerope_mj.mounts.rope_loop import (
     LoopShape,
     RopeLoop,
     fit_coupling,

@@ -10,12 +10,12 @@ import pytest
 from house import deck, hysteresis, mjcf, quiet, rotation
 
 import wirerope_mj as wr
-from wirerope_mj.control import installed
-from wirerope_mj.control import layout as at
-from wirerope_mj.control.rotation import righting_torque, turning_energy
-from wirerope_mj.errors import ModelError
-from wirerope_mj.simulation.stability import eigenvalues
-from wirerope_mj.study.inputs.variants import without_force
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.rotation import righting_torque, turning_energy
+from wirerope_mj.engine.simulation.stability import eigenvalues
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.studies.inputs.variants import without_force
 
 G = wr.STANDARD_GRAVITY
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION

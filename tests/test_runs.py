@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.errors import ModelError, RecordError
-from wirerope_mj.resources import catalogue_folder, models_folder
-from wirerope_mj.runfolder import replay, run_scenario
-from wirerope_mj.runfolder import write as write_module
-from wirerope_mj.runfolder.checksums import digest_of
-from wirerope_mj.runfolder.scenario_file import scenario_content
-from wirerope_mj.scenario import Scenario, load_scenario
-from wirerope_mj.verdicts import mount_peaks
+from wirerope_mj.assessment.verdicts import mount_peaks
+from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.resources import catalogue_folder, models_folder
+from wirerope_mj.runs import replay, run_scenario
+from wirerope_mj.runs import write as write_module
+from wirerope_mj.runs.checksums import digest_of
+from wirerope_mj.runs.scenario import Scenario, load_scenario
+from wirerope_mj.runs.scenario_file import scenario_content
 
 FILES = {
     "scenario.toml", "response.parquet", "summary.json", "run.rrd", "histories.png", "loops.png", "report.html", "model",
@@ -62,7 +62,7 @@ def test_scenario_toml_resolves_every_input(table):
 
 
 def test_the_copied_model_loads_by_itself_with_the_same_isolator(table, monkeypatch, tmp_path):
-    monkeypatch.setattr("wirerope_mj.isolator.files.catalogue_folder", lambda: tmp_path)
+    monkeypatch.setattr("wirerope_mj.mounts.isolator.files.catalogue_folder", lambda: tmp_path)
     copied = wr.load_system(table / "model" / "shock_table.xml")
     original = wr.load_isolator(catalogue_folder() / "enidine_wr12_400.toml")
     assert copied.mounts["m1"].isolator == original
@@ -93,8 +93,8 @@ def test_a_mount_beyond_its_travel_is_said_to_exceed_it(tmp_path):
 def test_replay_is_bit_identical_from_the_folder_alone(table, tmp_path, monkeypatch):
     moved = copy(table, tmp_path)
     nothing = tmp_path / "nothing"
-    monkeypatch.setattr("wirerope_mj.isolator.files.catalogue_folder", lambda: nothing)
-    monkeypatch.setattr("wirerope_mj.resources._PACKAGE", nothing)
+    monkeypatch.setattr("wirerope_mj.mounts.isolator.files.catalogue_folder", lambda: nothing)
+    monkeypatch.setattr("wirerope_mj.foundation.resources._PACKAGE", nothing)
     result = replay(moved)
     assert result.identical
     assert result.largest_difference == 0.0
@@ -174,7 +174,7 @@ def test_a_run_that_does_not_end_leaves_nothing_and_keeps_the_old_one(table, tmp
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr("wirerope_mj.recording.record_rerun", fail)
+    monkeypatch.setattr("wirerope_mj.views.recording.record_rerun", fail)
     for folder, force in ((tmp_path / "deep" / "new", False), (moved, True)):
         with pytest.raises(type(error) if isinstance(error, OSError) else error):
             run_scenario(short_table(), folder, force=force)

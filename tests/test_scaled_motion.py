@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.errors import ModelError, RecordError
-from wirerope_mj.excitation import motion_from_dict
-from wirerope_mj.plots.record_baseline import records_of
-from wirerope_mj.runfolder.sources import system_and_motion
+from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.motions import motion_from_dict
+from wirerope_mj.runs.sources import system_and_motion
+from wirerope_mj.views.plots.record_baseline import records_of
 
 DATA = Path(__file__).parent / "data"
 G = 9.80665

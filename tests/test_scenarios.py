@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.errors import ModelError
-from wirerope_mj.excitation import HalfSine
-from wirerope_mj.option_file import load_function
-from wirerope_mj.scenario import Scenario, load_scenario, shipped_scenarios
-from wirerope_mj.simulation import simulate
-from wirerope_mj.system import load_system
+from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.system import load_system
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.motions import HalfSine
+from wirerope_mj.runs.option_file import load_function
+from wirerope_mj.runs.scenario import Scenario, load_scenario, shipped_scenarios
 
 SHORT = 0.12  # [s]: the shocks strike at 0.05 s and have passed by then
 

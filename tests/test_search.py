@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.identification.coordinates import FAMILIES
-from wirerope_mj.identification.measured import prepare, scales_of
-from wirerope_mj.identification.residuals import loop_residual
-from wirerope_mj.identification.search import Search, run_search
+from wirerope_mj.mounts.identification.coordinates import FAMILIES
+from wirerope_mj.mounts.identification.measured import prepare, scales_of
+from wirerope_mj.mounts.identification.residuals import loop_residual
+from wirerope_mj.mounts.identification.search import Search, run_search
+from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 
 @pytest.mark.parametrize("k", [0.0, 1e-6, 5e4])

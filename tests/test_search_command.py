@@ -9,9 +9,9 @@ from small_search import SEARCH_FILE, beam_search
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.plots.search import front_figure, search_pictures
-from wirerope_mj.runfolder.study_report import write_study_report
-from wirerope_mj.study.search.result import SearchResult
+from wirerope_mj.runs.study_report import write_study_report
+from wirerope_mj.studies.search.result import SearchResult
+from wirerope_mj.views.plots.search import front_figure, search_pictures
 
 
 @pytest.fixture(scope="module")

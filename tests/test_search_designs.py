@@ -12,11 +12,11 @@ import pytest
 from small_search import PLACES, beam_search, beam_study, beam_text
 
 import wirerope_mj as wr
-from wirerope_mj.errors import ModelError, RecordError
-from wirerope_mj.study.engines.compute import Chunk, compute
-from wirerope_mj.study.search import run as search_run
-from wirerope_mj.study.search.evolution import Evolution
-from wirerope_mj.study.search.front import excesses, feasible, front, nearest
+from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.studies.engines.compute import Chunk, compute
+from wirerope_mj.studies.search import run as search_run
+from wirerope_mj.studies.search.evolution import Evolution
+from wirerope_mj.studies.search.front import excesses, feasible, front, nearest
 
 FITTED = [f"mount/{name}/fitted" for name in PLACES]
 
@@ -135,7 +135,7 @@ def test_a_search_that_was_killed_ends_with_the_same_bytes(found, tmp_path):
     code = (
         "import os, signal, sys\n"
         "from small_search import beam_search\n"
-        "from wirerope_mj.study.search import run as search_run\n"
+        "from wirerope_mj.studies.search import run as search_run\n"
         "write, count = search_run.write_part, [0]\n"
         "def deadly(folder, part):\n"
         "    write(folder, part)\n"

@@ -6,7 +6,7 @@ import pytest
 
 from wirerope_mj.cli import main
 from wirerope_mj.cli.select import parse_shock
-from wirerope_mj.excitation import HalfSine, Sawtooth, Trapezoid, VelocityStep
+from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep
 
 LOAD = ("select", "--mass", "200", "--mounts", "4")
 

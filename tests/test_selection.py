@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.errors import ModelError
-from wirerope_mj.resources import catalogue_folder
-from wirerope_mj.selection import fit_part, select_isolators, simulate_candidate, vendor_parts
-from wirerope_mj.selection.parts import Figures, Series, read_table
-from wirerope_mj.selection.select import Candidate, Rejected, judge
-from wirerope_mj.selection.worksheet import Worksheet
+from wirerope_mj.assessment.selection import select_isolators, simulate_candidate
+from wirerope_mj.assessment.selection.select import Candidate, Rejected, judge
+from wirerope_mj.assessment.selection.worksheet import Worksheet
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.mounts.vendor_parts import fit_part, vendor_parts
+from wirerope_mj.mounts.vendor_parts.parts import Figures, Series, read_table
 
 PARTS = {part.name: part for part in vendor_parts()}
 G = 9.81  # the vendors' sheets: the standard gravity gives 490.3 N and 1.715 m/s, not their 490.5 N and 1.716 m/s

@@ -8,7 +8,7 @@ from uff_files import history
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.excitation import HalfSine
+from wirerope_mj.motions import HalfSine
 
 G = 9.80665
 TIME = np.arange(400) / 2000.0
@@ -34,7 +34,7 @@ def record(tmp_path, monkeypatch):
 def asked(monkeypatch):
     """Makes the command hand over its scenario in place of simulating it, and returns how to run it."""
     scenarios = []
-    monkeypatch.setattr("wirerope_mj.runfolder.run_scenario", lambda made, folder, **_: scenarios.append(made))
+    monkeypatch.setattr("wirerope_mj.runs.run_scenario", lambda made, folder, **_: scenarios.append(made))
     monkeypatch.setattr("wirerope_mj.cli.tables.print_run", lambda *_, **__: None)
 
     def run(*arguments):

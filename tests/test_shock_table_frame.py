@@ -10,8 +10,8 @@ from house import deck, mjcf
 from scipy.linalg import expm
 
 import wirerope_mj as wr
-from wirerope_mj.errors import ModelError
-from wirerope_mj.scenario import load_scenario
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.runs.scenario import load_scenario
 
 GALLERY = Path(__file__).parents[1] / "docs" / "gallery"
 G = wr.STANDARD_GRAVITY

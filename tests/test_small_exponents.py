@@ -12,14 +12,14 @@ from scipy.special import roots_legendre
 import wirerope_mj as wr
 from wirerope_mj.cli.app import main
 from wirerope_mj.cli.modes_tables import about_rest, about_small
-from wirerope_mj.isolator import Provenance
-from wirerope_mj.laws.hysteresis import LEAST_EXPONENT
-from wirerope_mj.laws.steady import follow_force, next_start
-from wirerope_mj.modes import modes
-from wirerope_mj.modes.axis import closed_cycle
-from wirerope_mj.modes.carried import carried
-from wirerope_mj.oscillator.equivalent import oscillator_at
-from wirerope_mj.resources import models_folder
+from wirerope_mj.dynamics.modes import modes
+from wirerope_mj.dynamics.modes.axis import closed_cycle
+from wirerope_mj.dynamics.modes.carried import carried
+from wirerope_mj.dynamics.single_mass.equivalent import oscillator_at
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.mounts.isolator import Provenance
+from wirerope_mj.mounts.laws.hysteresis import LEAST_EXPONENT
+from wirerope_mj.mounts.laws.steady import follow_force, next_start
 
 EXPONENTS = [0.1, 0.13, 0.22, 0.5, 1.0, 2.0, 5.0]
 AMPLITUDES = [1e-5, 1e-4, 1e-3, 5e-3, 15e-3]

@@ -11,9 +11,9 @@ from laws_for_tests import MIRRORED, STRATEGIES, example, passive, smooth_path, 
 from scipy.integrate import solve_ivp
 
 import wirerope_mj as wr
-from wirerope_mj.laws import LAWS, BoucWen, Masing, Zener, kernels
-from wirerope_mj.laws.smoothed import Smoothed
-from wirerope_mj.oscillator.balance import harmonic_balance
+from wirerope_mj.dynamics.single_mass.balance import harmonic_balance
+from wirerope_mj.mounts.laws import LAWS, BoucWen, Masing, Zener, kernels
+from wirerope_mj.mounts.laws.smoothed import Smoothed
 
 NAMES = [
     "asymmetric-bouc-wen", "bouc-wen", "enhanced-dry-friction", "ozdemir", "symmetric-bouc-wen", "vaiana-rosati",

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.identification import identify_specimens
+from wirerope_mj.mounts.identification import identify_specimens
+from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 AMPLITUDES = 0.01 * np.array([0.1, 0.4, 1.0])
 CENTRE = {"k": 6e4, "d": 400.0, "u_c": 1e-3}

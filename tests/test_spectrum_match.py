@@ -6,10 +6,10 @@ import pickle
 import numpy as np
 import pytest
 
-from wirerope_mj.errors import ConvergenceError
-from wirerope_mj.excitation import EN1998_TYPE_1, ac156_spectrum, en1998_spectrum, match_spectrum, motion_from_dict
-from wirerope_mj.excitation.spectrum_flanks import too_steep
-from wirerope_mj.spectra import shock_response_spectrum
+from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.motions import EN1998_TYPE_1, ac156_spectrum, en1998_spectrum, match_spectrum, motion_from_dict
+from wirerope_mj.motions.spectra import shock_response_spectrum
+from wirerope_mj.motions.spectrum_flanks import too_steep
 
 GRID = np.geomspace(1.3, 33.3, 60)
 TARGET = list(zip(GRID, ac156_spectrum(GRID, s_ds=10.0, height_ratio=1.0), strict=True))

@@ -7,12 +7,12 @@ import pytest
 from house import deck, hysteresis, mjcf, rack_on_floor_text, sdof, sdof_text
 
 import wirerope_mj as wr
+from wirerope_mj.assessment.criteria import starting_load_verdicts
+from wirerope_mj.assessment.criteria.static_load import static_load_verdicts
 from wirerope_mj.cli.app import main
 from wirerope_mj.cli.statics_tables import print_statics
-from wirerope_mj.criteria import starting_load_verdicts
-from wirerope_mj.criteria.static_load import static_load_verdicts
-from wirerope_mj.resources import models_folder
-from wirerope_mj.statics import static_table
+from wirerope_mj.engine.statics import static_table
+from wirerope_mj.foundation.resources import models_folder
 
 G = wr.STANDARD_GRAVITY
 PLACES = {"p1": (0.5, 0.4), "p2": (0.5, -0.4), "p3": (-0.5, 0.4), "p4": (-0.5, -0.4)}

@@ -7,10 +7,18 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.resources import models_folder
-from wirerope_mj.scenario import Scenario, load_scenario
-from wirerope_mj.simulation import timestep as module
-from wirerope_mj.simulation.timestep import ACCURACY, CONTACTS, CORNERS, GIVEN, SAMPLES, STABILITY, choose_timestep
+from wirerope_mj.engine.simulation import timestep as module
+from wirerope_mj.engine.simulation.timestep import (
+    ACCURACY,
+    CONTACTS,
+    CORNERS,
+    GIVEN,
+    SAMPLES,
+    STABILITY,
+    choose_timestep,
+)
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.runs.scenario import Scenario, load_scenario
 
 G = wr.STANDARD_GRAVITY
 
@@ -98,7 +106,7 @@ def test_every_step_says_what_limits_it(table, tmp_path):
 def made(monkeypatch):
     """Scenarios that the commands hand over in place of simulating them."""
     found: list[Scenario] = []
-    monkeypatch.setattr("wirerope_mj.runfolder.run_scenario", lambda scenario, folder, **_: found.append(scenario))
+    monkeypatch.setattr("wirerope_mj.runs.run_scenario", lambda scenario, folder, **_: found.append(scenario))
     monkeypatch.setattr("wirerope_mj.cli.run.print_run", lambda *_, **__: None)
     monkeypatch.setattr("wirerope_mj.cli.tables.print_run", lambda *_, **__: None)
     return found

@@ -14,17 +14,17 @@ from scipy.optimize import brentq
 from table_study import PULSE, table_study
 
 import wirerope_mj as wr
-from wirerope_mj import laws
 from wirerope_mj.cli import main
-from wirerope_mj.errors import ModelError
-from wirerope_mj.laws.smoothed import smoothable
-from wirerope_mj.periodic.smoothing import smoothed
-from wirerope_mj.resources import catalogue_folder
-from wirerope_mj.runfolder.repeat import replay
-from wirerope_mj.study.inputs.possible import possible_lines
-from wirerope_mj.study.inputs.variants import acts, without_force
-from wirerope_mj.study.measures import measures
-from wirerope_mj.system.model_files import write_model
+from wirerope_mj.dynamics.periodic.smoothing import smoothed
+from wirerope_mj.engine.system.model_files import write_model
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.mounts import laws
+from wirerope_mj.mounts.laws.smoothed import smoothable
+from wirerope_mj.runs.repeat import replay
+from wirerope_mj.studies.inputs.possible import possible_lines
+from wirerope_mj.studies.inputs.variants import acts, without_force
+from wirerope_mj.studies.measures import measures
 
 G = wr.STANDARD_GRAVITY
 ROPE = wr.BoucWen(alpha=2e4, beta=30.0, gamma=10.0, n=1.0, k=5e3)

@@ -8,20 +8,20 @@ from house import deck, mjcf, quiet
 from test_recording import entities
 
 import wirerope_mj as wr
-from wirerope_mj.criteria import contact_verdicts, judge
-from wirerope_mj.isolator.files import find_isolator
-from wirerope_mj.laws.kernels import evaluate
-from wirerope_mj.recording import record_rerun
-from wirerope_mj.recording.events import events_of
-from wirerope_mj.recording.selection import select
-from wirerope_mj.recording.stops import CLOSED, OPEN
-from wirerope_mj.report.model import _provenance
-from wirerope_mj.resources import models_folder
-from wirerope_mj.simulation.timestep import ACCURACY
-from wirerope_mj.statics import static_table
-from wirerope_mj.study.inputs.variants import without_force
-from wirerope_mj.verdicts import mount_peaks, verdict_lines
-from wirerope_mj.verdicts.headline import headline
+from wirerope_mj.assessment.criteria import contact_verdicts, judge
+from wirerope_mj.assessment.verdicts import mount_peaks, verdict_lines
+from wirerope_mj.assessment.verdicts.headline import headline
+from wirerope_mj.engine.simulation.timestep import ACCURACY
+from wirerope_mj.engine.statics import static_table
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.mounts.isolator.files import find_isolator
+from wirerope_mj.mounts.laws.kernels import evaluate
+from wirerope_mj.studies.inputs.variants import without_force
+from wirerope_mj.views.recording import record_rerun
+from wirerope_mj.views.recording.events import events_of
+from wirerope_mj.views.recording.selection import select
+from wirerope_mj.views.recording.stops import CLOSED, OPEN
+from wirerope_mj.views.report.model import _provenance
 
 G = wr.STANDARD_GRAVITY
 STEP = 1e-4

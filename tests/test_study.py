@@ -9,9 +9,9 @@ import pytest
 import scipy.stats
 
 import wirerope_mj as wr
-from wirerope_mj.resources import models_folder
-from wirerope_mj.study.answers.varied import distribution_words
-from wirerope_mj.study.inputs.distributions import distribution_from_dict, distribution_to_dict
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.studies.inputs.distributions import distribution_from_dict, distribution_to_dict
+from wirerope_mj.studies.results.varied import distribution_words
 
 G = wr.STANDARD_GRAVITY
 PULSE = wr.HalfSine(peak=10.0 * G, duration=0.011, direction="z", start=0.01)

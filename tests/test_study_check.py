@@ -11,8 +11,8 @@ from laws_for_tests import PARAMETERS, example
 from test_study import PULSE, table_study
 
 import wirerope_mj as wr
-from wirerope_mj.laws import LAWS
-from wirerope_mj.study.inputs import check
+from wirerope_mj.mounts.laws import LAWS
+from wirerope_mj.studies.inputs import check
 
 ONE_BY_ONE = {"vaiana-rosati", "tabulated"}
 """Laws whose rules are about curves, not parameters."""

@@ -11,14 +11,14 @@ import pyarrow as pa
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.study import run
-from wirerope_mj.study.run import chunks
+from wirerope_mj.studies import run
+from wirerope_mj.studies.run import chunks
 
 pytest.importorskip("distributed")
 import psutil  # noqa: E402  distributed brings it
 
-from wirerope_mj.study.engines import dask_engine  # noqa: E402
-from wirerope_mj.study.engines.dask_engine import check_answers, run_dask  # noqa: E402
+from wirerope_mj.studies.engines import dask_engine  # noqa: E402
+from wirerope_mj.studies.engines.dask_engine import check_answers, run_dask  # noqa: E402
 
 pytestmark = pytest.mark.filterwarnings(  # of Dask's own sockets, when its processes are killed
     "ignore::ResourceWarning",
@@ -122,7 +122,7 @@ def test_a_chunk_that_kills_its_workers_is_tried_alone_at_the_end_and_fails_alon
         import os
         import signal
 
-        from wirerope_mj.study.engines.compute import compute
+        from wirerope_mj.studies.engines.compute import compute
 
         with open(log, "a") as file:
             file.write(f"{chunk.number}\n")

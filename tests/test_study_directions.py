@@ -2,8 +2,14 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from wirerope_mj.plots.directions import directions_figure
-from wirerope_mj.study.answers.directions import AZIMUTH, ELEVATION, directions_words, share_of_directions, sphere_areas
+from wirerope_mj.studies.results.directions import (
+    AZIMUTH,
+    ELEVATION,
+    directions_words,
+    share_of_directions,
+    sphere_areas,
+)
+from wirerope_mj.views.plots.directions import directions_figure
 
 
 def grid(step, *, repeats):

@@ -6,8 +6,8 @@ import pyarrow as pa
 import pytest
 from scipy.stats import qmc
 
-from wirerope_mj.study.answers.answer import Answer
-from wirerope_mj.study.answers.findings import (
+from wirerope_mj.studies.results.answer import Answer
+from wirerope_mj.studies.results.findings import (
     chance,
     chance_of,
     checked_measure,
@@ -18,8 +18,8 @@ from wirerope_mj.study.answers.findings import (
     quantiles,
     worst,
 )
-from wirerope_mj.study.answers.sensitivity import Influence, influences
-from wirerope_mj.study.answers.sentences import beyond_text
+from wirerope_mj.studies.results.sensitivity import Influence, influences
+from wirerope_mj.studies.results.sentences import beyond_text
 
 
 def table_of(inputs, values, *, status=None):

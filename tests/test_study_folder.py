@@ -12,17 +12,17 @@ from small_search import beam_search
 from table_study import rows, table_study
 
 import wirerope_mj as wr
-from wirerope_mj.resources import models_folder
-from wirerope_mj.study.engines import local
-from wirerope_mj.study.engines.compute import compute, died
-from wirerope_mj.whole import worked_on_alone
+from wirerope_mj.foundation.atomic_files import worked_on_alone
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.studies.engines import local
+from wirerope_mj.studies.engines.compute import compute, died
 
 LOCKS = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such locks")
 
 WORKER = """
 import sys
 from table_study import table_study
-from wirerope_mj.study import run
+from wirerope_mj.studies import run
 
 def wait(folder, part):
     write(folder, part)

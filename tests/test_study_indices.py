@@ -13,13 +13,13 @@ from scipy.special import ndtri
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.plots.study_indices import indices_figure
-from wirerope_mj.study.answers.answer import Answer
-from wirerope_mj.study.answers.findings import chance, values_of
-from wirerope_mj.study.answers.indices import RESAMPLES, drawn, indices_of
-from wirerope_mj.study.answers.sensitivity import Influence
-from wirerope_mj.study.answers.sentences import of_indices, sentences
-from wirerope_mj.study.inputs import sobol
+from wirerope_mj.studies.inputs import sobol
+from wirerope_mj.studies.results.answer import Answer
+from wirerope_mj.studies.results.findings import chance, values_of
+from wirerope_mj.studies.results.indices import RESAMPLES, drawn, indices_of
+from wirerope_mj.studies.results.sensitivity import Influence
+from wirerope_mj.studies.results.sentences import of_indices, sentences
+from wirerope_mj.views.plots.study_indices import indices_figure
 
 SINGLE = [[0], [1], [2]]
 

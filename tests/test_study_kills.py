@@ -17,11 +17,11 @@ from table_study import FILES, VARY, rows, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.cli.study_run import compute_and_print
-from wirerope_mj.study import folder as study_folder
-from wirerope_mj.study.answers.summary import summary
-from wirerope_mj.study.engines import local
-from wirerope_mj.study.engines.compute import compute, died
-from wirerope_mj.study.run import chunks
+from wirerope_mj.studies import folder as study_folder
+from wirerope_mj.studies.engines import local
+from wirerope_mj.studies.engines.compute import compute, died
+from wirerope_mj.studies.results.summary import summary
+from wirerope_mj.studies.run import chunks
 
 
 @pytest.fixture(scope="module")
@@ -180,9 +180,9 @@ def test_a_study_killed_while_it_computes_again_what_had_died_loses_nothing(alon
         if last == "taken away":
             patch.setattr(local, "compute", killed)
         if last == "computed":
-            patch.setattr("wirerope_mj.study.run.finish", killed)
+            patch.setattr("wirerope_mj.studies.run.finish", killed)
         if last == "joined":
-            patch.setattr("wirerope_mj.study.run.summary", killed)
+            patch.setattr("wirerope_mj.studies.run.summary", killed)
         with pytest.raises(KeyboardInterrupt):
             table_study().run(folder, workers=1, resume=True)
     monkeypatch.setattr(local, "compute", compute)
@@ -212,7 +212,7 @@ def test_what_no_memory_threads_or_files_were_there_for_is_no_result_and_compute
     def short(work, chunk):
         with monkeypatch.context() as patch:
             if chunk.number == 3:
-                patch.setattr("wirerope_mj.study.engines.compute.simulate_batch", fails)
+                patch.setattr("wirerope_mj.studies.engines.compute.simulate_batch", fails)
             return compute(work, chunk)
 
     with monkeypatch.context() as patch:

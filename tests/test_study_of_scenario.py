@@ -8,20 +8,20 @@ from house import sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main, study_run
-from wirerope_mj.recording import viewer
-from wirerope_mj.resources import models_folder
-from wirerope_mj.runfolder.study import write_worst
-from wirerope_mj.scenario import load_scenario
-from wirerope_mj.study.answers.findings import row_of
-from wirerope_mj.study.from_scenario import what_can_vary
-from wirerope_mj.study.inputs.possible import possible_lines
-from wirerope_mj.study.inputs.vary_text import read_vary
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.runs.from_scenario import what_can_vary
+from wirerope_mj.runs.scenario import load_scenario
+from wirerope_mj.runs.study import write_worst
+from wirerope_mj.studies.inputs.possible import possible_lines
+from wirerope_mj.studies.inputs.vary_text import read_vary
+from wirerope_mj.studies.results.findings import row_of
+from wirerope_mj.views.recording import viewer
 
 SCENARIO_FILE = textwrap.dedent('''
     """Does a mass on one mount stand a half-sine?"""
 
     import wirerope_mj as wr
-    from wirerope_mj.isolator import Limits, Travel
+    from wirerope_mj.mounts.isolator import Limits, Travel
     from house import sdof_text
 
 

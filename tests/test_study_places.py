@@ -4,7 +4,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from wirerope_mj.study.answers.places import beyond_words, inputs_words
+from wirerope_mj.studies.results.places import beyond_words, inputs_words
 
 
 def test_a_limit_is_crossed_between_two_variants_whatever_their_order():

@@ -4,11 +4,11 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from wirerope_mj.plots.directions import directions_figure
-from wirerope_mj.plots.study import choices_figure, distribution_figure, scatter_figure, sensitivity_figure
-from wirerope_mj.plots.study_pictures import study_pictures
-from wirerope_mj.study.answers.answer import Answer
-from wirerope_mj.study.answers.sensitivity import Influence, influences
+from wirerope_mj.studies.results.answer import Answer
+from wirerope_mj.studies.results.sensitivity import Influence, influences
+from wirerope_mj.views.plots.directions import directions_figure
+from wirerope_mj.views.plots.study import choices_figure, distribution_figure, scatter_figure, sensitivity_figure
+from wirerope_mj.views.plots.study_pictures import study_pictures
 
 
 def table_of(inputs, travel):

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.study import responses
-from wirerope_mj.study.engines import local
-from wirerope_mj.study.engines.compute import compute
-from wirerope_mj.study.run import chunk_size, chunks
+from wirerope_mj.studies import responses
+from wirerope_mj.studies.engines import local
+from wirerope_mj.studies.engines.compute import compute
+from wirerope_mj.studies.run import chunk_size, chunks
 
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.0103)  # no sample at its corners
 STEP = wr.VelocityStep(velocity=0.3, direction="z", start=0.02)
@@ -110,7 +110,7 @@ def test_variants_that_fail_have_none(tmp_path):
 
 
 def test_where_forces_are_python_each_variant_is_recorded_alone(monkeypatch):
-    monkeypatch.setattr("wirerope_mj.control.install.disagreement", lambda model, data: "qvel")
+    monkeypatch.setattr("wirerope_mj.engine.control.install.disagreement", lambda model, data: "qvel")
     study = table_study(duration=0.01)
     (chunk,) = chunks(study, [2], "responses")
     with pytest.warns(RuntimeWarning, match="slower Python callback"):

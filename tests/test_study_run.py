@@ -15,13 +15,13 @@ import pytest
 from table_study import PULSE, VARY, G, rows, table_study
 
 import wirerope_mj as wr
-from wirerope_mj.resources import models_folder
-from wirerope_mj.response.peaks import MountPeaks, Peak, Peaks
-from wirerope_mj.study import folder as study_folder
-from wirerope_mj.study.engines import local
-from wirerope_mj.study.engines.compute import Accident, compute, why_not
-from wirerope_mj.study.measures import measures
-from wirerope_mj.study.run import chunk_size, chunks
+from wirerope_mj.engine.response.peaks import MountPeaks, Peak, Peaks
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.studies import folder as study_folder
+from wirerope_mj.studies.engines import local
+from wirerope_mj.studies.engines.compute import Accident, compute, why_not
+from wirerope_mj.studies.measures import measures
+from wirerope_mj.studies.run import chunk_size, chunks
 
 
 def peak_of(**extremes):

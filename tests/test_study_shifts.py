@@ -14,14 +14,14 @@ from table_study import rows, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.cli.study_tables import print_varied
-from wirerope_mj.report.study import varied_table
-from wirerope_mj.runfolder.study_report import write_study_report
-from wirerope_mj.study.answers.answer import answer_of
-from wirerope_mj.study.answers.sentences import sentences
-from wirerope_mj.study.answers.varied import varied_of
-from wirerope_mj.study.folder import STUDY, TABLE, _identity
-from wirerope_mj.study.from_scenario import what_can_vary
-from wirerope_mj.study.inputs.vary_text import read_vary
+from wirerope_mj.runs.from_scenario import what_can_vary
+from wirerope_mj.runs.study_report import write_study_report
+from wirerope_mj.studies.folder import STUDY, TABLE, _identity
+from wirerope_mj.studies.inputs.vary_text import read_vary
+from wirerope_mj.studies.results.answer import answer_of
+from wirerope_mj.studies.results.sentences import sentences
+from wirerope_mj.studies.results.varied import varied_of
+from wirerope_mj.views.report.study import varied_table
 
 VALUE = {"body/genset/centre/z": wr.Normal(CENTRE, 0.03)}
 SHIFT = {"body/genset/centre_shift/z": wr.Normal(0.0, 0.03)}

@@ -5,7 +5,7 @@ from small_study import write_study
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.recording.viewer import find_recording
+from wirerope_mj.views.recording.viewer import find_recording
 
 
 @pytest.fixture(scope="module")

@@ -9,12 +9,12 @@ import pytest
 from test_study import table_study
 
 import wirerope_mj as wr
-from wirerope_mj.identification import joint_spread
-from wirerope_mj.identification.specimens import own_parameters
-from wirerope_mj.laws import LAWS, Masing
-from wirerope_mj.resources import catalogue_folder
-from wirerope_mj.study.inputs.specimens import deviation_bounds, known_specimens, rank, specimen_sentences
-from wirerope_mj.study.study_file import load_study_file
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.mounts.identification import joint_spread
+from wirerope_mj.mounts.identification.specimens import own_parameters
+from wirerope_mj.mounts.laws import LAWS, Masing
+from wirerope_mj.runs.study_file import load_study_file
+from wirerope_mj.studies.inputs.specimens import deviation_bounds, known_specimens, rank, specimen_sentences
 
 TWINS = catalogue_folder() / "twins" / "five_twins_wr16_400.toml"
 BUILD = Path(__file__).parents[1] / "docs" / "specimens" / "build.py"

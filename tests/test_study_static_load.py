@@ -9,9 +9,9 @@ from house import sdof_text
 from small_search import beam_study
 
 import wirerope_mj as wr
-from wirerope_mj.criteria import starting_load_verdicts
-from wirerope_mj.isolator import Limits, Travel
-from wirerope_mj.study.answers.sentences import sentences
+from wirerope_mj.assessment.criteria import starting_load_verdicts
+from wirerope_mj.mounts.isolator import Limits, Travel
+from wirerope_mj.studies.results.sentences import sentences
 
 G = wr.STANDARD_GRAVITY
 QUIET = wr.HalfSine(peak=10.0, duration=0.011, direction="z", start=0.02)

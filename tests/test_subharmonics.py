@@ -7,7 +7,7 @@ import pytest
 from house import sdof
 
 import wirerope_mj as wr
-from wirerope_mj.periodic import harmonic_content
+from wirerope_mj.dynamics.periodic import harmonic_content
 
 # A lightly damped, strongly hardening mount, far below its resonance: the second superharmonic resonance.
 LAW = wr.SymmetricBoucWen(alpha=0.3, beta=0.15, gamma=0.15, n=1.0, k1=0.2, k2=0.0, k3=0.5)

@@ -8,7 +8,7 @@ import pytest
 from house import deck, hysteresis, mjcf, sdof, sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.system.model_files import write_model
+from wirerope_mj.engine.system.model_files import write_model
 
 G = wr.STANDARD_GRAVITY
 LAW = wr.BoucWen(**hysteresis(alpha=1e5, z_max=60.0), k=2e4)

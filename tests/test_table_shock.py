@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from wirerope_mj.excitation import ShockTableImpact
+from wirerope_mj.motions import ShockTableImpact
 
 G = 9.80665
 V = math.sqrt(2 * G * 0.5)  # 3.1316 m/s

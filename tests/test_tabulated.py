@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.errors import ModelError
+from wirerope_mj.foundation.errors import ModelError
 
 CB1390 = {
     "deflection": [0.0, 6.8e-3, 36e-3], "force": [0.0, 2820.0, 8460.0], "symmetric": True,

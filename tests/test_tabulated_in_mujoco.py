@@ -7,7 +7,7 @@ from laws_for_tests import example
 from scipy.integrate import solve_ivp
 
 import wirerope_mj as wr
-from wirerope_mj.errors import ConvergenceError, SimulationError
+from wirerope_mj.foundation.errors import ConvergenceError, SimulationError
 
 G = wr.STANDARD_GRAVITY
 MASS, FREQUENCY = 20.0, 10.0

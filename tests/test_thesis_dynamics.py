@@ -13,11 +13,11 @@ from house import sdof
 from scipy.integrate import solve_ivp
 
 import wirerope_mj as wr
-from wirerope_mj.oscillator import harmonic_balance
-from wirerope_mj.periodic import harmonic_content
-from wirerope_mj.periodic.search import Search
-from wirerope_mj.periodic.shooting import close, shot
-from wirerope_mj.periodic.track import Drive
+from wirerope_mj.dynamics.periodic import harmonic_content
+from wirerope_mj.dynamics.periodic.search import Search
+from wirerope_mj.dynamics.periodic.shooting import close, shot
+from wirerope_mj.dynamics.periodic.track import Drive
+from wirerope_mj.dynamics.single_mass import harmonic_balance
 
 TURN = 2.0 * math.pi
 G = wr.STANDARD_GRAVITY

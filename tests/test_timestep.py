@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.resources import models_folder
 
 G = wr.STANDARD_GRAVITY
 ACCURACY = 1e-4

@@ -14,14 +14,14 @@ import pytest
 import tomli_w
 
 import wirerope_mj as wr
-from wirerope_mj.errors import ModelError, RecordError
-from wirerope_mj.periodic.smoothing import smoothed
-from wirerope_mj.periodic.storage import fingerprint
-from wirerope_mj.resources import models_folder
-from wirerope_mj.runfolder import replay
-from wirerope_mj.simulation.scene import scene_of
-from wirerope_mj.system import Changes
-from wirerope_mj.system.varied import with_changes
+from wirerope_mj.dynamics.periodic.smoothing import smoothed
+from wirerope_mj.dynamics.periodic.storage import fingerprint
+from wirerope_mj.engine.simulation.scene import scene_of
+from wirerope_mj.engine.system import Changes
+from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.runs import replay
 
 G = 9.80665
 CORNERS = {"m1": (0.4, 0.3), "m2": (-0.4, 0.3), "m3": (-0.4, -0.3), "m4": (0.4, -0.3)}

@@ -8,7 +8,7 @@ from verification.case import Case, Comparison, NotRun, series, single_values
 from verification.cases import CASES
 from verification.page import KINDS, write_page
 from verification.runner import FAILED, NOT_RUN, OUTSIDE, WITHIN, Result, run_case
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.resources import models_folder
 
 PAGE = models_folder().parent / "docs" / "verification.md"
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from wirerope_mj.excitation import Sine, VibrationLines, banded_lines
-from wirerope_mj.excitation.random_phases import random_phases
+from wirerope_mj.motions import Sine, VibrationLines, banded_lines
+from wirerope_mj.motions.random_phases import random_phases
 
 
 def test_one_endless_line_is_a_sine():

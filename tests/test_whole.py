@@ -6,13 +6,13 @@ import sys
 
 import pytest
 
-from wirerope_mj.errors import RecordError
-from wirerope_mj.half_written import clear_half_written
-from wirerope_mj.whole import check_place, folder_written_whole, written_whole
+from wirerope_mj.foundation.atomic_files import check_place, folder_written_whole, written_whole
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.half_written import clear_half_written
 
 WRITER = """
 import os, pathlib, shutil, sys
-from wirerope_mj.whole import folder_written_whole
+from wirerope_mj.foundation.atomic_files import folder_written_whole
 
 folder, stage, rename = pathlib.Path(sys.argv[1]), sys.argv[2], os.rename
 

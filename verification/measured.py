@@ -9,8 +9,8 @@ import numpy as np
 import wirerope_mj as wr
 from verification.case import Case, Comparison
 from verification.models import steady_loop
-from wirerope_mj.laws import Law
-from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.mounts.laws import Law
 
 AMPLITUDES = np.arange(1.0, 15.5, 1.0) * 1e-3
 """Amplitudes of the cycles about the unloaded state [m]."""

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 import wirerope_mj as wr
-from wirerope_mj.laws import Law, Loop
+from wirerope_mj.mounts.laws import Law, Loop
 
 DECK = '<body name="deck">{slides}<geom size=".1" mass="5"/>{sites}</body>'
 SLIDES = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1"}

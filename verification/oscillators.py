@@ -7,7 +7,7 @@ import numpy as np
 import wirerope_mj as wr
 from verification.case import LAST_DIGIT, Case, Comparison, printed, single_values
 from verification.models import oscillator
-from wirerope_mj.laws import Law
+from wirerope_mj.mounts.laws import Law
 
 TURN = 2.0 * math.pi
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 import wirerope_mj as wr
 from verification.case import Case, Comparison, single_values
 from verification.models import oscillator
-from wirerope_mj.laws import Law
-from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.mounts.laws import Law
 
 BOUND = 0.1
 """Largest relative error allowed of any value of a rack."""

@@ -7,10 +7,10 @@ the virtual rig, and identified as measured ones would be. Nothing of it is a me
 import numpy as np
 
 import wirerope_mj as wr
-from wirerope_mj.bench import cyclic_test, measured
-from wirerope_mj.identification import Specimens, identify_specimens, joint_spread
-from wirerope_mj.isolator import Provenance
-from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.mounts.identification import Specimens, identify_specimens, joint_spread
+from wirerope_mj.mounts.isolator import Provenance
+from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 ORIGIN = "enidine_wr16_400"
 SPECIMENS = 5

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import wirerope_mj as wr
-from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.foundation.resources import catalogue_folder
 
 
 def study(

@@ -29,7 +29,7 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.errors import WireRopeError
+from wirerope_mj.foundation.errors import WireRopeError
 
 TARGETS = ("models", "isolators", "scenarios", "records", "cycles", "folders")
 

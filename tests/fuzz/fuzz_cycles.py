@@ -9,8 +9,8 @@ from campaign import Case
 from tables import DAMAGE, damaged_bytes, table_of
 
 import wirerope_mj as wr
-from wirerope_mj.bench import read_cycles, steady_loops
-from wirerope_mj.identification.measured import prepare
+from wirerope_mj.mounts.identification.measured import prepare
+from wirerope_mj.mounts.test_rig import read_cycles, steady_loops
 
 _POINTS = 60
 _SIZES = (2e-3, 8e-3)

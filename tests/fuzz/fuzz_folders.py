@@ -15,13 +15,13 @@ from campaign import Case
 from folder_files import KINDS
 
 import wirerope_mj as wr
+from wirerope_mj.assessment.criteria import judge
+from wirerope_mj.assessment.verdicts import summary
 from wirerope_mj.cli.compare import compare
-from wirerope_mj.criteria import judge
-from wirerope_mj.runfolder import replay, run_scenario
-from wirerope_mj.runfolder.checksums import CHECKSUMS, write_checksums
-from wirerope_mj.runfolder.inputs import run_inputs
-from wirerope_mj.scenario import Scenario
-from wirerope_mj.verdicts import summary
+from wirerope_mj.runs import replay, run_scenario
+from wirerope_mj.runs.checksums import CHECKSUMS, write_checksums
+from wirerope_mj.runs.inputs import run_inputs
+from wirerope_mj.runs.scenario import Scenario
 
 TEXT = """
 <mujoco>
@@ -67,7 +67,7 @@ def runs() -> tuple[Path, Path]:
             name=name,
             options={"level": 6.0},
         )
-        with mock.patch("wirerope_mj.runfolder.write._write_pictures"):  # nothing reads them again
+        with mock.patch("wirerope_mj.runs.write._write_pictures"):  # nothing reads them again
             run_scenario(scenario, place / name)
     return place / "one", place / "other"
 
@@ -116,7 +116,7 @@ def _replay(case: Case) -> str | None:
 
 
 def _report(case: Case) -> str | None:
-    from wirerope_mj.runfolder.report import write_report
+    from wirerope_mj.runs.report import write_report
 
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")

@@ -13,7 +13,7 @@ from fuzz_models import rest_and_shake
 from hostile import NUMBERS, WORDS, damaged, pick
 
 import wirerope_mj as wr
-from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.foundation.resources import catalogue_folder
 
 sys.path.append(str(Path(__file__).parents[1]))
 

@@ -8,9 +8,9 @@ from campaign import Case
 from hostile import NUMBERS, WORDS, damaged, pick
 
 import wirerope_mj as wr
-from wirerope_mj.resources import models_folder
-from wirerope_mj.simulation.stability import stable_step
-from wirerope_mj.system.model_files import write_model
+from wirerope_mj.engine.simulation.stability import stable_step
+from wirerope_mj.engine.system.model_files import write_model
+from wirerope_mj.foundation.resources import models_folder
 
 SHOCK = wr.HalfSine(peak=20.0, duration=0.002, direction="z")
 

@@ -9,7 +9,7 @@ from campaign import Case
 from tables import DAMAGE, Table, damaged_bytes, table_of
 
 import wirerope_mj as wr
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.resources import models_folder
 
 sys.path.append(str(Path(__file__).parents[1]))  # for the universal files that other tests write
 from uff_files import history, units

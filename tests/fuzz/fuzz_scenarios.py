@@ -7,8 +7,8 @@ from campaign import Case
 from hostile import pick
 
 import wirerope_mj as wr
-from wirerope_mj.runfolder import run_scenario
-from wirerope_mj.scenario import Scenario, load_scenario, shipped_scenarios
+from wirerope_mj.runs import run_scenario
+from wirerope_mj.runs.scenario import Scenario, load_scenario, shipped_scenarios
 
 VALUES = (float("nan"), float("inf"), float("-inf"), 0, 0.0, -1.0, 1e-300, 1e300, 1e9, 1e6, 1e-9, 10**400, True, None)
 VALUES += ("", "x", "z", "q", "nan", "native", [], [1.0], {}, (1, 2), "../..", "Ünï", 3, 1.5, b"z")

@@ -30,7 +30,7 @@ from wirerope_mj.cli.statics import statics
 from wirerope_mj.cli.study import list_studies, study_command
 from wirerope_mj.cli.study_report import study_report
 from wirerope_mj.cli.whole_numbers import Whole
-from wirerope_mj.errors import (
+from wirerope_mj.foundation.errors import (
     AccuracyWarning,
     ClusterWarning,
     ModelWarning,
@@ -38,10 +38,10 @@ from wirerope_mj.errors import (
     StudyWarning,
     WireRopeError,
 )
-from wirerope_mj.plain_text import plain, plain_lines
+from wirerope_mj.foundation.plain_text import plain, plain_lines
 
 if TYPE_CHECKING:
-    from wirerope_mj.runfolder import Replay
+    from wirerope_mj.runs import Replay
 
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
 """Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers."""
@@ -116,8 +116,8 @@ def show(folder: Path, *, web: Annotated[bool, Parameter(negative=())] = False) 
         folder: folder of a run, or of a study whose worst variants --open-worst wrote, or a .rrd file.
         web: show it in a browser of this machine instead of a window.
     """
-    from wirerope_mj.recording import show as show_recording
-    from wirerope_mj.runfolder.checksums import warn_of_alterations
+    from wirerope_mj.runs.checksums import warn_of_alterations
+    from wirerope_mj.views.recording import show as show_recording
 
     warn_of_alterations(folder)
     show_recording(folder, web=web)
@@ -134,7 +134,7 @@ def replay(folder: Path) -> int:
     Args:
         folder: folder of a run.
     """
-    from wirerope_mj.runfolder import replay as replay_run
+    from wirerope_mj.runs import replay as replay_run
 
     result = replay_run(folder, progress=sys.stderr.isatty())
     print(plain(f"{folder}: {_replayed(result)}"))
@@ -201,8 +201,8 @@ def fit(datasheet: Path, out: Path) -> int:
         datasheet: TOML file with the vendor's figures, or with `curve = "shock"` or `"static"` and force-deflection curves.
         out: isolator file to write.
     """
-    from wirerope_mj.identification.datasheet import fit_datasheet
-    from wirerope_mj.identification.sheet_table import compare, print_table
+    from wirerope_mj.mounts.identification.datasheet import fit_datasheet
+    from wirerope_mj.mounts.identification.sheet_table import compare, print_table
 
     isolator = fit_datasheet(datasheet)
     isolator.save(out)

@@ -8,9 +8,9 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from wirerope_mj.errors import RecordError
-from wirerope_mj.plain_text import plain
-from wirerope_mj.whole import check_place
+from wirerope_mj.foundation.atomic_files import check_place
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.plain_text import plain
 
 
 def compare(
@@ -34,12 +34,12 @@ def compare(
         force: replace a recording that is there.
     """
     from wirerope_mj.cli.compare_tables import print_comparison
-    from wirerope_mj.recording.overlay import write_overlay
-    from wirerope_mj.recording.overlay_runs import overlay_of
-    from wirerope_mj.response import load_response
-    from wirerope_mj.runfolder.checksums import warn_of_alterations
-    from wirerope_mj.runfolder.headline import read_headline
-    from wirerope_mj.runfolder.inputs import run_inputs
+    from wirerope_mj.engine.response import load_response
+    from wirerope_mj.runs.checksums import warn_of_alterations
+    from wirerope_mj.runs.headline import read_headline
+    from wirerope_mj.runs.inputs import run_inputs
+    from wirerope_mj.views.recording.overlay import write_overlay
+    from wirerope_mj.views.recording.overlay_runs import overlay_of
 
     if len(runs) < 2:
         raise ValueError(f"compare takes two runs or more, got {len(runs)}: wirerope compare RUN RUN [RUN ..]")

@@ -10,15 +10,15 @@ from rich.padding import Padding
 from rich.table import Table
 
 from wirerope_mj.cli.tables import console
-from wirerope_mj.recording.overlay_differences import (
+from wirerope_mj.views.recording.overlay_differences import (
     PeakRow,
     acceleration_rows,
     largest_travel_row,
     mount_rows,
     travel_rows,
 )
-from wirerope_mj.recording.overlay_runs import Overlay
-from wirerope_mj.recording.overlay_text import Inputs, different_inputs, findings, percent
+from wirerope_mj.views.recording.overlay_runs import Overlay
+from wirerope_mj.views.recording.overlay_text import Inputs, different_inputs, findings, percent
 
 _MOST_MOUNTS = 8
 """Mounts that are printed: those that use most of their rated travel in any run."""

@@ -4,8 +4,8 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from wirerope_mj.criteria import STRUCK, contact_verdicts
-from wirerope_mj.response import Response
+from wirerope_mj.assessment.criteria import STRUCK, contact_verdicts
+from wirerope_mj.engine.response import Response
 
 
 def contact_table(response: Response) -> Table | None:

@@ -8,8 +8,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from wirerope_mj.cli.tables import console
-from wirerope_mj.estimate import LoopEstimate, estimate_loop, estimated_isolator
-from wirerope_mj.whole import check_place
+from wirerope_mj.foundation.atomic_files import check_place
+from wirerope_mj.mounts.estimate import LoopEstimate, estimate_loop, estimated_isolator
 
 _MODES = {"compression": "compression", "45": "45 degrees", "shear": "shear, roll"}
 

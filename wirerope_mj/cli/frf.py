@@ -10,14 +10,14 @@ from rich.markup import escape
 from wirerope_mj.cli.frf_tables import print_response
 from wirerope_mj.cli.models import model_path
 from wirerope_mj.cli.tables import console
-from wirerope_mj.excitation.checks import Direction
-from wirerope_mj.frf import Question, frequency_response
-from wirerope_mj.frf.summary import findings_of
-from wirerope_mj.plain_text import plain
-from wirerope_mj.runfolder.folder import check_target
-from wirerope_mj.runfolder.frequency_response import KIND, MARKS, write_frequency_response
-from wirerope_mj.system import load_system
-from wirerope_mj.units import STANDARD_GRAVITY
+from wirerope_mj.dynamics.frequency_response import Question, frequency_response
+from wirerope_mj.dynamics.frequency_response.summary import findings_of
+from wirerope_mj.engine.system import load_system
+from wirerope_mj.foundation.arguments import Direction
+from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.runs.folder import check_target
+from wirerope_mj.runs.frequency_response import KIND, MARKS, write_frequency_response
 
 NOT_COMPLETE = 1
 """Exit code of a response with a branch that ended before the end of the range."""

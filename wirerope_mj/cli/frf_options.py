@@ -52,7 +52,7 @@ def frf(
         force: replace a frequency response that is there.
     """
     from wirerope_mj.cli.frf import direction_of, frf_command, levels
-    from wirerope_mj.frf import Question
+    from wirerope_mj.dynamics.frequency_response import Question
 
     question = Question(
         accelerations=levels(acceleration, acceleration_g), method=method, start=start, stop=stop,

@@ -8,12 +8,12 @@ from rich.markup import escape
 from rich.table import Table
 
 from wirerope_mj.cli.tables import console
-from wirerope_mj.excitation.checks import direction_text
-from wirerope_mj.frf import FrequencyResponse
-from wirerope_mj.frf.findings import ResonancePeak
-from wirerope_mj.frf.summary import Findings
-from wirerope_mj.periodic import Branch
-from wirerope_mj.sweep import FrequencySweep
+from wirerope_mj.dynamics.frequency_response import FrequencyResponse
+from wirerope_mj.dynamics.frequency_response.findings import ResonancePeak
+from wirerope_mj.dynamics.frequency_response.summary import Findings
+from wirerope_mj.dynamics.periodic import Branch
+from wirerope_mj.dynamics.sweep import FrequencySweep
+from wirerope_mj.foundation.arguments import direction_text
 
 Row = tuple[str, float, float, float, str]
 """What it is, frequency [Hz], amplitude [m/s^2], transmissibility, and a note."""

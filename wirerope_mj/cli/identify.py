@@ -23,14 +23,14 @@ from wirerope_mj.cli.identify_report import (
     stage_rows,
 )
 from wirerope_mj.cli.tables import console
-from wirerope_mj.errors import ModelError
-from wirerope_mj.identification.fitted import FittedLoop, fitted_loops
-from wirerope_mj.identification.identify import Constraint, family_of, identify
-from wirerope_mj.identification.result import Identification
-from wirerope_mj.isolator import Isolator, Provenance, load_isolator, read_law
-from wirerope_mj.laws import LAWS, AsymmetricBoucWen, Law, Masing, Stop
-from wirerope_mj.runfolder.folder import check_target, written_whole
-from wirerope_mj.toml_file import read_toml
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.toml_file import read_toml
+from wirerope_mj.mounts.identification.fitted import FittedLoop, fitted_loops
+from wirerope_mj.mounts.identification.identify import Constraint, family_of, identify
+from wirerope_mj.mounts.identification.result import Identification
+from wirerope_mj.mounts.isolator import Isolator, Provenance, load_isolator, read_law
+from wirerope_mj.mounts.laws import LAWS, AsymmetricBoucWen, Law, Masing, Stop
+from wirerope_mj.runs.folder import check_target, written_whole
 
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
@@ -242,7 +242,7 @@ def _write_report(
     tests: Tests,
 ) -> None:
     """Write text and pictures into a folder."""
-    from wirerope_mj.plots.identification import fit_figure, measures_figure, residual_figure
+    from wirerope_mj.views.plots.identification import fit_figure, measures_figure, residual_figure
 
     kinds = " and ".join(law.name for law in result.law.components)
     title = f"{request.name or request.out.stem}, {request.axis}: {kinds}"

@@ -5,15 +5,15 @@ from pathlib import Path
 
 import numpy as np
 
-from wirerope_mj.bench import read_cycles
-from wirerope_mj.bench.clipping import is_level
-from wirerope_mj.bench.recorded import RecordedLoop
 from wirerope_mj.cli.identify_report import millimetres
-from wirerope_mj.errors import RecordError
-from wirerope_mj.identification.measured import prepare
-from wirerope_mj.identification.result import Identification
-from wirerope_mj.identification.stops import closes
-from wirerope_mj.laws import Loop, Stop
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.mounts.identification.measured import prepare
+from wirerope_mj.mounts.identification.result import Identification
+from wirerope_mj.mounts.identification.stops import closes
+from wirerope_mj.mounts.laws import Loop, Stop
+from wirerope_mj.mounts.test_rig import read_cycles
+from wirerope_mj.mounts.test_rig.clipping import is_level
+from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 
 Tests = Mapping[Path, Sequence[Loop]]
 

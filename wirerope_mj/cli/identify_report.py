@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from wirerope_mj.identification.fitted import FittedLoop, neighbours_correlation
-from wirerope_mj.identification.result import Identification
-from wirerope_mj.laws import Law, Stop
-from wirerope_mj.plain_text import markdown
+from wirerope_mj.foundation.plain_text import markdown
+from wirerope_mj.mounts.identification.fitted import FittedLoop, neighbours_correlation
+from wirerope_mj.mounts.identification.result import Identification
+from wirerope_mj.mounts.laws import Law, Stop
 
 PICTURES = {
     "loops.png": "Measured loops and those of the law",

@@ -7,13 +7,13 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from wirerope_mj.bench import cyclic_test
 from wirerope_mj.cli.tables import console
-from wirerope_mj.isolator import AXES, Isolator, find_isolator, load_isolator
-from wirerope_mj.laws import Law, Parallel
-from wirerope_mj.laws.stop import largest_gap
-from wirerope_mj.resources import catalogue_folder
-from wirerope_mj.whole import check_place as check_writable
+from wirerope_mj.foundation.atomic_files import check_place as check_writable
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.mounts.isolator import AXES, Isolator, find_isolator, load_isolator
+from wirerope_mj.mounts.laws import Law, Parallel
+from wirerope_mj.mounts.laws.stop import largest_gap
+from wirerope_mj.mounts.test_rig import cyclic_test
 
 _SHARES = (0.25, 0.5, 1.0)
 _FREQUENCY = 5.0
@@ -68,7 +68,7 @@ def print_isolator(name: str, out: Path | None) -> None:
         screen.print(f"  assumed: {escape(sentence)}")
     screen.print(_measures(isolator))
     if out is not None:
-        from wirerope_mj.plots.loops import save_loops
+        from wirerope_mj.views.plots.loops import save_loops
 
         save_loops(isolator, out, frequency=_FREQUENCY)
         screen.print(f"written: {escape(str(out))}", soft_wrap=True)

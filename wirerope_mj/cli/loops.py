@@ -10,13 +10,13 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from wirerope_mj.bench import cyclic_test, hardening_overlap, softening_to_hardening, write_cyclic_test
 from wirerope_mj.cli.isolators import check_place, describe
 from wirerope_mj.cli.tables import console
-from wirerope_mj.isolator import Isolator, Limits, Travel, find_isolator, load_isolator, read_law
-from wirerope_mj.laws import EnhancedDryFriction, Hysteresis, Law, Loop
-from wirerope_mj.resources import catalogue_folder
-from wirerope_mj.toml_file import toml_content
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.foundation.toml_file import toml_content
+from wirerope_mj.mounts.isolator import Isolator, Limits, Travel, find_isolator, load_isolator, read_law
+from wirerope_mj.mounts.laws import EnhancedDryFriction, Hysteresis, Law, Loop
+from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, softening_to_hardening, write_cyclic_test
 
 _SHARES = (0.05, 0.1, 0.25, 0.5, 1.0)
 """Default amplitudes as shares of the rated travel: enough to see where softening ends."""
@@ -95,7 +95,7 @@ def _load(source: str, axis: str | None) -> tuple[Isolator, str, bool]:
 
 def _chosen(isolator: Isolator, axis: str | None) -> dict[str, tuple[str, Law]]:
     """Return axis and law by title of what is tested."""
-    from wirerope_mj.plots.loops import distinct_axes
+    from wirerope_mj.views.plots.loops import distinct_axes
 
     if axis is None:
         return {title: (where, law) for title, where, law in distinct_axes(isolator)}
@@ -117,7 +117,7 @@ def _check_csv(csv: Path, laws: Mapping[str, tuple[str, Law]]) -> None:
 
 
 def _default_amplitudes(isolator: Isolator, axis: str) -> list[float]:
-    from wirerope_mj.plots.loops import amplitudes_of
+    from wirerope_mj.views.plots.loops import amplitudes_of
 
     return amplitudes_of(isolator, axis, _SHARES)
 
@@ -187,7 +187,7 @@ def _write(
     csv: Path | None,
 ) -> None:
     """Write picture and file and say where they are."""
-    from wirerope_mj.plots.loops import save_cyclic_tests
+    from wirerope_mj.views.plots.loops import save_cyclic_tests
 
     titled = {
         title if law.rate_independent else f"{title}, {frequency:g} Hz": tests[title]

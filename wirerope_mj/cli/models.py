@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from wirerope_mj.errors import ModelError
-from wirerope_mj.resources import models_folder
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.resources import models_folder
 
 
 def model_path(name: str) -> Path:

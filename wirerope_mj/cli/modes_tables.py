@@ -12,16 +12,16 @@ from rich.table import Table
 from wirerope_mj.cli.models import model_path
 from wirerope_mj.cli.statics_tables import plain_table, stability_words
 from wirerope_mj.cli.tables import console
-from wirerope_mj.errors import RecordError
-from wirerope_mj.isolator import AXES
-from wirerope_mj.laws.hysteresis import Hysteresis
-from wirerope_mj.modes import Modes, modes
-from wirerope_mj.modes.carried import carried
-from wirerope_mj.runfolder.folder import check_target
-from wirerope_mj.runfolder.modes import KIND, MARKS, write_modes
-from wirerope_mj.statics import History
-from wirerope_mj.system import System, load_system
-from wirerope_mj.whole import check_place
+from wirerope_mj.dynamics.modes import Modes, modes
+from wirerope_mj.dynamics.modes.carried import carried
+from wirerope_mj.engine.statics import History
+from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.foundation.atomic_files import check_place
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.mounts.laws.hysteresis import Hysteresis
+from wirerope_mj.runs.folder import check_target
+from wirerope_mj.runs.modes import KIND, MARKS, write_modes
 
 APART = 0.01
 """Relative difference of the frequencies about rest and about where the weight is carried, from which on it is said."""
@@ -47,8 +47,8 @@ def modes_command(
     small = modes(system, history=history)
     large = [modes(system, history=history, amplitude=size / 1e3) for size in amplitudes_mm]
     if alone:
-        from wirerope_mj.modes.film import film_of_modes
-        from wirerope_mj.recording.modes import record_modes
+        from wirerope_mj.dynamics.modes.film import film_of_modes
+        from wirerope_mj.views.recording.modes import record_modes
 
         record_modes(film_of_modes(system, small), target, title=path.stem, larger=large)
     else:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from wirerope_mj.plain_text import plain
+from wirerope_mj.foundation.plain_text import plain
 
 
 def report(
@@ -26,9 +26,9 @@ def report(
         pdf: write a PDF of the page beside it, which needs the extra "pdf" (WeasyPrint).
         force: replace files that `--out` names.
     """
-    from wirerope_mj.runfolder.page import REPORT
-    from wirerope_mj.runfolder.report import write_report
-    from wirerope_mj.whole import check_place
+    from wirerope_mj.foundation.atomic_files import check_place
+    from wirerope_mj.runs.page import REPORT
+    from wirerope_mj.runs.report import write_report
 
     if out is not None:
         check_place(out)

@@ -11,7 +11,7 @@ from typing import Any
 from wirerope_mj.cli.file_options import own_option, run_with_options
 from wirerope_mj.cli.numerics_options import NUMERICS, with_numerics
 from wirerope_mj.cli.tables import print_questions, print_run
-from wirerope_mj.scenario import load_scenario, shipped_scenarios
+from wirerope_mj.runs.scenario import load_scenario, shipped_scenarios
 
 _OWN = (
     own_option("out", Path | None, None, "folder of the run; runs/NAME-DATE-TIME if it is not given"),
@@ -31,7 +31,7 @@ def run_command(name: str, tokens: Sequence[str]) -> None:
     numerics = [option for option in NUMERICS if option.name not in scenario.defaults]
 
     def action(options: dict[str, Any], own: dict[str, Any]) -> None:
-        from wirerope_mj.runfolder import run_scenario
+        from wirerope_mj.runs import run_scenario
 
         folder = own["out"] or Path("runs") / f"{scenario.name}-{datetime.now():%Y%m%d-%H%M%S}"
         made = scenario.make(**options)

@@ -6,9 +6,9 @@ from rich.markup import escape
 
 from wirerope_mj.cli.study_tables import empty, print_failed, print_files, shown_number
 from wirerope_mj.cli.tables import console
-from wirerope_mj.study.answers.findings import measure_of
-from wirerope_mj.study.answers.sentences import travel_sentences
-from wirerope_mj.study.search.result import GENERATION, SearchResult
+from wirerope_mj.studies.results.findings import measure_of
+from wirerope_mj.studies.results.sentences import travel_sentences
+from wirerope_mj.studies.search.result import GENERATION, SearchResult
 
 _ROWS = 24
 _FAILED = 3  # messages of failed designs

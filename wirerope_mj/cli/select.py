@@ -8,12 +8,12 @@ from collections.abc import Mapping
 from rich.markup import escape
 from rich.table import Table
 
+from wirerope_mj.assessment.selection import Candidate, Selection, SimulatedShock, Worksheet, simulate_candidate
+from wirerope_mj.assessment.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY, Shock
 from wirerope_mj.cli.tables import _table, console
-from wirerope_mj.errors import WireRopeError
-from wirerope_mj.excitation import HalfSine, Sawtooth, Trapezoid, VelocityStep
-from wirerope_mj.plain_text import plain
-from wirerope_mj.selection import Candidate, Selection, SimulatedShock, Worksheet, simulate_candidate
-from wirerope_mj.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY, Shock
+from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep
 
 NOTHING_FOUND = 1
 """Exit code if no part meets the worksheet."""

@@ -55,8 +55,8 @@ def select(
         simulate: fit the best parts from their rows and put their simulated shock beside the worksheet.
         best: how many are simulated.
     """
+    from wirerope_mj.assessment.selection import select_isolators
     from wirerope_mj.cli.select import g_units, parse_shock, select_command
-    from wirerope_mj.selection import select_isolators
 
     _require(
         {

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 from wirerope_mj.cli.numerics_options import with_numerics
-from wirerope_mj.errors import RecordError
+from wirerope_mj.foundation.errors import RecordError
 
 if TYPE_CHECKING:
-    from wirerope_mj.excitation.record import Record
+    from wirerope_mj.motions.records.record import Record
 
 QUESTION = "What does a measured shock do to the payload?"
 
@@ -69,11 +69,11 @@ def shock(
         force: replace a run that is there.
     """
     from wirerope_mj.cli.tables import print_run
-    from wirerope_mj.excitation import load_record
-    from wirerope_mj.runfolder import run_scenario
-    from wirerope_mj.scenario import Scenario
-    from wirerope_mj.simulation.stability import slowest_period
-    from wirerope_mj.system import load_system
+    from wirerope_mj.engine.simulation.stability import slowest_period
+    from wirerope_mj.engine.system import load_system
+    from wirerope_mj.motions import load_record
+    from wirerope_mj.runs import run_scenario
+    from wirerope_mj.runs.scenario import Scenario
 
     numerics = with_numerics({}, accuracy=accuracy, timestep=timestep)
     motion = load_record(
@@ -130,7 +130,7 @@ def _given(options: dict[str, Any]) -> dict[str, Any]:
 
 def _channels(record: Path, channels: Sequence[str] | None, direction: str | None) -> dict[str, Any] | None:
     """Return which channel moves the base in which direction; None leaves it to their names."""
-    from wirerope_mj.excitation.record import record_channels
+    from wirerope_mj.motions.records.record import record_channels
 
     if channels is None and direction is None:
         return None

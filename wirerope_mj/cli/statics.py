@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from wirerope_mj.plain_text import plain
+from wirerope_mj.foundation.plain_text import plain
 
 MISSING = 1
 """Exit code if there is no virgin or no relaxed position; what there is has been printed."""
@@ -18,13 +18,13 @@ def statics(model: str, *, json: Path | None = None) -> int:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
         json: file for the same figures in SI units.
     """
+    from wirerope_mj.assessment.criteria.static_load import static_load_verdicts
     from wirerope_mj.cli.models import model_path
     from wirerope_mj.cli.statics_tables import print_statics
-    from wirerope_mj.criteria.static_load import static_load_verdicts
-    from wirerope_mj.modes import modes
-    from wirerope_mj.statics import static_table
-    from wirerope_mj.system import load_system
-    from wirerope_mj.whole import check_place
+    from wirerope_mj.dynamics.modes import modes
+    from wirerope_mj.engine.statics import static_table
+    from wirerope_mj.engine.system import load_system
+    from wirerope_mj.foundation.atomic_files import check_place
 
     if json is not None:
         check_place(json)
@@ -48,7 +48,7 @@ def write_json(content: dict[str, object], path: Path) -> None:
     """Write plain values, whole or not at all."""
     import json
 
-    from wirerope_mj.whole import written_whole
+    from wirerope_mj.foundation.atomic_files import written_whole
 
     with written_whole(path) as beside:
         beside.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")

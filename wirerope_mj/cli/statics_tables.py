@@ -7,10 +7,10 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
+from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.cli.tables import console
-from wirerope_mj.criteria import Verdict
-from wirerope_mj.modes import Stability
-from wirerope_mj.statics import Sag, StaticTable
+from wirerope_mj.dynamics.modes import Stability
+from wirerope_mj.engine.statics import Sag, StaticTable
 
 _FAR = 100.0
 """Gravity factor and rise [m] from which both say no more than: far."""

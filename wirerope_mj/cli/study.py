@@ -8,14 +8,14 @@ from typing import Any, Literal
 from wirerope_mj.cli.file_options import own_option, run_with_options
 from wirerope_mj.cli.study_run import compute_and_print
 from wirerope_mj.cli.tables import console, print_questions
-from wirerope_mj.errors import ModelError
-from wirerope_mj.option_file import defines
-from wirerope_mj.scenario import ScenarioFile, load_scenario, shipped_scenarios
-from wirerope_mj.study.from_scenario import VARIANTS, study_of, what_can_vary
-from wirerope_mj.study.inputs.sampling import SAMPLINGS
-from wirerope_mj.study.inputs.vary_text import EXAMPLE, read_vary
-from wirerope_mj.study.study import Study
-from wirerope_mj.study.study_file import StudyFile, load_study_file, shipped_studies
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.runs.from_scenario import VARIANTS, study_of, what_can_vary
+from wirerope_mj.runs.option_file import defines
+from wirerope_mj.runs.scenario import ScenarioFile, load_scenario, shipped_scenarios
+from wirerope_mj.runs.study_file import StudyFile, load_study_file, shipped_studies
+from wirerope_mj.studies.inputs.sampling import SAMPLINGS
+from wirerope_mj.studies.inputs.vary_text import EXAMPLE, read_vary
+from wirerope_mj.studies.study import Study
 
 _RUN = (
     own_option(

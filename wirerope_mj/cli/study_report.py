@@ -5,7 +5,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from wirerope_mj.plain_text import plain
+from wirerope_mj.foundation.plain_text import plain
 
 
 def study_report(
@@ -27,7 +27,7 @@ def study_report(
         pdf: write a PDF of the page beside it, which needs the extra "pdf" (WeasyPrint).
         force: replace files that `--out` names.
     """
-    from wirerope_mj.runfolder.study_report import write_study_report
+    from wirerope_mj.runs.study_report import write_study_report
 
     for path in write_study_report(folder, by=by, out=out, pdf=pdf, force=force):
         print(plain(f"written: {path} ({path.stat().st_size / 1e6:.2f} MB)"))

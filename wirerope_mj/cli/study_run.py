@@ -12,14 +12,14 @@ from rich.markup import escape
 from wirerope_mj.cli.search_tables import print_search
 from wirerope_mj.cli.study_tables import print_study, print_varied
 from wirerope_mj.cli.tables import console
-from wirerope_mj.errors import WireRopeError
-from wirerope_mj.study.answers.answer import answer_of
-from wirerope_mj.study.folder import STUDY, dead
-from wirerope_mj.study.measures import measure_names
-from wirerope_mj.study.result import NOT_COMPUTED, StudyResult
-from wirerope_mj.study.search.result import SearchResult
-from wirerope_mj.study.search.search import Search
-from wirerope_mj.study.study import Study
+from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.studies.folder import STUDY, dead
+from wirerope_mj.studies.measures import measure_names
+from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
+from wirerope_mj.studies.results.answer import answer_of
+from wirerope_mj.studies.search.result import SearchResult
+from wirerope_mj.studies.search.search import Search
+from wirerope_mj.studies.study import Study
 
 
 def compute_and_print(
@@ -43,7 +43,7 @@ def compute_and_print(
         open_worst: how many of them become runs and are opened.
         how: other arguments of `Study.run`.
     """
-    from wirerope_mj.runfolder.study import checked_count
+    from wirerope_mj.runs.study import checked_count
 
     if resume and out is None:
         raise ValueError("--resume goes on with the study in a folder; say which one with --out FOLDER.")
@@ -79,7 +79,7 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
 
 def _print(result: StudyResult, by: str | None, open_worst: int) -> None:
     """Write the pictures and the worst variants of a study or a search, print what it answers, and open them."""
-    from wirerope_mj.runfolder.study import write_search_pictures, write_study_pictures, write_worst
+    from wirerope_mj.runs.study import write_search_pictures, write_study_pictures, write_worst
 
     show: Callable[[Sequence[str]], None]
     if isinstance(result, SearchResult):
@@ -97,7 +97,7 @@ def _print(result: StudyResult, by: str | None, open_worst: int) -> None:
 
 def _open(paths: Sequence[Path]) -> None:
     """Say how the worst variants are shown, and show the first where somebody can see it."""
-    from wirerope_mj.recording.viewer import has_display, show
+    from wirerope_mj.views.recording.viewer import has_display, show
 
     for path in paths:
         word = "opens the worst variants over each other" if path.suffix else "opens the view of a variant"

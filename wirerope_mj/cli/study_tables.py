@@ -10,14 +10,14 @@ from rich.table import Table
 from rich.text import Text
 
 from wirerope_mj.cli.tables import console
-from wirerope_mj.plain_text import plain
-from wirerope_mj.study.answers.answer import QUANTILES, Answer
-from wirerope_mj.study.answers.findings import CONFIDENCE, failures, numbered, percent
-from wirerope_mj.study.answers.indices import SobolIndices
-from wirerope_mj.study.answers.sentences import sentences
-from wirerope_mj.study.answers.varied import HEAD, varied_of
-from wirerope_mj.study.result import StudyResult
-from wirerope_mj.study.study import Study
+from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.studies.result import StudyResult
+from wirerope_mj.studies.results.answer import QUANTILES, Answer
+from wirerope_mj.studies.results.findings import CONFIDENCE, failures, numbered, percent
+from wirerope_mj.studies.results.indices import SobolIndices
+from wirerope_mj.studies.results.sentences import sentences
+from wirerope_mj.studies.results.varied import HEAD, varied_of
+from wirerope_mj.studies.study import Study
 
 _WORST = 8  # variants in the table of the worst
 _INPUTS = 4  # columns of inputs beside a variant

@@ -11,17 +11,17 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
+from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, acceleration_verdicts, travel_verdicts
+from wirerope_mj.assessment.criteria.travel import COMBINED
+from wirerope_mj.assessment.verdicts import MountPeak, body_peaks, mount_peaks, verdict_lines
 from wirerope_mj.cli.contact_table import contact_table
-from wirerope_mj.criteria import EXCEEDED, Verdict, acceleration_verdicts, travel_verdicts
-from wirerope_mj.criteria.travel import COMBINED
-from wirerope_mj.excitation import Sweep
-from wirerope_mj.isolator.travel import RATINGS
-from wirerope_mj.plain_text import plain_lines
-from wirerope_mj.response import Response
-from wirerope_mj.runfolder.headline import read_headline
-from wirerope_mj.scenario import Scenario
-from wirerope_mj.units import STANDARD_GRAVITY
-from wirerope_mj.verdicts import MountPeak, body_peaks, mount_peaks, verdict_lines
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.plain_text import plain_lines
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions import Sweep
+from wirerope_mj.mounts.isolator.travel import RATINGS
+from wirerope_mj.runs.headline import read_headline
+from wirerope_mj.runs.scenario import Scenario
 
 WIDTH = 120
 """Width of tables where there is no terminal to fit them into [characters]."""

@@ -12,8 +12,8 @@ import wirerope_mj as wr
 from figures.drawing import BLUES, COLOURS, GUIDE, INK, canvas, explain, inscribe, note
 from figures.figure import Figure
 from figures.oscillator import oscillator
-from wirerope_mj.laws import Law
-from wirerope_mj.resources import catalogue_folder
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.mounts.laws import Law
 
 Array = npt.NDArray[np.float64]
 

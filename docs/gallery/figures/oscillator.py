@@ -6,8 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 import wirerope_mj as wr
-from wirerope_mj.laws import Law
-from wirerope_mj.periodic import harmonic_content
+from wirerope_mj.dynamics.periodic import harmonic_content
+from wirerope_mj.mounts.laws import Law
 
 Array = npt.NDArray[np.float64]
 

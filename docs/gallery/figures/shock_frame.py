@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 import wirerope_mj as wr
 from figures.drawing import COLOURS, GUIDE, INK, canvas, explain, inscribe, note
 from figures.figure import Figure
-from wirerope_mj.scenario import Scenario, load_scenario
+from wirerope_mj.runs.scenario import Scenario, load_scenario
 
 Array = npt.NDArray[np.float64]
 

@@ -20,7 +20,7 @@ import wirerope_mj as wr
 from figures import modified
 from figures.drawing import BLUES, COLOURS, GUIDE, canvas, explain, inscribe, note, show_direction
 from figures.figure import Figure, written
-from wirerope_mj.bench import hardening_overlap, softening_to_hardening
+from wirerope_mj.mounts.test_rig import hardening_overlap, softening_to_hardening
 
 SYMMETRIC = wr.SymmetricBoucWen(alpha=2e5, beta=1200.0, gamma=300.0, n=1.0, k1=5e4, k2=0.0, k3=4e9)
 """Our own isolator in shear or roll."""

@@ -1,0 +1,167 @@
+"""Random vibration: rms and 3-sigma values with their statistical error, and the largest value beside them."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.assessment.criteria.acceleration import UNIT, UNLIMITED
+from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
+from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
+from wirerope_mj.assessment.criteria.steady import steady_stretch
+from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.motions.spectra import PowerSpectralDensity, power_spectral_density
+
+Array = npt.NDArray[np.float64]
+
+SIGMAS = 3.0
+
+
+def random_verdicts(
+    time: npt.ArrayLike,
+    acceleration: npt.ArrayLike,
+    *,
+    subject: str,
+    discard: float,
+    end: float | None = None,
+    limit: float | None = None,
+    rms_limit: float | None = None,
+    resolution: float | None = None,
+    along: str = "",
+) -> tuple[Verdict, ...]:
+    """Return verdicts on the rms, the 3-sigma value and the largest value of a stationary acceleration.
+
+    Only what is stationary may count: neither the settling at the beginning nor the fall of the vibration and what follows
+    it. How well the rms is known stands in the notes: with statistical bandwidth B and length T its relative standard error
+    is 1 / (2 sqrt(B T)).
+
+    Args:
+        time: uniform instants [s], (n,).
+        acceleration: [m/s^2], (n,).
+        subject: what is judged.
+        discard: length at the beginning that is left out [s]: until the response has settled.
+        end: instant after which nothing counts [s]: where the vibration begins to fall, `steady[1]` of a RandomVibration;
+            without it, everything to the last instant.
+        limit: largest acceleration allowed [m/s^2], which 3 sigma and the largest value are judged by; None is not judged.
+        rms_limit: largest rms allowed [m/s^2]; None is not judged.
+        resolution: of the density the bandwidth is found from [Hz]; see `power_spectral_density`.
+        along: " along x", if the acceleration is a component.
+
+    Raises:
+        ValueError: the samples are not as they must be, or too short.
+    """
+    instants, values = np.asarray(time, dtype=np.float64), np.asarray(acceleration, dtype=np.float64)
+    if end is not None and instants.ndim == 1 and instants.shape == values.shape:
+        kept = int(np.searchsorted(instants, end, side="right"))
+        if kept < 2:
+            raise ValueError(f"`end` must lie after the first instants, got {end!r}.")
+        instants, values = instants[:kept], values[:kept]
+    density = power_spectral_density(instants, values, discard=discard, resolution=resolution)
+    if values.ndim != 1:
+        raise ValueError(f"`acceleration` must be one history, (n,), got the shape {values.shape}.")
+    kept = round(density.duration * (instants.size - 1) / float(instants[-1] - instants[0]))
+    instants, values = instants[-kept:], values[-kept:]
+    rms = float(np.std(values))
+    certainty = _certainty(density, rms)
+    largest, when = sampled_peak(instants, np.abs(values - values.mean()))
+    rows = (
+        (f"rms acceleration{along}", rms, rms_limit, None, certainty),
+        (f"{SIGMAS:g}-sigma acceleration{along}", SIGMAS * rms, limit, None, certainty),
+        (f"largest acceleration{along}", largest, limit, when, _expected(density, rms, largest)),
+    )
+    return tuple(
+        Verdict(
+            criterion=criterion,
+            subject=subject,
+            value=value,
+            limit=allowed,
+            unit=UNIT,
+            time=instant,
+            note="; ".join(part for part in (note, UNLIMITED if allowed is None else "") if part),
+        )
+        for criterion, value, allowed, instant, note in rows
+    )
+
+
+def judge_random(
+    response: Response,
+    *,
+    discard: float | None = None,
+    end: float | None = None,
+    limits: Sequence[PayloadLimit] | None = None,
+    resolution: float | None = None,
+) -> tuple[Verdict, ...]:
+    """Return `random_verdicts` on x, y and z of every payload body and every point that move along them.
+
+    Without `discard` and `end`, the stretch in which the base is stationary counts, from where the response has settled
+    in it: three decay times of the resonance that dominates, found from the width of its peak (`settling` of the density).
+
+    Args:
+        response: of a run with random vibration.
+        discard: length at the beginning that is left out [s]: until the response has settled. It must be given where the
+            base does more than vibrate at random.
+        end: instant after which nothing counts [s]; without it, where the random vibration begins to fall.
+        limits: of kind "acceleration"; without them the model's own. One of a single value, for the size of the vector, is
+            asked of every component.
+        resolution: of the densities [Hz]; see `power_spectral_density`.
+
+    Raises:
+        ValueError: a limit names neither a body nor a point, the run is too short, or `discard` is missing.
+    """
+    alone, first, falls = steady_stretch(response.motion)
+    if discard is None and not alone:
+        raise ValueError("`discard` must be given: the base of this run does not vibrate at random alone.")
+    last = falls if end is None else end
+    bodies = payload_bodies(response)
+    stated = limits_by_name(response, limits, "acceleration", [*bodies, *response.points])
+    rooms = {name: "bodies" for name in bodies} | {name: "points" for name in response.points}
+    found: list[Verdict] = []
+    for name, room in rooms.items():
+        acceleration = read_columns(response, f"{room}/{name}/acceleration/x", 3)
+        values = stated[name].values if name in stated else (0.0,)
+        for axis in np.flatnonzero(np.ptp(acceleration, axis=0) > 1e-9 * np.ptp(acceleration)):
+            history = acceleration[:, axis]
+            found += random_verdicts(
+                response.time,
+                history,
+                subject=name,
+                discard=_settled(response.time, history, first, last) if discard is None else discard,
+                end=last,
+                limit=values[axis % len(values)] or None,
+                resolution=resolution,
+                along=f" along {'xyz'[axis]}",
+            )
+    return tuple(found)
+
+
+def _settled(time: Array, acceleration: Array, first: float, last: float) -> float:
+    """Return the length [s] from the first instant to where a response to what is steady from `first` on has settled."""
+    rows = slice(*np.searchsorted(time, [first, last]))
+    lead = max(first - float(time[0]), 0.0)
+    return lead + float(power_spectral_density(time[rows], acceleration[rows]).settling)
+
+
+def _certainty(density: PowerSpectralDensity, rms: float) -> str:
+    """Return how well the rms is known, in words."""
+    if not rms > 0.0:
+        return ""
+    return (
+        f"standard error {100.0 * float(density.rms_error):.2g} % ({density.duration:.4g} s of a bandwidth of "
+        f"{float(density.bandwidth):.3g} Hz)"
+    )
+
+
+def _expected(density: PowerSpectralDensity, rms: float, largest: float) -> str:
+    """Return how many sigma the largest value is, and how many a Gaussian process of this length leads to expect.
+
+    Its zeros are crossed upward sqrt(int f^2 G df / int G df) times a second (Rice 1944), and the largest size of N = twice
+    as many half waves has the mean c + 0.577 / c in sigma, c = sqrt(2 ln N) (Davenport 1964).
+    """
+    if not rms > 0.0:
+        return ""
+    rate = math.sqrt(float(np.sum(density.frequency**2 * density.density) / np.sum(density.density)))
+    c = math.sqrt(2.0 * math.log(max(2.0 * rate * density.duration, math.e)))
+    return f"{largest / rms:.3g} sigma; a Gaussian of this length is expected to reach {c + 0.5772 / c:.3g}"

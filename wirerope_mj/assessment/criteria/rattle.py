@@ -1,0 +1,139 @@
+"""Rattle space: how far points and the corners of bodies move from their modelled place relative to the base."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
+from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
+from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.engine.response import Peak, Response
+from wirerope_mj.engine.response.scene import Geom, SceneBody
+from wirerope_mj.foundation.payload_limits import PayloadLimit
+
+Array = npt.NDArray[np.float64]
+
+UNLIMITED = "no clearance is stated"
+
+
+def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = None) -> tuple[Verdict, ...]:
+    """Return verdicts on the displacements of every point, and of the corners of every payload body, in world axes.
+
+    Displacements count from the modelled geometry, so that the sag is part of them. Corners are those of the box, along the
+    body's axes, around its own geoms; each body is judged by the corner that moves farthest in a direction.
+
+    Args:
+        response: of a run.
+        limits: of kind "clearance", of points or of bodies; without them the model's own. Three values along x, y, z hold
+            both ways, six along -x, +x, -y, +y, -z, +z; zero is not judged.
+
+    Raises:
+        ValueError: a limit names neither a point nor a body with geoms.
+    """
+    corners = {
+        body.name: found
+        for body in response.scene.bodies
+        if body.name in payload_bodies(response) and (found := body_corners(body)).size
+    }
+    stated = limits_by_name(response, limits, "clearance", [*response.points, *corners])
+    verdicts: list[Verdict] = []
+    for name in response.points:
+        peak = response.peaks.points[name].relative_displacement
+        verdicts += _judge(name, peak.value, peak.time, _sides(peak), stated.get(name), "")
+    for body in response.scene.bodies:
+        if body.name in corners:
+            verdicts += _judge_corners(response, body, corners[body.name], stated.get(body.name))
+    return tuple(verdicts)
+
+
+def body_corners(body: SceneBody) -> Array:
+    """Return the corners of the box around a body's geoms, from its centre of mass in body axes [m], (8, 3) or (0, 3).
+
+    Planes have no end and do not count.
+    """
+    boxes = [_box(geom) for geom in body.geoms if geom.shape != "plane"]
+    if not boxes:
+        return np.zeros((0, 3))
+    low, high = np.min([box[0] for box in boxes], axis=0), np.max([box[1] for box in boxes], axis=0)
+    return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+
+
+def corner_displacements(response: Response, body: SceneBody, corners: Array) -> Iterator[Array]:
+    """Yield the displacement of one corner after the other from its modelled place relative to the base [m], (n_t, 3)."""
+    moved = read_columns(response, f"bodies/{body.name}/position/x", 7)  # and the orientation
+    turns = _rotation(moved[:, 3:]) - _rotation(body.orientation)  # (n_t, 3, 3)
+    centre = moved[:, :3] - body.position - response.base.displacement
+    for corner in corners:
+        yield centre + turns @ corner
+
+
+def _judge_corners(response: Response, body: SceneBody, corners: Array, limit: PayloadLimit | None) -> list[Verdict]:
+    """Return the verdicts on a body by the corners that move farthest."""
+    farthest, corner = (-1.0, 0.0), corners[0]
+    sides = [(-np.inf, 0.0)] * 6
+    for place, moved in zip(corners, corner_displacements(response, body, corners), strict=True):
+        reached = sampled_peak(response.time, np.linalg.norm(moved, axis=1))
+        if reached > farthest:
+            farthest, corner = reached, place
+        along = [sampled_peak(response.time, sign * moved[:, axis]) for axis in range(3) for sign in (-1.0, 1.0)]
+        sides = [max(pair) for pair in zip(sides, along, strict=True)]
+    words = ", ".join(f"{1e3 * x:.4g}" for x in corner)
+    where = f"corner at {words} mm from the centre of mass" if limit is None else "the corner that moves farthest"
+    return _judge(body.name, *farthest, sides, limit, where)
+
+
+def _judge(
+    name: str, value: float, when: float, sides: list[tuple[float, float]], limit: PayloadLimit | None, note: str
+) -> list[Verdict]:
+    """Return one verdict on the length of the displacement without a limit, else one on every direction."""
+    if limit is None:
+        words = "; ".join(part for part in (note, UNLIMITED) if part)
+        return [
+            Verdict(criterion="rattle space", subject=name, value=value, limit=None, unit="m", time=when, note=words)
+        ]
+    allowed = limit.values if len(limit.values) == 6 else tuple(v for v in limit.values for _ in range(2))
+    return [
+        Verdict(
+            criterion=f"rattle space along {'-+'[side % 2]}{'xyz'[side // 2]}",
+            subject=name,
+            value=max(sides[side][0], 0.0),
+            limit=room or None,
+            unit="m",
+            time=sides[side][1],
+            note="; ".join(part for part in (note, "" if room else UNLIMITED) if part),
+        )
+        for side, room in enumerate(allowed)
+    ]
+
+
+def _sides(peak: Peak) -> list[tuple[float, float]]:
+    """Return how far something went along -x, +x, -y, +y, -z, +z, and when."""
+    sides = []
+    for axis in range(3):
+        sides.append((-float(peak.minimum[axis]), float(peak.minimum_time[axis])))
+        sides.append((float(peak.maximum[axis]), float(peak.maximum_time[axis])))
+    return sides
+
+
+def _box(geom: Geom) -> tuple[Array, Array]:
+    """Return the lowest and highest corner of the box around a geom, in body axes [m]."""
+    turn = _rotation(geom.orientation)
+    if geom.shape == "mesh":
+        places = geom.position + geom.vertices @ turn.T
+        return places.min(axis=0), places.max(axis=0)
+    a, b, c = geom.size.tolist()
+    halves = {"sphere": (a, a, a), "capsule": (a, a, a + b), "cylinder": (a, a, b)}.get(geom.shape, (a, b, c))
+    reach = np.abs(turn) @ np.array(halves)
+    return geom.position - reach, geom.position + reach
+
+
+def _rotation(quaternion: Array) -> Array:
+    """Return the rotation matrices (..., 3, 3) of unit quaternions (..., 4), w first."""
+    w, x, y, z = np.moveaxis(quaternion, -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

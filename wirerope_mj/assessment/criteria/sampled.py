@@ -1,0 +1,35 @@
+"""Sampled histories: read without keeping them, and their extremes."""
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.response import Response
+
+Array = npt.NDArray[np.float64]
+
+
+def read_columns(response: Response, first: str, count: int) -> Array:
+    """Return `count` columns from the one named `first` on, (n_t, count).
+
+    They are not kept in the response: of a long one in a file only what is looked at is in memory.
+    """
+    place = response.samples.names.index(first)
+    return response.samples.columns(place, place + count)
+
+
+def read_start(response: Response, first: str, count: int) -> Array:
+    """Return the first sample of `count` columns from the one named `first` on, (count,)."""
+    place = response.samples.names.index(first)
+    return next(iter(response.samples.blocks(place, place + count)))[0]
+
+
+def sampled_peak(time: Array, values: Array) -> tuple[float, float]:
+    """Return the largest of `values` (n,) and its instant [s], refined by the parabola through the samples beside it."""
+    k = int(values.argmax())
+    if 0 < k < values.size - 1:
+        before, here, after = values[k - 1 : k + 2].tolist()
+        bend = before - 2.0 * here + after
+        if bend < 0.0:
+            shift = 0.5 * (before - after) / bend
+            return here - 0.25 * (before - after) * shift, float(time[k] + shift * (time[k + 1] - time[k]))
+    return float(values[k]), float(time[k])

@@ -1,0 +1,226 @@
+"""Vibration of ships with regard to people: ISO 6954 of 1984 (peaks) and of 2000 (weighted rms).
+
+Both give two values: below the lower one adverse comments are not probable, above the upper one they are.
+"""
+
+import math
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+from scipy import signal
+from scipy.integrate import cumulative_trapezoid
+from scipy.ndimage import maximum_filter1d
+
+from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.motions.spectra import power_spectral_density
+
+Array = npt.NDArray[np.float64]
+
+PEAKS_1984 = {"lower": (4e-3, 0.126), "upper": (9e-3, 0.285)}
+"""Peak velocity from 5 to 100 Hz [m/s], and peak acceleration from 1 to 5 Hz [m/s^2]."""
+
+RMS_2000 = {"A": (2e-3, 4e-3), "B": (3e-3, 6e-3), "C": (4e-3, 8e-3)}
+"""Weighted rms velocity, lower and upper [m/s]: A passenger cabins, B crew accommodation, C working spaces."""
+
+_WORDS = {"lower": "adverse comments are not probable below", "upper": "adverse comments are probable above"}
+_KNEE = 5.0
+_RANGE_1984 = (1.0, 100.0)
+_RANGE_2000 = (10.0**-0.05, 10.0**1.95)
+"""Outer edges of the third-octave bands of 1 and 80 Hz [Hz]: 0.891 and 89.1."""
+
+_LEAST_TOLD = 5.75
+"""Resolutions below which the drift of the integral shows in a line: the filter of `velocity_lines` ends at six."""
+
+_HOPS = 32
+"""Windows begun in the length of one: what passes the filter, four resolutions, is followed within 2 %."""
+
+
+def weighting(frequency: npt.ArrayLike) -> Array:
+    """Return the size of the combined weighting of ISO 2631-2 (Wm) for acceleration at frequencies [Hz].
+
+    H(s) = s^2 / (s^2 + sqrt(2) w1 s + w1^2)  w2^2 / (s^2 + sqrt(2) w2 s + w2^2)  1 / (1 + s / w3) with w1 = 2 pi 10^-0.1,
+    w2 = 2 pi 100 and w3 = 1 / 0.028 rad/s (ISO 8041): band limits of 0.79 and 100 Hz, and the passage from acceleration to
+    velocity at 5.68 Hz. At 15.915 Hz it is 0.3362. For velocity the weighting is this one times w / w3, so that a weighted
+    acceleration is 35.7 times the weighted velocity.
+    """
+    f = np.asarray(frequency, dtype=np.float64)
+    low, high = 10.0**-0.1, 100.0
+    band = f**2 / np.sqrt(f**4 + low**4) / np.sqrt(1.0 + (f / high) ** 4)
+    return band / np.sqrt(1.0 + (2.0 * math.pi * f * _TRANSITION) ** 2)
+
+
+_TRANSITION = 0.028
+"""1 / w3 of the weighting [s]."""
+
+
+def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject: str) -> tuple[Verdict, ...]:
+    """Return the verdicts of ISO 6954:1984 on the lines of a spectrum: the worst line against the lower and upper limit.
+
+    Args:
+        frequency: of the lines [Hz]; those outside 1 to 100 Hz do not count.
+        velocity: their peak velocities [m/s]. The standard means the largest that repeat in the record, not an average
+            over it; see `velocity_lines`.
+        subject: what is judged.
+
+    Raises:
+        ValueError: lines are not as they must be, or none lies between 1 and 100 Hz.
+    """
+    f, v = _lines(frequency, velocity)
+    inside = (f >= _RANGE_1984[0]) & (f <= _RANGE_1984[1])
+    if not inside.any():
+        raise ValueError(f"`frequency` must hold a line from 1 to 100 Hz, got {f.min():.6g} to {f.max():.6g}.")
+    f, v = f[inside], v[inside]
+    found = []
+    for name, (plateau, acceleration) in PEAKS_1984.items():
+        allowed = np.where(f < _KNEE, acceleration / (2.0 * math.pi * f), plateau)
+        worst = int((v / allowed).argmax())
+        found.append(
+            Verdict(
+                criterion=f"ISO 6954:1984 {name}",
+                subject=subject,
+                value=float(v[worst]),
+                limit=float(allowed[worst]),
+                unit="m/s",
+                note=f"peak velocity at {f[worst]:.4g} Hz, taken as the largest that repeats; {_WORDS[name]}",
+            )
+        )
+    return tuple(found)
+
+
+def iso_6954_2000(
+    frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject: str, space: Literal["A", "B", "C"]
+) -> tuple[Verdict, ...]:
+    """Return the verdicts of ISO 6954:2000 on the lines of a spectrum: the overall weighted rms velocity.
+
+    Args:
+        frequency: of the lines [Hz]; those outside the third-octave bands of 1 to 80 Hz, 0.891 to 89.1 Hz, do not count.
+        velocity: their peak velocities [m/s].
+        subject: what is judged.
+        space: "A" passenger cabins, "B" crew accommodation, "C" working spaces.
+
+    Raises:
+        ValueError: lines or space are not as they must be, or no line lies in these bands.
+    """
+    f, v = _lines(frequency, velocity)
+    inside = (f >= _RANGE_2000[0]) & (f <= _RANGE_2000[1])
+    if not inside.any():
+        raise ValueError(
+            f"`frequency` must hold a line from {_RANGE_2000[0]:.3g} to {_RANGE_2000[1]:.3g} Hz, got {f.min():.6g} to "
+            f"{f.max():.6g}."
+        )
+    f, v = f[inside], v[inside]
+    factors = weighting(f) * 2.0 * math.pi * f * _TRANSITION
+    return _overall(math.sqrt(0.5 * float(np.sum((factors * v) ** 2))), subject, space)
+
+
+def iso_6954_2000_of_history(
+    time: npt.ArrayLike,
+    acceleration: npt.ArrayLike,
+    *,
+    subject: str,
+    space: Literal["A", "B", "C"],
+    discard: float = 0.0,
+    resolution: float = 0.25,
+) -> tuple[Verdict, ...]:
+    """Return the verdicts of ISO 6954:2000 on a history: the overall weighted rms velocity from 1 to 80 Hz.
+
+    What counts are the third-octave bands of 1 to 80 Hz, from 0.891 to 89.1 Hz, with sharp edges.
+
+    Args:
+        time: uniform instants [s], (n,).
+        acceleration: [m/s^2], (n,).
+        subject: what is judged.
+        space: "A" passenger cabins, "B" crew accommodation, "C" working spaces.
+        discard: length at the beginning that is left out [s]: until the response has settled.
+        resolution: of the density that is weighted [Hz]; a quarter of the lowest frequency that counts.
+
+    Raises:
+        ValueError: the samples are not as they must be, or too short, or there is no such space.
+    """
+    density = power_spectral_density(time, acceleration, discard=discard, resolution=resolution)
+    half = 0.5 * density.resolution  # a line stands for this much on either side of it
+    low, high = _RANGE_2000
+    widths = np.minimum(density.frequency + half, high) - np.maximum(density.frequency - half, low)
+    weighted = weighting(density.frequency) ** 2 * density.density * np.clip(widths, 0.0, None)
+    return _overall(_TRANSITION * math.sqrt(float(np.sum(weighted))), subject, space)
+
+
+def velocity_lines(
+    time: npt.ArrayLike, acceleration: npt.ArrayLike, *, discard: float = 0.0, resolution: float = 0.25
+) -> tuple[Array, Array]:
+    """Return frequencies [Hz] and the largest peak velocities [m/s] of the lines of an acceleration, for `iso_6954_1984`.
+
+    ISO 6954:1984 asks for the largest value that repeats. Here the integrated history passes a filter about each line, its
+    amplitude is followed through the record, and the largest counts, whether it repeats or not: that is on the safe side.
+    The filter (Kaiser window, one over the resolution long) is flat within two resolutions of the line and ends at six. A
+    steady sine has its amplitude within 0.1 %, and one whose amplitude changes has the largest as long as it changes no
+    faster than two resolutions: at 0.25 Hz, twice a second. Faster beats are lines of their own, and a coarser resolution
+    takes them together; lines less than four resolutions apart count as one that beats.
+
+    Only what is the highest within two resolutions through a Hann window has this amplitude; beside it stands what that
+    window shows, so that a line keeps its frequency. A line shows in several frequencies, and they must not be added up.
+
+    Random vibration has no lines: what is found for it grows with the root of the resolution, and slowly with the length
+    of the record. What lies below six resolutions cannot be told from the drift of the integral and is left out.
+
+    Args:
+        time: uniform instants [s], (n,).
+        acceleration: [m/s^2], (n,).
+        discard: length at the beginning that is left out [s]: until the response has settled.
+        resolution: distance of the lines [Hz].
+
+    Raises:
+        ValueError: the samples are not as they must be, or too short.
+    """
+    checked = power_spectral_density(time, acceleration, discard=discard, resolution=resolution)
+    instants, values = np.asarray(time, dtype=np.float64), np.asarray(acceleration, dtype=np.float64)
+    rate = (instants.size - 1) / float(instants[-1] - instants[0])
+    size, kept = round(rate / checked.resolution), round(checked.duration * rate)
+    velocity = cumulative_trapezoid(signal.detrend(values[-kept:], type="constant"), dx=1.0 / rate, initial=0.0)
+    frequency = np.arange(size // 2 + 1) * rate / size
+    told = (frequency > _LEAST_TOLD * checked.resolution) & (frequency < 0.45 * rate)
+    if not told.any():
+        raise ValueError(
+            f"`resolution` must leave a line between six resolutions and 0.45 of the sampling rate: less than "
+            f"{0.45 * rate / _LEAST_TOLD:.6g} Hz, got {resolution:.6g}."
+        )
+    # Cut off, at half, four resolutions from the line; 6 lets 0.07 % through beyond the sixth.
+    window = signal.firwin(size, 4.0 / size, window=("kaiser", 6.0), fs=1.0)
+    hann = signal.windows.hann(size, sym=False)
+    windows, found = np.stack([window, hann / hann.sum()]), np.zeros((2, frequency.size))
+    for first in range(0, velocity.size - size + 1, max(size // _HOPS, 1)):
+        piece = signal.detrend(velocity[first : first + size])
+        np.maximum(found, 2.0 * np.abs(np.fft.rfft(windows * piece)), out=found)
+    largest: Array = np.where(found[1] == maximum_filter1d(found[1], 5), found[0], found[1])[told]
+    # The trapezoidal rule integrates a sine to (w T / 2) / tan(w T / 2) of its integral.
+    half = math.pi * frequency[told] / rate
+    return frequency[told], largest * np.tan(half) / half
+
+
+def _lines(frequency: npt.ArrayLike, velocity: npt.ArrayLike) -> tuple[Array, Array]:
+    f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(velocity, dtype=np.float64))
+    if f.ndim != 1 or f.shape != v.shape or not f.size:
+        raise ValueError(
+            f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}."
+        )
+    if not (np.isfinite(f).all() and np.isfinite(v).all() and f.min() > 0.0 and v.min() >= 0.0):
+        raise ValueError("`frequency` must be finite and > 0 Hz and `velocity` finite and >= 0 m/s.")
+    return f, v
+
+
+def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
+    """Return the verdicts on a weighted rms velocity [m/s]."""
+    if space not in RMS_2000:
+        raise ValueError(f"`space` must be one of {', '.join(RMS_2000)}, got {space!r}.")
+    return tuple(
+        Verdict(
+            criterion=f"ISO 6954:2000 {space} {name}",
+            subject=subject,
+            value=velocity,
+            limit=limit,
+            unit="m/s",
+            note=f"weighted rms velocity from 1 to 80 Hz; {_WORDS[name]}",
+        )
+        for name, limit in zip(("lower", "upper"), RMS_2000[space], strict=True)
+    )

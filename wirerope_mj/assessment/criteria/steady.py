@@ -1,0 +1,37 @@
+"""When a base vibrates at random and steadily."""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from wirerope_mj.motions import RandomVibration, motion_from_dict
+
+
+def steady_stretch(motion: Mapping[str, Any]) -> tuple[bool, float, float]:
+    """Return whether a motion is random vibration alone, and the instants [s] between which all of that is stationary.
+
+    Without any random vibration these are minus and plus infinity. Files of records are not read.
+
+    Args:
+        motion: as plain values, as a response holds it.
+    """
+    parts = list(_elements(motion))
+    stretches = [_steady(part) for part in parts if part.get("kind") == RandomVibration.kind]
+    first = max((stretch[0] for stretch in stretches), default=-math.inf)
+    last = min((stretch[1] for stretch in stretches), default=math.inf)
+    return bool(parts) and len(stretches) == len(parts), first, last
+
+
+def _steady(stored: Mapping[str, Any]) -> tuple[float, float]:
+    motion = motion_from_dict(stored)
+    assert isinstance(motion, RandomVibration)
+    return motion.steady
+
+
+def _elements(stored: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+    """Yield the elementary motions of which one is made by adding, scaling and turning."""
+    inner = [*stored.get("terms", ()), *([stored["motion"]] if "motion" in stored else ())]
+    if not inner:
+        yield stored
+    for part in inner:
+        yield from _elements(part)

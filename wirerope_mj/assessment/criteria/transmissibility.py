@@ -1,0 +1,66 @@
+"""The transmissibility of a frequency response against a limit above a frequency."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.assessment.criteria.points import check_points, curve_at
+from wirerope_mj.assessment.criteria.verdict import Verdict
+
+
+def transmissibility_verdict(
+    frequency: npt.ArrayLike,
+    amplitude: npt.ArrayLike,
+    *,
+    base: float,
+    limit: float | None,
+    above: float = 0.0,
+    subject: str,
+) -> Verdict:
+    """Return the verdict on the largest transmissibility from a frequency on.
+
+    Args:
+        frequency: [Hz], in any order; a branch that folds has several amplitudes at one of them, and all count.
+        amplitude: of the payload's acceleration [m/s^2].
+        base: amplitude of the base's acceleration [m/s^2].
+        limit: largest transmissibility allowed; None is not judged.
+        above: frequency from which it is judged [Hz]; without it, everywhere.
+        subject: what is judged.
+
+    Raises:
+        ValueError: an argument is not positive, or the response ends below `above`.
+    """
+    f, a = np.asarray(frequency, dtype=np.float64), np.asarray(amplitude, dtype=np.float64)
+    if f.ndim != 1 or f.shape != a.shape or not f.size:
+        raise ValueError(
+            f"`frequency` and `amplitude` must be rows of the same length, got the shapes {f.shape} and {a.shape}."
+        )
+    if not (np.isfinite(f).all() and np.isfinite(a).all() and f.min() > 0.0 and a.min() >= 0.0):
+        raise ValueError("`frequency` must be finite and > 0 Hz and `amplitude` finite and >= 0 m/s^2.")
+    if not (math.isfinite(base) and base > 0.0):
+        raise ValueError(f"`base` must be finite and > 0 m/s^2, got {base!r}.")
+    if not (math.isfinite(above) and 0.0 <= above <= f.max()):
+        raise ValueError(f"`above` must be between 0 and {f.max():.6g} Hz, where the response ends, got {above!r}.")
+    places, values = f[f >= above], a[f >= above]
+    # Where the curve passes `above` between two of its points it has a value too.
+    for i in np.flatnonzero((f[:-1] < above) != (f[1:] < above)):
+        if a[i] > 0.0 and a[i + 1] > 0.0:
+            pair = [i, i + 1] if f[i] < f[i + 1] else [i + 1, i]
+            between = curve_at(check_points("response", f[pair], a[pair]), np.array([above]))
+            places, values = np.append(places, above), np.append(values, between)
+    worst = int(values.argmax())
+    where = "everywhere" if above <= f.min() else f"from {above:.4g} Hz on"
+    note = (
+        f"at {places[worst]:.4g} Hz, judged {where}"
+        if limit is not None
+        else f"at {places[worst]:.4g} Hz; no limit is stated"
+    )
+    return Verdict(
+        criterion="transmissibility",
+        subject=subject,
+        value=float(values[worst] / base),
+        limit=limit,
+        unit="",
+        note=note,
+    )

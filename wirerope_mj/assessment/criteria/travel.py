@@ -1,0 +1,105 @@
+"""Deflections of mounts against their rated travel: along each axis, and along all of them at once."""
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
+from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Verdict
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.scene import SceneMount
+from wirerope_mj.mounts.isolator.travel import RATINGS, travel_in, travel_reached
+
+Array = npt.NDArray[np.float64]
+
+COMBINED = "travel combined"
+"""Name of the criterion on all axes at once."""
+
+
+def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
+    """Return a verdict on every mount for compression, tension, shear, roll and for all of them combined.
+
+    Deflections count from the unloaded mount, so that the sag is part of them. Beyond its rated compression a wire-rope
+    isolator bottoms; for how long is in the note. Stops of the model are contacts, judged by `contact_verdicts`: what
+    they stop shows as a deflection that ends there.
+
+    No standard and no vendor gives a rule for several axes at once: the ellipsoid through the rated travels, beyond which
+    "travel combined" is exceeded, is this project's own.
+    """
+    found: list[Verdict] = []
+    for mount in response.scene.isolating:
+        deflection = read_columns(response, f"mounts/{mount.name}/deflection/roll", 3)
+        found += [_along(response, mount, rating, deflection) for rating in RATINGS]
+        found.append(_combined(response.time, mount, deflection))
+    return tuple(found)
+
+
+def _along(response: Response, mount: SceneMount, rating: str, deflection: Array) -> Verdict:
+    """Return the verdict on one rated travel, from the peaks of every step."""
+    axis, way = RATINGS[rating]
+    peak = response.peaks.mounts[mount.name].deflection
+    down = way < 0.0 or (way == 0.0 and -peak.minimum[axis] > peak.maximum[axis])
+    verdict = Verdict(
+        criterion=f"travel in {rating}",
+        subject=mount.name,
+        value=float(travel_reached(peak.minimum, peak.maximum)[rating]),
+        limit=mount.travel.get(rating),
+        unit="m",
+        time=float(peak.minimum_time[axis] if down else peak.maximum_time[axis]),
+        note="" if rating in mount.travel else f"no travel in {rating} is rated",
+    )
+    if verdict.verdict != EXCEEDED:
+        return verdict
+    beyond = _length(response.time, travel_in(rating, deflection) > mount.travel[rating])
+    return Verdict(**{**vars(verdict), "note": f"beyond it for {beyond}"})
+
+
+def _combined(time: Array, mount: SceneMount, deflection: Array) -> Verdict:
+    """Return the verdict on all axes at once: the largest sqrt(sum (deflection / rated)^2) against 1.
+
+    Judged are the instants at which the way along the axis is rated: a rebound into tension, which few vendors rate, is left
+    out and said. There, and where shear or roll have no rating, the sum of what is rated is a lower bound: it can exceed,
+    but not be within.
+    """
+    total = np.zeros(time.size)
+    judged = np.ones(time.size, dtype=bool)
+    missing, left_out = [], ""
+    for rating, (_, way) in RATINGS.items():
+        travel = travel_in(rating, deflection)
+        if rating in mount.travel:
+            total += (travel / mount.travel[rating]) ** 2
+        elif travel.any():
+            missing.append(rating)
+            if way:
+                judged &= travel == 0.0
+                left_out = f"left out: {_length(time, travel > 0.0)} with up to {1e3 * travel.max():.3g} mm of {rating}"
+    bound = not judged.any() or any(RATINGS[rating][1] == 0.0 for rating in missing)
+    square, when = sampled_peak(time, total)
+    notes = ["sqrt of the sum of (deflection / rated)^2 at one instant"]
+    if square <= 1.0 and left_out and judged.any():
+        square, when = _peak_among(time, total, judged)
+        notes.append(left_out)
+    if missing:
+        notes.append(f"no travel in {', '.join(missing)} is rated")
+    return Verdict(
+        criterion=COMBINED,
+        subject=mount.name,
+        value=float(np.sqrt(square)),
+        limit=1.0 if not bound or square > 1.0 else None,
+        unit="",
+        time=when,
+        note="; ".join(notes),
+    )
+
+
+def _peak_among(time: Array, values: Array, rows: npt.NDArray[np.bool_]) -> tuple[float, float]:
+    """Return the largest of `values` among `rows` and its instant, refined where it is a peak of all values too."""
+    k = int(np.where(rows, values, -np.inf).argmax())
+    around = slice(max(k - 1, 0), k + 2)
+    if values[k] < values[around].max():  # at the end of what is judged
+        return float(values[k]), float(time[k])
+    return sampled_peak(time[around], values[around])
+
+
+def _length(time: Array, rows: npt.NDArray[np.bool_]) -> str:
+    spacing = (time[-1] - time[0]) / max(time.size - 1, 1)  # a run shorter than that has one sample
+    return f"{1e3 * np.count_nonzero(rows) * spacing:.3g} ms in all"

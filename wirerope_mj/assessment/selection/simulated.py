@@ -1,0 +1,169 @@
+"""A candidate judged by simulation: its fitted isolator with its share of the mass on a shaken base."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.assessment.selection.select import UNSTATED, Candidate
+from wirerope_mj.assessment.selection.worksheet import Shock, Worksheet
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.motions import VelocityStep
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.vendor_parts.fitted import fit_part
+from wirerope_mj.mounts.vendor_parts.parts import Part
+
+_START = 0.01
+"""Instant of the shock [s]: a moment of rest before it shows the sag."""
+
+_CYCLES = 2.0
+"""Periods of the shock stiffness simulated after the shock: the first swing and the rebound hold the extremes."""
+
+_ACCURACY = 1e-3
+"""Error of the peaks [-]: the row's figures are good to two digits."""
+
+_ROOT = float(np.sqrt(0.5))
+
+_ALONG = {"compression": (0.0, 0.0, 1.0), "45": (_ROOT, 0.0, _ROOT), "shear": (0.0, 1.0, 0.0)}
+"""Direction in the mount's axes from its base to the payload: axial, between axial and roll, along the bars."""
+
+_MODEL = """\
+<mujoco model="selected">
+  <option gravity="{gravity}" integrator="RK4"/>
+  <default><geom contype="0" conaffinity="0"/></default>
+  <worldbody>
+    <body name="base">
+      <joint name="base_x" type="slide" axis="1 0 0"/>
+      <joint name="base_y" type="slide" axis="0 1 0"/>
+      <joint name="base_z" type="slide" axis="0 0 1"/>
+      <geom size="0.1" mass="10"/><site name="base/m1" pos="0 0 0.1"/>
+    </body>
+    <body name="payload" pos="0 0 0.2">
+      {joints}
+      <geom size="0.05" mass="{mass!r}"/><site name="payload/m1" pos="0 0 -0.1"/>
+    </body>
+  </worldbody>
+  <custom>
+    <text name="isolator/part" data="part.toml"/>
+    <tuple name="mount/m1">
+      <element objtype="site" objname="payload/m1"/>
+      <element objtype="site" objname="base/m1"/>
+      <element objtype="text" objname="isolator/part"/>
+    </tuple>
+  </custom>
+</mujoco>"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SimulatedShock:
+    """What the simulation says of a candidate.
+
+    Attributes:
+        candidate: what the worksheet says of it.
+        isolator: fitted from its row.
+        sag: deflection under the weight along the loading mode [m], on the virgin path.
+        travel: largest deflection from the sagged position along the shock [m]: what the worksheet calls dynamic travel.
+        deflection: largest deflection from the unloaded position along the shock [m], on the side where the part is rated.
+        acceleration: peak of the payload [m/s^2].
+        verdicts: rated travel (by `deflection`), room (by `travel`) and acceleration.
+        response: the run.
+    """
+
+    candidate: Candidate
+    isolator: Isolator
+    sag: float
+    travel: float
+    deflection: float
+    acceleration: float
+    verdicts: tuple[Verdict, ...]
+    response: Response
+
+
+def simulate_candidate(candidate: Candidate, worksheet: Worksheet) -> SimulatedShock:
+    """Return the simulated shock of a candidate: a guided mass, settled under its weight, on the isolator of its row.
+
+    All mounts move alike, so one with its share of the mass stands for them.
+
+    Raises:
+        ModelError: the row has no figures to fit.
+        ConvergenceError: no law has them all, or there is no equilibrium under the weight.
+        SimulationError: the run failed.
+    """
+    isolator = fit_part(candidate.part)
+    if "shear" in (worksheet.loading, worksheet.direction) and isolator.shear is None:
+        raise ModelError(
+            f"{candidate.part.name}: the table does not state travel and stiffnesses in shear; nothing to fit."
+        )
+    if "45" in (worksheet.loading, worksheet.direction) and isolator.roll is None:
+        raise ModelError(
+            f"{candidate.part.name}: the table does not state travel and stiffnesses in roll; nothing to fit."
+        )
+    shock = _struck(worksheet)
+    seconds = _START + shock.duration + _CYCLES / candidate.shock_frequency
+    response = simulate(
+        _system(isolator, worksheet), shock, duration=seconds, accuracy=_ACCURACY, sample_rate=4000.0
+    )  # a sample every quarter of a millisecond: a mount of 50 Hz has 80 of them in a period
+    return _judged(candidate, isolator, worksheet, response)
+
+
+def _judged(candidate: Candidate, isolator: Isolator, worksheet: Worksheet, response: Response) -> SimulatedShock:
+    """Return the peaks of a run, and their verdicts."""
+    deflection = response.mounts["m1"].deflection
+    along = deflection @ np.array(_ALONG[worksheet.direction])
+    sides = (-along).max() if worksheet.direction == "compression" else np.abs(along).max()
+    travel = float(np.abs(along - along[0]).max())
+    acceleration = response.peaks.bodies["payload"].acceleration.value
+    rated = candidate.part.modes[worksheet.direction].travel
+    return SimulatedShock(
+        candidate=candidate,
+        isolator=isolator,
+        sag=float(-deflection[0] @ np.array(_ALONG[worksheet.loading])),
+        travel=travel,
+        deflection=float(sides),
+        acceleration=acceleration,
+        verdicts=_verdicts(candidate.part, rated, worksheet, float(sides), travel, acceleration),
+        response=response,
+    )
+
+
+def _verdicts(
+    part: Part, rated: float | None, worksheet: Worksheet, deflection: float, travel: float, acceleration: float
+) -> tuple[Verdict, ...]:
+    def verdict(criterion: str, value: float, limit: float | None, unit: str, missing: str) -> Verdict:
+        note = missing if limit is None else ""
+        return Verdict(criterion=criterion, subject=part.name, value=value, limit=limit, unit=unit, note=note)
+
+    return (
+        verdict("rated travel", deflection, rated, "m", UNSTATED),
+        verdict("room", travel, worksheet.travel, "m", "no limit given"),
+        verdict("acceleration", acceleration, worksheet.fragility, "m/s^2", "no limit given"),
+    )
+
+
+def _system(isolator: Isolator, worksheet: Worksheet) -> System:
+    """Return one mount upright with its share of the mass; gravity turns with the loading mode instead of the mount."""
+    ways = dict.fromkeys((worksheet.loading, worksheet.direction))
+    joints = [f'<joint name="payload_{way}" type="slide" axis="{_numbers(_ALONG[way])}"/>' for way in ways]
+    text = _MODEL.format(
+        gravity=_numbers(-worksheet.gravity * np.array(_ALONG[worksheet.loading])),
+        joints="\n      ".join(joints),
+        mass=worksheet.mass / worksheet.mounts,
+    )
+    return load_system(text, isolators={"part": isolator})
+
+
+def _struck(worksheet: Worksheet) -> Shock:
+    """Return the shock of the base against the payload along its mode."""
+    direction = _ALONG[worksheet.direction]
+    if isinstance(worksheet.shock, VelocityStep):
+        return VelocityStep(velocity=worksheet.velocity, direction=direction, start=_START)
+    return replace(worksheet.shock, peak=abs(worksheet.shock.peak), direction=direction, start=_START)
+
+
+def _numbers(vector: npt.ArrayLike) -> str:
+    """Return a vector as MJCF writes it."""
+    return " ".join(f"{value + 0.0:.17g}" for value in np.asarray(vector, dtype=np.float64))

@@ -1,0 +1,121 @@
+"""The vendors' worksheet: what the mounts must and what one part would do, one linear spring for each question."""
+
+import math
+from dataclasses import dataclass
+
+from wirerope_mj.motions import VelocityStep
+from wirerope_mj.motions.pulses import Pulse
+from wirerope_mj.mounts.vendor_parts.parts import MODES
+
+WORKSHEET_GRAVITY = 9.81
+"""Acceleration of gravity of the vendors' sheets [m/s^2]: their printed digits need it, 0.03 % above the standard one."""
+
+ISOLATION_RATIO = 3.0
+"""Disturbing over natural frequency that the vendors ask for: it keeps out 80 % and more."""
+
+IMPULSE = 0.25
+"""Natural frequency times length of a pulse up to which only its velocity change counts (the vendors' condition)."""
+
+LONG = 1.0
+"""The same from which the rule says nothing: there an undamped mass under a half-sine reaches 1.73 times the pulse's peak, and
+the rule says 4 times."""
+
+Shock = Pulse | VelocityStep
+
+
+@dataclass(frozen=True, kw_only=True)
+class Worksheet:
+    """What is asked of the mounts; all stand alike, below a central centre of mass.
+
+    A pulse counts by its velocity change V alone. That is right within a few per cent while (natural frequency x length of the
+    pulse) < 0.25; above it the worksheet is on the safe side: no pulse of one sign moves a linear undamped mass more than a
+    sudden V.
+
+    Attributes:
+        mass: of the payload [kg].
+        mounts: number of mounts that share it.
+        shock: pulse or velocity step of the base.
+        travel: room that the payload has [m]; None = not judged, as for the next two.
+        fragility: acceleration that the payload stands [m/s^2].
+        disturbance: lowest disturbing frequency to be isolated [Hz].
+        loading: mode in which the weight loads the mounts: compression, 45 or shear.
+        direction: mode in which the shock does.
+        isolation_ratio: disturbing over natural frequency that is asked for.
+        gravity: of the weight [m/s^2].
+    """
+
+    mass: float
+    mounts: int
+    shock: Shock
+    travel: float | None = None
+    fragility: float | None = None
+    disturbance: float | None = None
+    loading: str = "compression"
+    direction: str = "compression"
+    isolation_ratio: float = ISOLATION_RATIO
+    gravity: float = WORKSHEET_GRAVITY
+
+    def __post_init__(self) -> None:
+        for name in ("mass", "isolation_ratio", "gravity", "travel", "fragility", "disturbance"):
+            value = getattr(self, name)
+            if value is not None and not (math.isfinite(value) and value > 0.0):
+                raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")
+        if isinstance(self.mounts, bool) or not isinstance(self.mounts, int) or self.mounts < 1:
+            raise ValueError(f"`mounts` must be a whole number >= 1, got {self.mounts!r}.")
+        for name in ("loading", "direction"):
+            mode = "shear" if getattr(self, name) == "roll" else getattr(self, name)
+            if mode not in MODES:
+                raise ValueError(f"`{name}` must be one of {', '.join(MODES)} or roll, got {mode!r}.")
+            object.__setattr__(self, name, mode)
+
+    @property
+    def load(self) -> float:
+        """Weight W on one mount [N]."""
+        return self.mass * self.gravity / self.mounts
+
+    @property
+    def velocity(self) -> float:
+        """Velocity change V of the shock [m/s]."""
+        return abs(self.shock.velocity_change)
+
+    @property
+    def peak(self) -> float | None:
+        """Acceleration of the pulse at its peak [m/s^2]; None for a velocity step, which has none."""
+        return None if isinstance(self.shock, VelocityStep) else abs(self.shock.peak)
+
+    @property
+    def largest_frequency(self) -> float | None:
+        """Natural frequency that isolates the disturbance [Hz], f_i / 3."""
+        return None if self.disturbance is None else self.disturbance / self.isolation_ratio
+
+    @property
+    def largest_vibration_stiffness(self) -> float | None:
+        """Kv_max of one mount for that frequency [N/m], W (2 pi f)^2 / g."""
+        frequency = self.largest_frequency
+        return None if frequency is None else self.load * (2.0 * math.pi * frequency) ** 2 / self.gravity
+
+    @property
+    def smallest_travel(self) -> float | None:
+        """D_min that a spring needs to keep within the fragility [m], V^2 / AT."""
+        return None if self.fragility is None else self.velocity**2 / self.fragility
+
+    @property
+    def largest_shock_stiffness(self) -> float | None:
+        """Ks_max of one mount for the fragility [N/m], (W / g) (AT / V)^2."""
+        return None if self.fragility is None else self.load / self.gravity * (self.fragility / self.velocity) ** 2
+
+    def frequency(self, stiffness: float) -> float:
+        """Return the natural frequency [Hz] on mounts of a stiffness [N/m] each, sqrt(K g / W) / 2 pi."""
+        return math.sqrt(stiffness * self.gravity / self.load) / (2.0 * math.pi)
+
+    def dynamic_travel(self, shock_stiffness: float) -> float:
+        """Return D = V / sqrt(Ks g / W) [m]."""
+        return self.velocity / (2.0 * math.pi * self.frequency(shock_stiffness))
+
+    def acceleration(self, shock_stiffness: float) -> float:
+        """Return the transmitted acceleration 2 pi f V [m/s^2] with f of the shock stiffness [N/m]; GT in g is it over g."""
+        return 2.0 * math.pi * self.frequency(shock_stiffness) * self.velocity
+
+    def impulse(self, shock_stiffness: float) -> float:
+        """Return natural frequency times length of the pulse [-]; 0 for a velocity step."""
+        return self.frequency(shock_stiffness) * self.shock.duration

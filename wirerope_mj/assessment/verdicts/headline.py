@@ -1,0 +1,31 @@
+"""The one sentence that answers whether a run keeps its limits, the same in every output."""
+
+from collections.abc import Sequence
+
+from wirerope_mj.assessment.criteria import EXCEEDED, STOP, STRUCK, WITHIN, Verdict
+
+
+def headline(verdicts: Sequence[Verdict]) -> str:
+    """Return the answer in one sentence: how many limits are exceeded, how many stops are struck, how much is not judged."""
+    over, within = (sum(row.verdict == verdict for row in verdicts) for verdict in (EXCEEDED, WITHIN))
+    judged, contacts = over + within, sum(bool(row.contact) for row in verdicts)
+    if over:
+        # "of" the judged, so that it is not read as a share of everything
+        answer = f"Exceeded: {over} of {_several(judged, 'limit')}"
+    elif judged:
+        answer = f"Within {'its limit' if judged == 1 else f'all {judged} limits'}"
+    else:
+        answer = "Nothing is judged: no limit is stated for anything in this run"
+    parts = [answer]
+    for thing, of_mounts in (("contact pair", False), ("stop", True)):
+        found = [row.contact for row in verdicts if row.contact and (row.criterion == STOP) is of_mounts]
+        if STRUCK in found:
+            parts.append(f"{found.count(STRUCK)} of {_several(len(found), thing)} struck")
+    left = len(verdicts) - judged - contacts
+    if judged and left:
+        parts.append(f"{_several(left, 'figure')} {'is' if left == 1 else 'are'} not judged")
+    return f"{'; '.join(parts)}."
+
+
+def _several(count: int, thing: str) -> str:
+    return f"{count} {thing}{'' if count == 1 else 's'}"

@@ -1,3 +1,0 @@
-"""The control callback: where the forces of all mounts are made, natively or in Python."""
-
-from wirerope_mj.control.install import installed as installed

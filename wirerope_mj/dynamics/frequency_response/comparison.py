@@ -1,0 +1,76 @@
+"""A sweep beside a branch: how far apart they are away from jumps, and where the sweep jumps."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.dynamics.frequency_response.curve import Curve
+from wirerope_mj.dynamics.periodic import Branch
+from wirerope_mj.dynamics.sweep import FrequencySweep
+
+Array = npt.NDArray[np.float64]
+
+AWAY = 0.05
+"""Relative distance from a fold within which a sweep jumps and is not compared."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """A sweep's envelope against the stable motions of a branch, away from jumps.
+
+    Attributes:
+        largest: largest difference relative to the branch; NaN if nothing can be compared.
+        at: frequency of it [Hz].
+        median: of the differences.
+        peak_frequency, peak: of the envelope [Hz], [m/s^2].
+        jumps: fold and where the sweep changes most steeply near it [Hz], for every fold at which this sweep jumps.
+    """
+
+    largest: float
+    at: float
+    median: float
+    peak_frequency: float
+    peak: float
+    jumps: tuple[tuple[float, float], ...]
+
+
+def compare(sweep: FrequencySweep, branch: Branch | None, curve: Curve | None) -> Comparison:
+    """Return what a sweep shows beside a branch, if there is one."""
+    f, a = sweep.frequency, sweep.amplitude
+    top = int(np.argmax(a))
+    difference = np.full(f.size, np.nan) if branch is None or curve is None else _differences(f, a, branch, curve)
+    known = np.flatnonzero(np.isfinite(difference))
+    largest = int(known[np.argmax(difference[known])]) if known.size else -1
+    return Comparison(
+        largest=float(difference[largest]) if known.size else math.nan,
+        at=float(f[largest]) if known.size else math.nan,
+        median=float(np.median(difference[known])) if known.size else math.nan,
+        peak_frequency=float(f[top]),
+        peak=float(a[top]),
+        jumps=() if branch is None else _jumps(sweep, branch),
+    )
+
+
+def _differences(f: Array, a: Array, branch: Branch, curve: Curve) -> Array:
+    """Return the relative difference to the nearest stable motion, NaN near folds and where there is none, (n,)."""
+    found = np.full(f.size, np.inf)
+    for amplitude, stable in curve.amplitudes_at(f):
+        here = np.where(stable, np.abs(a / amplitude - 1.0), np.nan)
+        found = np.fmin(found, here)
+    for fold in branch.folds:
+        found[np.abs(f / fold.frequency - 1.0) < AWAY] = np.nan
+    return np.where(np.isfinite(found), found, np.nan)
+
+
+def _jumps(sweep: FrequencySweep, branch: Branch) -> tuple[tuple[float, float], ...]:
+    """Return every fold at which a sweep of this way jumps, and the frequency at which it changes most steeply near it."""
+    f, a = sweep.frequency, sweep.amplitude
+    rising, found = bool(f[-1] > f[0]), []
+    for jump in branch.jumps:
+        near = np.flatnonzero(np.abs(f[:-1] / jump.parameter - 1.0) < AWAY)
+        if jump.rising == rising and near.size:
+            steepest = near[np.argmax(np.abs(np.diff(np.log(a)))[near])]
+            found.append((jump.parameter, float(f[steepest])))
+    return tuple(found)

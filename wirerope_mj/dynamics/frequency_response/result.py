@@ -1,0 +1,57 @@
+"""What a frequency response is made of."""
+
+from dataclasses import dataclass, field
+
+from wirerope_mj.dynamics.frequency_response.question import Question
+from wirerope_mj.dynamics.periodic import Branch
+from wirerope_mj.dynamics.sweep import FrequencySweep
+from wirerope_mj.engine.system import System
+
+
+@dataclass(frozen=True, kw_only=True)
+class Level:
+    """The response to one level of the base's acceleration.
+
+    Attributes:
+        acceleration: amplitude of the base's acceleration [m/s^2].
+        branch: periodic motions over frequency; None if they were not asked for.
+        up, down: envelopes of a sweep up and of one down that goes on from its end; None if they were not asked for.
+        branch_seconds, sweep_seconds: how long they took.
+    """
+
+    acceleration: float
+    branch: Branch | None = None
+    up: FrequencySweep | None = None
+    down: FrequencySweep | None = None
+    branch_seconds: float = 0.0
+    sweep_seconds: float = 0.0
+
+    @property
+    def sweeps(self) -> dict[str, FrequencySweep]:
+        """The sweeps by the words for their way."""
+        return {way: found for way, found in (("up", self.up), ("down", self.down)) if found is not None}
+
+    @property
+    def complete(self) -> bool:
+        """Whether the branch, if there is one, reached the end of the range."""
+        return self.branch is None or self.branch.complete
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrequencyResponse:
+    """The response of a system to sines of its base over a range of frequencies, at one level or several, lowest first."""
+
+    system: System = field(repr=False)
+    name: str
+    question: Question
+    levels: tuple[Level, ...]
+
+    @property
+    def complete(self) -> bool:
+        """Whether every branch reached the end of the range."""
+        return all(level.complete for level in self.levels)
+
+    @property
+    def branches(self) -> tuple[Branch, ...]:
+        """Branches of all levels that have one."""
+        return tuple(level.branch for level in self.levels if level.branch is not None)

@@ -1,0 +1,87 @@
+"""The figures of a frequency response, level by level: what the command prints, and what its summary holds."""
+
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.dynamics.frequency_response.comparison import Comparison, compare
+from wirerope_mj.dynamics.frequency_response.curve import Curve, curve_of
+from wirerope_mj.dynamics.frequency_response.findings import ResonancePeak, peaks_of
+from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Level
+
+
+@dataclass(frozen=True, kw_only=True)
+class Findings:
+    """What is read off one level, each when it is first asked for."""
+
+    level: Level
+
+    @cached_property
+    def curve(self) -> Curve | None:
+        """The branch as a fine line."""
+        return None if self.level.branch is None else curve_of(self.level.branch)
+
+    @cached_property
+    def peaks(self) -> list[ResonancePeak]:
+        """Peaks of the branch, the highest first."""
+        return [] if self.level.branch is None else peaks_of(self.level.branch)
+
+    @cached_property
+    def comparisons(self) -> dict[str, Comparison]:
+        """The sweeps beside the branch, by their way."""
+        return {way: compare(sweep, self.level.branch, self.curve) for way, sweep in self.level.sweeps.items()}
+
+
+def findings_of(result: FrequencyResponse) -> list[Findings]:
+    """Return what every level shows."""
+    return [Findings(level=level) for level in result.levels]
+
+
+def summary(findings: list[Findings]) -> list[dict[str, Any]]:
+    """Return the figures as plain values, SI units, None where there is no number."""
+    return [_level(found) for found in findings]
+
+
+def _level(found: Findings) -> dict[str, Any]:
+    level, branch = found.level, found.level.branch
+    content: dict[str, Any] = {"acceleration": level.acceleration}
+    if branch is not None:
+        content["continuation"] = {
+            "points": int(branch.frequency.size),
+            "complete": branch.complete,
+            "message": branch.message,
+            "model_steps": branch.model_steps,
+            "seconds": round(level.branch_seconds, 3),
+            "peaks": [asdict(peak) for peak in found.peaks],
+            "bifurcations": [
+                {
+                    "kind": event.kind, "frequency": event.frequency, "amplitude": event.amplitude,
+                    "multiplier": [event.multiplier.real, event.multiplier.imag],
+                    "unstable_before": event.before, "unstable_after": event.after,
+                }
+                for event in branch.bifurcations
+            ],
+            "jumps": [asdict(jump) for jump in branch.jumps],
+        }  # fmt: skip
+    for way, sweep in level.sweeps.items():
+        content[f"sweep_{way}"] = asdict(found.comparisons[way]) | {
+            "cycles": int(sweep.frequency.size),
+            "model_steps": sweep.model_steps,
+            "warnings": list(sweep.warnings),
+        }
+    if level.sweeps:
+        content["sweep_seconds"] = round(level.sweep_seconds, 3)
+    return {name: plain(value) for name, value in content.items()}
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON knows it: numbers that are none become None."""
+    if isinstance(value, dict):
+        return {name: plain(part) for name, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(part) for part in value]
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    return value

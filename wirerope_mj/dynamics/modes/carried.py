@@ -1,0 +1,106 @@
+"""Frequencies of large cycles about the deflection where their mean force carries the weight, beside those about rest.
+
+A law that is stiffer to one side, or whose hysteretic force held part of the weight at rest, has another mean force in a cycle
+than at rest. Under lasting vibration the mount moves to where the mean force is that of rest again, and is stiffer or softer
+there.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
+
+from wirerope_mj.dynamics.modes.axis import closed_cycle, mean_force
+from wirerope_mj.dynamics.modes.plane import SMALL
+from wirerope_mj.dynamics.modes.result import Modes
+from wirerope_mj.dynamics.single_mass.cycle import is_neutral
+from wirerope_mj.engine.statics import MountLoad
+from wirerope_mj.engine.system import System
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.laws import Law
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Carried:
+    """Modes of an amplitude about where every axis of every mount carries on average what it carried at rest.
+
+    Attributes:
+        frequencies: [Hz], (n_modes,); NaN where the mode tips over or no such deflection was found.
+        shift: largest distance of such a deflection from rest [m], (n_modes,).
+        mounts: name of the mount that moves by it, (n_modes).
+    """
+
+    frequencies: Array
+    shift: Array
+    mounts: tuple[str, ...]
+
+
+def carried(system: System, found: Modes) -> Carried:
+    """Return where modes at an amplitude lie about the deflections that carry the weight, the shapes as they are.
+
+    Each axis is taken alone, with the force that its law has at rest: for one mount of independent axes that is exact, else an
+    estimate.
+    """
+    if found.amplitude is None:
+        raise ValueError("`found` must be modes at an amplitude: small cycles have the mean force of rest.")
+    frequencies, shifts, names = np.empty(found.frequencies.size), np.empty(found.frequencies.size), []
+    for mode, frequency in enumerate(found.frequencies):
+        shape = found.shapes[found.free, mode]
+        stiffness, largest, name = 0.0, 0.0, ""
+        for mount, load in found.equilibrium.mounts.items():
+            sizes = found.amplitude * np.abs(found.mounts[mount][mode])
+            forces = _of_the_laws(system.mounts[mount].isolator, load)
+            for axis, law in enumerate(system.mounts[mount].isolator.axes.values()):
+                if law is None or is_neutral(law) or sizes[axis] < SMALL or not math.isfinite(frequency):
+                    continue
+                rest, force = float(load.deflection[axis]), float(forces[axis])
+                if law.initial_stiffness == 0.0 and force == 0.0:
+                    continue  # an open stop carries nothing, and where it would go is up to the others
+                there = _carrying(law, rest, force, float(sizes[axis]), frequency)
+                gain = _stiffness(law, there, sizes[axis], frequency) - _stiffness(law, rest, sizes[axis], frequency)
+                stiffness += found.mounts[mount][mode, axis] ** 2 * gain
+                if abs(there - rest) > largest:
+                    largest, name = abs(there - rest), mount
+        eigenvalue = (2.0 * np.pi * frequency) ** 2 + stiffness / float(shape @ found.mass @ shape)
+        frequencies[mode] = math.sqrt(eigenvalue) / (2.0 * np.pi) if eigenvalue >= 0.0 else math.nan
+        shifts[mode] = largest
+        names.append(name)
+    return Carried(frequencies=frequencies, shift=shifts, mounts=tuple(names))
+
+
+def _of_the_laws(isolator: Isolator, load: MountLoad) -> Array:
+    """Return the force at rest that the axes' own laws have [N], (3,): a loop's elastic energy is not theirs."""
+    forces = load.force.copy()
+    if isolator.loop is not None:
+        axes = list(isolator.coupled_axes)
+        forces[axes] -= isolator.loop.force(load.deflection[axes])
+    return forces
+
+
+def _stiffness(law: Law, deflection: float, amplitude: float, frequency: float) -> float:
+    return closed_cycle(law, deflection, amplitude, frequency=frequency).real if math.isfinite(deflection) else math.nan
+
+
+def _carrying(law: Law, rest: float, force: float, amplitude: float, frequency: float) -> float:
+    """Return the deflection about which the mean force of a cycle is `force` [m]; NaN if none is found."""
+
+    def excess(deflection: float) -> float:
+        return mean_force(law, deflection, amplitude, frequency=frequency) - force
+
+    here = excess(rest)
+    if abs(here) <= 1e-9 * (abs(force) + law.initial_stiffness * amplitude):  # rounding of a sum over a cycle
+        return rest
+    before, step = rest, -here / law.closed_stiffness
+    for _ in range(30):
+        beyond = before + step
+        there = excess(beyond)
+        if not math.isfinite(there):
+            return math.nan
+        if there * here <= 0.0:
+            return float(brentq(excess, before, beyond, xtol=1e-6 * abs(beyond - rest)))
+        before, step = beyond, 1.5 * step
+    return math.nan

@@ -1,0 +1,144 @@
+"""Mode shapes in motion, one after the other, as a response that can be drawn."""
+
+from dataclasses import dataclass
+from importlib.metadata import version
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.dynamics.modes.rest import STATE, AtRest, linearise
+from wirerope_mj.dynamics.modes.result import Modes
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.columns import ColumnPlan
+from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peak, Peaks, PointPeaks
+from wirerope_mj.engine.response.response import MemorySamples, Numerics
+from wirerope_mj.engine.simulation.scene import scene_of
+from wirerope_mj.engine.system import System
+
+Array = npt.NDArray[np.float64]
+
+ROWS = 36
+"""Rows of a period: ten degrees each."""
+
+PERIODS = 2
+"""Periods that each mode is shown, one second long each."""
+
+SHARE = 0.5
+"""Share of the height of the lowest mount by which the mount that moves most deflects in the picture."""
+
+_FLAT = 0.05
+"""That deflection where no height is known [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModeFilm:
+    """Modes in motion.
+
+    Attributes:
+        modes: the modes.
+        starts: instant at which each begins [s], (n_modes,).
+        amplitude: of the mount that moves most, as drawn [m].
+        response: the motions, each from its largest displacement on; time is the picture's, not the mode's.
+    """
+
+    modes: Modes
+    starts: Array
+    amplitude: float
+    response: Response
+
+
+def film_of_modes(system: System, modes: Modes) -> ModeFilm:
+    """Return the modes of `system` in motion about the position of rest, drawn large; forces are those of small cycles."""
+    rest = linearise(system, modes.equilibrium)
+    heights = [m.isolator.geometry.height for m in system.mounts.values() if m.isolator.geometry is not None]
+    known = [height for height in heights if height is not None]
+    amplitude = SHARE * min(known) if known else _FLAT
+    plan = ColumnPlan(
+        bodies=[system.model.body(body).name for body in system.assembly.subjects.bodies],
+        points=[system.model.site(site).name.split("point/", 1)[-1] for site in system.assembly.subjects.points],
+        mounts=[(name, ()) for name in system.mounts],
+    )
+    values = _values(system, modes, rest, plan, amplitude)
+    samples = MemorySamples(names=plan.names, values=values)
+    base, bodies, points, mounts = plan.parts(samples)
+    response = Response(
+        time=values[:, 0].copy(),
+        base=base,
+        bodies=bodies,
+        points=points,
+        mounts=mounts,
+        peaks=Peaks(
+            bodies={name: BodyPeaks(acceleration=_peak(body.acceleration)) for name, body in bodies.items()},
+            points={
+                name: PointPeaks(
+                    acceleration=_peak(point.acceleration), relative_displacement=_peak(point.relative_displacement)
+                )
+                for name, point in points.items()
+            },
+            mounts={
+                name: MountPeaks(deflection=_peak(mount.deflection), force=_peak(mount.force))
+                for name, mount in mounts.items()
+            },
+        ),
+        scene=scene_of(system),
+        motion={},
+        events=(),
+        numerics=Numerics(
+            timestep=np.nan, accuracy=np.nan, error_estimate=np.nan, steps=0, callback="",
+            versions={"mujoco": version("mujoco")},
+        ),
+        initial_state=modes.equilibrium.state,
+        final_state=modes.equilibrium.state,
+        samples=samples,
+    )  # fmt: skip
+    starts = PERIODS * np.arange(modes.frequencies.size, dtype=np.float64)
+    return ModeFilm(modes=modes, starts=starts, amplitude=amplitude, response=response)
+
+
+def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplitude: float) -> Array:
+    """Return the samples of all modes one after the other, (n_t, n_columns)."""
+    model = system.model.__copy__()
+    data = mujoco.MjData(model)
+    mujoco.mj_setState(model, data, modes.equilibrium.state.values, STATE)
+    at_rest = data.qpos.copy()
+    place = {name: column for column, name in enumerate(plan.names)}
+    values = np.zeros((modes.frequencies.size * PERIODS * ROWS, len(plan.names)))
+    none = np.zeros(3)
+    stiffness = {
+        name: np.diag(mount.stiffness(none, 1.0).real) + mount.loop_stiffness(none)
+        for name, mount in rest.mounts.items()
+    }
+    for row, line in enumerate(values):
+        mode, phase = divmod(row, PERIODS * ROWS)
+        swing = amplitude * np.cos(2.0 * np.pi * phase / ROWS)
+        line[0] = row / ROWS
+        data.qpos[:] = at_rest
+        mujoco.mj_integratePos(model, data.qpos, swing * modes.shapes[:, mode], 1.0)
+        mujoco.mj_kinematics(model, data)
+        for name in plan.bodies:
+            body = data.body(name)
+            line[_from(place, f"bodies/{name}/position/x", 3)] = body.xipos
+            line[_from(place, f"bodies/{name}/orientation/w", 4)] = body.xquat
+        for name, site in zip(plan.points, system.assembly.subjects.points, strict=True):
+            line[_from(place, f"points/{name}/position/x", 3)] = data.site_xpos[site]
+        for name, shape in modes.mounts.items():
+            moved = swing * shape[mode]
+            line[_from(place, f"mounts/{name}/deflection/roll", 3)] = rest.mounts[name].deflection + moved
+            line[_from(place, f"mounts/{name}/force/roll", 3)] = stiffness[name] @ moved
+    return values
+
+
+def _from(place: dict[str, int], name: str, size: int) -> slice:
+    return slice(place[name], place[name] + size)
+
+
+def _peak(values: Array) -> Peak:
+    """Return the extremes over all rows; their instants say nothing here."""
+    sizes = np.linalg.norm(values, axis=1)
+    at = int(np.argmax(sizes))
+    never = np.zeros(3)
+    return Peak(
+        value=float(sizes[at]), time=0.0, vector=values[at],
+        minimum=values.min(axis=0), minimum_time=never, maximum=values.max(axis=0), maximum_time=never,
+    )  # fmt: skip

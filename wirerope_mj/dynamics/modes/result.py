@@ -1,0 +1,113 @@
+"""Modes of a system about its sagged position."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import linear_sum_assignment
+
+from wirerope_mj.dynamics.modes.tipping import Stability
+from wirerope_mj.engine.statics import Equilibrium, History
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PayloadShape:
+    """Motion of a payload in every mode, on the scale of `Modes.shapes`.
+
+    Attributes:
+        centre: centre of mass at rest [m], world frame, (3,).
+        mass: of all that stands on the payload's root body [kg].
+        translation: of the centre of mass [m], world frame, (n_modes, 3).
+        rotation: of the root body [rad], world frame, (n_modes, 3).
+    """
+
+    centre: Array
+    mass: float
+    translation: Array
+    rotation: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Modes:
+    """Modes of a system about the position where it rests, from the lowest on.
+
+    Shapes are scaled so that the largest deflection of any mount is 1 m (without such, the largest coordinate 1): times the
+    amplitude they are the motion. Unless an amplitude is given everything is the limit of small closed cycles.
+
+    Attributes:
+        frequencies: [Hz], (n_modes,); 0 for a motion that nothing holds, of all that tip over too if the equilibrium
+            names a motion that no mount resists; else NaN where the weight wins over the mounts and the system tips over.
+        damping_ratio: of the closed cycles and of dampers, (n_modes,).
+        loading, unloading: frequencies with every mount's tangent on further loading and on unloading from its history [Hz],
+            (n_modes,): the first quarter cycle feels the one or the other. Those of small cycles lie between them where
+            beta >= gamma; with gamma > beta both tangents are softer than alpha.
+        shapes: velocity coordinates of MuJoCo as columns, (n_v, n_modes); the driven base stands still.
+        payloads: motion of every payload.
+        mounts: deflection of every mount in its axes, (n_modes, 3).
+        participation: share of the moving mass that takes part along x, y and z, (n_modes, 3); each column sums to 1.
+        words: what each mode is, such as "rocking about y + sway x"; "(free)" or "(tips over)" ends it where it does.
+        history: which equilibrium it is about.
+        amplitude: largest deflection of any mount [m]; None: vanishing.
+        stability: against tipping over.
+        free: velocity coordinates of MuJoCo that can move, (n,).
+        mass, stiffness: of these, (n, n); the stiffness is that of small closed cycles.
+        equilibrium: where the system rests.
+    """
+
+    frequencies: Array
+    damping_ratio: Array
+    loading: Array
+    unloading: Array
+    shapes: Array
+    payloads: dict[str, PayloadShape]
+    mounts: dict[str, Array]
+    participation: Array
+    words: tuple[str, ...]
+    history: History
+    amplitude: float | None
+    stability: Stability
+    free: npt.NDArray[np.int64]
+    mass: Array
+    stiffness: Array
+    equilibrium: Equilibrium
+
+    def places_in(self, other: "Modes") -> list[int]:
+        """Return for each of these modes the place of the one that it is in `other`: all of the same system."""
+        ours, theirs = (_unit(modes.shapes[self.free], self.mass) for modes in (self, other))
+        _, places = linear_sum_assignment(-((ours.T @ self.mass @ theirs) ** 2))
+        return [int(place) for place in places]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the modes as plain values, SI; what is not finite is None."""
+        return {
+            "history": self.history,
+            "amplitude_m": self.amplitude,
+            "modes": [
+                {
+                    "word": word,
+                    "frequency_Hz": _number(self.frequencies[i]),
+                    "loading_Hz": _number(self.loading[i]),
+                    "unloading_Hz": _number(self.unloading[i]),
+                    "damping_ratio": _number(self.damping_ratio[i]),
+                    "participation": self.participation[i].tolist(),
+                    "payloads": {
+                        name: {"translation": p.translation[i].tolist(), "rotation": p.rotation[i].tolist()}
+                        for name, p in self.payloads.items()
+                    },
+                    "mounts": {name: shape[i].tolist() for name, shape in self.mounts.items()},
+                }
+                for i, word in enumerate(self.words)
+            ],
+            "stability": self.stability.to_dict(),
+        }
+
+
+def _unit(shapes: Array, mass: Array) -> Array:
+    return np.asarray(shapes / np.sqrt(np.einsum("nj,nk,kj->j", shapes, mass, shapes)))
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

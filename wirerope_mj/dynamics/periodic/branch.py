@@ -1,0 +1,190 @@
+"""A branch of periodic motions: what `follow_branch` answers."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.dynamics.periodic.coordinates import Coordinates
+from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
+from wirerope_mj.engine.statics import History
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arguments import Direction
+from wirerope_mj.foundation.state import State
+
+Array = npt.NDArray[np.float64]
+Parameter = Literal["frequency", "acceleration"]
+Kind = Literal["fold", "period doubling", "Neimark-Sacker", "symmetry breaking"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bifurcation:
+    """Where a branch turns back or its stability changes.
+
+    Attributes:
+        kind: "fold" (the branch turns back; a multiplier passes 1), "period doubling" (one passes -1), "Neimark-Sacker" (a pair
+            leaves the unit circle), "symmetry breaking" (one passes 1 without a fold: another branch crosses this one).
+        frequency: of the base [Hz].
+        acceleration: of the base [m/s^2].
+        amplitude: of the payload [m/s^2].
+        index: place of its point in the branch.
+        multiplier: the one that passes the unit circle.
+        before, after: number of multipliers outside the unit circle on either side.
+    """
+
+    kind: Kind
+    frequency: float
+    acceleration: float
+    amplitude: float
+    index: int
+    multiplier: complex
+    before: int
+    after: int
+
+    @property
+    def words(self) -> str:
+        """One sentence for a reader."""
+        if self.after == self.before:
+            course = "stays lost" if self.after else "is kept"
+        else:
+            course = "is lost" if self.after > self.before else "is regained"
+        return f"{self.kind} at {self.frequency:.5g} Hz, {self.acceleration:.4g} m/s^2: stability {course}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Jump:
+    """Where a slow sweep leaves a branch, and where it lands.
+
+    Attributes:
+        parameter: frequency [Hz] or acceleration [m/s^2] of the fold, whichever was followed.
+        rising: whether a sweep with rising parameter jumps there; a falling one jumps at the others.
+        amplitude: at the fold [m/s^2].
+        landing: amplitude of the stable motion of the branch at the same parameter [m/s^2]; NaN if it has none there.
+    """
+
+    parameter: float
+    rising: bool
+    amplitude: float
+    landing: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Branch:
+    """Periodic motions of a system along the frequency or the level of its base's sine, in the order they were followed.
+
+    Attributes:
+        system: the system.
+        parameter: what was followed, "frequency" or "acceleration".
+        frequency: of the base [Hz], (n,).
+        acceleration: amplitude of the base's acceleration [m/s^2], (n,).
+        amplitude: largest absolute acceleration of the payload along `response_direction` over a period [m/s^2], (n,).
+        stable: whether no multiplier lies outside the unit circle, (n,).
+        floquet_multipliers: by falling modulus without the neutral ones, padded with NaN, (n, m).
+        neutral: number of neutral directions, (n,).
+        bifurcations: folds and changes of stability in the order of the branch.
+        payload: body whose acceleration is the amplitude.
+        direction: along which the base moves.
+        response_direction: along which the amplitude is taken.
+        periods: of the base after which the motions repeat themselves.
+        smoothing_width: velocity over which the laws were smoothed [m/s], 0 for the laws as they are, (n,).
+        unknowns: state at phase 0 relative to the equilibrium carried along, (n, n_x).
+        steps: model steps of each motion, (n,).
+        tangents: share of the parameter in the branch's direction, positive where it rises, (n,).
+        residual: how far each motion is from repeating itself, in shares of its ranges, (n,).
+        history: equilibrium about which the motions are.
+        complete: whether the end that was asked for was reached.
+        gaps: values of the parameter between which the branch could not be followed and was taken up again.
+        model_steps: of all integrations.
+        message: why it ended.
+    """
+
+    system: System = field(repr=False)
+    parameter: Parameter
+    frequency: Array
+    acceleration: Array
+    amplitude: Array
+    stable: npt.NDArray[np.bool_]
+    floquet_multipliers: npt.NDArray[np.complex128] = field(repr=False)
+    neutral: npt.NDArray[np.int64] = field(repr=False)
+    bifurcations: tuple[Bifurcation, ...]
+    payload: str
+    direction: Direction
+    response_direction: Direction
+    periods: int
+    smoothing_width: Array = field(repr=False)
+    unknowns: Array = field(repr=False)
+    steps: npt.NDArray[np.int64] = field(repr=False)
+    tangents: Array = field(repr=False)
+    residual: Array = field(repr=False)
+    history: History
+    complete: bool
+    gaps: tuple[tuple[float, float], ...]
+    model_steps: int
+    message: str
+
+    @property
+    def followed(self) -> Array:
+        """Values of what was followed, (n,)."""
+        return self.frequency if self.parameter == "frequency" else self.acceleration
+
+    @property
+    def transmissibility(self) -> Array:
+        """Amplitude over the base's acceleration, (n,)."""
+        return np.asarray(self.amplitude / np.abs(self.acceleration))
+
+    @property
+    def folds(self) -> tuple[Bifurcation, ...]:
+        """Points where the branch turns back."""
+        return tuple(b for b in self.bifurcations if b.kind == "fold")
+
+    @property
+    def jumps(self) -> tuple[Jump, ...]:
+        """Where slow sweeps leave the branch."""
+        return tuple(self._jump(fold) for fold in self.folds)
+
+    @property
+    def peak(self) -> int:
+        """Place of the largest amplitude."""
+        return int(np.argmax(self.amplitude))
+
+    def orbit(self, index: int) -> PeriodicOrbit:
+        """Return one of the motions."""
+        index = range(self.frequency.size)[index]
+        coordinates = Coordinates(self.system, direction=self.direction, history=self.history)
+        carried = coordinates.carried(float(self.frequency[index]), float(self.acceleration[index]))
+        multipliers = self.floquet_multipliers[index]
+        return PeriodicOrbit(
+            system=self.system,
+            frequency=float(self.frequency[index]),
+            acceleration=float(self.acceleration[index]),
+            direction=self.direction,
+            periods=self.periods,
+            smoothing_width=float(self.smoothing_width[index]),
+            state=State(values=coordinates.to_state(self.unknowns[index], carried), time=0.0),
+            steps=int(self.steps[index]),
+            floquet_multipliers=multipliers[~np.isnan(multipliers)],
+            neutral=int(self.neutral[index]),
+            stable=bool(self.stable[index]),
+            residual=float(self.residual[index]),
+            iterations=0,
+            model_steps=0,
+            message=f"point {index} of a branch",
+        )
+
+    def _jump(self, fold: Bifurcation) -> Jump:
+        p, a = self.followed, self.amplitude
+        value = float(p[fold.index])
+        rising = bool(self.tangents[max(fold.index - 1, 0)] > 0.0)
+        folds = [0, *(other.index for other in self.folds), p.size - 1]
+        here = folds.index(fold.index, 1)
+        landings = []
+        for i in range(p.size - 1):
+            sheet = folds[here - 1] <= i < folds[here + 1]  # the two that meet at this fold
+            crosses = (p[i] - value) * (p[i + 1] - value) <= 0.0
+            if sheet or not (crosses and self.stable[i] and self.stable[i + 1]):
+                continue
+            share = (value - p[i]) / (p[i + 1] - p[i])
+            landings.append(float(a[i] + share * (a[i + 1] - a[i])))
+        landing = min(landings, key=lambda x: abs(x - fold.amplitude)) if landings else float("nan")
+        return Jump(parameter=value, rising=rising, amplitude=fold.amplitude, landing=landing)

@@ -1,0 +1,179 @@
+"""Pseudo-arclength continuation of periodic motions in the frequency or the level of the base's sine.
+
+A point of a branch is y = (x, ln p), p the parameter that is followed. In units in which a step of 1 changes p by the largest
+step allowed, or the motion by a quarter of its ranges, the corrector solves
+
+    P(x, p) - x = 0,        t . (y - y_predicted) = 0
+
+with the matrix of the last point, brought up to date by Broyden's formula; the least solution is taken in the directions in
+which the motion is neutral, so that they neither stop it nor are wandered along.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.dynamics.periodic.branch import Parameter
+from wirerope_mj.dynamics.periodic.coordinates import scales
+from wirerope_mj.dynamics.periodic.multipliers import Stability, stability
+from wirerope_mj.dynamics.periodic.observe import ranges
+from wirerope_mj.dynamics.periodic.search import Search
+from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot, least_solution, monodromy, shot
+from wirerope_mj.dynamics.periodic.track import Drive
+from wirerope_mj.dynamics.periodic.variational import Variational
+
+Array = npt.NDArray[np.float64]
+
+
+CHANGE = 0.25
+"""Change of the motion in shares of its ranges that counts as one unit of arclength."""
+
+CORRECTIONS = 10
+"""Corrector iterations of one point."""
+
+MANY = 13
+"""Unknowns from which on the variational equation is cheaper than a copy of the system for each: one body free to move and turn
+has 12 without its mounts' states."""
+
+UNCLEAR = 0.1
+"""Component of a unit tangent whose sign may change between two points."""
+
+SLOW = 0.5
+"""Ratio of two residuals above which the matrix is integrated anew."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """A corrected point of a branch.
+
+    Attributes:
+        shot: the motion.
+        parameter: value of what is followed.
+        matrix: derivative of the scaled gap by (scaled x, arclength's unit of ln p), (n_x, n_x + 1).
+        tangent: unit tangent in the units of arclength, (n_x + 1,).
+        stability: Floquet multipliers.
+        corrections: corrector iterations that it took.
+        width: velocity over which the laws were smoothed [m/s].
+    """
+
+    shot: Shot
+    parameter: float
+    matrix: Array
+    tangent: Array
+    stability: Stability
+    corrections: int
+    width: float
+
+
+class Continuation:
+    """The numerics of following a branch: points, tangents, predictor and corrector."""
+
+    def __init__(
+        self, search: Search, *, parameter: Parameter, other: float, periods: int, unit: float, tolerance: float
+    ) -> None:
+        """Prepare to follow `parameter` with the `other` one fixed; `unit` of ln p counts as one unit of arclength."""
+        self.search, self.flow, self.parameter = search, search.flow, parameter
+        self.other, self.periods, self.unit, self.tolerance = other, periods, unit, tolerance
+        self._variational = Variational(search.flow) if search.coordinates.size >= MANY else None
+
+    def drive(self, value: float, steps: int | None = None) -> Drive:
+        """Return the base's sine at a value of the parameter."""
+        frequency, acceleration = (value, self.other) if self.parameter == "frequency" else (self.other, value)
+        drive = self.search.drive(frequency, acceleration, self.periods)
+        return drive if steps is None else replace(drive, steps=steps)
+
+    def point(
+        self, found: Shot, value: float, *, before: Array | None, corrections: int = 0, sign: float = 1.0
+    ) -> Point:
+        """Return the point of a motion that repeats itself, its tangent turned like the one `before` or to `sign`."""
+        matrix = self._matrix(found, value)
+        n = found.x.size
+        judged = stability(self.flow, found, matrix[:, :n] + np.eye(n))
+        return Point(
+            shot=found,
+            parameter=value,
+            matrix=matrix,
+            tangent=self._tangent(matrix, before, sign),
+            stability=judged,
+            corrections=corrections,
+            width=self.flow.width,
+        )
+
+    def _matrix(self, found: Shot, value: float) -> Array:
+        """Return the derivative of the scaled gap by the scaled unknowns and by ln p / unit, (n_x, n_x + 1)."""
+        phi = self._variational.matrix(found) if self._variational is not None else None
+        if phi is None:
+            phi = monodromy(self.flow, found)
+        moved = self.drive(value * math.exp(DIFFERENCE * self.unit), found.track.drive.steps)
+        end = self.flow.ends(found.x[np.newaxis], [moved])[0]
+        return np.column_stack([phi - np.eye(phi.shape[0]), (end - found.track.end) / found.scale / DIFFERENCE])
+
+    def _to_arc(self, n: int) -> Array:
+        """Return what a unit of the scaled unknowns (n_x of them) and of ln p / unit counts in arclength, (n_x + 1,)."""
+        return np.append(np.full(n, 1.0 / (CHANGE * math.sqrt(n))), 1.0)
+
+    def _tangent(self, matrix: Array, before: Array | None, sign: float) -> Array:
+        n = matrix.shape[0]
+        arc = self._to_arc(n)
+        row = np.append(np.zeros(n), sign) if before is None else before
+        system = np.vstack([matrix / arc, row])
+        tangent = least_solution(system, np.append(np.zeros(n), 1.0))
+        return np.asarray(tangent / np.linalg.norm(tangent))
+
+    def turned(self, point: Point, share: float, way: Array) -> Point:
+        """Return the point with its tangent turned along the way that led there: towards `share` of ln p, or along x."""
+        along = float(point.tangent[-1]) * share
+        if abs(share) < UNCLEAR:
+            along = float(point.tangent[:-1] @ (way / point.shot.scale))
+        return replace(point, tangent=point.tangent if along >= 0.0 else -point.tangent)
+
+    def step(self, last: Point, length: float) -> Point | None:
+        """Return the point an arclength further, None if the corrector does not get there."""
+        arc = self._to_arc(last.shot.x.size)
+        return self._correct(last, length * last.tangent / arc, last.tangent * arc, length)
+
+    def at_value(self, last: Point, value: float) -> Point | None:
+        """Return the point at a value of the parameter near the last point."""
+        n = last.shot.x.size
+        wanted = math.log(value / last.parameter) / self.unit
+        tangent = last.tangent / self._to_arc(n)
+        share = wanted / tangent[n] if abs(tangent[n]) > 1e-12 else 0.0
+        return self._correct(last, np.append((share * tangent)[:n], wanted), np.append(np.zeros(n), 1.0), wanted)
+
+    def _correct(self, last: Point, move: Array, row: Array, wanted: float) -> Point | None:
+        """Return the corrected point after a scaled `move` from the last one, under the constraint row . move = wanted."""
+        scale, n, unit = last.shot.scale, last.shot.x.size, self.unit
+        value = last.parameter * math.exp(unit * move[n])
+        steps = self.drive(value).steps
+        system = np.vstack([last.matrix, row])
+        now = self._moved(last, move, steps)
+        gaps = [now.residual]
+        fresh = False
+        for correction in range(CORRECTIONS):
+            if now.residual <= self.tolerance:
+                value = last.parameter * math.exp(unit * move[n])
+                own = replace(now, scale=scales(self.flow.coordinates, ranges(self.flow.system, now.track)))
+                before = last.tangent * np.append(scale / own.scale, 1.0)
+                return self.point(own, value, before=before, corrections=correction)
+            if not np.isfinite(now.residual):
+                return None
+            left = np.append(-now.gap, wanted - row @ move)
+            change = least_solution(system, left)
+            move = move + change
+            after = self._moved(last, move, steps)
+            if not np.isfinite(after.residual):
+                return None
+            system[:n] += np.outer(after.gap - now.gap - system[:n] @ change, change) / (change @ change)
+            now = after
+            gaps.append(now.residual)
+            if gaps[-1] > SLOW * gaps[-2] and not fresh:
+                value = last.parameter * math.exp(unit * move[n])
+                system[:n], fresh = self._matrix(now, value), True
+        return None
+
+    def _moved(self, last: Point, move: Array, steps: int) -> Shot:
+        value = last.parameter * math.exp(self.unit * move[-1])
+        x = last.shot.x + last.shot.scale * move[:-1]
+        return shot(self.flow, x, self.drive(value, steps), last.shot.scale)

@@ -1,0 +1,104 @@
+"""Finding where a branch turns back or changes its stability, between two of its points."""
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from scipy.optimize import minimize_scalar
+
+from wirerope_mj.dynamics.periodic.branch import Kind
+from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
+from wirerope_mj.dynamics.periodic.multipliers import MARGIN
+
+CLOSE = 1e-6
+"""Share of the parameter to which a change of stability is located."""
+
+LOCATIONS = 12
+"""Points that locating one may take."""
+
+WIDER = 0.5
+"""Share of a step by which a fold may lie beyond the two points between which the tangent turned: kinks that pass a step shake
+the tangent, but not the parameter."""
+
+
+def unstable(point: Point) -> int:
+    """Return the number of multipliers outside the unit circle."""
+    return int((np.abs(point.stability.multipliers) > 1.0 + MARGIN).sum())
+
+
+def turns(a: Point, b: Point) -> bool:
+    """Return whether the branch turns back between two points."""
+    return float(a.tangent[-1] * b.tangent[-1]) < 0.0
+
+
+def locate(path: Continuation, a: Point, b: Point, length: float) -> tuple[Kind, complex, Point, float] | None:
+    """Return what happens between `a` and `b`, an arclength apart: kind, multiplier, its point and arclength from `a`."""
+    if turns(a, b):
+        found, place = _extreme(path, a, b, length)
+        return "fold", _nearest_to_one(found), found, place
+    low, high = sorted((unstable(a), unstable(b)))
+    if low == high:
+        return None
+    found, place = _between(path, a, b, length, lambda p: _modulus(p, low) - 1.0)
+    more = a if unstable(a) > unstable(b) else b
+    critical = complex(more.stability.multipliers[low])
+    return _kind(critical), critical, found, place
+
+
+def _kind(multiplier: complex) -> Kind:
+    if abs(multiplier.imag) > 1e-6 * abs(multiplier):
+        return "Neimark-Sacker"
+    return "period doubling" if multiplier.real < 0.0 else "symmetry breaking"
+
+
+def _modulus(point: Point, index: int) -> float:
+    multipliers = point.stability.multipliers
+    return float(np.abs(multipliers[index])) if index < multipliers.size else 0.0
+
+
+def _nearest_to_one(point: Point) -> complex:
+    multipliers = point.stability.multipliers
+    return complex(multipliers[np.argmin(np.abs(multipliers - 1.0))]) if multipliers.size else 1.0 + 0.0j
+
+
+def _extreme(path: Continuation, a: Point, b: Point, length: float) -> tuple[Point, float]:
+    """Return the point with the extreme parameter around two points, and its arclength from `a`."""
+    sign = 1.0 if a.tangent[-1] > 0.0 else -1.0
+    seen = {0.0: a, length: b}
+
+    def depth(place: float) -> float:
+        point = path.step(a, place)
+        if point is None:
+            return math.inf
+        seen[place] = point
+        return -sign * math.log(point.parameter)
+
+    bounds = (-WIDER * length, (1.0 + WIDER) * length)
+    minimize_scalar(depth, bounds=bounds, method="bounded", options={"xatol": 1e-3 * length, "maxiter": LOCATIONS})
+    place = max(seen, key=lambda s: sign * seen[s].parameter)
+    return seen[place], place
+
+
+def _between(
+    path: Continuation, a: Point, b: Point, length: float, test: Callable[[Point], float]
+) -> tuple[Point, float]:
+    """Return the point where `test` vanishes and its arclength from `a`, by the Illinois method."""
+    left, right, f_left, f_right = 0.0, length, test(a), test(b)
+    best, place, least = (a, 0.0, abs(f_left)) if abs(f_left) < abs(f_right) else (b, length, abs(f_right))
+    for _ in range(LOCATIONS):
+        middle = (left * f_right - right * f_left) / (f_right - f_left)
+        point = path.step(a, middle)
+        if point is None:
+            break
+        value = test(point)
+        if abs(value) < least:
+            best, place, least = point, middle, abs(value)
+        # what is left of the interval, as a share of the parameter
+        if path.unit * abs(point.tangent[-1]) * abs(right - left) < CLOSE:
+            break
+        if value * f_right < 0.0:
+            left, f_left = right, f_right
+        else:
+            f_left *= 0.5
+        right, f_right = middle, value
+    return best, place

@@ -1,0 +1,89 @@
+"""Following a branch of periodic motions in the frequency or the level of the base's sine."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from wirerope_mj.dynamics.periodic.branch import Branch
+from wirerope_mj.dynamics.periodic.question import checked_question
+from wirerope_mj.dynamics.periodic.search import Search
+from wirerope_mj.dynamics.periodic.walk import Walk
+from wirerope_mj.engine.simulation.progress import share_bar
+from wirerope_mj.engine.statics import History
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arguments import at_least_one
+from wirerope_mj.foundation.state import State
+
+
+def follow_branch(
+    system: System,
+    *,
+    start: float,
+    stop: float,
+    acceleration: float | None = None,
+    frequency: float | None = None,
+    direction: str | Sequence[float],
+    payload: str,
+    response_direction: str | Sequence[float] | None = None,
+    periods: int = 1,
+    guess: State | None = None,
+    history: History = "relaxed",
+    accuracy: float = 1e-4,
+    tolerance: float = 1e-6,
+    smoothing: float | None = None,
+    largest_step: float = 0.02,
+    smallest_step: float = 1e-5,
+    most_points: int = 3000,
+    out: str | Path | None = None,
+    progress: bool = False,
+) -> Branch:
+    """Return the branch of periodic motions of `system` from `start` to `stop`, around folds if there are any.
+
+    With `acceleration` given, `start` and `stop` are frequencies [Hz]; with `frequency` given they are accelerations [m/s^2].
+    The branch is followed by pseudo-arclength continuation; folds and changes of stability are located on the way.
+
+    Args:
+        system: the system.
+        start: value of what is followed at the beginning.
+        stop: value at the end; from the higher to the lower one is allowed.
+        acceleration: amplitude of the base's acceleration [m/s^2], to follow the frequency.
+        frequency: of the base [Hz], to follow the acceleration.
+        direction: of the base, "x", "y", "z" or a vector.
+        payload: body whose acceleration is the branch's amplitude.
+        response_direction: along which it is taken; that of the base unless given.
+        periods: of the base after which the motions repeat themselves; above 1 for subharmonics.
+        guess: state at phase 0 at `start` to begin from, for instance `PeriodicOrbit.state`.
+        history: equilibrium about which the motions are looked for.
+        accuracy: error of the integration allowed, relative to the motions' ranges.
+        tolerance: largest residual of a point, in shares of its ranges.
+        smoothing: share of the mounts' largest velocity over which the laws are smoothed, from point to point; None leaves them
+            as they are.
+        largest_step: largest relative change of the parameter between two points.
+        smallest_step: smallest one before the branch is given up.
+        most_points: points after which it ends.
+        out: folder that keeps the points as they are found; a branch that was interrupted there goes on from its last point.
+        progress: whether a progress bar is shown on standard error.
+
+    Returns:
+        The branch; `complete` says whether it reached `stop`, `message` why it ended.
+
+    Raises:
+        ValueError: an argument is out of range.
+        ConvergenceError: there is no periodic motion at the start; says what is left and what was tried.
+        SimulationError: the motion at the start leaves a mount's rated travel or the validity of its law.
+        RecordError: `out` holds the branch of another system or another question.
+    """
+    question = checked_question(
+        system, acceleration=acceleration, frequency=frequency, direction=direction, payload=payload,
+        response_direction=response_direction, periods=at_least_one("periods", periods), history=history,
+        most_points=at_least_one("most_points", most_points), start=start, stop=stop, largest_step=largest_step,
+        smallest_step=smallest_step, tolerance=tolerance, accuracy=accuracy,
+        smoothing=smoothing,
+    )  # fmt: skip
+    search = Search(
+        system, direction=question.direction, history=history, accuracy=question.accuracy, smoothing=smoothing
+    )
+    with (
+        search.flow.ready(),
+        share_bar("following", "Hz" if frequency is None else "m/s^2", enabled=progress) as update,
+    ):
+        return Walk(search, question, None if out is None else Path(out)).go(guess, update)

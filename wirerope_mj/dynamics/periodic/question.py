@@ -1,0 +1,109 @@
+"""What a branch is asked for: what is followed, from where to where, and what is read off it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirerope_mj.dynamics.periodic.branch import Parameter
+from wirerope_mj.dynamics.periodic.observe import observed_bodies
+from wirerope_mj.engine.simulation.simulate import check_direction
+from wirerope_mj.engine.statics import History
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arguments import Direction, checked_direction, positive
+from wirerope_mj.motions import Sine
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question:
+    """What is followed, from where to where, and what is read off it; all arguments checked."""
+
+    parameter: Parameter
+    start: float
+    stop: float
+    other: float
+    direction: Direction
+    payload: str
+    response_direction: Direction
+    periods: int
+    history: History
+    accuracy: float
+    smoothing: float | None
+    tolerance: float
+    largest_step: float
+    smallest_step: float
+    most_points: int
+
+    @property
+    def sign(self) -> float:
+        """1 for a rising parameter, -1 for a falling one."""
+        return 1.0 if self.stop > self.start else -1.0
+
+    def share(self, value: float) -> float:
+        """Return the share of the way to the end, between 0 and 1."""
+        return float(np.clip(np.log(value / self.start) / np.log(self.stop / self.start), 0.0, 1.0))
+
+
+def checked_question(
+    system: System,
+    *,
+    acceleration: float | None,
+    frequency: float | None,
+    direction: str | Sequence[float],
+    payload: str,
+    response_direction: str | Sequence[float] | None,
+    periods: int,
+    most_points: int,
+    history: History,
+    smoothing: float | None,
+    **numbers: float,
+) -> Question:
+    """Return the question of `follow_branch`; an argument that is out of range is a ValueError."""
+    if (acceleration is None) == (frequency is None):
+        raise ValueError(
+            "give either `acceleration` (to follow the frequency) or `frequency` (to follow the acceleration)."
+        )
+    values = _way(numbers)
+    known = observed_bodies(system)
+    if payload not in known:
+        raise ValueError(f"`payload` must be one of {', '.join(known)}; got {payload!r}.")
+    moved = checked_direction(direction)
+    parameter: Parameter = "frequency" if frequency is None else "acceleration"
+    other = (
+        positive("acceleration", acceleration) if acceleration is not None else positive("frequency", frequency or 0.0)
+    )
+    check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=moved))
+    return Question(
+        parameter=parameter,
+        other=other,
+        direction=moved,
+        payload=payload,
+        response_direction=moved if response_direction is None else _response_direction(response_direction),
+        periods=periods,
+        history=history,
+        most_points=most_points,
+        smoothing=None if smoothing is None else positive("smoothing", smoothing),
+        **values,
+    )
+
+
+def _way(numbers: dict[str, float]) -> dict[str, float]:
+    """Return start, stop, steps and tolerances as plain numbers that go together."""
+    values = {name: positive(name, value) for name, value in numbers.items()}
+    if values["start"] == values["stop"]:
+        raise ValueError(
+            f"`stop` must differ from `start`, got {values['start']!r} for both; use periodic_orbit instead."
+        )
+    if not values["smallest_step"] < values["largest_step"] < 1.0:
+        raise ValueError(
+            f"`smallest_step` must be below `largest_step`, and that below 1, got {values['smallest_step']!r} and "
+            f"{values['largest_step']!r}."
+        )
+    return values
+
+
+def _response_direction(direction: str | Sequence[float]) -> Direction:
+    try:
+        return checked_direction(direction)
+    except ValueError as error:
+        raise ValueError(str(error).replace("`direction`", "`response_direction`")) from None

@@ -1,0 +1,52 @@
+"""Smooth approximations of a system's laws, so wide as the motion is fast."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from mujoco.batch import Batch
+
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system.varied import with_other_laws
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.laws.kernels import SMOOTHED
+from wirerope_mj.mounts.laws.smoothed import Smoothed, smoothable
+
+
+def smoothed(system: System, width: float) -> System:
+    """Return the system with every law that can be smoothed over the velocity `width` [m/s].
+
+    Raises:
+        ValueError: none of its laws can be smoothed.
+    """
+    if all(_smoothed(mount.isolator, width) == mount.isolator for mount in system.mounts.values()):
+        raise ValueError(
+            "`smoothing` has nothing to smooth: no axis of this system has a law with one hysteretic state."
+        )
+    return with_other_laws(system, lambda isolator: _smoothed(isolator, width))
+
+
+def _smoothed(isolator: Isolator, width: float) -> Isolator:
+    axes: dict[str, Any] = {
+        axis: Smoothed(law=law, width=width)
+        for place, (axis, law) in enumerate(isolator.axes.items())
+        if law is not None and smoothable(law) and place not in isolator.coupled_axes
+    }
+    return replace(isolator, **axes)
+
+
+def width_places(system: System) -> npt.NDArray[np.int64]:
+    """Return where the widths of a smoothed system's laws stand in its model's numeric_data."""
+    model = system.model
+    numbers = model.actuator_dynprm[-1]
+    layout, parameters = int(numbers[1]), int(numbers[2])
+    first = layout + int(model.numeric_data[layout + at.AXES])
+    rows = model.numeric_data[first : first + 3 * at.AXIS_COLUMNS * len(system.mounts)].reshape(-1, at.AXIS_COLUMNS)
+    return np.asarray(parameters + rows[rows[:, 0] == SMOOTHED, 1], dtype=np.int64)
+
+
+def set_width(batch: Batch, places: npt.NDArray[np.int64], width: float) -> None:
+    """Give every simulation of a batch laws that are smoothed over `width` [m/s]."""
+    batch.expand("numeric_data")[:, places] = width

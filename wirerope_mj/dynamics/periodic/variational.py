@@ -1,0 +1,198 @@
+"""The monodromy matrix from the variational equation along a motion, for systems of many mounts.
+
+Integrating a copy of the system for every unknown costs as many periods as there are unknowns, and most of them are hysteretic
+states, which touch the system only through the force of their own mount. Along a motion that has been integrated already the
+linear equation
+
+    d/dt delta x = A(t) delta x
+
+needs forward passes only: two for each free coordinate and a few for all states together, at the start of every step. A state's
+effect on the accelerations follows from the force it adds and the mount's deflection gradient, which is force and motion of the
+same virtual work. The equation is integrated by RK4 over pairs of steps, so that its three instants are sampled ones.
+"""
+
+import os
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+from mujoco.batch import Batch
+
+from wirerope_mj.dynamics.periodic.flow import Flow
+from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot
+from wirerope_mj.dynamics.periodic.smoothing import set_width
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.system import System
+from wirerope_mj.motions import Sine
+
+Array = npt.NDArray[np.float64]
+Instants = npt.NDArray[np.int64]
+
+ROWS = 512
+"""Forward passes that are run at once."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Group:
+    """Axes of a mount whose forces and rates depend on the same internal states, and these states."""
+
+    mount: int
+    axes: list[int]
+    states: list[int]
+
+
+def _groups(system: System) -> list[_Group]:
+    found = []
+    for number, mount in enumerate(system.mounts.values()):
+        coupled = list(mount.isolator.coupled_axes)
+        for axes in [coupled] * bool(coupled) + [[axis] for axis in range(3) if axis not in coupled]:
+            states = [state for axis in axes for state in range(mount.states[axis].start, mount.states[axis].stop)]
+            if states:
+                found.append(_Group(mount=number, axes=axes, states=states))
+    return found
+
+
+class Variational:
+    """Forward passes around the instants of a motion, and the matrix A(t) they give."""
+
+    def __init__(self, flow: Flow) -> None:
+        self.flow, self.system, self.model = flow, flow.system, flow.model
+        self._free = flow.coordinates.free
+        self._groups = _groups(self.system)
+        self._colours = max((len(group.states) for group in self._groups), default=0)
+        self.passes = 1 + 2 * self._free.size + self._colours
+        self._instants = max(ROWS // self.passes, 1)
+        self._batch = Batch(self.model, nsim=self._instants * self.passes, nthread=os.cpu_count() or 1)
+        self._data = mujoco.MjData(self.model)
+        self._out = {name: self._batch.bind(name) for name in ("qacc", "act_dot", "nefc", "userdata")}
+
+    def matrix(self, at_shot: Shot) -> Array | None:
+        """Return the scaled monodromy matrix, (n_x, n_x); None where it does not serve.
+
+        It does not where a constraint is active on the way, and where an actuator of the model itself has activations.
+        """
+        if self.model.na != self.system.assembly.tables.user.n_states:
+            return None
+        if self.flow.width:
+            set_width(self._batch, self.flow.width_places, self.flow.width)
+        track, n = at_shot.track, at_shot.x.size
+        steps = track.drive.steps
+        motion = Sine(
+            frequency=track.drive.frequency,
+            acceleration=track.drive.acceleration,
+            direction=self.flow.coordinates.direction,
+        )
+        base = motion.acceleration(track.drive.duration * np.arange(steps) / steps)
+        derivative = np.empty((steps, n, n))
+        for first in range(0, steps, self._instants):
+            instants = np.arange(first, min(first + self._instants, steps))
+            if not self._around(at_shot, instants, base, derivative):
+                return None
+        return _integrate(derivative, track.drive.duration / steps)
+
+    def _around(self, at_shot: Shot, instants: Instants, base: Array, derivative: Array) -> bool:
+        """Fill A at some instants; False where a constraint is active."""
+        count = instants.size * self.passes
+        self._place(at_shot, instants, base)
+        self._batch.forward(np.arange(count))
+        self.flow.passes += count
+        shape = (instants.size, self.passes)
+        if self._out["nefc"][:count].any():
+            return False
+        qacc = self._out["qacc"][:count, self._free].reshape(*shape, -1)
+        rates = self._out["act_dot"][:count].reshape(*shape, -1)
+        assembly = self.system.assembly
+        first = assembly.userdata + assembly.tables.user.mounts
+        n_mounts = len(self.system.mounts)
+        record = self._out["userdata"][:count, first : first + 6 * n_mounts].reshape(*shape, n_mounts, 2, 3)
+        self._fill(at_shot, instants, qacc, rates, record, derivative)
+        return True
+
+    def _place(self, at_shot: Shot, instants: Instants, base: Array) -> None:
+        """Write the states around some instants into the batch: as it is, q, v and z of every colour moved."""
+        track, scale, part = at_shot.track, at_shot.scale, self.flow.coordinates
+        model, nf = self.model, self._free.size
+        state, shape = self._batch.state, (instants.size, self.passes, -1)
+        count = instants.size * self.passes
+        carried = part.carried(track.drive.frequency, track.drive.acceleration)
+        state[:count] = carried
+        qpos, qvel = self._batch.qpos[:count].reshape(shape), self._batch.qvel[:count].reshape(shape)
+        act, user = self._batch.act[:count].reshape(shape), self._batch.userdata[:count].reshape(shape)
+        qpos[:] = track.qpos[instants, np.newaxis]
+        qvel[:] = track.qvel[instants, np.newaxis]
+        act[:] = track.act[instants, np.newaxis]
+        move = np.zeros(model.nv)
+        for j, dof in enumerate(self._free):
+            move[:] = 0.0
+            move[dof] = DIFFERENCE * scale[j]
+            for row in qpos[:, 1 + j]:
+                mujoco.mj_integratePos(model, row, move, 1.0)
+            qvel[:, 1 + nf + j, dof] += DIFFERENCE * scale[nf + j]
+        for colour in range(self._colours):
+            for group in self._groups:
+                if colour < len(group.states):
+                    z = group.states[colour]
+                    act[:, 1 + 2 * nf + colour, z] += DIFFERENCE * scale[2 * nf + z]
+        first = self.system.assembly.userdata
+        user[:, :, first + at.STAGE_POINTS] = 1.0
+        user[:, :, first + at.STAGES : first + at.STAGES + 3] = base[instants, np.newaxis]
+
+    def _fill(self, at_shot: Shot, instants: Instants, qacc: Array, rates: Array, record: Array, out: Array) -> None:
+        scale, nf = at_shot.scale, self._free.size
+        q, v, z = slice(0, nf), slice(nf, 2 * nf), slice(2 * nf, scale.size)
+        step = DIFFERENCE * scale
+        a = np.zeros((instants.size, scale.size, scale.size))
+        moved = slice(1, 1 + 2 * nf)
+        a[:, v, : 2 * nf] = (qacc[:, moved] - qacc[:, :1]).swapaxes(1, 2) / step[: 2 * nf]
+        a[:, z, : 2 * nf] = (rates[:, moved] - rates[:, :1]).swapaxes(1, 2) / step[: 2 * nf]
+        a[:, q, v] = np.eye(nf)
+        a[:, q, q] = np.stack([_turning(self.model, self._free, at_shot.track.qvel[i]) for i in instants])
+        inverse = np.stack([self._inverse_mass(at_shot.track.qpos[i]) for i in instants])
+        # how a mount's deflection follows the free coordinates, (n_instants, n_mounts, 3, nf)
+        gradient = (record[:, 1 : 1 + nf, :, 0] - record[:, :1, :, 0]).transpose(0, 2, 3, 1) / step[q]
+        for group in self._groups:
+            for colour, j in enumerate(group.states):
+                row, unit = 1 + 2 * nf + colour, step[2 * nf + j]
+                force = (record[:, row, group.mount, 1] - record[:, 0, group.mount, 1])[:, group.axes] / unit
+                pull = np.einsum("kaj,ka->kj", gradient[:, group.mount][:, group.axes], force)
+                a[:, v, 2 * nf + j] = -np.einsum("kij,kj->ki", inverse, pull)
+                a[:, 2 * nf + np.array(group.states), 2 * nf + j] = (rates[:, row] - rates[:, 0])[
+                    :, group.states
+                ] / unit
+        out[instants] = a * scale / scale[:, np.newaxis]
+
+    def _inverse_mass(self, qpos: Array) -> Array:
+        data = self._data
+        data.qpos[:] = qpos
+        mujoco.mj_kinematics(self.model, data)
+        mujoco.mj_comPos(self.model, data)
+        mujoco.mj_makeM(self.model, data)
+        mass = np.zeros((self.model.nv, self.model.nv))
+        mujoco.mj_fullM(self.model, data, mass)
+        return np.asarray(np.linalg.inv(mass[np.ix_(self._free, self._free)]))
+
+
+def _turning(model: mujoco.MjModel, free: Instants, qvel: Array) -> Array:
+    """Return how a small rotation of a turning body changes in its own axes: d/dt theta = omega' - omega x theta."""
+    turning = np.zeros((model.nv, model.nv))
+    for joint in range(model.njnt):
+        first = int(model.jnt_dofadr[joint]) + 3 * (model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE)
+        if model.jnt_type[joint] in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL):
+            x, y, z = qvel[first : first + 3]
+            turning[first : first + 3, first : first + 3] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
+    return turning[np.ix_(free, free)]
+
+
+def _integrate(derivative: Array, step: float) -> Array:
+    """Return the solution of d/dt phi = A phi over the samples of A, from the unit matrix; their number is even."""
+    n_steps, n, _ = derivative.shape
+    phi, h = np.eye(n), 2.0 * step
+    for k in range(0, n_steps, 2):
+        a, b, c = derivative[k], derivative[k + 1], derivative[(k + 2) % n_steps]
+        k1 = a @ phi
+        k2 = b @ (phi + 0.5 * h * k1)
+        k3 = b @ (phi + 0.5 * h * k2)
+        k4 = c @ (phi + h * k3)
+        phi = phi + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    return phi

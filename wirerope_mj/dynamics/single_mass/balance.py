@@ -1,0 +1,212 @@
+"""Harmonic balance of one mass on one isolator axis: periodic motions by alternating between frequency and time.
+
+    m (d'' + a sin w t) = -F(d) - m g,      d = sum over k <= H of Re[c_k exp(i k w t)]
+
+The unknowns are the Fourier coefficients of the deflection alone. Its samples in time are followed by the law's own exact steps
+until the cycle closes; the Fourier coefficients of that force stand in the equation of motion,
+
+    R_k = -(k w)^2 m c_k + F_k - i m a [k = 1] + m g [k = 0]
+
+and Newton's method makes the retained ones zero. Wong, Ni and Lau (1994) carry the hysteretic force as further unknowns and
+balance the constitutive equation too, whose kinks then limit the convergence. Followed in time, a force whose second derivative
+jumps at reversals has coefficients that fall as k^-3, those of the deflection fall as k^-5, and the tips as H^-4.
+
+No engine and no shooting here: it is an independent check of both.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.dynamics.single_mass.cycle import Array, largest, steady_cycle
+from wirerope_mj.dynamics.single_mass.equivalent import require_oscillator
+from wirerope_mj.dynamics.single_mass.fourier import Balance, Solution, newton
+from wirerope_mj.dynamics.single_mass.linearisation import linearised_orbits
+from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.mounts.laws import Law, Smoothed
+
+_FINE = 8192
+"""Samples of the cycle whose extremes are read: a smooth one between two of them is missed by 7e-8 of itself."""
+
+_SMALLEST_LEVEL = 1e-3
+"""Share of the acceleration at which the way up from small excitations begins, where every law is close to a spring."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HarmonicOrbit:
+    """A periodic motion by harmonic balance; phase 0 of the sine at the first sample, the last one period later.
+
+    Attributes:
+        law: of the isolator axis.
+        mass: [kg].
+        frequency: [Hz].
+        acceleration: amplitude of the base [m/s^2].
+        gravity: [m/s^2].
+        coefficients: c_k of the deflection [m], (harmonics + 1,), complex; the mean first.
+        time: [s], (n_t,).
+        deflection: [m], (n_t,).
+        rate: [m/s], (n_t,).
+        force: [N], (n_t,).
+        hysteretic_state: [N], (n_t,).
+        amplitude: largest |absolute acceleration| of the mass over the period [m/s^2].
+        smallest_deflection: [m].
+        largest_deflection: [m].
+        largest_hysteretic_state: largest |z| [N].
+        dissipated_energy: work done on the law in the period [J].
+        residual: largest |R_k| of the retained harmonics over m a.
+        truncation: root mean square of the force's harmonics that are not retained, over m a: what they leave unbalanced.
+        iterations: Newton steps taken.
+    """
+
+    law: Law
+    mass: float
+    frequency: float
+    acceleration: float
+    gravity: float
+    coefficients: npt.NDArray[np.complex128] = field(repr=False)
+    time: Array = field(repr=False)
+    deflection: Array = field(repr=False)
+    rate: Array = field(repr=False)
+    force: Array = field(repr=False)
+    hysteretic_state: Array = field(repr=False)
+    amplitude: float
+    smallest_deflection: float
+    largest_deflection: float
+    largest_hysteretic_state: float
+    dissipated_energy: float
+    residual: float
+    truncation: float
+    iterations: int
+
+    @property
+    def harmonics(self) -> Array:
+        """Amplitudes of the harmonics of the mass' absolute acceleration [m/s^2], (harmonics + 1,); the mean is zero."""
+        spectrum = np.fft.rfft(self.force[:-1])[: self.coefficients.size] / (self.force.size - 1)
+        spectrum[1:] *= 2.0
+        spectrum[0] += self.mass * self.gravity
+        return np.abs(spectrum) / self.mass
+
+    @property
+    def transmissibility(self) -> float:
+        """Largest |absolute acceleration| of the mass over the base's amplitude [-]."""
+        return self.amplitude / self.acceleration
+
+
+def harmonic_balance(
+    law: Law,
+    *,
+    mass: float,
+    frequency: float,
+    acceleration: float,
+    gravity: float = 0.0,
+    harmonics: int = 31,
+    samples: int = 1024,
+    guess: npt.ArrayLike | None = None,
+    tolerance: float = 1e-10,
+) -> HarmonicOrbit:
+    """Return a periodic motion of one mass on one isolator axis under a sine of base acceleration, a sin(w t).
+
+    It starts from equivalent linearisation, the smallest of its solutions first; if Newton's method fails from all of them, the
+    acceleration is raised step by step from where the law is a spring. A law without an elastic part holds no place: its
+    mean deflection is zero.
+
+    Args:
+        law: of the axis; none that wears. Masing's sliders enter the first cycle unloaded, at zero deflection.
+        mass: [kg].
+        frequency: of the base and of the motion [Hz].
+        acceleration: amplitude of the base, a [m/s^2].
+        gravity: acceleration that acts on the mass towards compression [m/s^2].
+        harmonics: retained, H.
+        samples: of one period, at least 8 for each harmonic.
+        guess: coefficients to start from, and from nothing else, such as those of a neighbour; (n,) complex, the mean first.
+        tolerance: of the residual.
+
+    Raises:
+        ValueError: an argument is out of its range, or the law cannot carry the weight.
+        ConvergenceError: no periodic motion was found; says what was tried.
+    """
+    require_oscillator(law, mass=mass, frequency=frequency, acceleration=acceleration, gravity=gravity)
+    balance = Balance(law, mass, gravity, checked_harmonics(harmonics, samples), samples)
+    omega = 2.0 * np.pi * frequency
+    if guess is None:
+        starts, tried = (
+            _estimates(balance, omega, acceleration),
+            "equivalent linearisation and from small accelerations",
+        )
+    else:
+        starts, tried = [balance.from_coefficients(np.asarray(guess, dtype=np.complex128))], "the `guess`"
+    best = np.inf
+    for start in starts:
+        solution = newton(balance, start, omega, acceleration, tolerance)
+        if solution.residual <= tolerance:
+            return orbit_of(balance, solution, omega, acceleration)
+        best = min(best, solution.residual)
+    if guess is None:
+        solution = _raised(balance, omega, acceleration, tolerance)
+        if solution.residual <= tolerance:
+            return orbit_of(balance, solution, omega, acceleration)
+        best = min(best, solution.residual)
+    raise ConvergenceError(
+        f"no periodic motion with {harmonics} harmonics at {frequency:.6g} Hz and {acceleration:.6g} m/s^2: the residual stays "
+        f"at {best:.2g} of the excitation, started from {tried}. "
+        "Try more harmonics, or `follow_harmonic_balance` from a frequency far from the resonance."
+    )
+
+
+def checked_harmonics(harmonics: int, samples: int) -> int:
+    """Return `harmonics`, or raise ValueError if there are none or too few samples for them."""
+    if harmonics < 1:
+        raise ValueError(f"`harmonics` must be >= 1, got {harmonics}.")
+    if samples < 8 * harmonics or samples % 2:
+        raise ValueError(f"`samples` must be even and at least 8 for each of {harmonics} harmonics, got {samples}.")
+    return harmonics
+
+
+def orbit_of(balance: Balance, solution: Solution, omega: float, acceleration: float) -> HarmonicOrbit:
+    """Return the motion of converged unknowns."""
+    period = 2.0 * np.pi / omega
+    x, v = balance.in_time(solution.u, omega, balance.samples)
+    cycle = steady_cycle(balance.law, x, v, period=period)
+    fine = steady_cycle(balance.law, *balance.in_time(solution.u, omega, _FINE), period=period).loop
+    spectrum = np.fft.rfft(cycle.force[:-1])[balance.harmonics + 1 :] * (2.0 / balance.samples)
+    inertia = np.abs(fine.force + balance.mass * balance.gravity) / balance.mass
+    return HarmonicOrbit(
+        law=balance.law, mass=balance.mass, frequency=omega / (2.0 * np.pi), acceleration=acceleration, gravity=balance.gravity,
+        coefficients=balance.coefficients(solution.u),
+        time=np.linspace(0.0, period, x.size), deflection=x, rate=v,
+        force=cycle.force, hysteretic_state=cycle.hysteretic_state,
+        amplitude=largest(inertia[:-1], smooth=not balance.law.rate_independent),
+        smallest_deflection=float(fine.deflection.min()), largest_deflection=float(fine.deflection.max()),
+        largest_hysteretic_state=float(np.abs(fine.hysteretic_state).max()),
+        dissipated_energy=fine.dissipated_energy,
+        residual=solution.residual, iterations=solution.iterations,
+        truncation=float(np.sqrt(0.5 * np.sum(np.abs(spectrum) ** 2))) / (balance.mass * acceleration),
+    )  # fmt: skip
+
+
+def _estimates(balance: Balance, omega: float, acceleration: float) -> list[Array]:
+    """Return where to start from by equivalent linearisation, the smallest motion first; a smoothed law is near its law."""
+    law = balance.law.law if isinstance(balance.law, Smoothed) else balance.law
+    orbits = linearised_orbits(
+        law, mass=balance.mass, frequency=omega / (2.0 * np.pi), acceleration=acceleration, gravity=balance.gravity
+    )
+    return [balance.from_coefficients(np.array([orbit.oscillator.offset, orbit.phasor])) for orbit in orbits]
+
+
+def _raised(balance: Balance, omega: float, acceleration: float, tolerance: float) -> Solution:
+    """Return where the motion leads as the acceleration is raised from small ones; steps in it are halved where they fail."""
+    level, factor, before = _SMALLEST_LEVEL, 2.0, 0.0
+    estimates = _estimates(balance, omega, level * acceleration)
+    u = estimates[0] if estimates else np.zeros(2 * balance.harmonics + 1)
+    while True:
+        solution = newton(balance, u, omega, level * acceleration, tolerance)
+        if solution.residual <= tolerance:
+            if level == 1.0:
+                return solution
+            u, before = solution.u, level
+        elif before == 0.0 or factor < 1.01:
+            return Solution(solution.u, max(solution.residual, 2.0 * tolerance), solution.iterations)
+        else:
+            factor = np.sqrt(factor)
+        level = min(1.0, before * factor)

@@ -1,0 +1,124 @@
+"""Spring and damper of a law's closed loop at one amplitude: the coefficients of equivalent linearisation.
+
+Ko's decomposition takes a loop of amplitude D apart into its mid-line and an ellipse of the same area. In the motion D cos(w t)
+the mid-line pushes like the spring of its first harmonic, which is that of the whole loop, and the ellipse is a damper,
+
+    K(D) = (1 / (pi D)) int F cos(w t) d(w t)        c(D) = W(D) / (pi w D^2)
+
+Sources: Ko et al. (1992), thesis 2.5.2; for the equivalent coefficients Caughey (1960).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from wirerope_mj.dynamics.single_mass.cycle import Array, cycle_force, is_neutral, largest, require_steady
+from wirerope_mj.mounts.laws import Law
+
+SAMPLES = 256
+"""Samples of a cycle: the area of a loop with a sharp tip is then right to 1e-6."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EquivalentOscillator:
+    """Spring and damper of a law's loop at one amplitude and frequency.
+
+    Attributes:
+        amplitude: of the deflection about its offset, D [m].
+        offset: mean deflection [m], where the mean force carries the weight.
+        frequency: [Hz].
+        stiffness: of the first harmonic of the mid-line, K [N/m].
+        secant_stiffness: [F(d_max) - F(d_min)] / (2 D) [N/m].
+        energy: dissipated in one cycle, W [J].
+        largest_force: largest |force + weight| on the loop [N].
+    """
+
+    amplitude: float
+    offset: float
+    frequency: float
+    stiffness: float
+    secant_stiffness: float
+    energy: float
+    largest_force: float
+
+    @property
+    def damping(self) -> float:
+        """Equivalent viscous coefficient W / (pi w D^2) [N s/m]."""
+        return self.energy / (2.0 * np.pi**2 * self.frequency * self.amplitude**2)
+
+    @property
+    def damping_ratio(self) -> float:
+        """W / (2 pi K D^2) [-] with the secant stiffness, as of a `Loop`; infinite without stiffness."""
+        with np.errstate(divide="ignore"):
+            return float(np.float64(self.energy) / np.float64(2.0 * np.pi * self.secant_stiffness * self.amplitude**2))
+
+
+def require_oscillator(law: Law, *, mass: float, frequency: float, acceleration: float, gravity: float) -> None:
+    """Raise ValueError unless a mass on this law has periodic motions under this excitation."""
+    require_steady(law)
+    for name, value in (("mass", mass), ("frequency", frequency), ("acceleration", acceleration)):
+        if not (np.isfinite(value) and value > 0.0):
+            raise ValueError(f"`{name}` must be finite and > 0, got {value}.")
+    if not np.isfinite(gravity):
+        raise ValueError(f"`gravity` must be finite, got {gravity}.")
+    if gravity != 0.0 and is_neutral(law):
+        raise ValueError(
+            f"`gravity` must be 0 for this {law.name} law, got {gravity}: it has no elastic part, and in steady vibration "
+            "it carries no weight."
+        )
+
+
+def oscillator_at(law: Law, amplitude: float, *, frequency: float, weight: float = 0.0) -> EquivalentOscillator:
+    """Return spring and damper of the law's closed loop at an amplitude [m], about the deflection whose mean force is -weight.
+
+    Args:
+        law: the law.
+        amplitude: D [m].
+        frequency: [Hz]; it does not matter to a rate-independent law.
+        weight: [N], towards compression; a law without an elastic part carries none.
+    """
+    angle = 2.0 * np.pi * np.arange(SAMPLES + 1) / SAMPLES
+    omega = 2.0 * np.pi * frequency
+    shape, rate = amplitude * np.cos(angle), -omega * amplitude * np.sin(angle)
+
+    def force(offset: float) -> Array:
+        if not np.isfinite(offset):
+            return np.full(SAMPLES, np.nan)
+        return cycle_force(law, offset + shape, rate, period=1.0 / frequency)[:-1]
+
+    def mean_force(offset: float) -> float:
+        with np.errstate(
+            over="ignore", invalid="ignore"
+        ):  # laws with exponentials, at amplitudes far beyond their travel
+            return float(force(offset).mean()) + weight
+
+    offset = 0.0 if is_neutral(law) else _offset(mean_force, law, amplitude, weight)
+    f = force(offset)
+    energy = -2.0 * np.pi * amplitude * float(f @ np.sin(angle[:-1])) / SAMPLES
+    return EquivalentOscillator(
+        amplitude=amplitude,
+        offset=offset,
+        frequency=frequency,
+        stiffness=2.0 * float(f @ np.cos(angle[:-1])) / (SAMPLES * amplitude),
+        secant_stiffness=float(f[0] - f[SAMPLES // 2]) / (2.0 * amplitude),
+        energy=energy,
+        largest_force=largest(np.abs(f + weight), smooth=not law.rate_independent),
+    )
+
+
+def _offset(excess: Callable[[float], float], law: Law, amplitude: float, weight: float) -> float:
+    """Return the mean deflection at which the mean force carries the weight [m]; NaN if none is found."""
+    here = excess(0.0)
+    if abs(here) <= 1e-13 * max(abs(weight), law.initial_stiffness * amplitude):  # rounding of a sum over a cycle
+        return 0.0
+    step, before = -here / law.initial_stiffness, 0.0
+    for _ in range(60):
+        there = excess(step)
+        if not np.isfinite(there):
+            return float("nan")
+        if there * here <= 0.0:
+            return float(brentq(excess, before, step, xtol=1e-14 * abs(step), rtol=1e-14))
+        before, step = step, 1.5 * step
+    return float("nan")

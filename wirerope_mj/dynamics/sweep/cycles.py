@@ -1,0 +1,156 @@
+"""Stepping a system through whole cycles of its excitation, keeping nothing but the extremes of every cycle."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.dynamics.sweep.channels import Channels
+from wirerope_mj.dynamics.sweep.travel import Lawful
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.simulation.grid import Grid
+from wirerope_mj.engine.simulation.initial import moving_with_base
+from wirerope_mj.engine.simulation.stages import StageTables
+from wirerope_mj.engine.simulation.stepper import STATE, Stepper
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.foundation.state import State
+from wirerope_mj.motions import Sine, Sweep
+
+Array = npt.NDArray[np.float64]
+
+STEPS_PER_CYCLE = 40
+"""Fewest steps in a cycle: the parabola through three of them meets the crest of a sine within 1e-5, of its third harmonic
+within 1e-3."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Extremes:
+    """Lowest and highest value of every tracked vector's components in every cycle, (n_cycles, n_channels, 3)."""
+
+    lowest: Array
+    highest: Array
+
+    @property
+    def largest(self) -> Array:
+        """Largest absolute values, (n_cycles, n_channels, 3)."""
+        return np.maximum(self.highest, -self.lowest)
+
+
+class Cycles:
+    """A copy of a system on its way through the cycles of its excitation; made by `stepping`.
+
+    The peak tracker of the simulation is read and emptied after every cycle: it sees every step and refines an extreme by the
+    parabola through three of them, so that a cycle costs memory for its extremes alone. An extreme in the last half step of a
+    cycle is found by the first step of the next and belongs to it.
+
+    Attributes:
+        steps: number of steps so far.
+        largest_step: largest of them [s].
+    """
+
+    def __init__(self, system: System, motion: Sine | Sweep, start: State, timestep: float) -> None:
+        self.steps, self.largest_step = 0, 0.0
+        self._motion, self._timestep = motion, timestep
+        self._lawful, self._mounts = Lawful(system), Channels.of(system).mounts
+        self._stepper = Stepper(system, motion, start)
+        self._tables = StageTables(motion, system.assembly.tables.drive)
+        user = system.assembly.tables.user
+        memory = self._stepper.user[user.channels : user.channels + at.CHANNEL_MEMORY * user.n_channels]
+        self._memory = memory.reshape(user.n_channels, at.CHANNEL_MEMORY)  # a view: the tracker writes it
+
+    def run(self, instants: Array) -> Extremes:
+        """Step through the cycles that begin and end at `instants` [s], (n + 1,), and return their extremes.
+
+        Raises:
+            SimulationError: a mount went beyond the finite travel of its law, or the engine reported that the state is not
+                valid any more; says at which frequency.
+        """
+        stepper = self._stepper
+        grid, ends = cycle_grid(instants, self._timestep)
+        stepper.enter(grid)
+        lowest, highest = np.empty((2, ends.size, self._memory.shape[0], 3))
+        cycle, user = 0, stepper.user
+        for base in self._tables.pieces(grid):
+            stepper.begin(base)
+            steps = int(grid.steps[base.number])
+            if not user[at.OBSERVING]:  # this instant was seen as the last of the cycle before
+                mujoco.mj_step(stepper.model, stepper.data)
+                user[at.OBSERVING], steps = 1.0, steps - 1
+            mujoco.mj_step(stepper.model, stepper.data, nstep=steps)
+            if base.number == ends[cycle]:
+                mujoco.mj_forward(stepper.model, stepper.data)
+                low, high = (self._memory[:, place : place + 3] for place in (at.LOW, at.HIGH))
+                lowest[cycle], highest[cycle] = low, high
+                low[:], high[:], user[at.OBSERVING] = np.inf, -np.inf, 0.0
+                cycle += 1
+        found = Extremes(lowest=lowest, highest=highest)
+        middles = (instants[:-1] + instants[1:]) / 2.0
+        on = self._mounts
+        self._lawful.require(frequencies_at(self._motion, middles), found.lowest[:, on], found.highest[:, on])
+        self._check()
+        self.steps += int(grid.steps.sum())
+        self.largest_step = max(self.largest_step, grid.largest_step)
+        return found
+
+    def finish(self) -> State:
+        """Return the state at the end of the last cycle."""
+        return self._stepper.finish()
+
+    def _check(self) -> None:
+        try:
+            self._stepper.check()
+        except SimulationError as error:
+            frequency = frequencies_at(self._motion, np.array([self._stepper.data.time]))[0]
+            raise SimulationError(f"at {frequency:.5g} Hz: {error}") from None
+
+
+@contextmanager
+def stepping(system: System, motion: Sine | Sweep, start: State, timestep: float) -> Iterator[Cycles]:
+    """Prepare for the cycles of `motion` from a state at its start, in steps of at most `timestep` [s]."""
+    cycles = Cycles(system, motion, start, timestep)
+    with installed(cycles._stepper.model, cycles._stepper.data):
+        yield cycles
+
+
+def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, npt.NDArray[np.int64]]:
+    """Return a grid of cycles that begin and end at `instants` [s], (n + 1,), and the numbers of their last pieces, (n,).
+
+    Each cycle is cut into equal steps of at most `timestep` [s], at least `STEPS_PER_CYCLE`.
+    """
+    length = np.diff(instants)
+    steps = np.maximum(np.ceil(length / timestep * (1.0 - 1e-9)), STEPS_PER_CYCLE).astype(np.int64)
+    pieces = -(-steps // at.MAX_STEPS)
+    steps = -(-steps // pieces)
+    ends = np.cumsum(pieces)
+    cycle = np.repeat(np.arange(length.size), pieces)
+    place = np.arange(cycle.size) - (ends - pieces)[cycle]
+    start = instants[cycle] + length[cycle] * (place / pieces[cycle])
+    grid = Grid(
+        start=start,
+        stop=np.append(start[1:], instants[1:][-1:]),
+        steps=steps[cycle],
+        sampled=np.zeros(cycle.size, dtype=bool),
+        event=np.full(cycle.size, at.SMOOTH),
+        corner_after=np.zeros(cycle.size, dtype=bool),
+    )
+    return grid, ends - 1
+
+
+def at_start(system: System, motion: Sine | Sweep, state: State) -> State:
+    """Return `state` at the instant 0, its base moving as `motion` begins and the whole system carried along."""
+    data = mujoco.MjData(system.model)
+    mujoco.mj_setState(system.model, data, state.values, STATE)
+    data.time = 0.0
+    values = np.empty_like(state.values)
+    mujoco.mj_getState(system.model, data, values, STATE)
+    return moving_with_base(system, motion, State(values=values, time=0.0))
+
+
+def frequencies_at(motion: Sine | Sweep, times: Array) -> Array:
+    """Return the frequencies of the excitation at instants [s], (n,), in Hz."""
+    return np.full(times.size, motion.frequency) if isinstance(motion, Sine) else motion.frequency(times)

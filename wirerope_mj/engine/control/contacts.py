@@ -1,0 +1,97 @@
+"""What is remembered of contacts at every step: first touch, largest normal force, deepest penetration of each pair of geoms.
+
+A pair takes a row of the tracker's memory when it first touches; pairs beyond the last row share that one. A step without
+contacts costs one comparison.
+"""
+
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.foundation.jit import inlined, njit
+
+FRICTIONLESS, PYRAMIDAL, ELLIPTIC = 5, 6, 7
+"""mjCNSTR_CONTACT_FRICTIONLESS, _PYRAMIDAL and _ELLIPTIC: how the forces of a contact stand in efc_force."""
+
+
+@njit
+def normal_force(force, address, kind, dimension):
+    """Return the normal force of a contact [N]: with a pyramidal cone the sum over its edges, else the first entry."""
+    if kind != PYRAMIDAL:
+        return force[address]
+    total = 0.0
+    for edge in range(2 * (dimension - 1)):
+        total += force[address + edge]
+    return total
+
+
+@inlined
+def contact_rows(lay, i, w):
+    """Return where the memory of contacts begins in userdata."""
+    return (
+        w
+        + at.STAGES
+        + 3 * (2 * at.MAX_STEPS + 1)
+        + 6 * int(lay[i + at.N_MOUNTS])
+        + int(lay[i + at.N_STATES])
+        + 6 * int(lay[i + at.N_TREE])
+        + at.CHANNEL_MEMORY * int(lay[i + at.N_CHANNELS])
+    )
+
+
+@inlined
+def begin_contacts(lay, i, u, w, n_contacts):
+    """Prepare the memory for the contacts of a step: empty at the first one, without forces of this step at the others."""
+    n_rows = int(lay[i + at.N_CONTACTS])
+    first = u[w + at.HISTORY] == 0.0
+    if n_rows == 0 or (n_contacts == 0 and not first):
+        return
+    m = contact_rows(lay, i, w)
+    for row in range(n_rows):
+        if first:
+            for c in range(at.CONTACT_MEMORY):
+                u[m + at.CONTACT_MEMORY * row + c] = 0.0
+        u[m + at.CONTACT_MEMORY * row + at.FORCE_NOW] = 0.0
+
+
+@njit
+def contact_row(u, m, n_rows, one, other):
+    """Return the row of a pair of geoms, a free one if it has not touched before; the last one is shared."""
+    for row in range(n_rows):
+        k = m + at.CONTACT_MEMORY * row
+        if u[k + at.TOUCHES] == 0.0:
+            u[k + at.GEOMS], u[k + at.GEOMS + 1] = one, other
+            return k
+        if (u[k + at.GEOMS] == one and u[k + at.GEOMS + 1] == other) or (
+            u[k + at.GEOMS] == other and u[k + at.GEOMS + 1] == one
+        ):
+            return k
+    k = m + at.CONTACT_MEMORY * (n_rows - 1)
+    u[k + at.GEOMS], u[k + at.GEOMS + 1] = at.SEVERAL, at.SEVERAL
+    return k
+
+
+@njit
+def track_contact(lay, i, u, w, time, one, other, distance, force):
+    """Update the memory of a pair of geoms with one of its contact points: distance [m], negative inside, and force [N]."""
+    if distance >= 0.0 and force <= 0.0:  # within a margin, but not pressed
+        return
+    touch(
+        u, w, contact_row(u, contact_rows(lay, i, w), int(lay[i + at.N_CONTACTS]), one, other), time, -distance, force
+    )
+
+
+@njit
+def touch(u, w, k, time, depth, force):
+    """Update the memory in row `k` with a touch at this step: depth [m] and force [N], which adds to what pressed already."""
+    before = u[w + at.TIME_1]
+    if u[k + at.TOUCHES] == 0.0:
+        u[k + at.FIRST_TOUCH], u[k + at.TOUCHES] = time, 1.0
+        u[k + at.FROM_START] = 1.0 if u[w + at.HISTORY] == 0.0 else 0.0
+    elif u[k + at.LAST_TOUCH] == before and before < time:
+        u[k + at.TOUCHED_FOR] += time - before
+    elif u[k + at.LAST_TOUCH] < before:
+        u[k + at.TOUCHES] += 1.0
+    u[k + at.LAST_TOUCH] = time
+    u[k + at.FORCE_NOW] += force
+    if u[k + at.FORCE_NOW] > u[k + at.FORCE_PEAK]:
+        u[k + at.FORCE_PEAK], u[k + at.FORCE_TIME] = u[k + at.FORCE_NOW], time
+    if depth > u[k + at.DEPTH]:
+        u[k + at.DEPTH], u[k + at.DEPTH_TIME] = depth, time

@@ -1,0 +1,178 @@
+"""The forces of all mounts and the drive of the base, for one forward pass of MuJoCo.
+
+Each mount's kinematics come from what the engine has already computed: with R the axes of the base site and p the payload
+site's point,
+
+    d = R^T (p - p_b)        rate = R^T [v_payload(p) - v_base(p)],   v_body(p) = v_com + omega x (p - com)
+
+so that a rotating base is seen as the mount sees it. The restoring force R F acts on both bodies at p, which balances momentum
+and angular momentum. A mount that resists turning adds opposite torques, see `wirerope_mj.engine.control.rotation`.
+"""
+
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.rotation import resists_turning, righting_torque
+from wirerope_mj.foundation.jit import index, inlined, njit
+from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, biaxial_rates, evaluate, hold_slips
+from wirerope_mj.mounts.laws.loop_kernels import loop_force
+
+AXIAL = 2
+"""Place of the axial axis."""
+
+
+@inlined
+def drive_base(lay, i, u, w, time, qfrc_applied, qfrc_bias, qfrc_passive):
+    """Give the base's slides the acceleration that stands in the stage table for this instant."""
+    n_points = int(u[w + at.STAGE_POINTS])
+    row = 0
+    if n_points > 0:
+        row = int(round((time - u[w + at.STAGE_START]) * u[w + at.STAGE_RATE]))
+        row = min(max(row, 0), n_points - 1)
+    table = w + at.STAGES + 3 * row
+    j = i + index(lay[i + at.DRIVEN])
+    for _ in range(index(lay[i + at.N_DRIVEN])):
+        dof = index(lay[j])
+        acceleration = 0.0
+        if n_points > 0:
+            acceleration = lay[j + 2] * u[table] + lay[j + 3] * u[table + 1] + lay[j + 4] * u[table + 2]
+        # The bias carries gravity, so that the base does not sink; contacts and mounts act on 1e10 kg.
+        qfrc_applied[dof] = lay[j + 1] * acceleration + qfrc_bias[dof] - qfrc_passive[dof]
+        j += at.DRIVEN_COLUMNS
+
+
+@inlined
+def point_velocity(cvel, body, subtree_com, root, px, py, pz):
+    """Return the velocity [m/s] of the point p that moves with `body`."""
+    b, r = 6 * body, 3 * root
+    rx, ry, rz = px - subtree_com[r], py - subtree_com[r + 1], pz - subtree_com[r + 2]
+    wx, wy, wz = cvel[b], cvel[b + 1], cvel[b + 2]
+    return (
+        cvel[b + 3] + wy * rz - wz * ry,
+        cvel[b + 4] + wz * rx - wx * rz,
+        cvel[b + 5] + wx * ry - wy * rx,
+    )
+
+
+@inlined
+def add_force(xfrc, body, xipos, px, py, pz, fx, fy, fz):
+    """Add the force f acting at the point p to the wrench about the body's centre of mass."""
+    x, b = 6 * body, 3 * body
+    rx, ry, rz = px - xipos[b], py - xipos[b + 1], pz - xipos[b + 2]
+    xfrc[x] += fx
+    xfrc[x + 1] += fy
+    xfrc[x + 2] += fz
+    xfrc[x + 3] += ry * fz - rz * fy
+    xfrc[x + 4] += rz * fx - rx * fz
+    xfrc[x + 5] += rx * fy - ry * fx
+
+
+@njit
+def couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, ux, uy, uz):
+    """Give roll and another axis of the mount in row `m` one hysteretic force, a vector: its rates replace those of the axes.
+
+    Returns what the elastic energy of a loop adds to the mount's force [N], world axes. `axis` is the row behind the mount's
+    axes, `u[record:]` its deflection and force, (ux, uy, uz) the rate of the deflection.
+    """
+    place, other, r = q + index(lay[m + at.COUPLING]), index(lay[m + at.PARTNER]), 9 * index(lay[m + 1])
+    first = axis - 3 * at.AXIS_COLUMNS + 2
+    j, k = index(lay[first]), index(lay[first + at.AXIS_COLUMNS * other])
+    roll = site_xmat[r] * ux + site_xmat[r + 3] * uy + site_xmat[r + 6] * uz
+    along = site_xmat[r + other] * ux + site_xmat[r + 3 + other] * uy + site_xmat[r + 6 + other] * uz
+    biaxial_rates(par, place, roll, along, act, a + j, a + k, u, rates + j, rates + k)
+    if other != AXIAL:
+        return 0.0, 0.0, 0.0
+    fu, fw = loop_force(par, place + 6, u[record], u[record + AXIAL])
+    u[record + 3] += fu
+    u[record + 3 + AXIAL] += fw
+    return (
+        fu * site_xmat[r] + fw * site_xmat[r + 2],
+        fu * site_xmat[r + 3] + fw * site_xmat[r + 5],
+        fu * site_xmat[r + 6] + fw * site_xmat[r + 8],
+    )
+
+
+@njit
+def add_torque(lay, m, site_xmat, site_xquat, xfrc):
+    """Add the torques of the mount in row `m` that resists turning to the wrenches on its bodies."""
+    r, x, b = 9 * index(lay[m + 1]), 6 * index(lay[m + 2]) + 3, 6 * index(lay[m + 3]) + 3
+    t1, t2, t3 = righting_torque(lay, m, site_xquat)
+    for c in range(3):
+        torque = site_xmat[r + 3 * c] * t1 + site_xmat[r + 3 * c + 1] * t2 + site_xmat[r + 3 * c + 2] * t3
+        xfrc[x + c] += torque
+        if lay[m + 6] != 0.0:
+            xfrc[b + c] -= torque
+
+
+@inlined
+def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat, subtree_com, cvel, xipos, xfrc):
+    """Write every mount's deflection, force and state rates to userdata and its wrenches to `xfrc`.
+
+    `lay[i:]` is the layout, `par[q:]` the laws' parameters, `u[w:]` the system's userdata, `act[a:]` its states.
+    """
+    n_mounts = index(lay[i + at.N_MOUNTS])
+    record = w + at.STAGES + 3 * (2 * at.MAX_STEPS + 1)
+    rates = record + 6 * n_mounts
+    m = i + index(lay[i + at.MOUNTS])
+    for mount in range(n_mounts):
+        for side in range(2, 4):
+            body = index(lay[m + at.MOUNT_COLUMNS * mount + side])
+            for c in range(6):
+                xfrc[6 * body + c] = 0.0
+    axis = i + index(lay[i + at.AXES])
+    for _ in range(n_mounts):
+        payload, base = index(lay[m + 2]), index(lay[m + 3])
+        s, b, r = 3 * index(lay[m]), 3 * index(lay[m + 1]), 9 * index(lay[m + 1])
+        px, py, pz = site_xpos[s], site_xpos[s + 1], site_xpos[s + 2]
+        dx, dy, dz = px - site_xpos[b], py - site_xpos[b + 1], pz - site_xpos[b + 2]
+        ux, uy, uz = point_velocity(cvel, payload, subtree_com, index(lay[m + 4]), px, py, pz)
+        bx, by, bz = point_velocity(cvel, base, subtree_com, index(lay[m + 5]), px, py, pz)
+        ux, uy, uz = ux - bx, uy - by, uz - bz
+        fx, fy, fz = 0.0, 0.0, 0.0
+        for c in range(3):
+            ex, ey, ez = site_xmat[r + c], site_xmat[r + 3 + c], site_xmat[r + 6 + c]
+            deflection = ex * dx + ey * dy + ez * dz
+            force = 0.0
+            law = int(lay[axis])
+            if law >= 0:
+                rate = ex * ux + ey * uy + ez * uz
+                state = index(lay[axis + 2])
+                force = evaluate(law, par, q + index(lay[axis + 1]), deflection, rate, act, a + state, u, rates + state)
+                fx, fy, fz = fx + force * ex, fy + force * ey, fz + force * ez
+            u[record + c], u[record + 3 + c] = deflection, force
+            axis += at.AXIS_COLUMNS
+        if lay[m + at.COUPLING] >= 0.0:
+            gx, gy, gz = couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, ux, uy, uz)
+            fx, fy, fz = fx + gx, fy + gy, fz + gz
+        add_force(xfrc, payload, xipos, px, py, pz, -fx, -fy, -fz)
+        if lay[m + 6] != 0.0:
+            add_force(xfrc, base, xipos, px, py, pz, fx, fy, fz)
+        if resists_turning(lay, m):
+            add_torque(lay, m, site_xmat, site_xquat, xfrc)
+        record += 6
+        m += at.MOUNT_COLUMNS
+
+
+@inlined
+def remove_overshoot(lay, i, par, q, act, a):
+    """Take out of the states what the last step carried beyond a slider's slip force."""
+    left = index(lay[i + at.N_SLIPPING])
+    axis = i + index(lay[i + at.AXES])
+    while left > 0:
+        if lay[axis] == MASING or lay[axis] == PARALLEL:
+            hold_slips(index(lay[axis]), par, q + index(lay[axis + 1]), act, a + index(lay[axis + 2]))
+            left -= 1
+        axis += at.AXIS_COLUMNS
+
+
+@inlined
+def copy_rates(lay, i, u, w, act_dot, a):
+    """Hand the state rates from userdata to MuJoCo's activation rates and return the first of them.
+
+    MuJoCo takes the returned value where an actuator has one activation, and what is written to `act_dot` where it has more.
+    """
+    rates = w + at.STAGES + 3 * (2 * at.MAX_STEPS + 1) + 6 * index(lay[i + at.N_MOUNTS])
+    n_states = index(lay[i + at.N_STATES])
+    if n_states == 0:
+        return 0.0
+    for k in range(n_states):
+        act_dot[a + k] = u[rates + k]
+    return u[rates]

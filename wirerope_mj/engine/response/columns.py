@@ -1,0 +1,90 @@
+"""Names of the sampled columns, and the response's parts that stand behind them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.response.response import (
+    BaseResponse,
+    BodyResponse,
+    MountResponse,
+    PointResponse,
+    Response,
+    Samples,
+)
+from wirerope_mj.mounts.isolator import AXES
+
+Array = npt.NDArray[np.float64]
+_XYZ = ("x", "y", "z")
+_KINEMATICS = (
+    ("position", _XYZ),
+    ("orientation", ("w", "x", "y", "z")),
+    ("velocity", _XYZ),
+    ("angular_velocity", _XYZ),
+    ("acceleration", _XYZ),
+    ("angular_acceleration", _XYZ),
+)
+_POINT = (*_KINEMATICS, ("relative_displacement", _XYZ))
+BASE = ("displacement", "velocity", "acceleration")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnPlan:
+    """What the columns of a response are, in the order of the system's sensor values.
+
+    Attributes:
+        bodies, points: names.
+        mounts: per mount its name and the names of its internal states ("axial.z").
+    """
+
+    bodies: Sequence[str]
+    points: Sequence[str]
+    mounts: Sequence[tuple[str, tuple[str, ...]]]
+
+    @property
+    def names(self) -> list[str]:
+        """Column names: time, base, bodies, points, mounts."""
+        names = ["time"]
+        names += [f"base/{part}/{c}" for part in BASE for c in _XYZ]
+        for room, members, parts in (("bodies", self.bodies, _KINEMATICS), ("points", self.points, _POINT)):
+            names += [f"{room}/{m}/{part}/{c}" for m in members for part, cs in parts for c in cs]
+        for mount, states in self.mounts:
+            names += [f"mounts/{mount}/{part}/{c}" for part in ("deflection", "force") for c in AXES]
+            names += [f"mounts/{mount}/state/{state}" for state in states]
+        return names
+
+    @property
+    def first_sensor(self) -> int:
+        """Column of the first sensor value, after time and base."""
+        return 1 + 3 * len(BASE)
+
+    def parts(
+        self, samples: Samples
+    ) -> tuple[BaseResponse, dict[str, BodyResponse], dict[str, PointResponse], dict[str, MountResponse]]:
+        """Return base, bodies, points and mounts of a response whose columns are `samples`."""
+        moved = samples.columns(1, self.first_sensor)
+        base = BaseResponse(displacement=moved[:, 0:3], velocity=moved[:, 3:6], acceleration=moved[:, 6:9])
+        column = self.first_sensor
+        bodies, points, mounts = {}, {}, {}
+        for name in self.bodies:
+            bodies[name] = BodyResponse(samples, column)
+            column += sum(len(cs) for _, cs in _KINEMATICS)
+        for name in self.points:
+            points[name] = PointResponse(samples, column)
+            column += sum(len(cs) for _, cs in _POINT)
+        for name, states in self.mounts:
+            z = [[i for i, s in enumerate(states) if s.startswith(f"{axis}.z")] for axis in AXES]
+            mounts[name] = MountResponse(samples, column, z, states)
+            column += 6 + len(states)
+        return base, bodies, points, mounts
+
+
+def column_of(response: Response, name: str) -> Array:
+    """Return one sampled column such as "bodies/floor/acceleration/z", (n_t,).
+
+    Nothing else of the samples is read or kept, so that of a long response in a file only this column is in memory.
+    """
+    place = response.samples.names.index(name)
+    return response.samples.columns(place, place + 1)[:, 0]

@@ -1,0 +1,134 @@
+"""Peaks of a response: every step is looked at, and an extreme is refined by the parabola through three steps."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.response.contacts import ContactPeak
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Peak:
+    """Largest norm of a vector quantity, and the extremes of its components.
+
+    Attributes:
+        value: largest norm.
+        time: its instant [s].
+        vector: the vector at that instant, (3,).
+        minimum, maximum: extremes of the components, (3,).
+        minimum_time, maximum_time: their instants [s], (3,).
+    """
+
+    value: float
+    time: float
+    vector: Array
+    minimum: Array
+    minimum_time: Array
+    maximum: Array
+    maximum_time: Array
+
+    def to_list(self) -> list[float]:
+        """Return the peak as 17 numbers."""
+        parts = [
+            np.array([self.value, self.time]),
+            self.vector,
+            self.minimum,
+            self.minimum_time,
+            self.maximum,
+            self.maximum_time,
+        ]
+        return np.concatenate(parts).tolist()
+
+    @classmethod
+    def from_list(cls, numbers: Any) -> "Peak":
+        """Return the peak that `to_list` wrote."""
+        n = np.array(numbers, dtype=np.float64)
+        return cls(
+            value=float(n[0]), time=float(n[1]), vector=n[2:5],
+            minimum=n[5:8], minimum_time=n[8:11], maximum=n[11:14], maximum_time=n[14:17],
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodyPeaks:
+    """Peaks of a body: acceleration [m/s^2] of its centre of mass."""
+
+    acceleration: Peak
+
+
+@dataclass(frozen=True, kw_only=True)
+class PointPeaks:
+    """Peaks of a point: acceleration [m/s^2] and displacement relative to the base [m]."""
+
+    acceleration: Peak
+    relative_displacement: Peak
+
+
+@dataclass(frozen=True, kw_only=True)
+class MountPeaks:
+    """Peaks of a mount in its axes roll, shear, axial: deflection [m] and force [N]."""
+
+    deflection: Peak
+    force: Peak
+
+
+@dataclass(frozen=True, kw_only=True)
+class Peaks:
+    """Peaks by name of body, point, mount, and of what may touch.
+
+    Attributes:
+        bodies, points, mounts: by name.
+        contacts: by name of the pair, "stop_1 on pad_1", or of the mount that has a stop, "s3"; None where they were not
+            recorded, as in older responses.
+    """
+
+    bodies: dict[str, BodyPeaks]
+    points: dict[str, PointPeaks]
+    mounts: dict[str, MountPeaks]
+    contacts: dict[str, ContactPeak] | None = None
+
+    @property
+    def struck(self) -> list[str]:
+        """Names of the pairs and stops of `contacts` that came together during the run, the first to touch first."""
+        found = {name: contact.first_touch or 0.0 for name, contact in (self.contacts or {}).items() if contact.struck}
+        return sorted(found, key=lambda name: found[name])
+
+    def same_as(self, other: "Peaks") -> bool:
+        """Return whether all peaks have the same bits; contacts are left out if only one of the two recorded them."""
+        one, two = self.to_dict(), other.to_dict()
+        if self.contacts is None or other.contacts is None:
+            one["contacts"] = two["contacts"] = None
+        return one == two
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the peaks as plain values."""
+        contacts = self.contacts
+        found: dict[str, Any] = {
+            room: {
+                name: {key: getattr(entry, key).to_list() for key in entry.__dataclass_fields__}
+                for name, entry in getattr(self, room).items()
+            }
+            for room in ("bodies", "points", "mounts")
+        }
+        found["contacts"] = None if contacts is None else {name: pair.to_dict() for name, pair in contacts.items()}
+        return found
+
+    @classmethod
+    def from_dict(cls, content: dict[str, Any]) -> "Peaks":
+        """Return the peaks that `to_dict` wrote."""
+        contacts = content.get("contacts")  # older responses have none
+        kinds = {"bodies": BodyPeaks, "points": PointPeaks, "mounts": MountPeaks}
+        return cls(
+            **{
+                room: {
+                    name: kind(**{key: Peak.from_list(numbers) for key, numbers in entry.items()})
+                    for name, entry in content[room].items()
+                }
+                for room, kind in kinds.items()
+            },
+            contacts=None if contacts is None else {n: ContactPeak.from_dict(pair) for n, pair in contacts.items()},
+        )

@@ -1,0 +1,156 @@
+"""What can be drawn of a system: bodies with their geoms, and mounts, frozen and without the engine."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.foundation.payload_limits import PayloadLimit
+
+Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Geom:
+    """A shape that is fixed to a body.
+
+    Attributes:
+        name: name in the model, "" if it has none.
+        shape: "box", "sphere", "capsule", "cylinder", "ellipsoid", "plane" or "mesh".
+        size: MuJoCo's sizes of the shape (half lengths, radii) [m], (3,).
+        position: its centre from the body's centre of mass, in body axes [m], (3,).
+        orientation: in body axes, quaternion w first, (4,).
+        rgba: colour, 0 to 1, (4,).
+        vertices: of a mesh [m], (n_vertices, 3), else (0, 3).
+        faces: of a mesh, vertex numbers, (n_faces, 3), else (0, 3).
+    """
+
+    name: str
+    shape: str
+    size: Array
+    position: Array
+    orientation: Array
+    rgba: Array
+    vertices: Array = field(default_factory=lambda: np.zeros((0, 3)))
+    faces: Array = field(default_factory=lambda: np.zeros((0, 3)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneBody:
+    """A body: where it stands in the modelled geometry, and its geoms.
+
+    Attributes:
+        name: name of the body; "world" for what never moves.
+        moves: whether the response holds its motion under the same name.
+        on_base: whether it is fixed to the driven base.
+        position: centre of mass in the modelled geometry [m], world frame, (3,).
+        orientation: in the modelled geometry, quaternion w first, (4,).
+        geoms: its shapes.
+    """
+
+    name: str
+    moves: bool
+    on_base: bool
+    position: Array
+    orientation: Array
+    geoms: tuple[Geom, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneMount:
+    """A mount: its sites in the frames of the bodies they belong to, and what is known of the device.
+
+    Attributes:
+        name: name of the mount.
+        isolator: name of the device.
+        payload_body, base_body: names of the bodies; "world" if fixed.
+        payload_point, base_point: the sites from the bodies' centres of mass, in body axes [m], (3,).
+        axes: roll, shear and axial direction as columns in the base body's axes, (3, 3).
+        height, width: of the unloaded device [m]; NaN if unknown.
+        static_load: rated static load [N]; NaN if not judged.
+        travel: rated travel [m] by "compression", "tension", "shear", "roll"; absent if not judged.
+        stop: whether it is a stop, see `wirerope_mj.mounts.isolator.Isolator.is_stop`.
+    """
+
+    name: str
+    isolator: str
+    payload_body: str
+    base_body: str
+    payload_point: Array
+    base_point: Array
+    axes: Array
+    height: float
+    width: float
+    static_load: float
+    travel: dict[str, float]
+    stop: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """Everything that can be drawn of a system, and what its payload can bear.
+
+    Attributes:
+        name: of the model.
+        base: name of the driven base; "" if there is none.
+        bodies, mounts: what there is to draw.
+        limits: of the payload; empty where the model states none: not judged.
+    """
+
+    name: str
+    base: str
+    bodies: tuple[SceneBody, ...]
+    mounts: tuple[SceneMount, ...]
+    limits: tuple[PayloadLimit, ...] = ()
+
+    @property
+    def isolating(self) -> tuple[SceneMount, ...]:
+        """The mounts that are no stops, as tables, loops and histories list them; stops are listed with contacts."""
+        return tuple(mount for mount in self.mounts if not mount.stop)
+
+    @property
+    def stops(self) -> tuple[SceneMount, ...]:
+        """The mounts that are stops."""
+        return tuple(mount for mount in self.mounts if mount.stop)
+
+
+def scene_to_dict(scene: Scene) -> dict[str, Any]:
+    """Return the scene as plain lists, numbers and strings."""
+    return _plain(scene)
+
+
+def scene_from_dict(content: dict[str, Any]) -> Scene:
+    """Return the scene that `scene_to_dict` wrote."""
+    bodies = tuple(
+        _arrays(SceneBody, {**body, "geoms": tuple(_arrays(Geom, geom) for geom in body["geoms"])})
+        for body in content["bodies"]
+    )
+    mounts = tuple(_arrays(SceneMount, mount) for mount in content["mounts"])
+    limits = tuple(
+        PayloadLimit(kind=limit["kind"], name=limit["name"], values=tuple(limit["values"]))
+        for limit in content.get("limits", ())  # older responses have none
+    )
+    return Scene(name=content["name"], base=content["base"], bodies=bodies, mounts=mounts, limits=limits)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, tuple):
+        return [_plain(item) for item in value]
+    if hasattr(value, "__dataclass_fields__"):
+        return {key: _plain(getattr(value, key)) for key in value.__dataclass_fields__}
+    return value
+
+
+def _arrays(kind: Any, content: dict[str, Any]) -> Any:
+    three = ("vertices", "faces")
+    return kind(
+        **{
+            key: np.array(value, dtype=np.float64).reshape((-1, 3) if key in three else np.shape(value))
+            if isinstance(value, list)
+            else value
+            for key, value in content.items()
+        }
+    )

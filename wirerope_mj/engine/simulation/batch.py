@@ -1,0 +1,255 @@
+"""Many variants of one system, each with its own base motion and start, side by side on several threads."""
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control.install import Kind
+from wirerope_mj.engine.response.peaks import Peaks
+from wirerope_mj.engine.response.response import Numerics, Response
+from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
+from wirerope_mj.engine.simulation.initial import initial_state
+from wirerope_mj.engine.simulation.lawful import require_lawful
+from wirerope_mj.engine.simulation.lockstep import Lockstep
+from wirerope_mj.engine.simulation.recorder import Recorder
+from wirerope_mj.engine.simulation.run import run
+from wirerope_mj.engine.simulation.same_layout import check_same_layout
+from wirerope_mj.engine.simulation.simulate import (
+    check_arguments,
+    check_direction,
+    checked_corners,
+    checked_step,
+    versions,
+)
+from wirerope_mj.engine.simulation.timestep import limit_of_given
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.errors import SimulationError, WireRopeError
+from wirerope_mj.foundation.state import State
+from wirerope_mj.motions import BaseMotion
+
+Array = npt.NDArray[np.float64]
+
+_OUTSIDE_THE_STATE = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mjENBL_IPC
+"""Options with which MuJoCo keeps more from step to step than a state holds, so that threads cannot share its data."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BatchResult:
+    """What is kept of a variant that came to its end.
+
+    Attributes:
+        peaks: peaks over every step.
+        initial_state, final_state: states at the start and at the end.
+        timestep: largest step [s].
+        steps: number of steps.
+        response: the whole response, if it was asked for.
+    """
+
+    peaks: Peaks
+    initial_state: State
+    final_state: State
+    timestep: float
+    steps: int
+    response: Response | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class BatchFailure:
+    """Why a variant did not come to its end.
+
+    Attributes:
+        error: what `simulate` raises for this variant.
+    """
+
+    error: WireRopeError
+
+    @property
+    def message(self) -> str:
+        """The error in words."""
+        return str(self.error)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Variant:
+    number: int
+    system: System
+    motion: BaseMotion
+    start: State
+
+
+def simulate_batch(
+    systems: System | Sequence[System],
+    motions: BaseMotion | Sequence[BaseMotion],
+    *,
+    duration: float,
+    timestep: float,
+    initial: str | State | Sequence[str | State] = "settled",
+    sample_rate: float = 1000.0,
+    corners: Sequence[float] | Array = (),
+    threads: int | None = None,
+    responses: bool = False,
+) -> list[BatchResult | BatchFailure]:
+    """Return the peaks of many variants of one layout, in their order; samples are kept only on request.
+
+    All variants take the same steps: the corners of every motion end steps of all. Each is bit for bit what `simulate` finds
+    alone with `timestep` and with the corners of all motions as its `corners`, whatever the number of threads.
+    A variant that fails does not stop the others.
+
+    Args:
+        systems: systems that differ in numbers only (laws and their parameters, masses, positions); one for all variants.
+        motions: base motions; one for all variants.
+        duration: simulated time [s].
+        timestep: largest step [s].
+        initial: as `simulate` takes it; one for all variants. States must be of one instant.
+        sample_rate: steps end at k / sample_rate [Hz], as those of `simulate` do at its samples. A lower rate lets more
+            steps be taken at once.
+        corners: instants [s] at which steps end besides the motions' own corners: give those of all motions of a study, so
+            that the results do not depend on which variants share a batch.
+        threads: number of threads; None for one per processor.
+        responses: whether whole responses are kept, too: in memory, those of all variants at once.
+
+    Raises:
+        ValueError: an argument is out of range.
+        ModelError: the systems are not of one layout.
+    """
+    check_arguments(duration=duration, timestep=timestep, sample_rate=sample_rate, threads=threads)
+    if threads is not None and threads != int(threads):
+        raise ValueError(f"`threads` must be a whole number, got {threads}.")
+    systems, motions, starts = _variants(systems, motions, initial)
+    if not systems:
+        return []
+    check_same_layout(systems)
+    found: dict[int, BatchResult | BatchFailure] = {}
+    variants = []
+    step = cache(lambda system: checked_step(system, timestep, duration))
+    for number, (system, motion, start) in enumerate(zip(systems, motions, starts, strict=True)):
+        try:
+            check_direction(system, motion)
+            state = initial_state(system, motion, start)
+            step(system)
+            variants.append(_Variant(number=number, system=system, motion=motion, start=state))
+        except WireRopeError as error:
+            found[number] = BatchFailure(error=error)
+    if variants:
+        grid = time_grid(
+            start=_common_instant(variants), duration=duration, sample_rate=sample_rate, timestep=timestep,
+            motion=motions[0], corners=_all_corners(motions, checked_corners(corners)),
+        )  # fmt: skip
+        found |= _together(variants, grid, threads or os.cpu_count() or 1, responses)
+    return [found[number] for number in range(len(systems))]
+
+
+def _variants(
+    systems: System | Sequence[System],
+    motions: BaseMotion | Sequence[BaseMotion],
+    initial: str | State | Sequence[str | State],
+) -> tuple[list[System], list[BaseMotion], list[str | State]]:
+    """Return one system, motion and start for each variant."""
+    given: dict[str, list[Any]] = {
+        "systems": [systems] if isinstance(systems, System) else list(systems),
+        "motions": [motions] if isinstance(motions, BaseMotion) else list(motions),
+        "initial": [initial] if isinstance(initial, str | State) else list(initial),
+    }
+    several = {name: len(values) for name, values in given.items() if len(values) != 1}
+    if len(set(several.values())) > 1:
+        raise ValueError(f"`systems`, `motions` and `initial` must hold one each or equally many, got {several}.")
+    size = min(several.values(), default=1)
+    systems, motions, initial = (values if len(values) == size else values * size for values in given.values())
+    return systems, motions, initial
+
+
+def _all_corners(motions: Sequence[BaseMotion], more: Array) -> Array:
+    """Return the corners of all motions and `more` instants [s]; motions that are variants of one share theirs."""
+    distinct = {id(motion): motion for motion in motions}
+    arrays = {motion.corners.tobytes(): motion.corners for motion in distinct.values()}
+    return joined(more, *arrays.values())
+
+
+def _common_instant(variants: Sequence[_Variant]) -> float:
+    instants = {variant.start.time for variant in variants}
+    if len(instants) > 1:
+        raise ValueError(
+            f"`initial` states must be of one instant, got {min(instants):.6g} s and {max(instants):.6g} s."
+        )
+    return instants.pop()
+
+
+def _together(
+    variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool
+) -> dict[int, BatchResult | BatchFailure]:
+    """Return the variants' results by number, all stepped through one grid."""
+    found: dict[int, BatchResult | BatchFailure] = {}
+    model = variants[0].system.model
+    with installed(model, mujoco.MjData(model)) as kind:
+        if kind == "native" and not model.opt.enableflags & _OUTSIDE_THE_STATE:
+            side_by_side = Lockstep(
+                [v.system for v in variants], [v.motion for v in variants], [v.start for v in variants], threads=threads
+            )
+            recorders = [_recorder(variant, grid) for variant in variants] if responses else []
+            side_by_side.go(grid, partial(_add, recorders) if responses else None)
+            for place in side_by_side.live.tolist():
+                final, peaks = side_by_side.result(place)
+                found[variants[place].number] = _result(
+                    variants[place], grid, final, peaks, recorders[place] if responses else None,
+                    timestep=side_by_side.largest_step, steps=side_by_side.steps, callback=kind,
+                )  # fmt: skip
+            found |= {variants[i].number: BatchFailure(error=error) for i, error in side_by_side.errors.items()}
+    # Where it is not known yet what went wrong, it is found by going the same way alone, as does what threads cannot serve.
+    alone = [variant for variant in variants if variant.number not in found]
+    return found | {variant.number: _alone(variant, grid, kind, responses) for variant in alone}
+
+
+def _alone(variant: _Variant, grid: TimeGrid, kind: Kind, responses: bool) -> BatchResult | BatchFailure:
+    own = replace(grid, motion=variant.motion)
+    recorder = _recorder(variant, grid) if responses else None
+    sink = _forget if recorder is None else recorder.add
+    try:
+        done = run(variant.system, variant.motion, own, variant.start, callback=kind, sink=sink)
+    except WireRopeError as error:
+        return BatchFailure(error=error)
+    return _result(
+        variant, grid, done.final_state, done.peaks, recorder,
+        timestep=done.largest_step, steps=done.steps, callback=done.callback,
+    )  # fmt: skip
+
+
+def _recorder(variant: _Variant, grid: TimeGrid) -> Recorder:
+    return Recorder(variant.system, variant.motion, grid, None)
+
+
+def _add(recorders: Sequence[Recorder], sample: int, values: Array) -> None:
+    """Give every variant's recorder its row of a sample's sensor values."""
+    for recorder, row in zip(recorders, values, strict=True):
+        recorder.add(sample, row)
+
+
+def _forget(sample: int, values: Array) -> None:
+    """Keep no sample."""
+
+
+def _result(
+    variant: _Variant, grid: TimeGrid, final: State, peaks: Peaks, recorder: Recorder | None,
+    *, timestep: float, steps: int, callback: Kind,
+) -> BatchResult | BatchFailure:  # fmt: skip
+    try:
+        require_lawful(variant.system, peaks)
+    except SimulationError as error:
+        return BatchFailure(error=error)
+    response = None
+    if recorder is not None:
+        numerics = Numerics(
+            timestep=timestep, accuracy=math.nan, error_estimate=math.nan, steps=steps, callback=callback,
+            versions=dict(versions()), limited_by=limit_of_given(grid.timestep, grid.sample_rate),
+        )  # fmt: skip
+        response = recorder.finish(variant.start, final, peaks, numerics)
+    return BatchResult(
+        peaks=peaks, initial_state=variant.start, final_state=final, timestep=timestep, steps=steps, response=response
+    )

@@ -1,0 +1,72 @@
+"""The contacts of a run, from the tracker's memory in the system's userdata."""
+
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.response.contacts import ContactPeak
+from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system.contact_pairs import contact_name, geom_name, payload_first
+
+OTHERS = "further pairs"
+"""What pairs of geoms beyond the memory's last row are called together."""
+
+
+def contacts_of(system: System, user: npt.NDArray[np.float64]) -> dict[str, ContactPeak]:
+    """Return the contacts by name: the model's declared pairs, touched or not, what else touched, then the mounts' stops.
+
+    Where more touched than the memory has rows for, the last row is of all further pairs together, and what is not known to
+    have touched is left out.
+    """
+    model, places, base = system.model, system.assembly.tables.user, system.assembly.subjects.base
+    declared = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True) if places.n_contacts else ()
+    pairs = [payload_first(model, base, pair) for pair in declared]
+    found = {contact_name(model, pair): _contact(system, pair) for pair in pairs}
+    for row in user[places.contacts : places.stops].reshape(-1, at.CONTACT_MEMORY):
+        if row[at.TOUCHES] and row[at.GEOMS] == at.SEVERAL:
+            found[OTHERS] = _touched(ContactPeak(geoms=(OTHERS, ""), bodies=("", "")), row)
+        elif row[at.TOUCHES]:
+            pair = payload_first(model, base, (int(row[at.GEOMS]), int(row[at.GEOMS + 1])))
+            found[contact_name(model, pair)] = _touched(_contact(system, pair), row)
+    if OTHERS in found:
+        found = {name: contact for name, contact in found.items() if contact.touches}
+    return found | _stops(system, user)
+
+
+def _stops(system: System, user: npt.NDArray[np.float64]) -> dict[str, ContactPeak]:
+    """Return the stops among the mounts' laws, open or not, by the mount's name; with the axis where it has several."""
+    rows = iter(user[system.assembly.tables.user.stops :].reshape(-1, at.CONTACT_MEMORY))
+    found = {}
+    for mount in system.mounts.values():
+        axes = mount.isolator.stops
+        for number, axis in enumerate(axes):
+            name = mount.name if len(axes) == 1 else f"{mount.name} {axis}"
+            name += f" {axes[: number + 1].count(axis)}" if axes.count(axis) > 1 else ""
+            open_stop = ContactPeak(geoms=("", ""), bodies=(mount.payload_body, mount.base_body), mount=mount.name)
+            row = next(rows)
+            found[name] = _touched(open_stop, row) if row[at.TOUCHES] else open_stop
+    return found
+
+
+def _contact(system: System, pair: tuple[int, int]) -> ContactPeak:
+    """Return a contact that has not touched."""
+    model = system.model
+    bodies = [model.body(model.geom_bodyid[geom]).name if geom >= 0 else "" for geom in pair]
+    return ContactPeak(geoms=(geom_name(model, pair[0]), geom_name(model, pair[1])), bodies=(bodies[0], bodies[1]))
+
+
+def _touched(contact: ContactPeak, row: npt.NDArray[np.float64]) -> ContactPeak:
+    force, depth = float(row[at.FORCE_PEAK]), float(row[at.DEPTH])
+    return replace(
+        contact,
+        touches=int(row[at.TOUCHES]),
+        from_start=bool(row[at.FROM_START]),
+        first_touch=float(row[at.FIRST_TOUCH]),
+        duration=float(row[at.TOUCHED_FOR]),
+        force=force,
+        force_time=float(row[at.FORCE_TIME]) if force else None,
+        penetration=depth,
+        penetration_time=float(row[at.DEPTH_TIME]) if depth else None,
+    )

@@ -1,0 +1,203 @@
+"""The time grid of a simulation, known before it starts."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import count
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.control.layout import CORNER, JUMP, MAX_STEPS, SMOOTH
+from wirerope_mj.motions import BaseMotion
+
+Array = npt.NDArray[np.float64]
+
+SAME_TIME = 1e-10
+"""Instants closer than this are one [s]; also how far a corner's one-sided limits are evaluated from it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grid:
+    """Pieces of equal steps that never straddle a sample or a corner of the motion.
+
+    Attributes:
+        start, stop: ends of every piece [s], (n_p,).
+        steps: number of steps in every piece, (n_p,).
+        sampled: whether the piece starts at a sample instant, (n_p,).
+        event: SMOOTH, CORNER or JUMP of the motion at the piece's start, (n_p,).
+        corner_after: whether the motion has a corner at the piece's end, (n_p,).
+    """
+
+    start: Array
+    stop: Array
+    steps: npt.NDArray[np.int64]
+    sampled: npt.NDArray[np.bool_]
+    event: Array
+    corner_after: npt.NDArray[np.bool_]
+
+    @classmethod
+    def empty(cls) -> "Grid":
+        """Return a grid without pieces."""
+        none, no = np.zeros(0), np.zeros(0, dtype=bool)
+        return cls(start=none, stop=none, steps=np.zeros(0, dtype=np.int64), sampled=no, event=none, corner_after=no)
+
+    def with_events_of(self, motion: BaseMotion) -> "Grid":
+        """Return the same pieces with the events of another motion."""
+        return replace(self, event=_events(motion, self.start), corner_after=_events(motion, self.stop) != SMOOTH)
+
+    @property
+    def largest_step(self) -> float:
+        """Largest step [s]."""
+        return float(((self.stop - self.start) / self.steps).max()) if self.start.size else 0.0
+
+
+BLOCK = 1 << 15
+"""Instants of a grid that are made at once: runs up to this long have one block, and longer ones need no more memory."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TimeGrid:
+    """The pieces of a whole run, made block by block: a record may have millions of corners.
+
+    Attributes:
+        start, stop: ends of the run [s].
+        sample_rate: of the samples [Hz].
+        timestep: largest step [s].
+        motion: whose events the pieces carry.
+        corners: instants at which pieces end, those of the motion among them [s], (n_c,).
+        sample_times: sample instants [s], (n_t,); the last may be the end of the last piece.
+    """
+
+    start: float
+    stop: float
+    sample_rate: float
+    timestep: float
+    motion: BaseMotion
+    corners: Array
+    sample_times: Array
+
+    def blocks(self) -> Iterator[Grid]:
+        """Yield grids that follow each other."""
+        samples, corners = self.sample_times, self.corners
+        low, high = np.searchsorted(corners, [self.start - SAME_TIME, self.stop + SAME_TIME])
+        corners = corners[low:high]
+        i = j = 0
+        left = _Breaks.none()
+        while i < samples.size or j < corners.size or not left.times.size:
+            i_next, j_next = _end_of_block(samples, i, corners, j)
+            ends = [self.start] if not left.times.size else []
+            ends += [self.stop] if i_next == samples.size and j_next == corners.size else []
+            breaks = _breaks(samples[i:i_next], corners[j:j_next], np.array(ends))
+            breaks = left.followed_by(breaks)
+            yield _cut(breaks, self.timestep, self.motion)
+            left, i, j = breaks.last(), i_next, j_next
+
+
+def time_grid(
+    *,
+    start: float,
+    duration: float,
+    sample_rate: float,
+    timestep: float,
+    motion: BaseMotion,
+    corners: Sequence[float] | Array = (),
+) -> TimeGrid:
+    """Return the grid from `start` to `start + duration` [s].
+
+    Sample instants k / sample_rate are joined with the motion's corners and with `corners` [s], at which pieces end although
+    the motion is smooth there; each interval is cut into equal steps <= timestep.
+    """
+    end = start + duration
+    first = int(np.ceil((start - SAME_TIME) * sample_rate))
+    last = int(np.floor((end + SAME_TIME) * sample_rate))
+    samples = np.arange(first, last + 1) / sample_rate
+    return TimeGrid(
+        start=start, stop=end, sample_rate=sample_rate, timestep=timestep, motion=motion, sample_times=samples,
+        corners=joined(motion.corners, np.asarray(corners, dtype=np.float64)),
+    )  # fmt: skip
+
+
+def joined(*corners: Array) -> Array:
+    """Return the instants of several arrays [s] in order, each once."""
+    some = [instants for instants in corners if instants.size]
+    return np.unique(np.concatenate(some)) if len(some) > 1 else some[0] if some else np.zeros(0)
+
+
+@dataclass(frozen=True)
+class _Breaks:
+    """Instants where pieces begin and end [s], and whether they are sampled, (n,) each."""
+
+    times: Array
+    sampled: npt.NDArray[np.bool_]
+
+    @classmethod
+    def none(cls) -> "_Breaks":
+        return cls(np.zeros(0), np.zeros(0, dtype=bool))
+
+    def followed_by(self, other: "_Breaks") -> "_Breaks":
+        parts = zip(vars(self).values(), vars(other).values(), strict=True)
+        return _Breaks(*(np.concatenate(part) for part in parts))
+
+    def last(self) -> "_Breaks":
+        return _Breaks(self.times[-1:], self.sampled[-1:])
+
+
+def _end_of_block(samples: Array, i: int, corners: Array, j: int) -> tuple[int, int]:
+    """Return where a block ends that begins at sample i and corner j; instants that are one stay together."""
+    for size in count(BLOCK):
+        rest = [float(times[k + size]) for times, k in ((samples, i), (corners, j)) if k + size < times.size]
+        limit = min(rest, default=np.inf)
+        i_next, j_next = int(np.searchsorted(samples, limit)), int(np.searchsorted(corners, limit))
+        before = max([*samples[i:i_next][-1:], *corners[j:j_next][-1:]], default=-np.inf)
+        if limit - before > 2.0 * SAME_TIME:
+            break
+    return i_next, j_next
+
+
+def _breaks(samples: Array, corners: Array, ends: Array) -> _Breaks:
+    """Return the breaks that samples, corners and the run's ends make."""
+    # Samples first: where an instant is both, it must carry the sample's exact time.
+    instants = np.concatenate([samples, corners, ends])
+    order = np.argsort(instants, kind="stable")
+    times, is_sample = instants[order], order < samples.size
+    group = np.concatenate([[0], np.cumsum(np.diff(times) > SAME_TIME)])
+    n_groups = int(group[-1]) + 1
+    breaks, sampled = np.zeros(n_groups), np.zeros(n_groups, dtype=bool)
+    breaks[group[::-1]] = times[::-1]  # the first of a group
+    breaks[group[is_sample]] = times[is_sample]
+    sampled[group[is_sample]] = True
+    return _Breaks(breaks, sampled)
+
+
+def _events(motion: BaseMotion, times: Array) -> Array:
+    """Return SMOOTH, CORNER or JUMP of a motion at instants [s], (n,)."""
+    corners = motion.corners
+    next_one = np.searchsorted(corners, times - SAME_TIME)
+    near = np.append(corners, np.inf)[next_one] <= times + SAME_TIME
+    event = np.where(near, CORNER, SMOOTH)
+    for time, _ in motion.velocity_jumps:
+        event[np.abs(times - time) <= SAME_TIME] = JUMP
+    return event
+
+
+def _cut(at: _Breaks, timestep: float, motion: BaseMotion) -> Grid:
+    """Return the pieces between breaks, long intervals divided so that one stage table serves each piece."""
+    breaks, sampled = at.times, at.sampled
+    length = np.diff(breaks)
+    # One part in 1e9: a step that fits but for rounding must not cost another one.
+    steps = np.maximum(np.ceil(length / timestep * (1.0 - 1e-9)), 1).astype(np.int64)
+    pieces = -(-steps // MAX_STEPS)
+    steps_per_piece = -(-steps // pieces)
+    which = np.repeat(np.arange(length.size), pieces)
+    place = np.arange(which.size) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    start = breaks[which] + length[which] * (place / pieces[which])
+    is_first, is_last = place == 0, place == pieces[which] - 1
+    stop = np.where(is_last, breaks[which + 1], breaks[which] + length[which] * ((place + 1) / pieces[which]))
+    return Grid(
+        start=start,
+        stop=stop,
+        steps=steps_per_piece[which],
+        sampled=sampled[which] & is_first,
+        event=_events(motion, start),
+        corner_after=_events(motion, stop) != SMOOTH,
+    )

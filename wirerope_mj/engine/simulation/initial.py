@@ -1,0 +1,95 @@
+"""Where a simulation starts: settled, relaxed, unloaded, or a given state, moving with the base."""
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.simulation.stepper import STATE, velocity_jump
+from wirerope_mj.engine.statics import equilibrium
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.state import State
+from wirerope_mj.motions import BaseMotion
+
+Array = npt.NDArray[np.float64]
+
+SAME_MOTION = 1e-6
+"""Relative difference of base positions and velocities that is integration error and not another motion."""
+
+
+def initial_state(system: System, motion: BaseMotion, initial: str | State) -> State:
+    """Return the state at the start of a simulation.
+
+    The base stands and moves as the motion says just before the start; if the given state's base does not, the whole system
+    is carried along (a Galilean change), so that nothing but the motion's own acceleration disturbs it.
+
+    Args:
+        system: the system.
+        motion: base motion.
+        initial: "settled", "relaxed", "unloaded" or a state.
+    """
+    if isinstance(initial, State):
+        size = mujoco.mj_stateSize(system.model, STATE)
+        if initial.values.shape != (size,):
+            raise ValueError(f"`initial` has {initial.values.size} values; a state of this system has {size}.")
+        state = initial
+    elif initial == "settled":
+        state = equilibrium(system).state
+    elif initial == "relaxed":
+        state = equilibrium(system, history="relaxed").state
+    elif initial == "unloaded":
+        values = np.empty(mujoco.mj_stateSize(system.model, STATE))
+        mujoco.mj_getState(system.model, mujoco.MjData(system.model), values, STATE)
+        state = State(values=values, time=0.0)
+    else:
+        raise ValueError(f"`initial` must be 'settled', 'relaxed', 'unloaded' or a State, got {initial!r}.")
+    return moving_with_base(system, motion, state)
+
+
+def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:
+    """Return `state` with the base where the motion has it at the state's instant, the whole system carried along."""
+    assembly, model = system.assembly, system.model
+    if not assembly.driven_dofs:
+        return state
+    now = np.array([state.time])
+    displacement, velocity = motion.displacement(now)[0], motion.velocity(now)[0]
+    velocity = velocity - velocity_jump(motion, state.time)  # the simulation itself applies a jump at its start
+    dofs = list(assembly.driven_dofs)
+    joints = [int(model.dof_jntid[dof]) for dof in dofs]
+    addresses = model.jnt_qposadr[joints]
+    qpos, qvel = np.empty(model.nq), np.empty(model.nv)
+    mujoco.mj_extractState(model, state.values, STATE, qpos, mujoco.mjtState.mjSTATE_QPOS)
+    mujoco.mj_extractState(model, state.values, STATE, qvel, mujoco.mjtState.mjSTATE_QVEL)
+    q, v = qpos[addresses] - model.qpos0[addresses], qvel[dofs]
+    dq, dv = assembly.tables.drive @ displacement - q, assembly.tables.drive @ velocity - v
+    moved = np.abs(dq).max() > SAME_MOTION * max(np.abs(q).max(), 1e-3)
+    moved |= np.abs(dv).max() > SAME_MOTION * max(np.abs(v).max(), 1e-3)
+    if not moved:
+        return state
+    data = mujoco.MjData(model)
+    mujoco.mj_setState(model, data, state.values, STATE)
+    to_world = np.linalg.pinv(assembly.tables.drive)
+    _carry(system, data, to_world @ dq, to_world @ dv)
+    values = np.empty_like(state.values)
+    mujoco.mj_getState(model, data, values, STATE)
+    return State(values=values, time=state.time)
+
+
+def _carry(system: System, data: mujoco.MjData, shift: Array, velocity: Array) -> None:
+    """Move every tree of the model by `shift` [m] and `velocity` [m/s] as far as the joints at its root allow."""
+    model = system.model
+    mujoco.mj_kinematics(model, data)
+    for body in range(1, model.nbody):
+        if model.body_parentid[body] != 0 or not model.body_jntnum[body]:
+            continue
+        first = int(model.body_jntadr[body])
+        joints = np.arange(first, first + int(model.body_jntnum[body]))
+        if model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE:
+            q, d = int(model.jnt_qposadr[first]), int(model.jnt_dofadr[first])
+            data.qpos[q : q + 3] += shift
+            data.qvel[d : d + 3] += velocity
+            continue
+        slides = joints[model.jnt_type[joints] == mujoco.mjtJoint.mjJNT_SLIDE]
+        if slides.size:
+            to_slides = np.linalg.pinv(data.xaxis[slides]).T
+            data.qpos[model.jnt_qposadr[slides]] += to_slides @ shift
+            data.qvel[model.jnt_dofadr[slides]] += to_slides @ velocity

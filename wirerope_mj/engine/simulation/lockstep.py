@@ -1,0 +1,216 @@
+"""Many systems of one layout through one time grid, side by side on several threads."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+from mujoco.batch import Batch
+from mujoco.batch import SimulationError as BatchError
+
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.response.peaks import Peaks
+from wirerope_mj.engine.simulation.grid import Grid, TimeGrid
+from wirerope_mj.engine.simulation.run import CHECK_EVERY, peaks_of
+from wirerope_mj.engine.simulation.same_layout import expand_differences
+from wirerope_mj.engine.simulation.stages import Piece, Stages, StageTables
+from wirerope_mj.engine.simulation.stepper import (
+    STATE,
+    Stepper,
+    acceleration_before,
+    base_before,
+    leave_behind,
+    side_by_side,
+    velocity_jump,
+)
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.foundation.state import State
+from wirerope_mj.motions import BaseMotion
+
+Array = npt.NDArray[np.float64]
+Sink = Callable[[int, Array], None]
+
+
+class Lockstep:
+    """Systems of one layout that take the same steps, each as `run` would take them alone.
+
+    Attributes:
+        live: numbers of the systems that MuJoCo has not warned of so far, (n_live,).
+        errors: by number, what `run` raises for systems that are not live; not all are known.
+        steps: number of steps so far.
+        largest_step: largest of them [s].
+    """
+
+    def __init__(
+        self, systems: Sequence[System], motions: Sequence[BaseMotion], starts: Sequence[State], *, threads: int
+    ) -> None:
+        """Prepare for stepping `systems` from `starts` with their bases following `motions`."""
+        self.systems, self.motions = systems, motions
+        # One motion may serve many systems: it is evaluated once.
+        distinct = {id(motion): motion for motion in motions}
+        numbers = {key: number for number, key in enumerate(distinct)}
+        self._distinct, self._which = list(distinct.values()), np.array([numbers[id(motion)] for motion in motions])
+        assembly = systems[0].assembly
+        self._drive = assembly.tables.drive
+        self._model, self.live = systems[0].model, np.arange(len(systems))
+        self.errors: dict[int, SimulationError] = {}
+        self.steps, self.largest_step = 0, 0.0
+        self._batch = Batch(self._model, nsim=len(systems), nthread=min(threads, len(systems)))
+        self._timestep = self._batch.expand("opt.timestep")
+        expand_differences(self._batch, systems)
+        self._batch.state[:] = [start.values for start in starts]
+        self._qpos, self._qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
+        self._user = self._batch.bind("userdata")[:, assembly.userdata : assembly.userdata + assembly.tables.user.size]
+        self._user[:, at.OBSERVING], self._user[:, at.HISTORY], self._user[:, at.EVENT] = 1.0, 0.0, at.SMOOTH
+        self._dofs = side_by_side(np.array(assembly.driven_dofs, dtype=int))
+        self._places = side_by_side(self._model.jnt_qposadr[list(assembly.subjects.driven)])
+        self._origin = np.array([system.model.qpos0[self._places] for system in systems])
+        self._finals, self._checked = np.empty_like(self._batch.state), self._batch.state.copy()
+        self._sink: Sink | None = None
+        self._sample, self._sensors = 0, np.empty(0)
+
+    def go(self, grid: TimeGrid, sink: Sink | None = None) -> None:
+        """Step through a grid, the mounts of the model acting; its motion says nothing here, its corners everything.
+
+        Args:
+            grid: pieces of equal steps.
+            sink: called with every sample's number and the systems' sensor values, (n_systems, n_sensors), which it must copy.
+        """
+        if sink is not None:
+            self._sink, self._sensors = sink, self._batch.bind("sensordata")[:, self.systems[0].assembly.sensor :]
+        tables = [StageTables(motion, self._drive) for motion in self._distinct]
+        keys = [_corners_of(motion) for motion in self._distinct]
+        by_corners = dict(zip(keys, self._distinct, strict=True))
+        stop = grid.start
+        for block in grid.blocks():
+            events = {key: block.with_events_of(motion) for key, motion in by_corners.items()}
+            grids = [events[key] for key in keys]
+            for stages in zip(*(table.blocks(own) for table, own in zip(tables, grids, strict=True)), strict=True):
+                self._advance(block, grids, stages)
+            stop = float(block.stop[-1]) if block.stop.size else stop
+            self.steps += int(block.steps.sum())
+            self.largest_step = max(self.largest_step, block.largest_step)
+        self._finish(stop)
+        if self._sample < grid.sample_times.size:
+            self._take_sample()
+        self._base_peaks = [table.peak for table in tables]
+
+    def result(self, number: int) -> tuple[State, Peaks]:
+        """Return final state and peaks of one of the systems that are live."""
+        final = State(values=self._finals[number].copy(), time=float(self._finals[number, 0]))
+        base = self._base_peaks[self._which[number]]
+        return final, peaks_of(self.systems[number], self._user[number], base)
+
+    def _advance(self, block: Grid, grids: list[Grid], stages: tuple[Stages, ...]) -> None:
+        """Step through the pieces of `stages`, each motion's own, in which the motions' `grids` have the events."""
+        first, ends = stages[0].first, [0, *stages[0].ends.tolist()]
+        n_pieces = len(ends) - 1
+        # (n_motions, ...), pieces first where only one of them is needed at a time
+        events = np.array([own.event[first : first + n_pieces] for own in grids]).T
+        jumps = (events == at.JUMP).any(axis=1)
+        places = np.array([own.places for own in stages]).transpose(1, 0, 2)
+        rates = np.array([own.rates for own in stages]).transpose(1, 0, 2)
+        accelerations = np.array([own.accelerations.ravel() for own in stages])
+        checked = 0
+        for piece in range(n_pieces):
+            if not self.live.size:
+                return
+            start, stop = float(block.start[first + piece]), float(block.stop[first + piece])
+            steps = int(block.steps[first + piece])
+            if jumps[piece]:
+                self._jump(events[piece], start)
+            self._place_base(places[piece], rates[piece])
+            self._user[:, at.EVENT] = events[piece][self._which]
+            self._set_table(
+                accelerations[:, 3 * ends[piece] : 3 * ends[piece + 1]], start, 2.0 * steps / (stop - start)
+            )
+            self._batch.state[:, 0] = start  # so that rounding does not add up over the steps
+            self._timestep[:] = (stop - start) / steps
+            if self._sink is not None and block.sampled[first + piece]:
+                self._call(partial(self._batch.step, self.live))
+                self._take_sample()
+                steps -= 1
+            if steps:
+                self._call(partial(self._batch.step, self.live, nstep=steps))
+            if piece + 1 - checked == CHECK_EVERY or piece + 1 == n_pieces:
+                for number in self._drop_failed():
+                    which = self._which[number]
+                    self._look_again(number, grids[which], list(stages[which].pieces(checked, piece + 1)))
+                checked, self._checked[:] = piece + 1, self._batch.state
+
+    def _take_sample(self) -> None:
+        if self._sink is not None:
+            self._sink(self._sample, self._sensors)
+            self._sample += 1
+
+    def _set_table(self, accelerations: Array, start: float, rate: float) -> None:
+        """Give every base its accelerations (n_motions, 3 n_points), `rate` of them a second."""
+        user, size = self._user, accelerations.shape[1]
+        user[:, at.STAGE_POINTS], user[:, at.STAGE_START], user[:, at.STAGE_RATE] = size // 3, start, rate
+        user[:, at.STAGES : at.STAGES + size] = self._of_each(accelerations)
+
+    def _of_each(self, rows: Array) -> Array:
+        """Return the rows of the systems from those of the distinct motions."""
+        return rows[self._which] if len(rows) > 1 else rows
+
+    def _place_base(self, places: Array, rates: Array) -> None:
+        self._qpos[:, self._places] = self._origin + self._of_each(places)
+        self._qvel[:, self._dofs] = self._of_each(rates)
+
+    def _jump(self, events: Array, time: float) -> None:
+        """Let what rides on a base whose velocity jumps now keep its momentum."""
+        for number in self.live[events[self._which[self.live]] == at.JUMP]:
+            system, row = self.systems[number], self._batch.state[number]
+            data = mujoco.MjData(self._model)
+            mujoco.mj_setState(system.model, data, row, STATE)
+            leave_behind(system, system.model, data, velocity_jump(self.motions[number], time))
+            self._qvel[number] = data.qvel
+
+    def _call(self, work: Callable[[], None]) -> None:
+        """Let the batch do some work, and leave out the systems with which MuJoCo could not go on."""
+        if not self.live.size:
+            return
+        try:
+            work()
+        except BatchError as error:
+            self.live = np.setdiff1d(self.live, error.ids)
+
+    def _drop_failed(self) -> list[int]:
+        """Return the numbers of the systems that MuJoCo has warned of since the last call; they are not live any more."""
+        warned = self._batch.warning[self.live, :, 1].any(axis=1)
+        failed, self.live = self.live[warned], self.live[~warned]
+        return failed.tolist()
+
+    def _look_again(self, number: int, grid: Grid, pieces: list[Piece]) -> None:
+        """Take a system alone through the pieces in which it failed, to learn what `run` says of it."""
+        start = State(values=self._checked[number], time=float(self._checked[number, 0]))
+        stepper = Stepper(self.systems[number], self.motions[number], start)
+        stepper.enter(grid)
+        for piece in pieces:
+            stepper.begin(piece)
+            mujoco.mj_step(stepper.model, stepper.data, nstep=int(grid.steps[piece.number]))
+        try:
+            stepper.check()
+        except SimulationError as error:
+            self.errors[number] = error
+
+    def _finish(self, stop: float) -> None:
+        """Keep the final states, and observe the last instant with the accelerations just before it."""
+        before = [base_before(motion, self._drive, stop) for motion in self._distinct]
+        self._place_base(np.array([places for places, _ in before]), np.array([rates for _, rates in before]))
+        self._batch.state[:, 0] = stop
+        user, kept = self._user, self._user.copy()
+        # A state does not carry what belongs to this run alone: stage table and tracker.
+        user[:] = 0.0
+        self._finals[:] = self._batch.state
+        user[:] = kept
+        self._set_table(np.array([acceleration_before(motion, stop) for motion in self._distinct]), stop, 0.0)
+        self._call(partial(self._batch.forward, self.live))
+        self._drop_failed()
+
+
+def _corners_of(motion: BaseMotion) -> tuple[object, ...]:
+    """Return what is equal for motions whose pieces have the same events."""
+    return motion.corners.tobytes(), tuple(time for time, _ in motion.velocity_jumps)

@@ -1,0 +1,110 @@
+"""The progress bar of a long run."""
+
+import math
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from time import perf_counter
+
+from wirerope_mj.engine.simulation.grid import TimeGrid
+
+Update = Callable[[float, float], None]
+
+
+PATIENCE, PACE = 60.0, 0.01
+"""Time [s] and share between two lines where no bar can move, and before the first: at most a hundred of the longest run."""
+
+
+@contextmanager
+def share_bar(
+    word: str, unit: str, *, enabled: bool, begun: float = 0.0, total: int | None = None, parts: str = ""
+) -> Iterator[Update]:
+    """Show a value, the share that is done and the time left on standard error while the block runs.
+
+    Where standard error is no terminal, as in a batch job, it is a line now and then instead of a bar.
+
+    Args:
+        word: what is going on, "simulating".
+        unit: of the value that is shown.
+        enabled: whether anything is shown at all.
+        begun: share that was done before.
+        total: number of parts of which the share that is done is counted, if it is.
+        parts: what they are called.
+
+    Yields:
+        What to call with the share that is done and the value.
+    """
+    if not enabled:
+        yield lambda share, value: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    def words(share: float, value: float) -> str:
+        count = f"{math.floor(share * total + 1e-6)} of {total} {parts}, " if total else ""  # but for rounding
+        return f"{count}{value:.4g} {unit},"
+
+    console, began = Console(stderr=True), perf_counter()
+    if not (console.is_terminal or console.is_jupyter):
+        yield _lines(word, words, began, begun)
+        return
+    columns = (
+        TextColumn(word),
+        BarColumn(),
+        TextColumn("{task.fields[now]}"),
+        TimeElapsedColumn(),
+        TextColumn("elapsed, {task.fields[left]} left"),
+    )
+    with Progress(*columns, console=console, transient=True) as progress:
+        task = progress.add_task("", total=1.0, now=words(begun, 0.0), left="-:--:--")
+        progress.update(task, completed=begun)
+
+        def update(share: float, value: float) -> None:
+            left = time_left(share, perf_counter() - began, begun=begun)
+            progress.update(task, completed=share, now=words(share, value), left=left)
+
+        yield update
+
+
+def _lines(word: str, words: Callable[[float, float], str], began: float, begun: float) -> Update:
+    """Return what prints a line now and then."""
+    last, shown = began, begun
+
+    def update(share: float, value: float) -> None:
+        nonlocal last, shown
+        now = perf_counter()
+        if now - last >= PATIENCE and share - shown >= PACE:
+            last, shown = now, share
+            left = time_left(share, now - began, begun=begun)
+            print(f"{word}: {words(share, value)} {left} left", file=sys.stderr, flush=True)
+
+    return update
+
+
+def time_left(share: float, elapsed: float, *, begun: float = 0.0) -> str:
+    """Return how long it takes to the end at the mean speed since the beginning, "0:12:05".
+
+    Args:
+        share: that is done.
+        elapsed: time since the beginning [s].
+        begun: share that was done at the beginning.
+    """
+    if share <= begun:
+        return "-:--:--"
+    seconds = math.ceil(elapsed * (1.0 - share) / (share - begun))
+    return f"{seconds // 3600}:{seconds // 60 % 60:02d}:{seconds % 60:02d}"
+
+
+@contextmanager
+def progress_bar(grid: TimeGrid, *, enabled: bool) -> Iterator[Callable[[float], None] | None]:
+    """Show simulated time, rate and time left on standard error while the block runs.
+
+    Yields:
+        What to call with the simulated time [s], or None if no bar is shown.
+    """
+    if not enabled:
+        yield None
+        return
+    start, stop = grid.start, grid.stop
+    with share_bar("simulating", f"of {stop:.4g} s", enabled=True) as update:
+        yield lambda now: update((now - start) / (stop - start), now)

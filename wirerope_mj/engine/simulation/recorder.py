@@ -1,0 +1,97 @@
+"""The samples of a run on their way into a response."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.response.columns import ColumnPlan
+from wirerope_mj.engine.response.peaks import Peaks
+from wirerope_mj.engine.response.response import MemorySamples, Numerics, Response
+from wirerope_mj.engine.response.storage import FILE, SampleWriter, build_response, load_response, response_metadata
+from wirerope_mj.engine.simulation.grid import TimeGrid
+from wirerope_mj.engine.simulation.run import point_name
+from wirerope_mj.engine.simulation.scene import scene_of
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.state import State
+from wirerope_mj.motions import BaseMotion
+
+Array = npt.NDArray[np.float64]
+
+STREAM_ROWS = 4096
+"""Samples that are kept in memory before a block is written to disk."""
+
+
+class Recorder:
+    """Takes the samples of a run, in memory or to a file, and makes the response of them."""
+
+    def __init__(self, system: System, motion: BaseMotion, grid: TimeGrid, out: Path | None) -> None:
+        """Prepare for the samples of `grid`; `out` is the folder they are streamed to, None to keep them in memory."""
+        self._system, self._motion, self._times = system, motion, grid.sample_times
+        self.plan = column_plan(system)
+        self._names = self.plan.names
+        self._writer = SampleWriter(out / FILE, self._names) if out is not None else None
+        rows = min(STREAM_ROWS, self._times.size) if out is not None else self._times.size
+        self._block = np.empty((rows, len(self._names)))
+        self._written = 0
+
+    def add(self, sample: int, values: Array) -> None:
+        """Take the sensor values of a sample."""
+        row = sample - self._written
+        self._block[row, self.plan.first_sensor :] = values[: len(self._names) - self.plan.first_sensor]
+        if self._writer is not None and row == self._block.shape[0] - 1:
+            self._writer.write(self._with_base(row + 1))
+            self._written += row + 1
+
+    def _with_base(self, rows: int) -> Array:
+        times = self._times[self._written : self._written + rows]
+        self._block[:rows, 0] = times
+        for column, part in enumerate((self._motion.displacement, self._motion.velocity, self._motion.acceleration)):
+            self._block[:rows, 1 + 3 * column : 4 + 3 * column] = part(times)
+        return self._block[:rows]
+
+    def finish(self, start: State, final: State, peaks: Peaks, numerics: Numerics) -> Response:
+        """Return the response of a run that came to its end."""
+        content = self._metadata(start, final, peaks, numerics)
+        rest = self._with_base(self._times.size - self._written)
+        if self._writer is None:
+            return build_response(
+                names=self._names, column_reader=lambda names: MemorySamples(names, rest), content=content, path=None
+            )
+        if rest.size:
+            self._writer.write(rest)
+        self._writer.close(content)
+        return load_response(self._writer.path.parent)
+
+    def _metadata(self, start: State, final: State, peaks: Peaks, numerics: Numerics) -> dict[str, Any]:
+        return response_metadata(
+            plan=self.plan,
+            peaks=peaks,
+            scene=scene_of(self._system),
+            motion=self._motion.to_dict(),
+            events=self._motion.events,
+            numerics=numerics,
+            initial_state=start,
+            final_state=final,
+        )
+
+    def discard(self) -> None:
+        """Leave no half-written file."""
+        if self._writer is not None:
+            self._writer.discard()
+
+
+def column_plan(system: System) -> ColumnPlan:
+    """Return what is sampled of a system."""
+    model, subjects = system.model, system.assembly.subjects
+    return ColumnPlan(
+        bodies=[model.body(body).name for body in subjects.bodies],
+        points=[point_name(model, site) for site in subjects.points],
+        mounts=[(name, _state_names(system, name)) for name in system.mounts],
+    )
+
+
+def _state_names(system: System, mount: str) -> tuple[str, ...]:
+    axes = system.mounts[mount].isolator.axes
+    return tuple(f"{axis}.{state}" for axis, law in axes.items() if law is not None for state in law.state_names)

@@ -1,0 +1,139 @@
+"""Stepping a system through a time grid: the one loop of every simulation."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.install import Kind
+from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peak, Peaks, PointPeaks
+from wirerope_mj.engine.simulation.contacts import contacts_of
+from wirerope_mj.engine.simulation.grid import TimeGrid
+from wirerope_mj.engine.simulation.stages import StageTables
+from wirerope_mj.engine.simulation.stepper import Stepper
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.state import State
+from wirerope_mj.motions import BaseMotion
+
+Array = npt.NDArray[np.float64]
+
+CHECK_EVERY = 64
+"""Pieces between two looks at MuJoCo's warning counters."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """What stepping leaves behind.
+
+    Attributes:
+        final_state: state at the grid's end.
+        peaks: peaks over every step.
+        callback: what made the forces.
+        steps: number of steps.
+        largest_step: largest of them [s].
+    """
+
+    final_state: State
+    peaks: Peaks
+    callback: Kind
+    steps: int
+    largest_step: float
+
+
+def run(
+    system: System,
+    motion: BaseMotion,
+    grid: TimeGrid,
+    initial: State,
+    *,
+    callback: Kind,
+    sink: Callable[[int, Array], None],
+    progress: Callable[[float], None] | None = None,
+) -> Run:
+    """Step `system` through `grid` from `initial` and hand every sample to `sink`.
+
+    Args:
+        system: the system; its model is copied, so that one system serves several threads.
+        motion: base motion.
+        grid: pieces of equal steps.
+        initial: state at the grid's start.
+        callback: "native" or "python".
+        sink: called with the sample's number and the system's sensor values; it must copy them.
+        progress: called with the simulated time [s] now and then.
+
+    Raises:
+        SimulationError: MuJoCo warned that the state is not valid any more.
+    """
+    stepper = Stepper(system, motion, initial)
+    data, values = stepper.data, stepper.data.sensordata[system.assembly.sensor :]
+    sample, all_steps, largest = 0, 0, 0.0
+    tables = StageTables(motion, system.assembly.tables.drive)
+    with installed(stepper.model, data, callback) as kind:
+        for block in grid.blocks():
+            stepper.enter(block)
+            all_steps, largest = all_steps + int(block.steps.sum()), max(largest, block.largest_step)
+            for base in tables.pieces(block):
+                piece = base.number
+                if piece % CHECK_EVERY == 0:
+                    stepper.check()
+                    if progress is not None:
+                        progress(float(block.start[piece]))
+                stepper.begin(base)
+                steps = int(block.steps[piece])
+                if block.sampled[piece]:
+                    mujoco.mj_step(stepper.model, data)
+                    sink(sample, values)
+                    sample, steps = sample + 1, steps - 1
+                if steps:
+                    mujoco.mj_step(stepper.model, data, nstep=steps)
+        final = stepper.finish()
+        if sample < grid.sample_times.size:
+            sink(sample, values)
+        stepper.check()
+    if progress is not None:
+        progress(grid.stop)
+    return Run(
+        final_state=final,
+        peaks=peaks_of(system, stepper.user, tables.peak),
+        callback=kind,
+        steps=all_steps,
+        largest_step=largest,
+    )
+
+
+def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
+    """Return the peaks from the tracker's memory in the system's userdata; what is fixed to the base has the base's own."""
+    model, assembly = system.model, system.assembly
+    first = assembly.tables.user.channels
+    memory = user[first : first + at.CHANNEL_MEMORY * assembly.tables.user.n_channels].reshape(-1, at.CHANNEL_MEMORY)
+    rigid = set(assembly.tables.base_channels)
+    channels = iter([base if number in rigid else _peak(row) for number, row in enumerate(memory)])
+    bodies = {model.body(body).name: BodyPeaks(acceleration=next(channels)) for body in assembly.subjects.bodies}
+    points = {
+        point_name(model, site): PointPeaks(acceleration=next(channels), relative_displacement=next(channels))
+        for site in assembly.subjects.points
+    }
+    mounts = {name: MountPeaks(deflection=next(channels), force=next(channels)) for name in system.mounts}
+    return Peaks(bodies=bodies, points=points, mounts=mounts, contacts=contacts_of(system, user))
+
+
+def _peak(row: Array) -> Peak:
+    vector = lambda place: row[place : place + 3].copy()  # noqa: E731
+    return Peak(
+        value=float(row[at.PEAK]),
+        time=float(row[at.PEAK_TIME]),
+        vector=vector(at.PEAK_VECTOR),
+        minimum=vector(at.LOW),
+        minimum_time=vector(at.LOW_TIME),
+        maximum=vector(at.HIGH),
+        maximum_time=vector(at.HIGH_TIME),
+    )
+
+
+def point_name(model: mujoco.MjModel, site: int) -> str:
+    """Return the name of the point that a site `point/NAME` declares, prefixes of an attached model included."""
+    return model.site(site).name.replace("point/", "", 1)

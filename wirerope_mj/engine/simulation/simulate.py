@@ -1,0 +1,177 @@
+"""System + base motion -> Response."""
+
+import math
+import sys
+from collections.abc import Sequence
+from functools import cache
+from importlib.metadata import version
+from numbers import Real
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.control.install import Kind
+from wirerope_mj.engine.response.response import Numerics, Response
+from wirerope_mj.engine.response.storage import FILE
+from wirerope_mj.engine.simulation.grid import time_grid
+from wirerope_mj.engine.simulation.initial import initial_state
+from wirerope_mj.engine.simulation.lawful import require_lawful
+from wirerope_mj.engine.simulation.progress import progress_bar
+from wirerope_mj.engine.simulation.recorder import Recorder
+from wirerope_mj.engine.simulation.run import run
+from wirerope_mj.engine.simulation.stability import stable_step
+from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, limit_of_given
+from wirerope_mj.engine.simulation.uncertain import warn_of_uncertainty
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.errors import ModelError, RecordError, SimulationError
+from wirerope_mj.foundation.state import State
+from wirerope_mj.motions import BaseMotion
+
+Array = npt.NDArray[np.float64]
+
+
+def simulate(
+    system: System,
+    motion: BaseMotion,
+    *,
+    duration: float,
+    initial: str | State = "settled",
+    timestep: float | None = None,
+    accuracy: float = 1e-4,
+    sample_rate: float = 1000.0,
+    corners: Sequence[float] | Array = (),
+    callback: Kind = "native",
+    out: str | Path | None = None,
+    progress: bool = False,
+) -> Response:
+    """Return the response of `system` to a base motion.
+
+    Args:
+        system: the system.
+        motion: base motion; every component needs a driven slide of the base.
+        duration: simulated time [s].
+        initial: "settled" (equilibrium under gravity on the virgin path), "relaxed" (equilibrium after long vibration, see
+            `wirerope_mj.equilibrium`), "unloaded" (modelled geometry at rest relative to the base), or a State, from whose
+            instant the simulation goes on.
+        timestep: largest step [s]; None chooses it before the run for `accuracy`.
+        accuracy: error of samples and refined peaks allowed, relative to the peaks; used if `timestep` is None.
+        sample_rate: samples per second [Hz], at k / sample_rate.
+        corners: instants [s] at which steps end besides the motion's own corners, as the variants of a batch share theirs.
+        callback: "native", or "python".
+        out: folder to which samples are streamed as `response.parquet`; the response then reads them when asked.
+        progress: whether a progress bar is shown on standard error.
+
+    Raises:
+        ValueError: an argument is out of range.
+        ModelError: the motion needs a slide that the base does not have.
+        RecordError: `out` already holds a response, which an open `Response` may be reading.
+        SimulationError: the step is too large, a mount went to where its law does not hold, or the engine reported that the
+            state is not valid any more.
+        ConvergenceError: there is no equilibrium to start from.
+
+    Warns:
+        AccuracyWarning: the estimated error is above `accuracy`, or contacts were struck.
+    """
+    check_arguments(duration=duration, sample_rate=sample_rate, accuracy=accuracy, timestep=timestep)
+    if timestep is None and (accuracy is None or accuracy < FINEST):
+        raise ValueError(f"`accuracy` must be at least {FINEST:.0e}, got {accuracy}: rounding hides what is finer.")
+    check_direction(system, motion)
+    if out is not None and (Path(out) / FILE).exists():
+        raise RecordError(f"{out}: a response stands here already; give another `out`, or remove {FILE}.")
+    start = initial_state(system, motion, initial)
+    if timestep is None:
+        step = choose_timestep(system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy)
+    else:
+        given = checked_step(system, timestep, duration)
+        step = ChosenStep(timestep=given, error=math.nan, limited_by=limit_of_given(timestep, sample_rate))
+    grid = time_grid(
+        start=start.time, duration=duration, sample_rate=sample_rate, timestep=step.timestep, motion=motion,
+        corners=checked_corners(corners),
+    )  # fmt: skip
+    recorder = Recorder(system, motion, grid, Path(out) if out is not None else None)
+    try:
+        with progress_bar(grid, enabled=progress) as update:
+            done = run(system, motion, grid, start, callback=callback, sink=recorder.add, progress=update)
+        require_lawful(system, done.peaks)
+        numerics = Numerics(
+            timestep=done.largest_step,
+            accuracy=accuracy if timestep is None else math.nan,
+            error_estimate=step.error,
+            steps=done.steps,
+            callback=done.callback,
+            versions=dict(versions()),
+            limited_by=step.limited_by,
+        )
+        response = recorder.finish(start, done.final_state, done.peaks, numerics)
+    except BaseException:
+        recorder.discard()
+        raise
+    warn_of_uncertainty(response)
+    return response
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Return the versions of the packages that compute a response; reading them takes half as long as a short one."""
+    return {name: version(name) for name in ("wirerope-mj", "mujoco", "numpy", "numba")}
+
+
+def check_arguments(**named: float | None) -> None:
+    """Raise ValueError if one of the named numbers is not positive; None is left to be chosen."""
+    for name, value in named.items():
+        number = isinstance(value, Real) and not isinstance(value, bool)
+        if value is not None and not (number and 0.0 < value <= sys.float_info.max):
+            raise ValueError(f"`{name}` must be a positive number, got {value!r}.")
+
+
+def checked_corners(corners: Sequence[float] | Array) -> Array:
+    """Return instants [s] in order, or raise ValueError."""
+    try:
+        instants = np.asarray(corners, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        instants = np.empty((0, 0))
+    if instants.ndim != 1 or not np.isfinite(instants).all():
+        raise ValueError(f"`corners` must be finite instants in seconds, got {corners!r}.")
+    return np.sort(instants)
+
+
+FINEST = 1e-15
+"""Accuracy that can be asked for: the rounding of one number."""
+
+MOST_STEPS = 1e9
+"""Steps of a run at the most: hours of computing, and far beyond where rounding outweighs the error of a step."""
+
+
+def checked_step(system: System, timestep: float, duration: float) -> float:
+    """Return the step that was asked for, or raise SimulationError if RK4 is not stable with it or never ends."""
+    if duration / timestep > MOST_STEPS:
+        raise SimulationError(
+            f"`timestep` of {timestep:.3g} s makes {duration / timestep:.1e} steps of {duration:.4g} s; at most "
+            f"{MOST_STEPS:.0e} are computed. Give a longer `timestep`, or None to have it chosen."
+        )
+    limit = stable_step(system)
+    if timestep > limit:
+        raise SimulationError(
+            f"a step of {timestep:.4g} s is too large for the stiffest mount: RK4 is stable up to {limit:.4g} s here. "
+            "Give a smaller `timestep`, or None to have it chosen."
+        )
+    return timestep
+
+
+def check_direction(system: System, motion: BaseMotion) -> None:
+    """Raise ModelError if the motion has a component that no driven slide of the base can follow."""
+    drive = system.assembly.tables.drive
+    if len(drive) == 3:
+        return  # slides are independent: three follow any motion
+    reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span
+    for direction in motion.directions:
+        missing = direction - reach @ direction
+        if np.abs(missing).max() > 1e-9:
+            axes = [f"{axis}" for axis, part in zip("xyz", missing, strict=True) if abs(part) > 1e-9]
+            joints = [system.model.joint(int(system.model.dof_jntid[dof])).name for dof in system.assembly.driven_dofs]
+            base = f"the base {system.base!r}" if system.base else "the base (the world)"
+            raise ModelError(
+                f"the motion moves along {' and '.join(axes)}, but {base} has no driven slide there. "
+                f"Its slides: {joints or 'none'}. Add one to the model, or change the motion's direction."
+            )

@@ -1,0 +1,11 @@
+"""Where a system rests under its own weight."""
+
+from wirerope_mj.engine.statics.find import equilibrium as equilibrium
+from wirerope_mj.engine.statics.result import Equilibrium as Equilibrium
+from wirerope_mj.engine.statics.result import History as History
+from wirerope_mj.engine.statics.result import MountLoad as MountLoad
+from wirerope_mj.engine.statics.table import MountSag as MountSag
+from wirerope_mj.engine.statics.table import PayloadSag as PayloadSag
+from wirerope_mj.engine.statics.table import Sag as Sag
+from wirerope_mj.engine.statics.table import StaticTable as StaticTable
+from wirerope_mj.engine.statics.table import static_table as static_table

@@ -1,0 +1,35 @@
+"""Equilibrium of a system under gravity, by a static solve along the loading path."""
+
+import warnings
+from weakref import WeakKeyDictionary
+
+from wirerope_mj.engine.statics.loading import Loading
+from wirerope_mj.engine.statics.result import Equilibrium, History
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.errors import ModelWarning
+
+_known: WeakKeyDictionary[System, dict[str, Equilibrium]] = WeakKeyDictionary()
+
+
+def equilibrium(system: System, *, history: History = "virgin") -> Equilibrium:
+    """Return the equilibrium of `system` under its gravity, base at rest; found once per system and history.
+
+    Gravity grows from 0 in steps. In each, Newton's method makes MuJoCo's own accelerations vanish, contacts and joint springs
+    included; the hysteretic states of a trial position are integrated along the law from the last step's, so that they lie
+    exactly on the loading path.
+
+    Warns:
+        ModelWarning: no mount, joint or stop resists a motion of a body; `free` says which.
+
+    Raises:
+        ConvergenceError: there is no equilibrium, or it was not found; names the mount that cannot carry its load.
+    """
+    if history not in ("virgin", "relaxed"):
+        raise ValueError(f"`history` must be 'virgin' or 'relaxed', got {history!r}.")
+    found = _known.setdefault(system, {})
+    if history not in found:
+        with system.assembly.scratch.data(system.model) as data:
+            found[history] = Loading(system, history, data).solve()
+    for sentence in found[history].free:
+        warnings.warn(sentence, ModelWarning, stacklevel=2)
+    return found[history]

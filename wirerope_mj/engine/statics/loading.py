@@ -1,0 +1,182 @@
+"""A system on its way from weightlessness to its full weight."""
+
+import mujoco
+import numpy as np
+
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.statics.payloads import payloads_of
+from wirerope_mj.engine.statics.result import Array, Equilibrium, History, MountLoad
+from wirerope_mj.engine.statics.roots import Roots
+from wirerope_mj.engine.statics.slow_path import SlowPath
+from wirerope_mj.engine.statics.unresisted import unresisted
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.foundation.state import State
+from wirerope_mj.mounts.isolator.travel import beyond_law
+
+LOAD_STEPS = 20
+"""Steps in which gravity grows from 0 to g: each is short enough for Newton's method to start from the last.
+
+Mounts move straight within one: on a path that bends, twenty and sixty differed by up to 1e-4 of the deflections."""
+
+SMALLEST_LOAD_STEP = 1e-4
+"""Share of gravity below which a load step that fails is a load that cannot be carried."""
+
+TOLERANCE = 1e-11
+"""Largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes."""
+
+ACCEPTED = 1e-8
+"""What is accepted where rounding or a contact's own iteration stops Newton's method earlier; relative to gravity."""
+
+MOST = 3_000
+"""Positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing."""
+
+FARTHEST = 10.0
+"""Deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables."""
+
+WITHOUT_SENSORS = 1
+"""What `mj_forwardSkip` takes to leave out the sensors, which measure a motion and do not act."""
+
+
+class Loading:
+    """A system on its way from weightlessness to its full weight."""
+
+    def __init__(self, system: System, history: History, data: mujoco.MjData) -> None:
+        """Prepare `system`, with data of its layout to compute with."""
+        self.system, self.history, self.data = system, history, data
+        self.gravity = system.model.opt.gravity.copy()
+        # Its gravity grows, and other threads may step the system meanwhile; without gravity nothing of it changes.
+        self.model = system.model.__copy__() if self.gravity.any() else system.model
+        self.free = np.delete(np.arange(self.model.nv), system.assembly.driven_dofs)
+        self.path = SlowPath(system) if history == "virgin" else None
+        self.tried = 0
+
+    def solve(self) -> Equilibrium:
+        """Return the equilibrium under the full weight."""
+        scale = max(float(np.linalg.norm(self.gravity)), 1.0)  # without gravity rounding is still that of the forces
+        roots = Roots(self._accelerations, self._moved, self.free.size)
+        with installed(self.model, self.data):
+            # Without gravity all steps are one.
+            qpos, load, step = self.model.qpos0.copy(), 0.0, 1.0 / LOAD_STEPS if self.gravity.any() else 1.0
+            residual = 0.0
+            while load < 1.0:
+                trial_load = min(load + step, 1.0)
+                self.model.opt.gravity[:] = trial_load * self.gravity
+                trial, residual = roots.find(qpos, TOLERANCE * scale)
+                carried = residual <= ACCEPTED * scale  # not if it is no number
+                if self.tried > MOST or (not carried and step < 2.0 * SMALLEST_LOAD_STEP):
+                    self._accelerations(qpos)  # back to the last load that was carried
+                    raise ConvergenceError(self._diagnosis(trial_load, residual))
+                if not carried:
+                    step /= 2.0
+                    roots.forget()
+                    continue
+                qpos, load = trial, trial_load
+                self._check_deflections(load)
+                if self.path is not None:
+                    self._go_to(qpos)
+                    self.path.rest_at(self.data)
+            return self._result(qpos, residual)
+
+    def _moved(self, qpos: Array, step: Array) -> Array:
+        velocity, moved = np.zeros(self.model.nv), qpos.copy()
+        velocity[self.free] = step
+        mujoco.mj_integratePos(self.model, moved, velocity, 1.0)
+        return moved
+
+    def _accelerations(self, qpos: Array) -> Array:
+        """Return MuJoCo's accelerations of the free coordinates at rest in `qpos`."""
+        self.tried += 1
+        self._go_to(qpos)
+        if self.path is not None:
+            first, states = self.system.assembly.activation, self.path.states_at(self.data)
+            self.data.act[first : first + states.size] = states
+        mujoco.mj_forwardSkip(self.model, self.data, mujoco.mjtStage.mjSTAGE_POS, WITHOUT_SENSORS)
+        return self.data.qacc[self.free].copy()
+
+    def _go_to(self, qpos: Array) -> None:
+        self.data.qpos[:], self.data.qvel[:] = qpos, 0.0
+        mujoco.mj_fwdPosition(self.model, self.data)
+
+    def _result(self, qpos: Array, residual: float) -> Equilibrium:
+        model, data = self.model, self.data
+        self._accelerations(qpos)
+        mujoco.mj_forward(model, data)  # sensors too
+        record = self._record().copy()
+        self._check_laws(record[:, 0])
+        mounts = {
+            name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(self.system.mounts, record, strict=True)
+        }
+        size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_INTEGRATION)
+        values = np.empty(size)
+        mujoco.mj_getState(model, data, values, mujoco.mjtState.mjSTATE_INTEGRATION)
+        return Equilibrium(
+            state=State(values=values, time=0.0),
+            mounts=mounts,
+            history=self.history,
+            residual=residual,
+            free=self._unresisted(qpos),
+        )
+
+    def _unresisted(self, qpos: Array) -> tuple[str, ...]:
+        return unresisted(self.system, self.data, self.free, lambda step: self._accelerations(self._moved(qpos, step)))
+
+    def _check_deflections(self, load: float) -> None:
+        """Raise ConvergenceError if a mount is deflected further than any can be; `load` is the share of the weight on it."""
+        deflections = np.abs(self._record()[:, 0]).max(axis=1)
+        if deflections.max(initial=0.0) > FARTHEST:
+            name = list(self.system.mounts)[int(np.argmax(deflections))]
+            raise ConvergenceError(
+                f"there is no equilibrium that mounts can bear: {100 * load:.3g} % of the weight deflects mount {name!r} by "
+                f"{deflections.max():.3g} m. {self._loads()}"
+            )
+
+    def _check_laws(self, deflections: Array) -> None:
+        """Raise ConvergenceError if a mount stands where its law does not hold; deflections (n_mounts, 3) [m]."""
+        for (name, mount), deflection in zip(self.system.mounts.items(), deflections, strict=True):
+            if where := beyond_law(mount.isolator.axes, deflection, deflection):
+                raise ConvergenceError(f"there is no equilibrium: mount {name!r} would stand {where}. {self._loads()}")
+
+    def _loads(self) -> str:
+        """Return words for what the weight comes from, and what to check."""
+        mass = sum(payload.mass for payload in payloads_of(self.system))
+        return (
+            f"Gravity is {np.linalg.norm(self.gravity):.6g} m/s^2 and the mass on the mounts {mass:.6g} kg: check "
+            "both, and the stiffness of the isolators."
+        )
+
+    def _record(self) -> Array:
+        """Return deflection and force of every mount in the last position, (n_mounts, 2, 3)."""
+        first = self.system.assembly.userdata + self.system.assembly.tables.user.mounts
+        n_mounts = len(self.system.mounts)
+        return self.data.userdata[first : first + at.MOUNT_VALUES * n_mounts].reshape(n_mounts, 2, 3)
+
+    def _diagnosis(self, load: float, residual: float) -> str:
+        """Return words for why the weight cannot be carried; `load` is the share of it that failed."""
+        # What would rest on each under the whole weight:
+        carried = self._record()[:, 1, 2] / max(load, SMALLEST_LOAD_STEP)
+        for (name, mount), axial in zip(self.system.mounts.items(), carried, strict=True):
+            law = mount.isolator.axes["axial"]
+            if law is None or law.largest_force == np.inf:
+                continue
+            if self.history == "relaxed":
+                return (
+                    f"there is no relaxed equilibrium: the axial law of mount {name!r} has no elastic part, so that with "
+                    "z = 0 it carries nothing. Use a law with an elastic part."
+                )
+            if abs(axial) > law.largest_force:
+                return (
+                    f"there is no equilibrium: mount {name!r} carries at most {law.largest_force:.4g} N along its axis (its "
+                    f"law has no elastic part), but about {abs(axial):.4g} N would rest on it. Use a stiffer isolator, more "
+                    "mounts, or a law with an elastic part."
+                )
+        qpos = self.data.qpos.copy()
+        fastest = self.free[int(np.argmax(np.abs(self._accelerations(qpos))))]
+        body = self.model.body(self.model.dof_bodyid[fastest]).name
+        free = " ".join(self._unresisted(qpos))
+        return (
+            f"no equilibrium was found beyond {100 * load:.3g} % of the weight: body {body!r} still accelerates by "
+            f"{residual:.3g} m/s^2. {free or self._loads()} Check that every direction has a mount with stiffness, and that "
+            "the payload cannot tip over."
+        )

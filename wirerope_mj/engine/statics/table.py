@@ -1,0 +1,235 @@
+"""Sag and load of every mount, virgin and relaxed side by side, and whether the loads add up to the weight."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.statics.find import equilibrium
+from wirerope_mj.engine.statics.payloads import payloads_of
+from wirerope_mj.engine.statics.result import Equilibrium, History
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.mounts.isolator.static_rating import static_load_unjudged
+
+Array = npt.NDArray[np.float64]
+
+HISTORIES: tuple[History, History] = ("virgin", "relaxed")
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+
+
+@dataclass(frozen=True, kw_only=True)
+class MountSag:
+    """A mount under the weight that it carries.
+
+    Attributes:
+        deflection: roll, shear, axial [m], axial negative in compression, (3,).
+        force: restoring force in the same axes [N], (3,).
+        carries: what it pushes the payload up with [N].
+        split: share of the weight of all payloads that this is; NaN without weight. Where payloads stand on payloads the lower
+            mounts carry those above as well, and the shares add up to more than 1.
+        compression: axial load [N]; 0 in tension.
+        static_load: rated load in compression [N]; None = not judged.
+        stop: whether it is a stop, see `wirerope_mj.mounts.isolator.Isolator.is_stop`.
+    """
+
+    deflection: Array
+    force: Array
+    carries: float
+    split: float
+    compression: float
+    static_load: float | None
+    stop: bool = False
+
+    @property
+    def share(self) -> float | None:
+        """Axial load over the rated static load; None = not judged: not rated, or no load in compression along the axis."""
+        if self.static_load is None or static_load_unjudged(self.force, self.static_load):
+            return None
+        return self.compression / self.static_load
+
+
+@dataclass(frozen=True, kw_only=True)
+class PayloadSag:
+    """A payload where it rests, from the modelled geometry.
+
+    Attributes:
+        mass: of all that stands on it [kg].
+        centre: centre of mass in the modelled geometry [m], world frame, (3,).
+        displacement: of the centre of mass [m], world frame, (3,).
+        rotation: of its lowest body, rotation vector [rad], world frame, (3,): tilt about x and y, and turn about z.
+    """
+
+    mass: float
+    centre: Array
+    displacement: Array
+    rotation: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sag:
+    """Where a system rests after one history.
+
+    Attributes:
+        history: "virgin" or "relaxed".
+        mounts, payloads: by name.
+        weight: of all payloads [N].
+        on_mounts: what the mounts between payload and base carry of it [N].
+        on_contacts: what contacts with base and surroundings carry [N].
+        equilibrium: the equilibrium it was read from.
+    """
+
+    history: History
+    mounts: dict[str, MountSag]
+    payloads: dict[str, PayloadSag]
+    weight: float
+    on_mounts: float
+    on_contacts: float
+    equilibrium: Equilibrium
+
+    @property
+    def listed(self) -> dict[str, MountSag]:
+        """The mounts but for stops that are open."""
+        return {name: mount for name, mount in self.mounts.items() if not mount.stop or mount.force.any()}
+
+    @property
+    def elsewhere(self) -> float:
+        """What of the weight mounts and contacts do not carry [N]: joints and their springs, 0 for a free body."""
+        return self.weight - self.on_mounts - self.on_contacts
+
+
+@dataclass(frozen=True, kw_only=True)
+class StaticTable:
+    """Sag of a system by history.
+
+    Attributes:
+        sags: by history, those that exist.
+        missing: why there is no other, in words, by history.
+    """
+
+    sags: dict[str, Sag]
+    missing: dict[str, str]
+
+    @property
+    def virgin(self) -> Sag | None:
+        """After gravity was applied slowly to the unloaded mounts; None if there is no such equilibrium."""
+        return self.sags.get("virgin")
+
+    @property
+    def relaxed(self) -> Sag | None:
+        """After long vibration; None if there is no such equilibrium."""
+        return self.sags.get("relaxed")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the table as plain values, SI."""
+        return {history: _plain(sag) for history, sag in self.sags.items()} | {"missing": dict(self.missing)}
+
+
+def static_table(system: System) -> StaticTable:
+    """Return sag and load of every mount and payload under gravity, virgin and relaxed.
+
+    Raises:
+        ConvergenceError: there is neither of the two equilibria.
+    """
+    sags: dict[str, Sag] = {}
+    missing: dict[str, str] = {}
+    for history in HISTORIES:
+        try:
+            sags[history] = _sag(system, equilibrium(system, history=history))
+        except ConvergenceError as error:
+            missing[history] = str(error)
+    if not sags:
+        raise ConvergenceError(missing["virgin"])
+    return StaticTable(sags=sags, missing=missing)
+
+
+def _sag(system: System, found: Equilibrium) -> Sag:
+    model = system.model.__copy__()
+    unloaded, data = mujoco.MjData(model), mujoco.MjData(model)
+    mujoco.mj_fwdPosition(model, unloaded)
+    mujoco.mj_setState(model, data, found.state.values, STATE)
+    with installed(model, data):
+        mujoco.mj_forward(model, data)
+    gravity = float(np.linalg.norm(model.opt.gravity))
+    up = -model.opt.gravity / gravity if gravity else np.array([0.0, 0.0, 1.0])
+    payloads = payloads_of(system)
+    carried = {body for payload in payloads for body in payload.bodies}
+    weight = gravity * sum(payload.mass for payload in payloads)
+    mounts, on_mounts = {}, 0.0
+    for name, mount in system.mounts.items():
+        load = found.mounts[name]
+        lift = -float(up @ data.site(mount.base_site).xmat.reshape(3, 3) @ load.force)
+        mounts[name] = MountSag(
+            deflection=load.deflection,
+            force=load.force,
+            carries=lift,
+            split=lift / weight if weight else np.nan,
+            compression=max(-float(load.force[2]), 0.0),
+            static_load=mount.isolator.limits.static_load,
+            stop=mount.isolator.is_stop,
+        )
+        on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
+    return Sag(
+        history=found.history,
+        mounts=mounts,
+        payloads={p.name: _payload(model, unloaded, data, p.root, p.mass) for p in payloads},
+        weight=weight,
+        on_mounts=on_mounts,
+        on_contacts=_on_contacts(model, data, carried, up),
+        equilibrium=found,
+    )
+
+
+def _payload(model: mujoco.MjModel, unloaded: mujoco.MjData, data: mujoco.MjData, root: int, mass: float) -> PayloadSag:
+    turn = np.zeros(3)
+    mujoco.mju_subQuat(turn, data.xquat[root], unloaded.xquat[root])  # in the body's axes as modelled
+    return PayloadSag(
+        mass=mass,
+        centre=unloaded.subtree_com[root].copy(),
+        displacement=data.subtree_com[root] - unloaded.subtree_com[root],
+        rotation=unloaded.xmat[root].reshape(3, 3) @ turn,
+    )
+
+
+def _on_contacts(model: mujoco.MjModel, data: mujoco.MjData, carried: set[int], up: Array) -> float:
+    """Return the upward force of all contacts between what is carried and what is not [N]."""
+    total, force = 0.0, np.zeros(6)
+    for number, contact in enumerate(data.contact):
+        sides = [int(model.geom_bodyid[geom]) in carried for geom in contact.geom]
+        if sides[0] == sides[1]:
+            continue
+        mujoco.mj_contactForce(model, data, number, force)
+        on_second = contact.frame.reshape(3, 3).T @ force[:3]
+        total += float(up @ on_second) * (1.0 if sides[1] else -1.0)
+    return total
+
+
+def _plain(sag: Sag) -> dict[str, Any]:
+    return {
+        "weight_N": sag.weight,
+        "on_mounts_N": sag.on_mounts,
+        "on_contacts_N": sag.on_contacts,
+        "elsewhere_N": sag.elsewhere,
+        "mounts": {
+            name: {
+                "deflection_m": mount.deflection.tolist(),
+                "force_N": mount.force.tolist(),
+                "carries_N": mount.carries,
+                "share_of_weight": mount.split if np.isfinite(mount.split) else None,
+                "share_of_static_load": mount.share,
+            }
+            for name, mount in sag.mounts.items()
+        },
+        "payloads": {
+            name: {
+                "mass_kg": payload.mass,
+                "centre_of_mass_m": payload.centre.tolist(),
+                "displacement_m": payload.displacement.tolist(),
+                "rotation_rad": payload.rotation.tolist(),
+            }
+            for name, payload in sag.payloads.items()
+        },
+    }

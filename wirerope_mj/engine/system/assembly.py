@@ -1,0 +1,147 @@
+"""From MJCF and isolators to the compiled model: driven base, state actuator, sensors, and the tables of the callback."""
+
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.system.declared import DeclaredMount
+from wirerope_mj.engine.system.scratch import Scratch
+from wirerope_mj.engine.system.tables import DRIVE_ARMATURE, Subjects, Tables, make_tables
+from wirerope_mj.foundation.errors import ModelError
+
+SOLVER_TOLERANCE = 1e-15
+"""The drive's inertia enters MuJoCo's termination scale: with the default 1e-8 contacts stop iterating too early."""
+
+POINT = "point/"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Assembly:
+    """The compiled model and where its parts stand.
+
+    Attributes:
+        model: the model.
+        tables: what the callback reads.
+        subjects: what takes part.
+        userdata: first entry of the system's userdata.
+        activation: first internal state in act.
+        sensor: first of the system's sensor values.
+        scratch: data to compute with, shared by all variants of a system.
+    """
+
+    model: mujoco.MjModel
+    tables: Tables
+    subjects: Subjects
+    userdata: int
+    activation: int
+    sensor: int
+    scratch: Scratch = field(default_factory=Scratch, repr=False, compare=False)
+
+    @property
+    def driven_dofs(self) -> list[int]:
+        """Velocity coordinates of the driven slides."""
+        return [int(self.model.jnt_dofadr[joint]) for joint in self.subjects.driven]
+
+
+def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> Assembly:
+    """Add what the callback needs to `spec` and compile it.
+
+    Args:
+        spec: parsed and once compiled MJCF; changed in place.
+        declared: mounts, with the site ids of the MJCF as it stands.
+        base: body id of the base, 0 if it is the world.
+    """
+    _name_moving_bodies(spec)
+    plain = spec.compile()
+    subjects = Subjects(
+        base=base,
+        driven=_drive(spec, plain, base),
+        bodies=tuple(body for body in range(1, plain.nbody) if plain.body_weldid[body] != 0),
+        points=tuple(site for site in range(plain.nsite) if POINT in plain.site(site).name),
+    )
+    # Whatever is added stands after what the model has, so that all addresses are known before it is compiled.
+    tables = make_tables(plain, mujoco.MjData(plain), declared, subjects, sensor=int(plain.nsensordata))
+    userdata = int(plain.nuserdata)
+    _set_options(spec)
+    spec.nuserdata = userdata + tables.user.size
+    spec.add_numeric(name=at.LAYOUT, size=tables.layout.size, data=tables.layout.tolist())
+    parameters = [*tables.parameters.tolist(), 0.0]  # never empty
+    spec.add_numeric(name=at.PARAMETERS, size=len(parameters), data=parameters)
+    first = int(plain.nnumericdata)
+    _add_state_actuator(spec, plain, tables, [first, first + tables.layout.size, userdata, int(plain.na)])
+    _add_sensors(spec, plain, declared, subjects)
+    return Assembly(
+        model=spec.compile(),
+        tables=tables,
+        subjects=subjects,
+        userdata=userdata,
+        activation=int(plain.na),
+        sensor=int(plain.nsensordata),
+    )
+
+
+def _name_moving_bodies(spec: mujoco.MjSpec) -> None:
+    """Give every body without a name one, so that it can be observed and drawn."""
+    for element in spec.bodies:
+        if not element.name:
+            element.name = f"body_{element.id}"
+
+
+def _drive(spec: mujoco.MjSpec, model: mujoco.MjModel, base: int) -> tuple[int, ...]:
+    """Return the ids of the base's slides, made into a drive: huge inertia, no friction and no limits of their own."""
+    slide = mujoco.mjtJoint.mjJNT_SLIDE
+    joints = [j for j in range(model.njnt) if base and model.jnt_bodyid[j] == base and model.jnt_type[j] == slide]
+    for element in spec.joints:
+        if element.id in joints:
+            element.armature = DRIVE_ARMATURE
+            element.frictionloss = 0.0
+            element.limited = mujoco.mjtLimited.mjLIMITED_FALSE
+    return tuple(joints)
+
+
+def _set_options(spec: mujoco.MjSpec) -> None:
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_RK4
+    spec.option.tolerance = SOLVER_TOLERANCE
+    # The state at a warning must survive for the message, and the sensor callback is the observer.
+    disable = mujoco.mjtDisableBit
+    spec.option.disableflags |= disable.mjDSBL_AUTORESET
+    spec.option.disableflags &= ~(disable.mjDSBL_SENSOR | disable.mjDSBL_ACTUATION | disable.mjDSBL_SPRING)
+
+
+def _add_state_actuator(spec: mujoco.MjSpec, model: mujoco.MjModel, tables: Tables, places: list[int]) -> None:
+    """Add the actuator whose activations are the internal states; any joint carries it, a slide is the cheapest."""
+    if model.njnt == 0:
+        raise ModelError("the model has no joint: nothing in it can move.")
+    carrier = int(np.argmax(model.jnt_type == mujoco.mjtJoint.mjJNT_SLIDE))
+    joint = next(element for element in spec.joints if element.id == carrier)
+    if not joint.name:
+        joint.name = "wirerope/carrier"
+    n_states = tables.user.n_states
+    spec.add_actuator(
+        name=at.STATE_ACTUATOR,
+        dyntype=mujoco.mjtDyn.mjDYN_USER if n_states else mujoco.mjtDyn.mjDYN_NONE,
+        actdim=n_states if n_states else -1,
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        target=joint.name,
+        gainprm=[0.0] * 10,
+        biasprm=[0.0] * 10,
+        dynprm=[at.MAGIC, *map(float, places), 0.0, 0.0, 0.0, 0.0, 0.0],
+    )
+
+
+def _add_sensors(spec: mujoco.MjSpec, model: mujoco.MjModel, declared: list[DeclaredMount], subjects: Subjects) -> None:
+    sizes = {f"body/{model.body(body).name}": at.KINEMATICS for body in subjects.bodies}
+    sizes |= {model.site(site).name: at.POINT_VALUES for site in subjects.points}
+    for mount in declared:
+        n_states = sum(law.n_states for law in mount.isolator.axes.values() if law is not None)
+        sizes[f"mount/{mount.name}"] = at.MOUNT_VALUES + n_states
+    for name, size in sizes.items():
+        spec.add_sensor(
+            name=name,
+            type=mujoco.mjtSensor.mjSENS_USER,
+            dim=size,
+            needstage=mujoco.mjtStage.mjSTAGE_ACC,
+            datatype=mujoco.mjtDataType.mjDATATYPE_REAL,
+        )

@@ -1,0 +1,87 @@
+"""What a variant of a system has that the model as written has not."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from wirerope_mj.mounts.isolator import Isolator
+
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Changes:
+    """Isolators, masses, centres of mass and positions of mounts that differ from those of another system.
+
+    Attributes:
+        isolators: isolators by mount.
+        masses: factors on mass and moments of inertia, by body.
+        centres: shifts of the centre of mass [m], world axes of the modelled geometry, by body.
+        positions: shifts of both sites [m], world axes of the modelled geometry, by mount.
+    """
+
+    isolators: Mapping[str, Isolator] = field(default_factory=dict)
+    masses: Mapping[str, float] = field(default_factory=dict)
+    centres: Mapping[str, Vector] = field(default_factory=dict)
+    positions: Mapping[str, Vector] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for mount, isolator in self.isolators.items():
+            if not isinstance(isolator, Isolator):
+                raise ValueError(f"`isolators[{mount!r}]` must be an Isolator, got {isolator!r}.")
+        checked = {
+            "isolators": dict(self.isolators),
+            "masses": {body: _factor(body, factor) for body, factor in self.masses.items()},
+            "centres": {body: _shift("centres", body, shift) for body, shift in self.centres.items()},
+            "positions": {mount: _shift("positions", mount, shift) for mount, shift in self.positions.items()},
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the changes as plain TOML values, from which `from_dict` makes them again to the last bit."""
+        shifts = {"centres": self.centres, "positions": self.positions}
+        return {
+            "isolators": {mount: isolator.to_dict() for mount, isolator in self.isolators.items()},
+            "masses": dict(self.masses),
+            **{name: {key: list(shift) for key, shift in values.items()} for name, values in shifts.items()},
+        }
+
+    @classmethod
+    def from_dict(cls, content: Mapping[str, Any]) -> "Changes":
+        """Return the changes that `to_dict` stored.
+
+        Raises:
+            ModelError: an isolator is not what it must be.
+            ValueError: a factor or a shift is not.
+        """
+        isolators = {
+            mount: Isolator.from_dict(isolator, where=f"isolator of mount {mount!r}")
+            for mount, isolator in content.get("isolators", {}).items()
+        }
+        rest = {name: content.get(name, {}) for name in ("masses", "centres", "positions")}
+        return cls(isolators=isolators, **rest)
+
+
+def _factor(body: str, factor: Any) -> float:
+    value = _number(factor)
+    if not (math.isfinite(value) and value > 0.0):
+        raise ValueError(f"`masses[{body!r}]` must be a factor > 0, got {factor!r}.")
+    return value
+
+
+def _shift(name: str, key: str, shift: Any) -> Vector:
+    values = [] if isinstance(shift, str | bytes) or not hasattr(shift, "__iter__") else [_number(v) for v in shift]
+    if len(values) != 3 or not all(math.isfinite(value) for value in values):
+        raise ValueError(f"`{name}[{key!r}]` must be three finite numbers [m], got {shift!r}.")
+    x, y, z = values
+    return (x, y, z)
+
+
+def _number(value: Any) -> float:
+    """Return a plain float; what is none becomes nan, which no check lets pass."""
+    try:
+        return math.nan if isinstance(value, str | bool) else float(value)
+    except (TypeError, ValueError):
+        return math.nan

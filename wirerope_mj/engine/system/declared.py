@@ -1,0 +1,199 @@
+"""The mounts that an MJCF model declares, resolved to ids of the compiled model."""
+
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.mounts.isolator import Isolator, find_isolator, load_isolator
+
+COINCIDENCE = 1e-6
+"""Largest distance between the two sites of a mount in the modelled geometry [m]."""
+
+MOUNT, ISOLATOR, BASE = "mount/", "isolator/", "base"
+
+
+@dataclass(frozen=True, kw_only=True)
+class DeclaredMount:
+    """A mount as the model's tuple says it: ids of the model that was compiled from the MJCF alone."""
+
+    name: str
+    payload_site: int
+    base_site: int
+    isolator_name: str
+    isolator: Isolator
+
+
+def check_names(spec: mujoco.MjSpec) -> None:
+    """Raise ModelError if a mount's tuple names a site or a text that the model does not have, and say which it has."""
+    existing = {
+        int(mujoco.mjtObj.mjOBJ_SITE): ("site", sorted(site.name for site in spec.sites if site.name)),
+        int(mujoco.mjtObj.mjOBJ_TEXT): ("text", sorted(text.name for text in spec.texts)),
+    }
+    for element in spec.tuples:
+        if MOUNT not in element.name:
+            continue
+        for kind, name in zip(element.objtype, element.objname, strict=True):
+            word, names = existing.get(int(kind), ("", [name]))
+            if name not in names:
+                raise ModelError(f"tuple {element.name!r}: {word} {name!r} is not in the model. Its {word}s: {names}.")
+
+
+def check_visible(model: mujoco.MjModel) -> None:
+    """Raise ModelError if a name holds a line break or another character that cannot be seen: nobody could write it again."""
+    for name in model.names.decode("utf-8", "replace").split("\0"):
+        if plain(name) != name:
+            raise ModelError(
+                f"the name {name!r} in the model holds characters that cannot be seen, such as a line break or an escape "
+                "sequence; name that element with letters, digits and signs."
+            )
+
+
+def declared_mounts(
+    spec: mujoco.MjSpec, model: mujoco.MjModel, *, folder: Path | None, isolators: Mapping[str, Isolator]
+) -> list[DeclaredMount]:
+    """Return the mounts in the order of their tuples.
+
+    Args:
+        spec: the parsed MJCF, for the texts that name isolators.
+        model: what it compiles to.
+        folder: where the model file stands; isolator files are looked up there first.
+        isolators: isolators in memory, by what follows `isolator/` in the text's name; they go before files.
+    """
+    files = {text.name: text.data for text in spec.texts}
+    loaded: dict[str, Isolator] = {}
+    mounts: list[DeclaredMount] = []
+    for t in range(model.ntuple):
+        tuple_name = model.tuple(t).name
+        if MOUNT not in tuple_name:
+            continue
+        payload_site, base_site, text = _elements(model, t, tuple_name)
+        text_name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_TEXT, text)
+        key = text_name.split(ISOLATOR, 1)[-1]
+        if text_name not in loaded:
+            loaded[text_name] = isolators[key] if key in isolators else _load(files[text_name], folder, tuple_name)
+        mounts.append(
+            DeclaredMount(
+                name=tuple_name.replace(MOUNT, "", 1),
+                payload_site=payload_site,
+                base_site=base_site,
+                isolator_name=key,
+                isolator=loaded[text_name],
+            )
+        )
+    if not mounts:
+        raise ModelError(
+            "the model has no mount. A mount is a <tuple> in <custom> whose name contains 'mount/', of a payload site, a "
+            "base site and a text that names the isolator's file."
+        )
+    _check(model, mounts)
+    unknown = sorted(set(isolators) - {mount.isolator_name for mount in mounts})
+    if unknown:
+        known = sorted({mount.isolator_name for mount in mounts})
+        raise ModelError(f"no mount uses the isolator {unknown[0]!r}. Isolators that the model names: {known}.")
+    return mounts
+
+
+def _elements(model: mujoco.MjModel, t: int, name: str) -> tuple[int, int, int]:
+    start, size = model.tuple_adr[t], model.tuple_size[t]
+    kinds = [mujoco.mjtObj(kind) for kind in model.tuple_objtype[start : start + size]]
+    wanted = [mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_TEXT]
+    if kinds != wanted:
+        found = [kind.name.removeprefix("mjOBJ_").lower() for kind in kinds]
+        raise ModelError(
+            f"tuple {name!r} must hold a payload site, a base site and a text, in this order; it has {found}."
+        )
+    payload_site, base_site, text = model.tuple_objid[start : start + size]
+    return int(payload_site), int(base_site), int(text)
+
+
+def _load(file: str, folder: Path | None, tuple_name: str) -> Isolator:
+    try:
+        return load_isolator(find_isolator(file, beside=folder))
+    except ModelError as error:
+        raise ModelError(f"mount {tuple_name.replace(MOUNT, '', 1)!r}: {error}") from None
+
+
+def _check(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    seen: dict[tuple[int, int, str], str] = {}
+    names: set[str] = set()
+    for mount in mounts:
+        sites = [model.site(site).name for site in (mount.payload_site, mount.base_site)]
+        if mount.name in names:
+            raise ModelError(f"two mounts are called {mount.name!r}.")
+        names.add(mount.name)
+        distance = float(np.linalg.norm(data.site_xpos[mount.payload_site] - data.site_xpos[mount.base_site]))
+        if distance > COINCIDENCE:
+            raise ModelError(
+                f"mount {mount.name!r}: sites {sites[0]!r} and {sites[1]!r} are {distance:.6g} m apart in the modelled "
+                f"geometry; both must lie at the isolator's mid-height, within {COINCIDENCE:g} m."
+            )
+        bodies = [int(model.site_bodyid[site]) for site in (mount.payload_site, mount.base_site)]
+        if model.body_weldid[bodies[0]] == model.body_weldid[bodies[1]]:
+            raise ModelError(
+                f"mount {mount.name!r}: sites {sites[0]!r} and {sites[1]!r} belong to the same rigid body."
+            )
+        key = (mount.payload_site, mount.base_site, mount.isolator_name)
+        if key in seen:
+            raise ModelError(
+                f"mounts {seen[key]!r} and {mount.name!r} place the same isolator {mount.isolator_name!r} between the same "
+                f"sites {sites[0]!r} and {sites[1]!r}; remove one, or give it sites of its own."
+            )
+        seen[key] = mount.name
+        if all(law is None for law in mount.isolator.axes.values()):
+            raise ModelError(f"mount {mount.name!r}: isolator {mount.isolator.name!r} has no law on any axis.")
+
+
+def base_body(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> int:
+    """Return the id of the base: the child of the world above all base sites that carries no payload site, 0 if fixed."""
+    named = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_TUPLE, BASE)
+    if named >= 0:
+        start, size = model.tuple_adr[named], model.tuple_size[named]
+        if size != 1 or model.tuple_objtype[start] != mujoco.mjtObj.mjOBJ_BODY:
+            raise ModelError(f"tuple {BASE!r} must hold one body, the base.")
+        body = int(model.tuple_objid[start])
+        if body and model.body_parentid[body] != 0:
+            raise ModelError(f"the base {model.body(body).name!r} must be a child of the world.")
+        return body
+    roots = [{int(model.body_rootid[model.site_bodyid[site]]) for site in sites} for sites in _sites(mounts)]
+    candidates = sorted(roots[1] - roots[0])
+    if len(candidates) != 1:
+        _check_order(model, mounts)
+        found = [model.body(body).name for body in candidates]
+        raise ModelError(
+            f"the base is not unique: {found or 'none'} of the bodies carry base sites and no payload site. Name it by "
+            '<tuple name="base"><element objtype="body" objname="..."/></tuple> in <custom>.'
+        )
+    return candidates[0]
+
+
+def _check_order(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
+    """Raise ModelError if a mount stands the other way round between the two bodies than most others do."""
+    ways = {mount.name: tuple(int(root) for root in _roots(model, mount)) for mount in mounts}
+    counts = Counter(ways.values())
+    for mount in mounts:
+        payload, base = ways[mount.name]
+        if 0 < counts[payload, base] < counts[base, payload]:
+            names = [model.site(site).name for site in (mount.payload_site, mount.base_site)]
+            raise ModelError(
+                f"mount {mount.name!r}: its payload site {names[0]!r} is on {model.body(payload).name!r} and its base site "
+                f"{names[1]!r} on {model.body(base).name!r}; {counts[base, payload]} other mounts stand the other way round. "
+                "Swap its two sites."
+            )
+
+
+def _roots(model: mujoco.MjModel, mount: DeclaredMount) -> npt.NDArray[np.int32]:
+    """Return the children of the world above the payload site and the base site of a mount, (2,)."""
+    return np.asarray(model.body_rootid[model.site_bodyid[[mount.payload_site, mount.base_site]]])
+
+
+def _sites(mounts: list[DeclaredMount]) -> tuple[list[int], list[int]]:
+    return [mount.payload_site for mount in mounts], [mount.base_site for mount in mounts]

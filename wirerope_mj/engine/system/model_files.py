@@ -1,0 +1,149 @@
+"""A copy of a system's model that loads by itself, with what a variant of it differs by."""
+
+import re
+import shutil
+import tomllib
+from html import unescape
+from pathlib import Path, PurePosixPath
+from typing import Any
+from xml.sax.saxutils import quoteattr
+
+import tomli_w
+
+from wirerope_mj.engine.system import Changes, System
+from wirerope_mj.engine.system.named_files import named_files
+from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.toml_file import toml_content
+from wirerope_mj.mounts.isolator import Isolator
+
+CHANGES = "changes.toml"
+"""What a variant differs by from the model beside it."""
+
+
+_TEXT = re.compile(r"""<text\b(?:[^>"']|"[^"]*"|'[^']*')*>""")
+_ATTRIBUTE = re.compile(r"""\b(name|data)\s*=\s*("[^"]*"|'[^']*')""")
+"""A `text` element as it is written, and its attributes with their quotes."""
+
+
+def write_model(system: System, folder: Path) -> Path:
+    """Write the MJCF of `system` and all it refers to into `folder`, and return the path of the copied model.
+
+    Isolators are written as the system holds them, under the relative names that the model's texts give. A text that
+    points out of the model's folder is pointed at the copy. Files that the MJCF names (`include`, meshes, textures,
+    height fields, models to attach) are copied if they lie beside or below the model file. Of a variant the model is copied as
+    written, and its changes are written beside it, as `model_table` says.
+
+    Raises:
+        ModelError: a file of the model lies outside its folder.
+    """
+    target = folder / (system.path.name if system.path else "model.xml")
+    folder.mkdir(parents=True, exist_ok=True)
+    text, places = system.mjcf, _isolator_places(system)
+    for name, (data, place) in places.items():
+        text = text if data == place else _repointed(text, name, place)
+    target.write_text(text, encoding="utf-8")
+    if system.path is not None:
+        _copy_assets(system.path, folder)
+    for name, (_, place) in places.items():
+        path = folder / _with_ending(place)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        _isolator_of(system, name).save(path)
+    if system.changes:
+        content: dict[str, Any] = {"changes": [changes.to_dict() for changes in system.changes]}
+        (folder / CHANGES).write_text(tomli_w.dumps(content), encoding="utf-8")
+    return target
+
+
+def model_table(system: System, model: Path) -> dict[str, str]:
+    """Return what a folder says of its model, which `write_model` wrote below it: the file, and that of a variant's changes."""
+    place = model.parent.name
+    return {"file": f"{place}/{model.name}"} | ({"changes": f"{place}/{CHANGES}"} if system.changes else {})
+
+
+def read_changes(path: Path) -> tuple[Changes, ...]:
+    """Return the changes that `write_model` wrote beside a model.
+
+    Raises:
+        RecordError: the file does not hold changes.
+    """
+    try:
+        return tuple(Changes.from_dict(one) for one in toml_content(path)["changes"])
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError, ModelError):
+        raise RecordError(
+            f"{path}: this file was written beside the model and says what the variant differs by; it cannot be read, or was "
+            f"changed since. Copy the whole folder again."
+        ) from None
+
+
+def missing_isolators(system: System, folder: Path) -> list[str]:
+    """Return the isolator files that the model's texts name and that are not in `folder`."""
+    return [place for _, place in _isolator_texts(system) if not (folder / _with_ending(place)).is_file()]
+
+
+def _isolator_texts(system: System) -> list[tuple[str, str]]:
+    """Return name and content of every text of the model that names an isolator in use."""
+    model, found = system.model, []
+    for number in range(model.ntext):
+        start = model.name_textadr[number]
+        name = model.names[start : model.names.index(b"\0", start)].decode()
+        data = model.text_data[model.text_adr[number] :][: model.text_size[number]].split(b"\0")[0].decode()
+        if "isolator/" in name and name.split("isolator/", 1)[-1] in system.isolators:
+            found.append((name, data))
+    return found
+
+
+def _isolator_places(system: System) -> dict[str, tuple[str, str]]:
+    """Return, by name of the text, what it says and where the copy of the isolator lies in the folder."""
+    places: dict[str, tuple[str, str]] = {}
+    taken: dict[str, Isolator] = {}
+    for name, data in _isolator_texts(system):
+        isolator = _isolator_of(system, name)
+        path = PurePosixPath(data)
+        inside = not path.is_absolute() and ".." not in path.parts
+        place = data if inside else f"isolators/{path.name}"
+        number = 1
+        while taken.setdefault(place, isolator) != isolator:  # two devices in memory behind one file name
+            number += 1
+            place = f"isolators/{path.stem}-{number}.toml"
+        places[name] = (data, place)
+    return places
+
+
+def _isolator_of(system: System, text_name: str) -> Isolator:
+    key = text_name.split("isolator/", 1)[-1]
+    own = {mount for changes in system.changes for mount in changes.isolators}  # those stand with the changes
+    written = [mount for mount in system.mounts.values() if mount.isolator_name == key and mount.name not in own]
+    if any(mount.written != system.isolators[key] for mount in written):
+        raise ModelError(f"two different isolators are both called {key!r} in this model; a run must tell them apart.")
+    return system.isolators[key]
+
+
+def _with_ending(place: str) -> str:
+    return place if place.endswith(".toml") else f"{place}.toml"
+
+
+def _repointed(text: str, name: str, place: str) -> str:
+    """Return the MJCF with the text `name` saying `place`."""
+    found = [match for match in _TEXT.finditer(text) if _stated_name(match[0]) == name]
+    if len(found) != 1:
+        raise ModelError(
+            f"the text {name!r} names an isolator file outside the model's folder and does not stand in the model file "
+            "itself, so that no copy of the model can point at its own file. Place the isolator beside the model."
+        )
+    element = _ATTRIBUTE.sub(lambda match: f"data={quoteattr(place)}" if match[1] == "data" else match[0], found[0][0])
+    return f"{text[: found[0].start()]}{element}{text[found[0].end() :]}"
+
+
+def _stated_name(element: str) -> str:
+    return next((unescape(match[2][1:-1]) for match in _ATTRIBUTE.finditer(element) if match[1] == "name"), "")
+
+
+def _copy_assets(model: Path, folder: Path) -> None:
+    """Copy every file that an MJCF file names into `folder`, and what included or attached files name in turn."""
+    root = model.parent.resolve()
+    for name, source in named_files(model):
+        if not source.resolve().is_relative_to(root):
+            raise ModelError(f"{model}: {name!r} lies outside the model's folder; a run must hold all it needs.")
+        copy = folder / source.resolve().relative_to(root)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, copy)

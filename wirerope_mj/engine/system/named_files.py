@@ -1,0 +1,93 @@
+"""Files that an MJCF model names: those it cannot do without, and whether they lie where they must."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from xml.etree import ElementTree
+
+from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.inside import file_inside, is_inside
+
+_FOLDERS = ("assetdir", "meshdir", "texturedir")
+"""Attributes of a `compiler` element that say where files are."""
+
+
+def named_files(model: Path) -> Iterator[tuple[str, Path]]:
+    """Yield what a model calls each file that it names (`include`, meshes, textures, models to attach), and where that is.
+
+    What included and attached files below the model's folder name follows in turn.
+
+    Raises:
+        ModelError: a file is not well-formed XML.
+    """
+    for tree, places in model_trees(model):
+        for name, source, _ in _sources(tree, places):
+            yield name, source
+
+
+def check_inside(folder: Path, stated: Mapping[str, str]) -> Path:
+    """Return the model file of a folder if all that it names lies in the folder, too; none of it is used.
+
+    Args:
+        folder: of a run or a study, perhaps somebody else's.
+        stated: what the folder says of its model, as `model_table` returned it.
+
+    Raises:
+        RecordError: a file is missing, or lies outside the folder.
+        ModelError: a file is not well-formed XML.
+    """
+    for name in stated.values():
+        file_inside(folder, name, "model file")
+    model = folder / stated["file"]
+    for name, path in (*named_files(model), *_isolator_files(model)):
+        if not is_inside(path, folder):
+            raise RecordError(
+                f"{folder}: {model.name} names {name!r}, which lies outside this folder and is not read; a folder holds all "
+                "that it needs. Simulate the scenario again, and the files are copied."
+            )
+    return model
+
+
+def _isolator_files(model: Path) -> Iterator[tuple[str, Path]]:
+    """Yield what a model calls its isolator files, and where they are looked for first."""
+    for tree, _ in model_trees(model):
+        for text in tree.iter("text"):
+            if "isolator/" in text.get("name", ""):
+                name = text.get("data", "")
+                yield name, model.parent / (name if name.endswith(".toml") else f"{name}.toml")
+
+
+def model_trees(model: Path) -> Iterator[tuple[ElementTree.Element, tuple[Path, ...]]]:
+    """Yield the elements of a model file and of those that it includes or attaches, each with the folders it searches."""
+    todo: list[tuple[Path, tuple[Path, ...]]] = [(model, ())]
+    seen = set()
+    while todo:
+        file, searched = todo.pop(0)
+        if file.resolve() in seen or not is_inside(file, model.parent):
+            continue  # a file may include itself, which MuJoCo refuses
+        seen.add(file.resolve())
+        tree = _tree(file)
+        stated = [compiler.get(key, "") for compiler in tree.iter("compiler") for key in _FOLDERS]
+        own = (file.parent, model.parent)
+        places = (*own, *searched, *(base / name for name in stated for base in reversed(own)))
+        yield tree, places
+        todo += [(source, places) for _, source, is_model in _sources(tree, places) if is_model]
+
+
+def _sources(tree: ElementTree.Element, places: tuple[Path, ...]) -> Iterator[tuple[str, Path, bool]]:
+    """Yield name and path of every file that elements name, and whether it holds elements itself."""
+    for element in tree.iter():
+        for name in [value for key, value in element.attrib.items() if key.startswith("file")]:
+            source = next((place / name for place in places if (place / name).is_file()), None)
+            if source is not None:  # else it is no file that MuJoCo needs, or it will say so
+                yield name, source, element.tag == "include" or source.suffix == ".xml"
+
+
+def _tree(file: Path) -> ElementTree.Element:
+    try:
+        return ElementTree.fromstring(file.read_text(encoding="utf-8", errors="replace"))
+    except ElementTree.ParseError as error:
+        line, column = error.position
+        raise ModelError(
+            f"{file}, line {line}, column {column + 1}: this is not well-formed XML, so that the files the model needs cannot "
+            "be found. Write & as &amp; and < as &lt;, close every element, and give no attribute twice."
+        ) from None

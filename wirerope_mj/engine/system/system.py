@@ -1,0 +1,193 @@
+"""A system: a MuJoCo model whose mounts act through the control callback."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from os import PathLike
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.system.assembly import Assembly, assemble
+from wirerope_mj.engine.system.changes import Changes
+from wirerope_mj.engine.system.declared import DeclaredMount, base_body, check_names, check_visible, declared_mounts
+from wirerope_mj.engine.system.finite import check_joints, check_numbers, check_written
+from wirerope_mj.engine.system.limits import declared_limits
+from wirerope_mj.engine.system.refused import refused
+from wirerope_mj.foundation.errors import ModelError, why_unread
+from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.mounts.isolator import Isolator
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mount:
+    """An isolator between two sites of a model.
+
+    Attributes:
+        name: name of the mount.
+        isolator: the device as it acts, stiffened by its cycles (`Isolator.conditioned`).
+        written: the device as its file has it.
+        isolator_name: what the model calls it.
+        payload_site, base_site: names of its sites.
+        payload_body, base_body: names of the bodies that carry them.
+        position: point of both sites in the modelled geometry [m], world frame, (3,).
+        axes: roll, shear and axial direction as columns, world frame, modelled geometry, (3, 3).
+        states: where its internal states stand among those of the system, one slice each for roll, shear, axial.
+    """
+
+    name: str
+    isolator: Isolator
+    written: Isolator
+    isolator_name: str
+    payload_site: str
+    base_site: str
+    payload_body: str
+    base_body: str
+    position: npt.NDArray[np.float64]
+    axes: npt.NDArray[np.float64]
+    states: tuple[slice, slice, slice]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class System:
+    """A compiled model with mounts.
+
+    `model` is ready to step while the callbacks are installed (`wirerope_mj.engine.control.installed`). Sensors `body/NAME`,
+    `point/NAME` and `mount/NAME` hold what is observed of it, see `wirerope_mj.engine.control.layout`.
+
+    Attributes:
+        model: compiled model.
+        mounts: mounts by name, in the order of the model.
+        payloads: names of the bodies at the root of what the mounts carry.
+        base: name of the driven base; "" if the base sites are fixed in the world.
+        mjcf: the model as written.
+        path: file it was read from, None if it was given as text.
+        isolators: isolators by what the model calls them.
+        limits: what the payload can bear, as far as the model says.
+        assembly: where the parts of the model stand.
+        changes: what a variant differs by from the model as written, in the order in which it was varied; see
+            `wirerope_mj.varied`. `mjcf`, `path` and `isolators` say nothing of it, `model` and `mounts` hold it.
+    """
+
+    model: mujoco.MjModel
+    mounts: dict[str, Mount]
+    payloads: list[str]
+    base: str
+    mjcf: str
+    path: Path | None
+    isolators: dict[str, Isolator]
+    limits: tuple[PayloadLimit, ...]
+    assembly: Assembly = field(repr=False)
+    changes: tuple[Changes, ...] = ()
+
+
+def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None = None) -> System:
+    """Return the system that an MJCF model and its isolators describe.
+
+    Args:
+        source: path of an MJCF file, or MJCF text.
+        isolators: isolators in memory by the name that follows `isolator/` in the model; they go before files.
+
+    Raises:
+        ValueError: `source` is neither a path nor text.
+        ModelError: the model cannot be read, or its mounts, sites, isolators or base are not what they must be.
+    """
+    text, path = _read(source)
+    try:
+        return _system(text, path, isolators or {})
+    except ModelError as error:
+        raise ModelError(f"{path}: {error}" if path else str(error)) from error
+
+
+def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> System:
+    """Return the system of an MJCF text, which stands in the file `path` if there is one."""
+    check_written(text, path)
+    try:
+        spec = mujoco.MjSpec.from_file(str(path)) if path else mujoco.MjSpec.from_string(text)
+        check_names(spec)
+        plain = spec.compile()
+    except (ValueError, mujoco.FatalError) as error:
+        raise ModelError(refused(str(error), text)) from None
+    check_visible(plain)
+    check_numbers(plain)
+    check_joints(plain)
+    declared = declared_mounts(spec, plain, folder=path.parent if path else None, isolators=isolators)
+    base = base_body(plain, declared)
+    _check_payloads(plain, declared, base)
+    try:
+        assembly = assemble(spec, declared, base)
+    except (ValueError, mujoco.FatalError) as error:  # a name that is added to every model, taken by the model's own
+        raise ModelError(refused(str(error), text)) from None
+    model = assembly.model
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mounts = {
+        d.name: Mount(
+            name=d.name,
+            isolator=d.isolator.conditioned,
+            written=d.isolator,
+            isolator_name=d.isolator_name,
+            payload_site=model.site(d.payload_site).name,
+            base_site=model.site(d.base_site).name,
+            payload_body=model.body(model.site_bodyid[d.payload_site]).name,
+            base_body=model.body(model.site_bodyid[d.base_site]).name,
+            position=data.site_xpos[d.base_site].copy(),
+            axes=data.site_xmat[d.base_site].reshape(3, 3).copy(),
+            states=assembly.tables.states[d.name],
+        )
+        for d in declared
+    }
+    roots = [int(model.body_rootid[model.site_bodyid[d.payload_site]]) for d in declared]
+    return System(
+        model=model,
+        mounts=mounts,
+        payloads=[model.body(root).name for root in dict.fromkeys(roots)],
+        base=model.body(base).name if base else "",
+        mjcf=text,
+        path=path,
+        isolators={d.isolator_name: d.isolator for d in declared},
+        limits=declared_limits(model, base),
+        assembly=assembly,
+    )
+
+
+def _read(source: str | Path) -> tuple[str, Path | None]:
+    if isinstance(source, str) and source.lstrip().startswith("<"):
+        return source, None
+    if not isinstance(source, str | PathLike):
+        raise ValueError(f"`source` must be the path of an MJCF file, or MJCF text, got {source!r}.")
+    path = Path(source)
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise ModelError(
+            f"{path}, line {line}: the model cannot be read: this is not text in UTF-8. An MJCF file is XML; save it in UTF-8."
+        ) from None
+    except (OSError, ValueError) as error:  # a path that holds NUL is a ValueError
+        why = why_unread(error if isinstance(error, OSError) else FileNotFoundError())
+        shipped = ", ".join(sorted(file.name for file in models_folder().glob("*.xml")))
+        raise ModelError(
+            f"{short(str(path))}: the model cannot be read: {why} Expected is the path of an MJCF file, or MJCF text, which "
+            f"begins with <. The package ships {shipped} in {models_folder()}."
+        ) from None
+    if not text.lstrip("\ufeff").lstrip().startswith("<"):
+        raise ModelError(f"{path}: this is not a model; an MJCF file is XML and begins with <mujoco>.")
+    if "\\" in path.resolve().as_posix():
+        raise ModelError(
+            f"{path.resolve()}: MuJoCo takes the backslash in this path for a slash; rename the folder or file."
+        )
+    return text, path.resolve()
+
+
+def _check_payloads(model: mujoco.MjModel, declared: list[DeclaredMount], base: int) -> None:
+    for mount in declared:
+        body = int(model.site_bodyid[mount.payload_site])
+        site = model.site(mount.payload_site).name
+        if model.body_weldid[body] == 0:
+            raise ModelError(f"mount {mount.name!r}: payload site {site!r} is fixed in the world; nothing moves on it.")
+        if base and model.body_rootid[body] == base and model.body_weldid[body] == base:
+            raise ModelError(f"mount {mount.name!r}: payload site {site!r} belongs to the base; swap the two sites.")

@@ -1,0 +1,252 @@
+"""The tables that the callback reads: mounts, axes, drive, bodies, points, the tree, and what the peak tracker follows."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.system.contact_pairs import contact_rows
+from wirerope_mj.engine.system.declared import DeclaredMount
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL
+
+Array = npt.NDArray[np.float64]
+
+DRIVE_ARMATURE = 1e10
+"""Inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Subjects:
+    """What of a compiled model takes part: ids of the base (0: the world), its driven slides, observed bodies and points."""
+
+    base: int
+    driven: tuple[int, ...]
+    bodies: tuple[int, ...]
+    points: tuple[int, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tables:
+    """The callback's tables as numbers, and what the rest of the library needs to know of them.
+
+    Attributes:
+        layout: header and tables, as `wirerope_mj.engine.control.layout` describes them, (n,).
+        parameters: parameters of all laws, (n_p,).
+        user: places in userdata.
+        drive: slide accelerations from base acceleration, (n_driven, 3).
+        channels: places of the tracked 3-vectors among the system's sensor values, (n_channels,).
+        base_channels: numbers of the channels with the acceleration of what is fixed to the driven base.
+        states: per mount where the states of roll, shear and axial stand among the internal states.
+    """
+
+    layout: Array
+    parameters: Array
+    user: at.UserData
+    drive: Array
+    channels: npt.NDArray[np.int64]
+    base_channels: tuple[int, ...]
+    states: dict[str, tuple[slice, slice, slice]]
+
+    @property
+    def sites(self) -> npt.NDArray[np.int64]:
+        """Ids of the payload's and the base's site of every mount, (n_mounts, 2)."""
+        first, last = int(self.layout[at.MOUNTS]), int(self.layout[at.AXES])
+        return self.layout[first:last].reshape(-1, at.MOUNT_COLUMNS)[:, :2].astype(np.int64)
+
+
+def make_tables(
+    model: mujoco.MjModel,
+    data: mujoco.MjData,
+    declared: list[DeclaredMount],
+    on: Subjects,
+    *,
+    sensor: int,
+    drive: Array | None = None,
+) -> Tables:
+    """Return the tables of a model.
+
+    Args:
+        model: the model.
+        data: its data, in which the modelled geometry is computed.
+        declared: mounts.
+        on: what takes part.
+        sensor: address of the system's first sensor value.
+        drive: map from base acceleration to slide accelerations where it is known, (n_driven, 3).
+    """
+    isolators = {mount.name: mount.isolator.conditioned for mount in declared}
+    axes, parameters, states = _axis_rows(isolators)
+    couplings = _couplings(isolators.values(), parameters)
+    n_states = int(sum(row[3] for row in axes))
+    mujoco.mj_kinematics(model, data)
+    drive = _drive_rows(model, data, on.driven) if drive is None else drive
+    channels = _channels(on, states)
+    parts = [
+        [
+            [*_mount_row(model, mount, on), coupling, *_turning_row(data, mount, isolators), _partner(mount.isolator)]
+            for mount, coupling in zip(declared, couplings, strict=True)
+        ],
+        axes,
+        [
+            [model.jnt_dofadr[joint], DRIVE_ARMATURE + model.body_subtreemass[on.base], *row]
+            for joint, row in zip(on.driven, drive, strict=True)
+        ],
+        [[body, model.body_rootid[body]] for body in on.bodies],
+        _point_rows(model, data, on),
+        list(zip(model.body_parentid, model.body_dofadr, model.body_dofnum, strict=True)),
+        channels,
+    ]
+    flat = [np.array(part, dtype=np.float64).ravel() for part in parts]
+    starts = at.HEADER + np.concatenate([[0], np.cumsum([part.size for part in flat])])
+    header = np.zeros(at.HEADER)
+    counts = (len(declared), len(on.driven), len(on.bodies), len(on.points), model.nbody, n_states, len(channels))
+    header[: len(counts)] = counts
+    header[at.MOUNTS : at.CHANNELS + 1] = starts[:-1]
+    header[at.SENSOR] = sensor
+    header[at.N_SLIPPING] = _slipping(axes)
+    header[at.N_CONTACTS] = n_contacts = contact_rows(model)
+    header[at.N_STOPS] = n_stops = sum(len(isolator.stops) for isolator in isolators.values())
+    return Tables(
+        layout=np.concatenate([header, *flat]),
+        parameters=np.concatenate([*parameters, []]),
+        user=at.UserData(
+            n_mounts=len(declared),
+            n_states=n_states,
+            n_tree=int(model.nbody),
+            n_channels=len(channels),
+            n_contacts=n_contacts,
+            n_stops=n_stops,
+        ),
+        drive=drive,
+        channels=np.array(channels, dtype=np.int64),
+        base_channels=_base_channels(model, on),
+        states=states,
+    )
+
+
+def _turning_row(data: mujoco.MjData, mount: DeclaredMount, isolators: Mapping[str, Isolator]) -> list[float]:
+    """Return the rotational stiffnesses of a mount [N m/rad] and its modelled orientation."""
+    return [*turning(isolators[mount.name]), *_as_modelled(data, mount)]
+
+
+def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
+    """Return tables with other laws, of all mounts in their order, with as many states; all else stays as it is."""
+    isolators = {mount: isolator.conditioned for mount, isolator in isolators.items()}
+    axes, parameters, states = _axis_rows(isolators)
+    couplings = _couplings(isolators.values(), parameters)
+    layout = tables.layout.copy()
+    mounts, first = int(layout[at.MOUNTS]), int(layout[at.AXES])
+    rows = layout[mounts:first].reshape(-1, at.MOUNT_COLUMNS)
+    rows[:, at.COUPLING] = couplings
+    rows[:, at.TURNING : at.MODELLED] = [turning(isolator) for isolator in isolators.values()]
+    rows[:, at.PARTNER] = [_partner(isolator) for isolator in isolators.values()]
+    layout[first : first + at.AXIS_COLUMNS * len(axes)] = np.ravel(axes)
+    layout[at.N_SLIPPING] = _slipping(axes)
+    layout[at.N_STOPS] = sum(len(isolator.stops) for isolator in isolators.values())
+    return replace(tables, layout=layout, parameters=np.concatenate([*parameters, []]), states=states)
+
+
+def _slipping(axes: list[list[int]]) -> int:
+    return sum(row[0] in (MASING, PARALLEL) for row in axes)
+
+
+def _mount_row(model: mujoco.MjModel, mount: DeclaredMount, on: Subjects) -> list[float]:
+    sites = (mount.payload_site, mount.base_site)
+    bodies = [int(model.site_bodyid[site]) for site in sites]
+    # What pushes back on the world, or on a base whose only freedom is the drive, moves nothing.
+    driven_only = on.base and model.body_dofnum[on.base] == len(on.driven)
+    moved = model.body_weldid[bodies[1]] not in ({0, on.base} if driven_only else {0})
+    return [*sites, *bodies, *(model.body_rootid[body] for body in bodies), float(moved)]
+
+
+def _partner(isolator: Isolator) -> int:
+    """Return the axis that roll is coupled to, 0 if there is none."""
+    return max(isolator.coupled_axes, default=0)
+
+
+def turning(isolator: Isolator) -> tuple[float, float, float]:
+    """Return the rotational stiffness of an isolator about roll, shear and axial [N m/rad]."""
+    rotation = isolator.rotation
+    return (0.0, 0.0, 0.0) if rotation is None else (rotation.roll, rotation.shear, rotation.axial)
+
+
+def _as_modelled(data: mujoco.MjData, mount: DeclaredMount) -> Array:
+    """Return the orientation of the payload's site in the base site's axes, in the modelled geometry, (4,)."""
+    inverse, relative = np.empty(4), np.empty(4)
+    mujoco.mju_negQuat(inverse, data.site_xquat[mount.base_site])
+    mujoco.mju_mulQuat(relative, inverse, data.site_xquat[mount.payload_site])
+    return relative
+
+
+def _axis_rows(
+    isolators: Mapping[str, Isolator],
+) -> tuple[list[list[int]], list[Array], dict[str, tuple[slice, slice, slice]]]:
+    """Return the axes table, the laws' parameters in its order, and every mount's states."""
+    rows: list[list[int]] = []
+    parameters: list[Array] = []
+    states: dict[str, tuple[slice, slice, slice]] = {}
+    n_states = n_parameters = 0
+    for mount, isolator in isolators.items():
+        slices = []
+        for law in isolator.axes.values():
+            size = law.n_states if law is not None else 0
+            slices.append(slice(n_states, n_states + size))
+            rows.append([law.kernel if law is not None else -1, n_parameters, n_states, size])
+            if law is not None:
+                parameters.append(law.kernel_parameters())
+                n_parameters += parameters[-1].size
+            n_states += size
+        states[mount] = (slices[0], slices[1], slices[2])
+    return rows, parameters, states
+
+
+def _couplings(isolators: Iterable[Isolator], parameters: list[Array]) -> list[int]:
+    """Append the parameters of couplings to those of the laws and return where each mount's begin, -1 without one."""
+    places = []
+    for isolator in isolators:
+        coupled = isolator.coupled
+        places.append(-1 if coupled is None else sum(part.size for part in parameters))
+        if coupled is not None:
+            parameters.append(coupled.mount_parameters())
+    return places
+
+
+def _drive_rows(model: mujoco.MjModel, data: mujoco.MjData, driven: tuple[int, ...]) -> Array:
+    """Return the map from base acceleration (3,) to slide accelerations, (n_driven, 3)."""
+    if not driven:
+        return np.zeros((0, 3))
+    axes = data.xaxis[list(driven)]  # (n_driven, 3)
+    return np.linalg.pinv(axes).T  # they are independent: `check_joints`
+
+
+def _point_rows(model: mujoco.MjModel, data: mujoco.MjData, on: Subjects) -> list[list[float]]:
+    bodies = model.site_bodyid
+    return [
+        [site, bodies[site], model.body_rootid[bodies[site]], on.base, *(data.site_xpos[site] - data.xipos[on.base])]
+        for site in on.points
+    ]
+
+
+def _channels(on: Subjects, states: dict[str, tuple[slice, slice, slice]]) -> list[int]:
+    """Return the places of body accelerations, point accelerations and displacements, mount deflections and forces."""
+    places = [at.KINEMATICS * i + at.ACCELERATION for i in range(len(on.bodies))]
+    first = at.KINEMATICS * len(on.bodies)
+    for i in range(len(on.points)):
+        places += [first + at.POINT_VALUES * i + part for part in (at.ACCELERATION, at.RELATIVE)]
+    first += at.POINT_VALUES * len(on.points)
+    for roll, _, axial in states.values():
+        places += [first, first + 3]
+        first += at.MOUNT_VALUES + axial.stop - roll.start
+    return places
+
+
+def _base_channels(model: mujoco.MjModel, on: Subjects) -> tuple[int, ...]:
+    if not on.base:
+        return ()
+    fixed = [i for i, body in enumerate(on.bodies) if model.body_weldid[body] == on.base]
+    n = len(on.bodies)
+    fixed += [n + 2 * i for i, site in enumerate(on.points) if model.body_weldid[model.site_bodyid[site]] == on.base]
+    return tuple(fixed)

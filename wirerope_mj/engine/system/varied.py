@@ -1,0 +1,239 @@
+"""Variants of a system: the same layout, other isolators, masses, centres of mass and positions of mounts."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.system.changes import Changes
+from wirerope_mj.engine.system.declared import DeclaredMount
+from wirerope_mj.engine.system.system import Mount, System, load_system
+from wirerope_mj.engine.system.tables import Tables, make_tables, with_laws
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.mounts.isolator import Isolator
+
+Array = npt.NDArray[np.float64]
+Shift = Sequence[float] | Array
+
+
+def varied(
+    system: System,
+    *,
+    isolators: Mapping[str, Isolator] | None = None,
+    masses: Mapping[str, float] | None = None,
+    centres: Mapping[str, Shift] | None = None,
+    positions: Mapping[str, Shift] | None = None,
+) -> System:
+    """Return a variant of `system`, which stays as it is: the compiled model copied and its numbers changed, not compiled anew.
+
+    The variant has the same bits as a model written with these values. What it differs by stands in its `changes`, one after
+    another if a variant is varied again; `mjcf`, `path` and `isolators` remain those of the model as written, so that
+
+        with_changes(load_system(variant.path or variant.mjcf, isolators=variant.isolators), variant.changes)
+
+    makes it again; pickling carries it whole and needs no file. Geoms are not moved: pictures show the payload as written.
+
+    Args:
+        system: the system, or a variant of one.
+        isolators: isolators by mount; mounts that share an isolator in the model may have different ones.
+        masses: factors on the mass and the moments of inertia of bodies (not of bodies fixed to them).
+        centres: shifts of bodies' centres of mass [m], (3,), world axes of the modelled geometry; the moments of inertia are
+            kept about the centre.
+        positions: shifts of mounts [m], (3,), world axes of the modelled geometry; both sites move.
+
+    Raises:
+        ValueError: a factor is not positive, or a shift is not three numbers.
+        ModelError: a mount or a body does not exist, or the compiled model has no room for the change; says what to do.
+    """
+    changes = Changes(
+        isolators=isolators or {}, masses=masses or {}, centres=centres or {}, positions=positions or {}  # type: ignore[arg-type]
+    )  # fmt: skip
+    return changed(system, changes)
+
+
+def changed(system: System, changes: Changes) -> System:
+    """Return the variant of `system` that changes make, as `varied` does."""
+    _check_mounts(system, changes)
+    model = system.model.__copy__()
+    isolators = {name: changes.isolators.get(name, mount.written) for name, mount in system.mounts.items()}
+    positions = {name: mount.position for name, mount in system.mounts.items()}
+    if changes.masses or changes.centres or changes.positions:
+        with system.assembly.scratch.data(model) as data:
+            _change_geometry(model, data, system, changes)
+            mujoco.mj_resetData(model, data)
+            tables = _moved_tables(model, data, system, isolators)
+            positions = {name: data.site(mount.base_site).xpos.copy() for name, mount in system.mounts.items()}
+    else:
+        tables = with_laws(system.assembly.tables, isolators)
+    _write_tables(model, system, isolators, tables)
+    mounts = {
+        name: replace(
+            mount,
+            isolator=isolators[name].conditioned,
+            written=isolators[name],
+            position=positions[name],
+            states=tables.states[name],
+        )
+        for name, mount in system.mounts.items()
+    }
+    return replace(
+        system,
+        model=model,
+        mounts=mounts,
+        assembly=replace(system.assembly, model=model, tables=tables),
+        changes=(*system.changes, changes),
+    )
+
+
+def with_changes(system: System, changes: Sequence[Changes]) -> System:
+    """Return the variant of `system` that changes make, one after the other."""
+    for one in changes:
+        system = changed(system, one)
+    return system
+
+
+def with_other_laws(system: System, change: Callable[[Isolator], Isolator]) -> System:
+    """Return `system` with every isolator replaced by what `change` makes of it; compiled anew, so that all fit."""
+    isolators = {name: change(isolator) for name, isolator in system.isolators.items()}
+    changes = [
+        replace(one, isolators={mount: change(isolator) for mount, isolator in one.isolators.items()})
+        for one in system.changes
+    ]
+    return with_changes(load_system(system.path or system.mjcf, isolators=isolators), changes)
+
+
+def _check_mounts(system: System, changes: Changes) -> None:
+    for name in (*changes.isolators, *changes.positions):
+        if name not in system.mounts:
+            raise ModelError(f"there is no mount {name!r}. Mounts of this system: {list(system.mounts)}.")
+    for name, isolator in changes.isolators.items():
+        mount = system.mounts[name]
+        n_states = sum(law.n_states for law in isolator.axes.values() if law is not None)
+        room = mount.states[2].stop - mount.states[0].start
+        if n_states != room:
+            raise ModelError(
+                f"mount {name!r}: the laws of isolator {isolator.name!r} have {n_states} internal states, those that the model "
+                f"was compiled with {room}. {_written(mount)}"
+            )
+
+
+def _written(mount: Mount) -> str:
+    return (
+        "A variant has the layout of its model: load the model with such an isolator from the start, "
+        f"load_system(..., isolators={{{mount.isolator_name!r}: ...}}), and vary that."
+    )
+
+
+def _change_geometry(model: mujoco.MjModel, data: mujoco.MjData, system: System, changes: Changes) -> None:
+    mujoco.mj_kinematics(model, data)
+    _change_bodies(model, data, changes)
+    _move_sites(model, data, system, changes)
+    mujoco.mj_setConst(model, data)
+
+
+def _change_bodies(model: mujoco.MjModel, data: mujoco.MjData, changes: Changes) -> None:
+    for name, factor in changes.masses.items():
+        body = _body(model, name)
+        model.body_mass[body] *= factor
+        model.body_inertia[body] *= factor
+    for name, shift in changes.centres.items():
+        body = _body(model, name)
+        if model.body_simple[body] and any(shift):
+            raise ModelError(
+                f"body {name!r}: its centre of mass cannot be moved, because MuJoCo has compiled its inertia as diagonal about "
+                f'its joints. Write <body name="{name}" simple="false"> in the model.'
+            )
+        model.body_ipos[body] += _in_body(data, body, shift)
+
+
+def moving_bodies(model: mujoco.MjModel) -> list[str]:
+    """Return the names of the bodies that move and have a mass: those that can vary."""
+    return [model.body(b).name for b in range(1, model.nbody) if model.body_weldid[b] != 0 and model.body_mass[b] > 0.0]
+
+
+def _body(model: mujoco.MjModel, name: str) -> int:
+    bodies = moving_bodies(model)
+    if name not in bodies:
+        raise ModelError(f"there is no moving body {name!r} with a mass. Bodies that move and have one: {bodies}.")
+    return int(model.body(name).id)
+
+
+def _move_sites(model: mujoco.MjModel, data: mujoco.MjData, system: System, changes: Changes) -> None:
+    shifts: dict[int, tuple[str, tuple[float, float, float]]] = {}
+    for name, mount in system.mounts.items():
+        shift = changes.positions.get(name, (0.0, 0.0, 0.0))
+        for site in (model.site(mount.payload_site).id, model.site(mount.base_site).id):
+            other, already = shifts.setdefault(site, (name, shift))
+            if already != shift:
+                raise ModelError(
+                    f"mounts {other!r} and {name!r} share the site {model.site(site).name!r} and can only be moved together; "
+                    "give both the same shift, or sites of their own."
+                )
+    on_tendons = set(model.wrap_objid[model.wrap_type == mujoco.mjtWrap.mjWRAP_SITE].tolist())
+    for site, (name, shift) in shifts.items():
+        if not any(shift):
+            continue
+        if site in on_tendons:
+            raise ModelError(
+                f"mount {name!r}: a tendon ends at its site {model.site(site).name!r} and would keep its length; give the "
+                "tendon a site of its own."
+            )
+        model.site_pos[site] += _in_body(data, int(model.site_bodyid[site]), shift)
+
+
+def _in_body(data: mujoco.MjData, body: int, shift: tuple[float, float, float]) -> Array:
+    """Return a shift along the world's axes in those of a body."""
+    return np.asarray(np.array(shift) @ data.xmat[body].reshape(3, 3), dtype=np.float64)
+
+
+def _moved_tables(
+    model: mujoco.MjModel, data: mujoco.MjData, system: System, isolators: Mapping[str, Isolator]
+) -> Tables:
+    """Return the tables of a model whose bodies and sites have changed, and its geometry in `data`."""
+    declared = [
+        DeclaredMount(
+            name=name,
+            payload_site=model.site(mount.payload_site).id,
+            base_site=model.site(mount.base_site).id,
+            isolator_name=mount.isolator_name,
+            isolator=isolators[name],
+        )
+        for name, mount in system.mounts.items()
+    ]
+    old = system.assembly
+    tables = make_tables(model, data, declared, old.subjects, sensor=old.sensor, drive=old.tables.drive)
+    return replace(tables, user=old.tables.user)
+
+
+def _write_tables(model: mujoco.MjModel, system: System, isolators: Mapping[str, Isolator], tables: Tables) -> None:
+    """Write tables to where those of the original model stand in its copy."""
+    n_stops, rows = int(tables.layout[at.N_STOPS]), tables.user.n_stops
+    if n_stops > rows:
+        raise ModelError(
+            f"the laws of all mounts have {n_stops} stops, those that the model was compiled with {rows}: load the model with "
+            "such isolators from the start, load_system(..., isolators={...}), and vary that."
+        )
+    room = model.numeric(at.PARAMETERS).data
+    if tables.parameters.size > room.size:
+        raise ModelError(_no_room(system, isolators, tables.parameters.size, room.size))
+    model.numeric(at.LAYOUT).data[:] = tables.layout
+    room[:] = 0.0
+    room[: tables.parameters.size] = tables.parameters
+
+
+def _no_room(system: System, isolators: Mapping[str, Isolator], wanted: int, room: int) -> str:
+    def size(isolator: Isolator) -> int:
+        coupled = isolator.coupled
+        own = sum(law.kernel_parameters().size for law in isolator.axes.values() if law is not None)
+        return own + (0 if coupled is None else coupled.mount_parameters().size)
+
+    old = max(system.mounts.values(), key=lambda mount: size(isolators[mount.name]) - size(mount.isolator))
+    new = isolators[old.name]
+    return (
+        f"mount {old.name!r}: the laws of isolator {new.name!r} have {size(new)} parameters, those of "
+        f"{old.isolator.name!r} {size(old.isolator)}; all mounts would need {wanted}, and the model has room for {room}. "
+        f"{_written(old)}"
+    )

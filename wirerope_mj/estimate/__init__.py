@@ -1,9 +1,0 @@
-"""Isolators without a data sheet, estimated from their geometry by what known parts have in common; engine-free."""
-
-from wirerope_mj.estimate.estimate import Band as Band
-from wirerope_mj.estimate.estimate import LoopEstimate as LoopEstimate
-from wirerope_mj.estimate.estimate import estimate_loop as estimate_loop
-from wirerope_mj.estimate.isolator_file import estimated_isolator as estimated_isolator
-from wirerope_mj.estimate.trends import LoopFigures as LoopFigures
-from wirerope_mj.estimate.vendor_check import check_vendor_loops as check_vendor_loops
-from wirerope_mj.estimate.vendor_check import coupled_diagonal_errors as coupled_diagonal_errors

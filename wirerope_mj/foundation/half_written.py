@@ -1,0 +1,227 @@
+"""Hidden files and folders in which results are written: held while their process lives, removed when it is gone.
+
+A file FOLDER/NAME.ENDING is written as FOLDER/.NAME.xxxxxxxx.wirerope.part.ENDING, a folder FOLDER/NAME as
+FOLDER/.NAME.wirerope.part; what a folder replaces is called .NAME.xxxxxxxx.wirerope.old until it has been removed. Whoever
+writes holds a lock, which ends with its process, however that ends: what can be locked by another one has been left behind.
+"""
+
+import errno
+import os
+import re
+import secrets
+import shutil
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from wirerope_mj.foundation.errors import DiskFullError, RecordError
+
+try:
+    import fcntl
+except ImportError:  # Windows has no such locks: there what a killed process leaves must be removed by hand
+    fcntl = None  # type: ignore[assignment]
+
+_MARK = "wirerope"
+"""In every hidden name: nobody else's files have it, so that none of them is ever removed."""
+
+_FILE = re.compile(rf"\..*\.[a-z0-9_]{{8}}\.{_MARK}\.part(\.[^.]+)?")
+_FOLDER = re.compile(rf"\.(?P<name>.+)\.{_MARK}\.part")
+_ASIDE = re.compile(rf"\.(?P<name>.+)\.[0-9a-f]{{8}}\.{_MARK}\.old")
+
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Errors of the operating system that say that there is no room: on the disk, in the quota, or for so large a file."""
+
+HELD, TAKEN, GONE, UNKNOWN = "held", "taken", "gone", "unknown"
+"""What came of a lock: it is ours, another process has it, nothing is there to lock, or there are no locks here."""
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[str]:
+    """Lock a file or a folder for the block, and say what came of it."""
+    lock, handle = _lock(path)
+    try:
+        yield lock
+    finally:
+        if handle is not None:
+            os.close(handle)
+
+
+@contextmanager
+def hidden_file(path: Path) -> Iterator[Path]:
+    """Lend a new hidden file in the folder of `path`, with its ending, and hold it; it is removed if it is still there.
+
+    Raises:
+        RecordError: no file can be made there.
+    """
+    while True:
+        try:
+            handle, name = tempfile.mkstemp(
+                dir=path.parent, prefix=f".{path.stem}.", suffix=f".{_MARK}.part{path.suffix}"
+            )
+        except OSError as error:
+            raise refusal(path, error) from error
+        lock = _lock_handle(handle, Path(name))
+        if lock in (HELD, UNKNOWN):
+            break
+        os.close(handle)  # between its making and its locking another process took it for one that was left
+    if fcntl is None:
+        os.close(handle)  # Windows renames no file that is open
+    try:
+        yield Path(name)
+    finally:
+        Path(name).unlink(missing_ok=True)
+        if fcntl is not None:
+            os.close(handle)
+
+
+@contextmanager
+def hidden_folder(folder: Path, *, patience: float = 0.0) -> Iterator[Path | None]:
+    """Lend the hidden folder in which `folder` is written, empty, and hold it; it is removed if it is still there.
+
+    There is one for each folder, so that two processes never write the same one. Where there are no locks nobody is kept out.
+
+    Args:
+        folder: what is written.
+        patience: how long another process may hold the hidden folder [s], perhaps only to remove what was left in it.
+
+    Yields:
+        The hidden folder, or None if another process writes `folder`.
+
+    Raises:
+        RecordError: no folder can be made there.
+    """
+    try:
+        hidden, lock, handle = _made(folder, patience)
+    except OSError as error:
+        raise refusal(folder, error) from error
+    if lock == TAKEN:
+        yield None
+        return
+    try:
+        if lock == HELD:
+            _put_right(folder, hidden)
+        yield hidden
+    finally:
+        # Else it has become `folder`, and another process may hold a new one.
+        if handle is None or _names(hidden, handle):
+            shutil.rmtree(hidden, ignore_errors=True)
+        if handle is not None:
+            os.close(handle)
+
+
+def _made(folder: Path, patience: float) -> tuple[Path, str, int | None]:
+    """Make the hidden folder of `folder`, and return it, what came of its lock, and the handle that holds it."""
+    hidden = folder.parent / f".{folder.name}.{_MARK}.part"
+    lock, handle, end = GONE, None, time.monotonic() + patience
+    while (lock == GONE and not hidden.is_symlink()) or (lock == TAKEN and time.monotonic() < end):
+        if lock == TAKEN:
+            time.sleep(0.05)
+        with suppress(FileExistsError):
+            hidden.mkdir(parents=True)
+        lock, handle = _lock(hidden)
+    if lock in (HELD, TAKEN):
+        return hidden, lock, handle
+    with suppress(OSError):
+        hidden.rmdir()
+    alone = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=f".{_MARK}.part", dir=folder.parent))
+    alone.chmod(0o755)  # mkdtemp makes folders that nobody else may read
+    return alone, UNKNOWN, None
+
+
+def set_aside(folder: Path) -> Path:
+    """Give a folder that is about to be replaced its hidden name, and return that."""
+    aside = folder.parent / f".{folder.name}.{secrets.token_hex(4)}.{_MARK}.old"
+    os.rename(folder, aside)
+    return aside
+
+
+def refusal(place: Path, error: OSError) -> RecordError:
+    """Return the error that says why nothing can be written at `place`."""
+    if not is_full(error):
+        return RecordError(f"{place}: cannot write here ({error.strerror}). Choose another place.")
+    return DiskFullError(
+        f"{place}: there is no space left for it ({os.strerror(error.errno or errno.ENOSPC)}); nothing half-written was left "
+        "behind. Free some space, or choose another place."
+    )
+
+
+def is_full(error: OSError) -> bool:
+    """Return whether an error of the operating system says that there is no space left."""
+    return error.errno in _FULL
+
+
+def clear_half_written(folder: Path) -> None:
+    """Remove from `folder` what processes left half-written that are gone, and bring back what they had not yet replaced."""
+    try:
+        left = [folder / name for name in os.listdir(folder) if name.startswith(".") and _MARK in name]
+    except OSError:  # nothing is there, or nobody may look
+        return
+    for path in left:
+        if _FILE.fullmatch(path.name) and path.is_file():
+            with suppress(OSError), locked(path) as lock:
+                if lock == HELD:
+                    path.unlink(missing_ok=True)
+    matches = [_FOLDER.fullmatch(path.name) or _ASIDE.fullmatch(path.name) for path in left if path.is_dir()]
+    for name in {match["name"] for match in matches if match}:
+        with suppress(OSError), hidden_folder(folder / name):
+            pass  # which puts right what was left of it
+
+
+def _put_right(folder: Path, hidden: Path) -> None:
+    """Empty the hidden folder in which `folder` is written, and bring back or remove what was set aside for it."""
+    for path in hidden.iterdir():
+        _remove(path)
+    for path in folder.parent.iterdir():
+        match = _ASIDE.fullmatch(path.name)
+        if match and match["name"] == folder.name:
+            if folder.exists():
+                _remove(path)
+            else:
+                os.rename(path, folder)
+
+
+def _remove(path: Path) -> None:
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _lock(path: Path) -> tuple[str, int | None]:
+    """Lock a path, and return what came of it and the open handle that holds the lock."""
+    while True:
+        try:
+            handle = os.open(path, os.O_RDONLY)
+        except FileNotFoundError:
+            return GONE, None
+        except OSError:
+            return UNKNOWN, None
+        lock = _lock_handle(handle, path)
+        if lock == HELD:
+            return lock, handle
+        os.close(handle)
+        if lock != GONE:
+            return lock, None
+
+
+def _lock_handle(handle: int, path: Path) -> str:
+    """Lock an open file or folder; `GONE` if `path` no longer names it, since who holds one may remove or rename it."""
+    if fcntl is None:
+        return UNKNOWN
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return TAKEN
+    except OSError:  # of a file system that knows none
+        return UNKNOWN
+    return HELD if _names(path, handle) else GONE
+
+
+def _names(path: Path, handle: int) -> bool:
+    """Return whether `path` names the open file or folder."""
+    try:
+        return os.path.samestat(os.fstat(handle), os.stat(path))
+    except FileNotFoundError:
+        return False

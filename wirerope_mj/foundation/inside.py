@@ -1,0 +1,28 @@
+"""Files that a folder names: somebody else's folder is data, and reaches nothing outside itself."""
+
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.foundation.errors import RecordError
+
+
+def is_inside(path: Path, folder: Path) -> bool:
+    """Return whether a path leads to something in a folder, links resolved; a name that no file can have does not."""
+    try:
+        return path.resolve().is_relative_to(folder.resolve())
+    except (OSError, ValueError):
+        return False
+
+
+def file_inside(folder: Path, name: Any, kind: str) -> Path:
+    """Return the path of the file `name` of a run or a study.
+
+    Raises:
+        RecordError: it does not lie in the folder, or is not there.
+    """
+    if isinstance(name, str) and is_inside(folder / name, folder) and (folder / name).is_file():
+        return folder / name
+    raise RecordError(
+        f"{folder}: the {kind} {name!r} is not in this folder, and nothing outside it is read. Take the file from another copy "
+        "of the folder."
+    )

@@ -1,0 +1,44 @@
+"""TOML files that users write, read with messages that say where they are wrong."""
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.foundation.errors import ModelError, why_unread
+
+
+def read_toml(path: str | Path, kind: str) -> dict[str, Any]:
+    """Return the content of a TOML file.
+
+    Args:
+        path: of the file.
+        kind: what it should be, for messages: "isolator file".
+
+    Raises:
+        ModelError: the file cannot be read, is no text or is not TOML; names file, line and column, and what to do.
+    """
+    try:
+        return toml_content(path)
+    except OSError as error:
+        raise ModelError(f"{path}: cannot read this {kind}: {why_unread(error)}") from None
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise ModelError(
+            f"{path}, line {line}: cannot read this {kind}: it is not a text file in UTF-8. Save it as plain text."
+        ) from None
+    except tomllib.TOMLDecodeError as error:
+        raise ModelError(
+            f"{path}: not valid TOML: {error}. A line is `key = value`, with texts in quotes and a point, no comma, in numbers."
+        ) from None
+
+
+def toml_content(path: str | Path) -> dict[str, Any]:
+    """Return the content of a TOML file.
+
+    Raises:
+        OSError, UnicodeDecodeError, tomllib.TOMLDecodeError: as reading and parsing do; lists in lists without end are no TOML.
+    """
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except RecursionError:
+        raise tomllib.TOMLDecodeError("lists or tables stand in one another too deeply") from None

@@ -1,7 +1,0 @@
-"""Frequency responses of a system at several levels: branches of periodic motions, sweeps, and what they say together."""
-
-from wirerope_mj.frf.question import Method as Method
-from wirerope_mj.frf.question import Question as Question
-from wirerope_mj.frf.result import FrequencyResponse as FrequencyResponse
-from wirerope_mj.frf.result import Level as Level
-from wirerope_mj.frf.solve import frequency_response as frequency_response

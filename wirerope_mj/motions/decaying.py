@@ -1,0 +1,191 @@
+"""Decaying oscillation of a struck deck, as a deck simulating fixture gives it to what stands on it."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirerope_mj.foundation.arguments import (
+    Direction,
+    checked_direction,
+    direction_text,
+    finite,
+    plain_direction,
+    positive,
+)
+from wirerope_mj.motions.harmonic import the_one_level
+from wirerope_mj.motions.motion import StraightMotion, unique_times
+
+LEFT_AT_END = 1e-3
+"""Share of the oscillation that is left at `end`."""
+
+
+@dataclass(frozen=True, init=False)
+class DecayingSine(StraightMotion):
+    """Deck of one frequency that is struck and swings out: velocity and displacement return to zero by themselves.
+
+    The displacement x of the deck, at rest before `start`, obeys
+
+        x'' + 2 zeta w0 x' + w0^2 x = f(t),    w0 = 2 pi frequency,    integral of f = V
+
+    with f a blow that gives the velocity V at once (`impact_duration` zero), so that with wd = w0 sqrt(1 - zeta^2)
+
+        x = (V/wd) e^(-zeta w0 t) sin(wd t),
+
+    or a half-sine of the length D, (pi V/2D) sin(pi t/D), so that nothing jumps. A sine in the acceleration alone, which is
+    sometimes meant by the name, would leave the base coasting or displaced. That such a motion stands for a deck simulating
+    fixture is common practice; official amplitudes are not given here. Decks of several frequencies are sums of such motions.
+
+    Args:
+        frequency: Undamped frequency of the deck [Hz].
+        damping: Damping ratio zeta, above 0 and below 1.
+        velocity: Velocity V that the blow gives [m/s]; negative for a blow against the direction.
+        acceleration: Instead of the velocity: amplitude [m/s^2] of the free oscillation's acceleration, its envelope drawn
+            back to `start`.
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        impact_duration: Length D of the blow [s]; 0: the velocity jumps.
+        start: Instant at which the deck is struck [s].
+
+    Attributes:
+        velocity_change: V [m/s], whichever level was given.
+        duration: Time until a thousandth of the oscillation is left [s]; it goes on, exactly, after that.
+    """
+
+    kind: ClassVar[str] = "decaying-sine"
+
+    frequency: float
+    damping: float
+    quantity: str
+    level: float
+    direction: Direction
+    impact_duration: float
+    start: float
+    duration: float
+
+    def __init__(
+        self,
+        *,
+        frequency: float,
+        damping: float,
+        direction: str | Sequence[float],
+        velocity: float | None = None,
+        acceleration: float | None = None,
+        impact_duration: float = 0.0,
+        start: float = 0.0,
+    ) -> None:
+        object.__setattr__(self, "frequency", positive("frequency", frequency))
+        if not 0 < finite("damping", damping) < 1:
+            raise ValueError(
+                f"`damping` must lie above 0 and below 1, for the deck must come to rest, got {damping!r}."
+            )
+        object.__setattr__(self, "damping", float(damping))
+        quantity, level = the_one_level({"velocity": velocity, "acceleration": acceleration})
+        object.__setattr__(self, "quantity", quantity)
+        object.__setattr__(self, "level", level)
+        object.__setattr__(self, "direction", checked_direction(direction))
+        if finite("impact_duration", impact_duration) < 0:
+            raise ValueError(f"`impact_duration` must be >= 0, got {impact_duration!r}.")
+        object.__setattr__(self, "impact_duration", float(impact_duration))
+        object.__setattr__(self, "start", finite("start", start))
+        fading = -math.log(LEFT_AT_END) / (self.damping * self._omega)
+        object.__setattr__(self, "duration", self.impact_duration + fading)
+
+    @property
+    def velocity_change(self) -> float:
+        """Velocity V that the blow gives [m/s]."""
+        if self.quantity == "velocity":
+            return self.level
+        return self.level / (self._omega**2 * abs(self._free))
+
+    @property
+    def end(self) -> float:
+        """Instant at which a thousandth of the oscillation is left [s]."""
+        return self.start + self.duration
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Start and end of the blow [s], shape (n,)."""
+        return unique_times([self.start, self.start + self.impact_duration])
+
+    @property
+    def velocity_jumps(self) -> tuple[tuple[float, NDArray[np.float64]], ...]:
+        """The blow, if it is instant."""
+        return () if self.impact_duration else ((self.start, self.velocity_change * self.unit),)
+
+    @property
+    def description(self) -> str:
+        """For instance `deck of 14 Hz, damping 0.05, struck to 2 m/s along z`."""
+        deck = f"deck of {self.frequency:.4g} Hz, damping {self.damping:.4g}, struck to {self.velocity_change:.4g} m/s"
+        blow = f" in {1e3 * self.impact_duration:.4g} ms" if self.impact_duration else ""
+        when = f" at {self.start:.4g} s" if self.start else ""
+        return f"{deck}{blow} along {direction_text(self.direction)}{when}"
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """The blow, and when a thousandth is left."""
+        return (self.start, f"deck of {self.frequency:.4g} Hz is struck"), (self.end, "deck is at rest within 0.1 %")
+
+    @property
+    def shortest_time(self) -> float:
+        """Period, or the length of the blow if that is shorter [s]."""
+        return min(1 / self.frequency, self.impact_duration or math.inf)
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        values = {"frequency": self.frequency, "damping": self.damping, self.quantity: self.level}
+        direction = plain_direction(self.direction)
+        return {**values, "direction": direction, "impact_duration": self.impact_duration, "start": self.start}
+
+    @property
+    def _omega(self) -> float:
+        return 2 * math.pi * self.frequency
+
+    @property
+    def _root(self) -> complex:
+        """Exponent s = -zeta w0 + i wd of the free oscillation e^(s t)."""
+        return self._omega * complex(-self.damping, math.sqrt(1 - self.damping**2))
+
+    @cached_property
+    def _forced(self) -> tuple[complex, complex]:
+        """Q and K of the displacement during the blow of V = 1: Im(Q e^(i p t)) + Re(K e^(s t)), p = pi/D."""
+        p = math.pi / self.impact_duration
+        q = p / 2 / complex(self._omega**2 - p**2, 2 * self.damping * self._omega * p)
+        at_rest = -q.imag
+        return q, complex(at_rest, (p * q.real + self._root.real * at_rest) / self._root.imag)
+
+    @cached_property
+    def _free(self) -> complex:
+        """K of the displacement Re(K e^(s t)) after a blow of V = 1."""
+        if not self.impact_duration:
+            return -1j / self._root.imag
+        # The half-sine is a sine that starts at 0 and the same sine that starts at D: after that their forces cancel.
+        return self._forced[1] * (1 + cmath.exp(-self._root * self.impact_duration))
+
+    def _derivative(self, t: NDArray[np.float64], order: int) -> NDArray[np.float64]:
+        """Returns the displacement (0), the velocity (1) or the acceleration (2)."""
+        since = np.maximum(t - self.start, 0.0)
+        value = np.real(self._free * self._root**order * np.exp(self._root * since))
+        if self.impact_duration:
+            q, k = self._forced
+            p = 1j * math.pi / self.impact_duration
+            during = np.imag(q * p**order * np.exp(p * since)) + np.real(
+                k * self._root**order * np.exp(self._root * since)
+            )
+            value = np.where(t < self.start + self.impact_duration, during, value)
+        return np.where(t >= self.start, self.velocity_change * value, 0.0)
+
+    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self._derivative(t, 2)
+
+    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self._derivative(t, 1)
+
+    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self._derivative(t, 0)

@@ -1,0 +1,94 @@
+"""Smooth rise and fall of a vibration, so that the base starts and ends at rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirerope_mj.foundation.arguments import finite, positive
+from wirerope_mj.motions.motion import unique_times
+
+Array = NDArray[np.float64]
+
+USUAL_PERIODS = 10.0
+"""Periods of the lowest frequency in a rise that is not given: it disturbs that frequency by 1/(2 * 10) at most."""
+
+USUAL_SHARE = 0.1
+"""Share of the duration that a rise that is not given may take, if that leaves one period of the lowest frequency."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Envelope:
+    """Factor that rises from 0 to 1 as s^3 (10 - 15 s + 6 s^2), s from 0 to 1, and falls likewise: its curvature has no jump.
+
+    Attributes:
+        start: Instant at which the rise begins [s].
+        stop: Instant at which the fall ends [s]; infinite: it never falls.
+        rise: Length of the rise [s]; 0: the factor was always 1.
+        fall: Length of the fall [s].
+    """
+
+    start: float
+    stop: float
+    rise: float
+    fall: float
+
+    def derivatives(self, t: Array) -> tuple[Array, Array, Array]:
+        """Returns the factor and its first two derivatives at the times (n_t,)."""
+        up, up1, up2 = _step((t - self.start) / self.rise) if self.rise else _one(t)
+        if not np.isfinite(self.stop):
+            return up, up1 / (self.rise or 1.0), up2 / (self.rise or 1.0) ** 2
+        down, down1, down2 = _step((self.stop - t) / self.fall)
+        # Rise and fall do not overlap: where one of them changes the other is constant.
+        first = up1 / (self.rise or 1.0) * down - up * down1 / self.fall
+        second = up2 / (self.rise or 1.0) ** 2 * down + up * down2 / self.fall**2
+        return up * down, first, second
+
+    @property
+    def corners(self) -> Array:
+        """Instants at which the third derivative jumps [s], shape (n,)."""
+        rises = [self.start, self.start + self.rise] if self.rise else []
+        falls = [self.stop - self.fall, self.stop] if np.isfinite(self.stop) else []
+        return unique_times([*rises, *falls])
+
+
+def usual_ramp(name: str, given: float | None, *, lowest: float, duration: float) -> float:
+    """Returns the length of a rise or fall [s]: the given one, checked, or the usual one.
+
+    Args:
+        name: Name of the argument.
+        given: Length asked for [s]; None: ten periods of the lowest frequency or a tenth of the duration, whichever is
+            shorter, but at least one period.
+        lowest: Lowest frequency of the vibration [Hz].
+        duration: Length of the vibration [s].
+    """
+    period = 1 / lowest
+    if given is None:
+        return max(min(USUAL_PERIODS * period, USUAL_SHARE * duration), period)
+    if positive(name, given) < period * (1 - 1e-9):
+        raise ValueError(
+            f"`{name}` must be at least one period of the lowest frequency, {period:.6g} s, for the base to start and end "
+            f"softly, got {finite(name, given)!r}."
+        )
+    return float(given)
+
+
+def check_room(duration: float, rise: float, fall: float) -> None:
+    """Raise ValueError if rise and fall do not fit into the duration [s]."""
+    if rise + fall > duration:
+        raise ValueError(
+            f"`duration` must leave room for rise and fall, {rise:.6g} s and {fall:.6g} s, got {duration!r}: "
+            f"ask for {rise + fall:.6g} s or more, or for a shorter rise and fall."
+        )
+
+
+def _step(s: Array) -> tuple[Array, Array, Array]:
+    """Returns the step from 0 to 1 and its derivatives with respect to s; it is held outside 0..1."""
+    s = np.clip(s, 0.0, 1.0)
+    return s**3 * (10 - s * (15 - 6 * s)), 30 * (s * (1 - s)) ** 2, 60 * s * (1 - s) * (1 - 2 * s)
+
+
+def _one(t: Array) -> tuple[Array, Array, Array]:
+    return np.ones_like(t), np.zeros_like(t), np.zeros_like(t)

@@ -1,0 +1,228 @@
+"""Steady sine, and logarithmic sine sweep of constant acceleration, velocity or displacement amplitude."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wirerope_mj.foundation.arguments import (
+    Direction,
+    as_times,
+    checked_direction,
+    direction_text,
+    nonzero,
+    plain_direction,
+    positive,
+)
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions.motion import StraightMotion
+from wirerope_mj.motions.sweep_levels import FORMS, Course
+
+SLOWEST, FASTEST = 1e-6, 1e6
+"""Frequencies of a sweep [Hz]: far beyond what moves on mounts, and near enough for all its integrals to be finite numbers."""
+
+
+@dataclass(frozen=True, init=False)
+class Sine(StraightMotion):
+    """Steady sine a = A sin(w t), v = -(A/w) cos(w t), x = -(A/w^2) sin(w t); the base already oscillates at time 0.
+
+    With a duration the acceleration ends there and the base coasts at the velocity that it then has; that velocity is
+    zero if the duration is an odd multiple of a quarter period.
+
+    Args:
+        frequency: Frequency [Hz].
+        acceleration: Acceleration amplitude A [m/s^2].
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        duration: Instant at which the acceleration ends [s]; None: never.
+    """
+
+    kind: ClassVar[str] = "sine"
+
+    frequency: float
+    amplitude: float
+    direction: Direction
+    duration: float
+
+    def __init__(
+        self, *, frequency: float, acceleration: float, direction: str | Sequence[float], duration: float | None = None
+    ) -> None:
+        object.__setattr__(self, "frequency", positive("frequency", frequency))
+        object.__setattr__(self, "amplitude", nonzero("acceleration", acceleration))
+        object.__setattr__(self, "direction", checked_direction(direction))
+        object.__setattr__(self, "duration", math.inf if duration is None else positive("duration", duration))
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """End of the sine [s], shape (1,), or nothing if it has none."""
+        return np.array([self.duration] if math.isfinite(self.duration) else [])
+
+    @property
+    def description(self) -> str:
+        """For instance `sine 10 Hz 0.5 g along z`."""
+        level = f"{self.frequency:.4g} Hz {self.amplitude / STANDARD_GRAVITY:.4g} g"
+        return f"sine {level} along {direction_text(self.direction)}"
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """Start of the sine, and its end if it has one."""
+        ends = ((self.duration, "sine ends"),) if math.isfinite(self.duration) else ()
+        return ((0.0, f"sine of {self.frequency:.4g} Hz begins"), *ends)
+
+    @property
+    def shortest_time(self) -> float:
+        """Period [s]."""
+        return 1 / self.frequency
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        direction = plain_direction(self.direction)
+        values = {"frequency": self.frequency, "acceleration": self.amplitude, "direction": direction}
+        return {**values, "duration": self.duration} if math.isfinite(self.duration) else values
+
+    @property
+    def _omega(self) -> float:
+        return 2 * math.pi * self.frequency
+
+    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.where(t < self.duration, self.amplitude * np.sin(self._omega * t), 0.0)
+
+    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return -self.amplitude / self._omega * np.cos(self._omega * np.minimum(t, self.duration))
+
+    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        within = np.minimum(t, self.duration)
+        oscillation = -self.amplitude / self._omega**2 * np.sin(self._omega * within)
+        return oscillation + self._velocity(within) * (t - within)
+
+
+@dataclass(frozen=True, init=False)
+class Sweep(StraightMotion):
+    """Logarithmic sine sweep, up or down, of constant acceleration, velocity or displacement amplitude.
+
+    With w0 = 2 pi start, K = rate ln 2 / 60, s = +1 (up) or -1 (down), and u = w/K, u0 = w0/K,
+
+        w(t) = w0 e^(s K t),    phase = s (u - u0),
+
+        acceleration A:  a = A sin(phase),   v = -(A/K) Im[e^(i (u - u0)) h1(u)],   x = s (A/K^2) Im[e^(i (u - u0)) h2(u)]
+        velocity V:      a = V w sin(phase),   v = -V cos(phase),   x = s (V/K) Re[e^(i (u - u0)) h1(u)]
+        displacement X:  a = X (w^2 sin(phase) - s K w cos(phase)),   v = -X w cos(phase),   x = -X sin(phase)
+
+    where h1 and h2 are the integrals of `oscillating_tails`. Their constants of integration are those that vanish for
+    large u, so that each differs from what a steady sine of that frequency would have by a share of the order of 1/u
+    only: the base starts on the steady oscillation and drifts nowhere, however long the sweep.
+
+    After `duration` the oscillation goes on at the stop frequency with neither velocity nor displacement jumping. The
+    share of 1/u by which the velocity of a sweep of constant acceleration then differs from that of a steady sine stays
+    as a slow drift; for 2 octaves/min and 30 Hz it is at most 1/8160 of the velocity amplitude. With a constant velocity
+    the same share of the displacement stays as an offset. A run is best ended where the sweep ends.
+
+    Args:
+        start: Frequency at time 0 [Hz].
+        stop: Frequency at the end [Hz]; below `start` the sweep goes down.
+        rate: Sweep rate [octaves/min], positive in both directions.
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        acceleration: Acceleration amplitude A [m/s^2]; exactly one of the three amplitudes is given.
+        velocity: Velocity amplitude V [m/s].
+        displacement: Displacement amplitude X [m], half of what runs from peak to peak.
+    """
+
+    kind: ClassVar[str] = "sweep"
+
+    start: float
+    stop: float
+    rate: float
+    quantity: str
+    amplitude: float
+    direction: Direction
+    duration: float
+
+    def __init__(
+        self,
+        *,
+        start: float,
+        stop: float,
+        rate: float,
+        direction: str | Sequence[float],
+        acceleration: float | None = None,
+        velocity: float | None = None,
+        displacement: float | None = None,
+    ) -> None:
+        object.__setattr__(self, "start", positive("start", start))
+        object.__setattr__(self, "stop", positive("stop", stop))
+        for name in ("start", "stop"):
+            if not SLOWEST <= getattr(self, name) <= FASTEST:
+                raise ValueError(f"`{name}` must be {SLOWEST:g} to {FASTEST:g} Hz, got {getattr(self, name)!r}.")
+        if self.start == self.stop:
+            raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")
+        object.__setattr__(self, "rate", positive("rate", rate))
+        levels = {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
+        quantity, amplitude = the_one_level(levels)
+        object.__setattr__(self, "quantity", quantity)
+        object.__setattr__(self, "amplitude", amplitude)
+        object.__setattr__(self, "direction", checked_direction(direction))
+        object.__setattr__(self, "duration", self.course.duration)
+
+    @cached_property
+    def course(self) -> Course:
+        """Frequency and phase over time."""
+        return Course(start=self.start, stop=self.stop, rate=self.rate)
+
+    def frequency(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the instantaneous frequency [Hz] at the times [s], shape (n_t,)."""
+        return self.course.frequency(as_times(time))
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """End of the sweep [s], shape (1,)."""
+        return np.array([self.duration])
+
+    @property
+    def description(self) -> str:
+        """For instance `sweep 0.1 to 30 Hz, 2 octaves/min, 0.1 g along z`, or `... 50 mm/s along z`, `... 1 mm along z`."""
+        course = f"sweep {self.start:.4g} to {self.stop:.4g} Hz, {self.rate:.4g} octaves/min"
+        if self.quantity == "acceleration":
+            level = f"{self.amplitude / STANDARD_GRAVITY:.4g} g"
+        else:
+            level = f"{1e3 * self.amplitude:.4g} {'mm/s' if self.quantity == 'velocity' else 'mm'}"
+        return f"{course}, {level} along {direction_text(self.direction)}"
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """Start and end of the sweep."""
+        begins = f"sweep begins at {self.start:.4g} Hz"
+        return (0.0, begins), (self.duration, f"sweep reaches {self.stop:.4g} Hz")
+
+    @property
+    def shortest_time(self) -> float:
+        """Period at the highest frequency [s]."""
+        return 1 / max(self.start, self.stop)
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        values = {"start": self.start, "stop": self.stop, "rate": self.rate, self.quantity: self.amplitude}
+        return {**values, "direction": plain_direction(self.direction)}
+
+    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.amplitude * FORMS[self.quantity][0](self.course, t)
+
+    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.amplitude * FORMS[self.quantity][1](self.course, t)
+
+    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.amplitude * FORMS[self.quantity][2](self.course, t)
+
+
+def the_one_level(levels: Mapping[str, float | None]) -> tuple[str, float]:
+    """Returns name and value of the one amplitude that is given; none, several or zero are a ValueError."""
+    given = {name: value for name, value in levels.items() if value is not None}
+    if len(given) != 1:
+        got = " and ".join(f"`{name}`" for name in given) or "none"
+        *others, last = (f"`{name}`" for name in levels)
+        raise ValueError(f"exactly one of {', '.join(others)} and {last} must be given, got {got}.")
+    ((name, value),) = given.items()
+    return name, nonzero(name, value)

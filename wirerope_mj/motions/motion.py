@@ -1,0 +1,243 @@
+"""What a base motion is: acceleration, velocity and displacement that are exact closed forms of each other."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wirerope_mj.foundation.arguments import Direction, as_times, unit_vector
+
+SAME_TIME = 1e-10
+"""Corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours."""
+
+
+class BaseMotion(ABC):
+    """Translation of the driven base as a function of time, in the world frame.
+
+    At a corner the acceleration and the velocity have the value just after it (they are continuous from the right).
+    Nothing is compensated in secret: a pulse leaves the base coasting at the pulse's velocity change.
+
+    Attributes:
+        duration: Length of the motion [s]: of a pulse or a record from its own start, of a sweep from start to stop,
+            of a sum from time zero; infinite for an endless sine. `end` is the instant after which it is over.
+    """
+
+    kind: ClassVar[str]
+    """Name of the motion in stored files."""
+
+    duration: float
+
+    @abstractmethod
+    def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
+
+    @abstractmethod
+    def velocity(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
+
+    @abstractmethod
+    def displacement(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's displacement [m] at the times [s], shape (n_t, 3)."""
+
+    @property
+    def end(self) -> float:
+        """Instant after which the motion is over [s]."""
+        return self.duration
+
+    @property
+    @abstractmethod
+    def corners(self) -> NDArray[np.float64]:
+        """Instants where velocity, acceleration or one of its derivatives jumps [s], sorted and unique, shape (n,)."""
+
+    @property
+    def velocity_jumps(self) -> tuple[tuple[float, NDArray[np.float64]], ...]:
+        """Instants [s] at which the velocity jumps and the jumps (3,) [m/s]; `acceleration` does not contain them."""
+        return ()
+
+    @property
+    @abstractmethod
+    def description(self) -> str:
+        """One line for a human reader."""
+
+    @property
+    @abstractmethod
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """What happens when: instants [s] and short texts, in order of time."""
+
+    @property
+    @abstractmethod
+    def shortest_time(self) -> float:
+        """Shortest time scale of the motion between two corners [s], to choose a step from; infinite if it has none."""
+
+    @property
+    @abstractmethod
+    def directions(self) -> NDArray[np.float64]:
+        """Vectors that span the directions in which the base moves, shape (n, 3)."""
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Files that the motion was read from and that are needed to rebuild it."""
+        return ()
+
+    @property
+    def parts(self) -> tuple[BaseMotion, ...]:
+        """The elementary motions that this one is made of by adding, scaling and turning; itself if it is one."""
+        return (self,)
+
+    def to_dict(self, *, files: Mapping[Path, str] | None = None) -> dict[str, Any]:
+        """Returns every parameter as plain TOML values, from which `motion_from_dict` rebuilds the motion exactly.
+
+        Args:
+            files: What to write instead of the path of each of `self.files`, for instance the name of the copy that
+                stands beside the stored parameters. A file that is not named keeps its absolute path.
+        """
+        return {"kind": self.kind, **self._parameters(files or {})}
+
+    @abstractmethod
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        """Returns the constructor's arguments as plain values."""
+
+    def __add__(self, other: BaseMotion) -> SumOfMotions:
+        """Returns the motion that is the sum of the two."""
+        if not isinstance(other, BaseMotion):
+            return NotImplemented
+        return SumOfMotions(terms=(*_terms(self), *_terms(other)))
+
+
+class StraightMotion(BaseMotion):
+    """Base motion along one direction; a subclass gives the three scalar functions of time."""
+
+    direction: Direction
+
+    @cached_property
+    def unit(self) -> NDArray[np.float64]:
+        """Unit vector of the direction, shape (3,)."""
+        return unit_vector(self.direction)
+
+    @property
+    def directions(self) -> NDArray[np.float64]:
+        """The unit vector of the direction, shape (1, 3)."""
+        return self.unit[np.newaxis]
+
+    def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
+        return np.outer(self._acceleration(as_times(time)), self.unit)
+
+    def velocity(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
+        return np.outer(self._velocity(as_times(time)), self.unit)
+
+    def displacement(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's displacement [m] at the times [s], shape (n_t, 3)."""
+        return np.outer(self._displacement(as_times(time)), self.unit)
+
+    @abstractmethod
+    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns the acceleration along the direction [m/s^2], shape (n_t,)."""
+
+    @abstractmethod
+    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns the velocity along the direction [m/s], shape (n_t,)."""
+
+    @abstractmethod
+    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns the displacement along the direction [m], shape (n_t,)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SumOfMotions(BaseMotion):
+    """Several base motions at once; made by `a + b`.
+
+    Attributes:
+        terms: The motions that are added, none of them a sum itself.
+    """
+
+    kind: ClassVar[str] = "sum"
+
+    terms: tuple[BaseMotion, ...]
+    duration: float = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not self.terms:
+            raise ValueError("`terms` must hold at least one motion, got none.")
+        object.__setattr__(self, "terms", tuple(part for term in self.terms for part in _terms(term)))
+        object.__setattr__(self, "duration", max(term.end for term in self.terms))
+
+    def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
+        return np.sum([term.acceleration(time) for term in self.terms], axis=0)
+
+    def velocity(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
+        return np.sum([term.velocity(time) for term in self.terms], axis=0)
+
+    def displacement(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's displacement [m] at the times [s], shape (n_t, 3)."""
+        return np.sum([term.displacement(time) for term in self.terms], axis=0)
+
+    @cached_property
+    def corners(self) -> NDArray[np.float64]:
+        """Corners of all terms [s], sorted and unique, shape (n,)."""
+        return unique_times(np.concatenate([term.corners for term in self.terms]))
+
+    @property
+    def velocity_jumps(self) -> tuple[tuple[float, NDArray[np.float64]], ...]:
+        """Velocity jumps of all terms; those at the same instant are added."""
+        jumps: list[tuple[float, NDArray[np.float64]]] = []
+        every = (jump for term in self.terms for jump in term.velocity_jumps)
+        for time, change in sorted(every, key=lambda jump: jump[0]):
+            if jumps and time - jumps[-1][0] <= SAME_TIME:
+                jumps[-1] = (jumps[-1][0], jumps[-1][1] + change)
+            else:
+                jumps.append((time, change))
+        return tuple(jumps)
+
+    @property
+    def description(self) -> str:
+        """The terms' descriptions, joined."""
+        return " + ".join(term.description for term in self.terms)
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """Events of all terms in order of time."""
+        return tuple(sorted((event for term in self.terms for event in term.events), key=lambda event: event[0]))
+
+    @property
+    def directions(self) -> NDArray[np.float64]:
+        """Directions of all terms, shape (n, 3)."""
+        return np.concatenate([term.directions for term in self.terms])
+
+    @property
+    def shortest_time(self) -> float:
+        """Shortest time scale of all terms [s]."""
+        return min(term.shortest_time for term in self.terms)
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Files of all terms, each once."""
+        return tuple(dict.fromkeys(path for term in self.terms for path in term.files))
+
+    @property
+    def parts(self) -> tuple[BaseMotion, ...]:
+        """Elementary motions of all terms."""
+        return tuple(part for term in self.terms for part in term.parts)
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        return {"terms": [term.to_dict(files=files) for term in self.terms]}
+
+
+def unique_times(times: Iterable[float] | NDArray[np.float64]) -> NDArray[np.float64]:
+    """Returns the instants [s] sorted; of those within `SAME_TIME` of their neighbour only the first stays."""
+    ordered = np.sort(np.fromiter(times, dtype=float) if not isinstance(times, np.ndarray) else times)
+    return ordered[np.diff(ordered, prepend=-np.inf) > SAME_TIME]
+
+
+def _terms(motion: BaseMotion) -> tuple[BaseMotion, ...]:
+    return motion.terms if isinstance(motion, SumOfMotions) else (motion,)

@@ -1,0 +1,101 @@
+"""A power spectral density given by points: straight lines on logarithmic axes between them, zero outside."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+
+Points = tuple[tuple[float, float], ...]
+
+
+def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: str, least: int = 2) -> Points:
+    """Returns points (frequency [Hz], level) as plain floats; frequencies rise, and both are positive.
+
+    Args:
+        name: Name of the argument.
+        points: The points.
+        quantity: What the level is, for the messages.
+        least: How many points there must be.
+    """
+    plain: list[tuple[float, float]] = []
+    for number, point in enumerate(points, start=1):
+        try:
+            frequency, level = point
+        except (TypeError, ValueError):
+            raise ValueError(
+                f"`{name}` must be pairs of frequency [Hz] and {quantity}, got {point!r} as point {number}."
+            ) from None
+        plain.append((_positive(name, number, "frequency", frequency), _positive(name, number, quantity, level)))
+        if number > 1 and plain[-1][0] <= plain[-2][0]:
+            raise ValueError(
+                f"the frequencies of `{name}` must increase, got {plain[-1][0]:g} Hz after {plain[-2][0]:g} Hz, "
+                f"as point {number}."
+            )
+    if len(plain) < least:
+        raise ValueError(f"`{name}` must have at least {least} point{'s' if least > 1 else ''}, got {len(plain)}.")
+    return tuple(plain)
+
+
+def _positive(name: str, number: int, what: str, value: float) -> float:
+    try:
+        return positive(what, value)
+    except ValueError as fault:
+        raise ValueError(f"`{name}`, point {number}: {fault}") from None
+
+
+def psd_level(psd: Sequence[Sequence[float]], frequencies: ArrayLike) -> NDArray[np.float64]:
+    """Returns the level of a power spectral density at the frequencies [Hz], in the unit of its points.
+
+    Args:
+        psd: Points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
+        frequencies: Frequencies [Hz], any shape.
+    """
+    f, levels = np.array(checked_points("psd", psd, quantity="level")).T
+    asked = np.asarray(frequencies, dtype=float)
+    inside = (asked >= f[0]) & (asked <= f[-1])
+    logarithm = np.interp(np.log(np.where(inside, asked, f[0])), np.log(f), np.log(levels))
+    return np.where(inside, np.exp(logarithm), 0.0)
+
+
+def psd_power(psd: Sequence[Sequence[float]], up_to: ArrayLike) -> NDArray[np.float64]:
+    """Returns the integral of a power spectral density from zero to the frequencies [Hz], exact, any shape.
+
+    Between two points, S = S1 (f/f1)^m, it is S1 f1 ((f/f1)^(m+1) - 1)/(m+1), or S1 f1 ln(f/f1) for m = -1.
+
+    Args:
+        psd: Points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
+        up_to: Frequencies [Hz], any shape.
+    """
+    f, levels = np.array(checked_points("psd", psd, quantity="level")).T
+    slopes = np.diff(np.log(levels)) / np.diff(np.log(f))
+    asked = np.asarray(up_to, dtype=float)
+    power = np.zeros(asked.shape)
+    for low, high, level, slope in zip(f[:-1], f[1:], levels[:-1], slopes, strict=True):
+        octaves = np.log(np.clip(asked, low, high) / low)
+        exponent = (slope + 1) * octaves
+        # (e^x - 1)/x is 1 at x = 0, that is for slope -1 or nothing passed.
+        growth = np.divide(np.expm1(exponent), exponent, out=np.ones(asked.shape), where=exponent != 0)
+        power += level * low * octaves * growth
+    return power
+
+
+def psd_rms(psd: Sequence[Sequence[float]]) -> float:
+    """Returns the rms value of a stationary signal of that power spectral density, in the root of its unit times Hz.
+
+    Args:
+        psd: Points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
+    """
+    points = checked_points("psd", psd, quantity="level")
+    return math.sqrt(float(psd_power(points, points[-1][0])))
+
+
+def psd_from_g(points: Sequence[Sequence[float]]) -> Points:
+    """Returns a power spectral density [(m/s^2)^2/Hz] from points (frequency [Hz], level [g^2/Hz])."""
+    checked = checked_points("points", points, quantity="level [g^2/Hz]")
+    return tuple((frequency, level * STANDARD_GRAVITY**2) for frequency, level in checked)

@@ -1,0 +1,278 @@
+"""Classical shock pulses and the velocity step (IEC 60068-2-27, MIL-STD-810 method 516)."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirerope_mj.foundation.arguments import (
+    Direction,
+    checked_direction,
+    direction_text,
+    finite,
+    nonzero,
+    plain_direction,
+    positive,
+)
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions.motion import StraightMotion, unique_times
+from wirerope_mj.motions.piecewise import PiecewiseLinear
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pulse(StraightMotion):
+    """Acceleration pulse along one direction: at rest before `start`, coasting at its velocity change after its end.
+
+    Attributes:
+        peak: Peak acceleration [m/s^2]; negative for a shock against the direction.
+        duration: Length of the pulse [s].
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        start: Instant at which the pulse begins [s].
+    """
+
+    peak: float
+    duration: float
+    direction: Direction
+    start: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "peak", nonzero("peak", self.peak))
+        object.__setattr__(self, "duration", positive("duration", self.duration))
+        object.__setattr__(self, "direction", checked_direction(self.direction))
+        object.__setattr__(self, "start", finite("start", self.start))
+
+    @property
+    def end(self) -> float:
+        """Instant at which the pulse is over [s]."""
+        return self.start + self.duration
+
+    @property
+    @abstractmethod
+    def velocity_change(self) -> float:
+        """Velocity along the direction that the pulse leaves behind [m/s]."""
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Start and end of the pulse [s], shape (n,)."""
+        return unique_times([self.start, self.end])
+
+    @property
+    def description(self) -> str:
+        """For instance `half-sine 15 g 11 ms along z`."""
+        size = f"{self.peak / STANDARD_GRAVITY:.4g} g {self.duration * 1e3:.4g} ms"
+        return f"{self.kind} {size} along {direction_text(self.direction)}{_at(self.start)}"
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """Start and end of the pulse."""
+        return (self.start, f"{self.kind} begins"), (self.end, f"{self.kind} ends")
+
+    @property
+    def shortest_time(self) -> float:
+        """Length of the pulse [s]."""
+        return self.duration
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        values = {item.name: getattr(self, item.name) for item in fields(self)}
+        return {**values, "direction": plain_direction(self.direction)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class HalfSine(Pulse):
+    """Half-sine pulse, a = A sin(pi t / D); velocity change 2 A D / pi.
+
+    Attributes:
+        peak: Peak acceleration A [m/s^2]; negative for a shock against the direction.
+        duration: Length D of the pulse [s].
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        start: Instant at which the pulse begins [s].
+    """
+
+    kind: ClassVar[str] = "half-sine"
+
+    @property
+    def velocity_change(self) -> float:
+        """Velocity along the direction that the pulse leaves behind [m/s]."""
+        return 2 * self.peak * self.duration / math.pi
+
+    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        inside = (t >= self.start) & (t < self.end)
+        return np.where(inside, self.peak * np.sin(self._phase(t)), 0.0)
+
+    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        # 2 sin^2(p/2) is 1 - cos p without its cancellation at the start of the pulse.
+        return self.velocity_change * np.sin(self._phase(t) / 2) ** 2
+
+    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        phase = self._phase(t)
+        within = self.velocity_change / 2 * self.duration / math.pi * (phase - np.sin(phase))
+        return within + self.velocity_change * np.maximum(t - self.end, 0.0)
+
+    def _phase(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns pi t / D, held at 0 before the pulse and at pi after it."""
+        return np.clip(math.pi * (t - self.start) / self.duration, 0.0, math.pi)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _PiecewisePulse(Pulse):
+    """Pulse whose acceleration is linear between a few knots."""
+
+    @cached_property
+    @abstractmethod
+    def _piecewise(self) -> PiecewiseLinear:
+        """The acceleration and its integrals."""
+
+    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self._piecewise.acceleration(t)
+
+    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self._piecewise.velocity(t)
+
+    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self._piecewise.displacement(t)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sawtooth(_PiecewisePulse):
+    """Terminal-peak sawtooth, a = A t / D and then at once zero; velocity change A D / 2.
+
+    Attributes:
+        peak: Peak acceleration A at the end of the pulse [m/s^2]; negative for a shock against the direction.
+        duration: Length D of the pulse [s].
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        start: Instant at which the pulse begins [s].
+    """
+
+    kind: ClassVar[str] = "sawtooth"
+
+    @property
+    def velocity_change(self) -> float:
+        """Velocity along the direction that the pulse leaves behind [m/s]."""
+        return self.peak * self.duration / 2
+
+    @cached_property
+    def _piecewise(self) -> PiecewiseLinear:
+        return PiecewiseLinear(np.array([self.start, self.end]), np.array([0.0, self.peak]))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trapezoid(_PiecewisePulse):
+    """Trapezoidal pulse with equal rise and fall r; velocity change A (D - r). With r = 0 it is a rectangle.
+
+    Attributes:
+        peak: Acceleration A of the plateau [m/s^2]; negative for a shock against the direction.
+        duration: Length D of the whole pulse, rise and fall included [s].
+        rise: Length r of the rise, and of the fall [s].
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        start: Instant at which the pulse begins [s].
+    """
+
+    kind: ClassVar[str] = "trapezoid"
+
+    rise: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        rise = finite("rise", self.rise)
+        if not 0 <= rise <= self.duration / 2:
+            raise ValueError(f"`rise` must lie between 0 and half the duration, {self.duration / 2:g} s, got {rise!r}.")
+        object.__setattr__(self, "rise", rise)
+
+    @property
+    def velocity_change(self) -> float:
+        """Velocity along the direction that the pulse leaves behind [m/s]."""
+        return self.peak * (self.duration - self.rise)
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Start, ends of the plateau and end of the pulse [s], shape (n,)."""
+        return unique_times(self._knots)
+
+    @property
+    def _knots(self) -> NDArray[np.float64]:
+        return np.array([self.start, self.start + self.rise, self.start + (self.duration - self.rise), self.end])
+
+    @cached_property
+    def _piecewise(self) -> PiecewiseLinear:
+        return PiecewiseLinear(self._knots, np.array([0.0, self.peak, self.peak, 0.0]))
+
+
+@dataclass(frozen=True, init=False)
+class VelocityStep(StraightMotion):
+    """Sudden velocity of the base: at rest before `start`, at constant velocity from there on.
+
+    The acceleration is zero; the jump itself stands in `velocity_jumps`.
+
+    Args:
+        velocity: Velocity after the step [m/s]; negative for a step against the direction.
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        start: Instant of the step [s].
+    """
+
+    kind: ClassVar[str] = "velocity-step"
+
+    velocity_change: float
+    direction: Direction
+    start: float
+    duration: float
+
+    def __init__(self, *, velocity: float, direction: str | Sequence[float], start: float = 0.0) -> None:
+        object.__setattr__(self, "velocity_change", nonzero("velocity", velocity))
+        object.__setattr__(self, "direction", checked_direction(direction))
+        object.__setattr__(self, "start", finite("start", start))
+        object.__setattr__(self, "duration", 0.0)
+
+    @property
+    def end(self) -> float:
+        """Instant of the step [s]."""
+        return self.start
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Instant of the step [s], shape (1,)."""
+        return np.array([self.start])
+
+    @property
+    def velocity_jumps(self) -> tuple[tuple[float, NDArray[np.float64]], ...]:
+        """The step: its instant [s] and the jump (3,) [m/s]."""
+        return ((self.start, self.velocity_change * self.unit),)
+
+    @property
+    def description(self) -> str:
+        """For instance `velocity step 2 m/s along z`."""
+        return f"velocity step {self.velocity_change:.4g} m/s along {direction_text(self.direction)}{_at(self.start)}"
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """The step."""
+        return ((self.start, "velocity step"),)
+
+    @property
+    def shortest_time(self) -> float:
+        """Infinite [s]: away from its jump the step has no time scale."""
+        return math.inf
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        direction = plain_direction(self.direction)
+        return {"velocity": self.velocity_change, "direction": direction, "start": self.start}
+
+    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.zeros_like(t)
+
+    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.where(t >= self.start, self.velocity_change, 0.0)
+
+    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.velocity_change * np.maximum(t - self.start, 0.0)
+
+
+def _at(start: float) -> str:
+    return f" at {start:.4g} s" if start else ""

@@ -1,0 +1,205 @@
+"""Stationary random vibration of a given power spectral density."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.fft import irfft, next_fast_len
+
+from wirerope_mj.foundation.arguments import (
+    Direction,
+    checked_direction,
+    checked_seed,
+    direction_text,
+    finite,
+    plain_direction,
+    positive,
+)
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
+from wirerope_mj.motions.motion import StraightMotion
+from wirerope_mj.motions.psd_lines import Points, checked_points, psd_power, psd_rms
+from wirerope_mj.motions.random_phases import random_amplitudes, random_phases
+from wirerope_mj.motions.spline import UniformSpline
+
+Amplitudes = Literal["fixed", "random"]
+
+KNOTS_PER_PERIOD = 8
+"""Knots of the acceleration in a period of the highest frequency."""
+
+
+MOST_POINTS = 1e8
+"""Points of a random vibration: a gigabyte, more than an hour up to 2 kHz."""
+
+
+@dataclass(frozen=True, init=False)
+class RandomVibration(StraightMotion):
+    """Gaussian vibration of a power spectral density, between a smooth rise from rest and a smooth fall back to it.
+
+    The displacement is a sum of sines of all frequencies k/T in the band with independent random phases, T being the
+    duration or a little more, times the envelope. With `amplitudes="fixed"` each sine carries the power of its band 1/T, so
+    that rms and density are those asked for in every motion, as a controlled shaker has them, and only the phases are
+    random: the rms of a response over a time t scatters from seed to seed with sqrt(1 - t/T) of what Gaussian noise gives.
+    With `amplitudes="random"` they are of Rayleigh's distribution with that power in the mean. Such a motion is a piece of a
+    true Gaussian process: its rms, and that of a response, scatter by 1/(2 sqrt(B t)), B being the bandwidth. A Monte-Carlo
+    study wants these.
+
+    The displacement is kept as a cubic spline, whose acceleration is linear between knots, 8 in a period of the highest
+    frequency. What the spline takes from a sine is given back to it beforehand, so the density holds within the band; what
+    is left of the linear pieces are images beyond seven times the highest frequency, at most 2 % of the amplitude (0.04 % of
+    the power) of the sines that cause them. Velocity and displacement have no drift, and are zero before the start and after
+    the end.
+
+    Memory is 8 bytes a knot: 80 MB for 10 minutes up to 2000 Hz. The phases are taken from a seed by a generator whose
+    stream is the same everywhere; motions of different seeds are independent, those of the same seed, density and duration
+    in different directions move together.
+
+    Args:
+        psd: Points (frequency [Hz], level [(m/s^2)^2/Hz]) with straight lines between them on logarithmic axes; zero
+            outside. `psd_from_g` makes them from g^2/Hz.
+        duration: Length of the vibration with rise and fall [s].
+        seed: Whole number that chooses the phases, and the amplitudes if they are random.
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        rise: Length of the rise [s], at least a period of the lowest frequency; None: ten such periods, or a tenth of
+            the duration if that is shorter.
+        fall: The same for the fall.
+        start: Instant at which the vibration begins [s].
+        amplitudes: `"fixed"` or `"random"`, see above; the phases of a seed are the same in both.
+    """
+
+    kind: ClassVar[str] = "random-vibration"
+
+    psd: Points
+    duration: float
+    seed: int
+    direction: Direction
+    rise: float
+    fall: float
+    start: float
+    amplitudes: Amplitudes
+
+    def __init__(
+        self,
+        *,
+        psd: Sequence[Sequence[float]],
+        duration: float,
+        seed: int,
+        direction: str | Sequence[float],
+        rise: float | None = None,
+        fall: float | None = None,
+        start: float = 0.0,
+        amplitudes: Amplitudes = "fixed",
+    ) -> None:
+        object.__setattr__(self, "psd", checked_points("psd", psd, quantity="level"))
+        object.__setattr__(self, "duration", positive("duration", duration))
+        object.__setattr__(self, "seed", checked_seed(seed))
+        object.__setattr__(self, "direction", checked_direction(direction))
+        for name, length in (("rise", rise), ("fall", fall)):
+            object.__setattr__(self, name, usual_ramp(name, length, lowest=self.psd[0][0], duration=self.duration))
+        check_room(self.duration, self.rise, self.fall)
+        object.__setattr__(self, "start", finite("start", start))
+        if amplitudes not in get_args(Amplitudes):
+            raise ValueError(f"`amplitudes` must be 'fixed' or 'random', got {amplitudes!r}.")
+        object.__setattr__(self, "amplitudes", amplitudes)
+
+    @property
+    def rms(self) -> float:
+        """Rms acceleration between rise and fall [m/s^2]: of the density, about which that of random amplitudes scatters."""
+        return psd_rms(self.psd)
+
+    @property
+    def end(self) -> float:
+        """Instant at which the base is at rest again [s]."""
+        return self.start + self.duration
+
+    @property
+    def steady(self) -> tuple[float, float]:
+        """Instants between which the vibration is stationary [s]."""
+        return self.start + self.rise, self.end - self.fall
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Every knot [s], shape (n,): the slope of the acceleration changes at each."""
+        return self.start + self._spacing * np.arange(self._intervals + 1.0)
+
+    @property
+    def description(self) -> str:
+        """For instance `random 20 to 2000 Hz, 7.69 g rms, 60 s, seed 1 along z`."""
+        level = f"{self.psd[0][0]:.4g} to {self.psd[-1][0]:.4g} Hz, {self.rms / STANDARD_GRAVITY:.4g} g rms"
+        when = f" at {self.start:.4g} s" if self.start else ""
+        seed = f"seed {self.seed}" + (", random amplitudes" if self.amplitudes == "random" else "")
+        return f"random {level}, {self.duration:.4g} s, {seed} along {direction_text(self.direction)}{when}"
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """Start, full level, fall and end."""
+        full, falls = self.steady
+        return (
+            (self.start, "random vibration begins"),
+            (full, f"full level, {self.rms / STANDARD_GRAVITY:.4g} g rms"),
+            (falls, "vibration falls"),
+            (self.end, "random vibration ends"),
+        )
+
+    @property
+    def shortest_time(self) -> float:
+        """Period of the highest frequency [s]."""
+        return 1 / self.psd[-1][0]
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        values = {"psd": [list(point) for point in self.psd], "duration": self.duration, "seed": self.seed}
+        ramps = {"rise": self.rise, "fall": self.fall, "start": self.start}
+        return {**values, "direction": plain_direction(self.direction), **ramps, "amplitudes": self.amplitudes}
+
+    @property
+    def _intervals(self) -> int:
+        points = self.duration * self.psd[-1][0] * KNOTS_PER_PERIOD
+        if points > MOST_POINTS:
+            raise ValueError(
+                f"`duration` of {self.duration:.4g} s with up to {self.psd[-1][0]:.4g} Hz takes {points:.3g} points, "
+                f"more than {MOST_POINTS:.0g}. Make it shorter; a repeated one adds nothing to the density."
+            )
+        return math.ceil(points)
+
+    @property
+    def _spacing(self) -> float:
+        return self.duration / self._intervals
+
+    @cached_property
+    def _spline(self) -> UniformSpline:
+        h, knots = self._spacing, self._intervals + 1
+        period = next_fast_len(knots, real=True)
+        width = 1 / (period * h)  # of the band of one line [Hz]
+        first, last = (round(frequency / width) for frequency in (self.psd[0][0], self.psd[-1][0]))
+        frequency = width * np.arange(first, last + 1)
+        edges = width * (np.arange(first, last + 2) - 0.5)
+        amplitude = np.sqrt(2 * np.diff(psd_power(self.psd, edges)))
+        if self.amplitudes == "random":
+            amplitude *= random_amplitudes(self.seed, amplitude.size)
+        # A sine in the coefficients comes out of the spline as sinc^4 of itself, and its acceleration is -w^2 times that.
+        amplitude /= (2 * np.pi * frequency) ** 2 * np.sinc(frequency * h) ** 4
+        lines = np.zeros(period // 2 + 1, dtype=complex)
+        lines[first : last + 1] = period / 2 * amplitude * np.exp(1j * random_phases(self.seed, amplitude.size))
+        coefficients = irfft(lines, period, overwrite_x=True)[:knots]
+        # One knot inside start and end, so that the two outermost coefficients at either end are zero.
+        inner = Envelope(start=h, stop=self.duration - h, rise=self.rise, fall=self.fall)
+        rising, falling = math.ceil(self.rise / h) + 2, knots - math.ceil(self.fall / h) - 2
+        for part in (slice(0, rising), slice(max(falling, rising), knots)):
+            coefficients[part] *= inner.derivatives(h * np.arange(float(part.start), float(part.stop)))[0]
+        return UniformSpline(self.start, h, coefficients)
+
+    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self._spline.acceleration(t)
+
+    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self._spline.velocity(t)
+
+    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self._spline.displacement(t)

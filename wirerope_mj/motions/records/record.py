@@ -1,0 +1,298 @@
+"""Measured acceleration of a base, played back exactly as it was sampled."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wirerope_mj.foundation.arguments import (
+    Direction,
+    as_times,
+    checked_direction,
+    direction_text,
+    finite,
+    nonzero,
+    plain_direction,
+    positive,
+    unit_vector,
+)
+from wirerope_mj.foundation.csv_units import ACCELERATION_UNITS, LARGEST
+from wirerope_mj.foundation.errors import RecordWarning
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions.motion import BaseMotion
+from wirerope_mj.motions.piecewise import PiecewiseLinear
+from wirerope_mj.motions.records.baseline import BASELINES, without_baseline
+from wirerope_mj.motions.records.checks import doubts_about_motion, doubts_about_reading
+from wirerope_mj.motions.records.csv import csv_channels, read_csv
+from wirerope_mj.motions.records.sampling import even, resampled
+from wirerope_mj.motions.records.uff import is_uff, read_uff, uff_channels
+
+# A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.
+_SAMPLES_PER_PERIOD = 4
+
+_EVEN = 1e-3  # of an interval, by which the last digit of an instant may shift it: as much as counts as even in a file
+
+_BLOCK = 100_000  # samples that are looked at together, so that a long record is not copied
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Record(BaseMotion):
+    """Measured acceleration, linear between evenly spaced samples and zero before and after; made by `load_record`.
+
+    Velocity and displacement are its exact integrals from rest. After the record the base coasts at the velocity that
+    is left; `baseline` says what was done about it.
+
+    Attributes:
+        path: File that the record was read from.
+        time: Sample instants [s], shape (n,); the first is `start`. The baseline `"highpass"` adds some at either end.
+        samples: Acceleration [m/s^2], scaled and baseline-corrected, shape (n, 3).
+        channels: Columns and their directions as asked for; None: the columns named x, y and z.
+        scale: Factor on the acceleration.
+        baseline: `"none"`, `"rest"`, `"mean"`, `"velocity"` or `"highpass"`.
+        start: Instant of the first sample [s].
+        highpass: Cutoff of the high-pass baseline [Hz]; None for the others.
+        resample: Rate that was asked for [Hz]; None: that of the file.
+        gaps: `"refuse"` or `"fill"`.
+        unit: Of the accelerations, in place of what the file says; None: what it says.
+    """
+
+    kind: ClassVar[str] = "record"
+
+    path: Path
+    time: NDArray[np.float64] = field(repr=False)
+    samples: NDArray[np.float64] = field(repr=False)
+    channels: Mapping[str, Direction] | None = None
+    scale: float = 1.0
+    baseline: str = "none"
+    start: float = 0.0
+    highpass: float | None = None
+    resample: float | None = None
+    gaps: str = "refuse"
+    unit: str | None = None
+    duration: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "duration", float(self.time[-1] - self.time[0]))
+
+    @property
+    def directions(self) -> NDArray[np.float64]:
+        """Axes of the world in which a sample is not zero, shape (n, 3)."""
+        return np.eye(3)[[bool(column.any()) for column in self.samples.T]]
+
+    def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
+        return self._piecewise.acceleration(as_times(time))
+
+    def velocity(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
+        return self._piecewise.velocity(as_times(time))
+
+    def displacement(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's displacement [m] at the times [s], shape (n_t, 3)."""
+        return self._piecewise.displacement(as_times(time))
+
+    @property
+    def end(self) -> float:
+        """Instant of the last sample [s]."""
+        return float(self.time[-1])
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Every sample instant [s], shape (n,): the slope of the acceleration may change at each."""
+        return self.time
+
+    @property
+    def description(self) -> str:
+        """For instance `record deck.csv, 2.5 s, peak 14.2 g`."""
+        parts = np.array_split(self.samples, -(-len(self.samples) // _BLOCK))
+        peak = max(float(np.linalg.norm(part, axis=1).max()) for part in parts) / STANDARD_GRAVITY
+        return f"record {self.path.name}, {self.duration:.4g} s, peak {peak:.4g} g"
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """First and last sample."""
+        return (self.start, f"record {self.path.name} begins"), (self.end, f"record {self.path.name} ends")
+
+    @property
+    def shortest_time(self) -> float:
+        """Four sample intervals [s]."""
+        return _SAMPLES_PER_PERIOD * self.duration / (self.time.size - 1)
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """The file that the record was read from."""
+        return (self.path,)
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        values: dict[str, Any] = {"path": files.get(self.path, str(self.path))}
+        if self.channels is not None:
+            values["channels"] = {name: plain_direction(direction) for name, direction in self.channels.items()}
+        values |= {"scale": self.scale, "baseline": self.baseline, "start": self.start}
+        if self.gaps != "refuse":
+            values["gaps"] = self.gaps
+        asked = {"highpass": self.highpass, "resample": self.resample, "unit": self.unit}
+        return values | {name: value for name, value in asked.items() if value is not None}
+
+    def as_measured(self) -> Record:
+        """Returns the same record without a baseline correction, read from its file again; its warnings were given.
+
+        What the high-pass filter added at the ends is missing: it starts as much later.
+        """
+        if self.baseline == "none":
+            return self
+        arguments = {**self.to_dict(), "baseline": "none"}
+        for name in ("kind", "highpass"):
+            arguments.pop(name, None)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", RecordWarning)
+            measured = load_record(**arguments)
+        start = float(self.time[(self.time.size - measured.time.size) // 2])
+        return replace(measured, start=start, time=measured.time + (start - measured.start))
+
+    @cached_property
+    def _piecewise(self) -> PiecewiseLinear:
+        return PiecewiseLinear(self.time, self.samples)
+
+
+def load_record(
+    path: str | Path,
+    *,
+    channels: Mapping[str, str | Sequence[float]] | None = None,
+    scale: float = 1.0,
+    baseline: str = "none",
+    start: float = 0.0,
+    highpass: float | None = None,
+    resample: float | None = None,
+    gaps: str = "refuse",
+    unit: str | None = None,
+) -> Record:
+    """Returns the base motion that a CSV file or a universal file (dataset 58) holds, on up to three axes at once.
+
+    The header of a CSV file names its columns with their units, for instance `time [s], x [g], z [m/s^2]`; time is the first;
+    cells are separated by commas, semicolons or tabs; lines before the header may begin with #. A universal file names a
+    channel by its response node and direction, `12:z` or `12:-x`; its unit is the ordinate's label or that of dataset 164.
+
+    The base moves in straight lines between evenly spaced samples. A record that is sampled unevenly is resampled at its usual
+    interval, on curves through its samples. What had to be done, and what looks wrong (a pulse that is cut off, a saturated
+    sensor, values in another unit, a drift), is said by a `RecordWarning` with its reason.
+
+    Args:
+        path: The file.
+        channels: Which channel moves the base in which direction, for instance `{"ch3": "z"}`; others are not used. None: the
+            columns named x, y, z (or ax, acc_x, acceleration_x, ...), or all directions of a universal file of one node.
+        scale: Factor on the acceleration.
+        baseline: `"none"`: as measured. `"rest"`: the level of the quiet part that the record begins or ends with is subtracted
+            from each direction: gravity, or an offset; nothing from a pulse that fills its record, the mean from a vibration.
+            `"mean"`: the mean of the samples, which holds a pulse too. `"velocity"`: the constant that makes the final
+            velocity zero, also where a pulse leaves one. `"highpass"`: what is
+            slower than `highpass` is filtered out, without phase. Such a filter answers before a shock as well as after it:
+            the record is lengthened by two periods of the cutoff at either end, at rest or, if the signal stands off zero,
+            at that offset, and is played with them; 1e-4 of a shock's velocity change is left. A record that begins or ends
+            amid its motion is played with the jump that it has there.
+        start: Instant at which the first sample is played [s], whatever the file's own clock says; with `"highpass"`, the
+            first of those before the file's.
+        highpass: Cutoff of the baseline `"highpass"` [Hz], where the filter's gain is one half.
+        resample: Samples per second to play [Hz], through an anti-alias filter; None: those of the file.
+        gaps: `"refuse"`: a record in which rows are missing, cells are empty or hold NaN is an error. `"fill"`: they are filled
+            with straight lines.
+        unit: Of the accelerations, in place of what the file says; for a file that does not say it, or says it wrong.
+
+    Raises:
+        RecordError: The file does not hold a usable record; the message names the line.
+        ValueError: An argument is out of its range.
+    """
+    scale, start = nonzero("scale", scale), finite("start", start)
+    highpass = _checked_cutoff(baseline, highpass)
+    rate = None if resample is None else positive("resample", resample)
+    _one_of("gaps", gaps, ("refuse", "fill"))
+    if unit is not None:
+        _one_of("unit", unit, tuple(ACCELERATION_UNITS))
+    wanted = None if channels is None else _checked_channels(channels)
+    file = Path(path).absolute()
+
+    fill = gaps == "fill"
+    reading = read_uff(file, wanted, unit) if is_uff(file) else read_csv(file, wanted, unit, fill=fill)
+    reading = even(file, reading, gaps=gaps)
+    for doubt in doubts_about_reading(reading, corrected=baseline != "none"):
+        warnings.warn(f"{file}: {doubt}", RecordWarning, stacklevel=2)
+    if rate is not None:
+        reading = resampled(reading, rate)
+    time, samples = reading.time, reading.samples
+    time -= time[0]
+    _require_start(time, start)
+    time += start  # apart, so that the first instant is `start` to the last digit
+    _require_scale(samples, scale)
+    samples *= scale
+    time, samples = without_baseline(time, samples, baseline, highpass)
+    for doubt in doubts_about_motion(time, samples, baseline):
+        warnings.warn(f"{file}: {doubt}", RecordWarning, stacklevel=2)
+    for array in (time, samples):
+        array.flags.writeable = False
+    return Record(
+        path=file, time=time, samples=samples, channels=wanted, scale=scale, baseline=baseline, start=start,
+        highpass=highpass, resample=rate, gaps=gaps, unit=unit,
+    )  # fmt: skip
+
+
+def record_channels(path: str | Path) -> tuple[str, ...]:
+    """Returns the names of a record's channels, as `load_record` takes them.
+
+    Raises:
+        RecordError: The file is no record.
+    """
+    file = Path(path).absolute()
+    return uff_channels(file) if is_uff(file) else csv_channels(file)
+
+
+def _one_of(name: str, value: str, known: Sequence[str]) -> None:
+    if value not in known:
+        listed = ", ".join(f'"{item}"' for item in known[:-1])
+        raise ValueError(f'`{name}` must be {listed} or "{known[-1]}", got {value!r}.')
+
+
+def _require_scale(samples: NDArray[np.float64], scale: float) -> None:
+    """Raises ValueError if a factor makes numbers of a record that it would not be allowed to hold."""
+    peak = max(float(samples.max()), -float(samples.min()))
+    if peak * abs(scale) > LARGEST * STANDARD_GRAVITY:
+        raise ValueError(f"`scale` makes {abs(scale):.3g} times a peak of {peak:.4g} m/s^2, got {scale!r}.")
+
+
+def _require_start(time: NDArray[np.float64], start: float) -> None:
+    """Raises ValueError if instants [s] from 0 on cannot be told from each other so late or so early."""
+    step, digit = float(time[-1]) / (time.size - 1), float(np.spacing(abs(start)))
+    if digit > _EVEN * step:
+        raise ValueError(
+            f"`start` is so far from 0 that its last digit, {digit:.2g} s, is large beside the {step:.6g} s between samples, "
+            f"got {start!r}."
+        )
+
+
+def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:
+    _one_of("baseline", baseline, BASELINES)
+    if baseline != "highpass":
+        if highpass is not None:
+            raise ValueError(
+                f'`highpass` is the cutoff of baseline="highpass" (--baseline highpass); the baseline is {baseline!r}.'
+            )
+        return None
+    if highpass is None:
+        raise ValueError('baseline="highpass" needs its cutoff [Hz], for instance highpass=1.0 (--highpass 1).')
+    return positive("highpass", highpass)
+
+
+def _checked_channels(channels: Mapping[str, str | Sequence[float]]) -> dict[str, Direction]:
+    if not channels:
+        raise ValueError('`channels` must name at least one column, for instance {"ch3": "z"}, got none.')
+    wanted = {name: checked_direction(direction) for name, direction in channels.items()}
+    for name, direction in wanted.items():
+        twins = [other for other in wanted if np.array_equal(unit_vector(wanted[other]), unit_vector(direction))]
+        if len(twins) > 1:
+            raise ValueError(f"`channels` gives {name} and {twins[1]} the same direction {direction_text(direction)}.")
+    return wanted

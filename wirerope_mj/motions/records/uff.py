@@ -1,0 +1,219 @@
+"""A measured record from a universal file: functions at nodal degrees of freedom, dataset 58, as text or binary."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirerope_mj.foundation.arguments import Direction
+from wirerope_mj.foundation.csv_units import ACCELERATION_UNITS, LARGEST, TIME_UNITS
+from wirerope_mj.foundation.errors import RecordError, RecordWarning
+from wirerope_mj.motions.records.reading import Reading, axes_of
+
+_ENDS = {1: "x", 2: "y", 3: "z", -1: "-x", -2: "-y", -3: "-z"}
+_VECTORS: dict[str, Direction] = {"-x": (-1.0, 0.0, 0.0), "-y": (0.0, -1.0, 0.0), "-z": (0.0, 0.0, -1.0)}
+
+_TIME_RESPONSE, _GENERAL, _TIME, _ACCELERATION = 1, 0, 17, 12
+_UNKNOWN = (0, 1)  # specific data types "unknown" and "general"
+_REAL = (2, 4)
+_SI = 1  # code of the system of units
+
+_SAME_CLOCK = 1e-3
+"""Share of the interval by which the clocks of two channels may differ: text files carry six digits of it."""
+
+
+_CUT = ": it was cut off before the line -1 that ends a dataset. Export or copy it again."
+_DAMAGED = " whose header or values are damaged or do not fit each other. Export or copy it again."
+
+
+def is_uff(path: Path) -> bool:
+    """Returns whether the file begins as universal files do, with a line that holds -1 alone."""
+    try:
+        with path.open("rb") as file:
+            lines = file.read(400).split(b"\n")
+    except OSError:
+        return False
+    return next((line.strip() for line in lines if line.strip()), b"") == b"-1"
+
+
+def _is_complete(path: Path) -> bool:
+    """Returns whether the file ends as universal files do, with a line that holds -1 alone."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - 400))
+        return file.read().split()[-1:] == [b"-1"]
+
+
+def uff_channels(path: Path) -> tuple[str, ...]:
+    """Returns the names of the acceleration histories: response node and direction, as in `12:z` or `12:-x`."""
+    return tuple(_name(head) for _, head in _histories(path, None)[0])
+
+
+def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | None) -> Reading:
+    """Returns what the time histories of acceleration in a universal file hold.
+
+    Args:
+        path: The file.
+        channels: Names as `uff_channels` gives them, and their directions; None: all, along their own directions.
+        unit: Of the accelerations, in place of what the file says; None: the ordinate's label, then dataset 164.
+    """
+    histories, systems = _histories(path, unit)
+    if not _is_complete(path):
+        warnings.warn(
+            f"{path}: the end of this universal file is missing; what was cut off is not read.", RecordWarning, 3
+        )
+    chosen = _all_of_one_node(path, histories) if channels is None else _named(path, histories, channels)
+    heads = dict(histories)
+    time, columns = np.zeros(0), list[NDArray[np.float64]]()
+    units: list[str] = []
+    for number in chosen:
+        head, name = heads[number], _name(heads[number])
+        said, factor = _unit(path, head, unit, systems)
+        clock, values = _values(path, number, name)
+        if columns and not _same_clock(time, clock):
+            raise RecordError(f"{path}: {name} is sampled at other instants than {_name(heads[next(iter(chosen))])}.")
+        time = clock if not columns else time
+        columns.append(values * factor)
+        units.append(said)
+    samples = np.column_stack(columns) @ axes_of(chosen.values())
+    return Reading(time=time, samples=samples, units=tuple(dict.fromkeys(units)))
+
+
+def _open(path: Path) -> Any:
+    import pyuff  # here, because few records are universal files
+
+    return pyuff.UFF(str(path))
+
+
+def _histories(path: Path, unit: str | None) -> tuple[list[tuple[int, dict[str, Any]]], list[dict[str, Any]]]:
+    """Returns number and header of each history of acceleration, and the datasets 164 with their system of units."""
+    try:
+        file = _open(path)
+        kinds = [int(kind) for kind in file.get_set_types()]
+        heads = [(n, file.read_sets(n, header_only=True)) for n, kind in enumerate(kinds) if kind == 58]
+        systems = [file.read_sets(n) for n, kind in enumerate(kinds) if kind == 164]
+    except Exception:  # the reader knows no other class, and does not say what it met
+        raise RecordError(f"{path}: this universal file cannot be read, it has a dataset{_DAMAGED}") from None
+    if not kinds:
+        raise RecordError(f"{path}: this universal file holds no complete dataset{_CUT}")
+    found = [(n, head) for n, head in heads if _is_acceleration(head, unit)]
+    if not found and not _is_complete(path):
+        raise RecordError(f"{path}: this universal file holds no complete time history of an acceleration{_CUT}")
+    if not found:
+        raise RecordError(
+            f"{path}: this universal file holds no time history of an acceleration (dataset 58, function type 1); its "
+            f"datasets are {', '.join(str(kind) for kind in kinds)}. If an ordinate is called general or unknown, "
+            'say its unit, for instance unit="m/s^2" (--unit).'
+        )
+    return found, systems
+
+
+def _is_acceleration(head: Mapping[str, Any], unit: str | None) -> bool:
+    kind, over, of = (int(head.get(k, 0)) for k in ("func_type", "abscissa_spec_data_type", "ordinate_spec_data_type"))
+    in_time = kind == _TIME_RESPONSE or (kind == _GENERAL and over == _TIME)
+    said = unit is not None or _label(head, "ordinate") in ACCELERATION_UNITS
+    turns = abs(int(head.get("rsp_dir", 0))) > 3
+    real = int(head.get("ord_data_type", 0)) in _REAL
+    return in_time and real and not turns and (of == _ACCELERATION or (of in _UNKNOWN and said))
+
+
+def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:
+    """Returns the file's units of length in a metre; None if it does not say."""
+    if not systems:
+        return None
+    code, factor = int(systems[-1]["units_code"]), float(systems[-1]["length"])
+    if not 1.0 / LARGEST < factor < LARGEST or (code == _SI and abs(factor - 1.0) > 1e-6):
+        raise RecordError(
+            f"{path}: dataset 164 contradicts itself: units code {code}, but {factor:g} units of length in a metre. "
+            'Say the unit of the accelerations, for instance unit="m/s^2" (--unit).'
+        )
+    return factor
+
+
+def _unit(path: Path, head: Mapping[str, Any], unit: str | None, systems: list[dict[str, Any]]) -> tuple[str, float]:
+    """Returns the unit of a history in words, and what it is in m/s^2."""
+    label = unit if unit is not None else _label(head, "ordinate")
+    if label in ACCELERATION_UNITS:
+        return label, ACCELERATION_UNITS[label]
+    if label:
+        raise RecordError(
+            f'{path}: {_name(head)} has the unknown unit "{label}". Say which is meant, for instance unit="g" (--unit g); '
+            f"known units: {', '.join(ACCELERATION_UNITS)}."
+        )
+    length = _length(path, systems)
+    if length is None:
+        raise RecordError(
+            f"{path}: neither {_name(head)} nor a dataset 164 says the unit of the accelerations. Say it, for instance "
+            f'unit="m/s^2" (--unit); known units: {", ".join(ACCELERATION_UNITS)}.'
+        )
+    return ("m/s^2" if length == 1.0 else f"1/{length:g} m/s^2"), 1.0 / length
+
+
+def _label(head: Mapping[str, Any], axis: str) -> str:
+    text = str(head.get(f"{axis}_axis_units_lab", "")).strip().strip("[]()").strip()
+    plain = text.lower().replace("sec", "s").replace("**", "^")
+    return "" if plain in ("", "none") else plain
+
+
+def _name(head: Mapping[str, Any]) -> str:
+    node, end = int(head.get("rsp_node", 0)), _ENDS.get(int(head.get("rsp_dir", 0)))
+    return f"{node}:{end}" if end else f"{node}"
+
+
+def _all_of_one_node(path: Path, histories: list[tuple[int, dict[str, Any]]]) -> dict[int, Direction]:
+    """Returns all histories along the directions that the file gives them; they must be of one node and at most three."""
+    names = [_name(head) for _, head in histories]
+    ends = [name.partition(":")[2] for name in names]
+    nodes = {name.partition(":")[0] for name in names}
+    end = (ends[0] or "z").lstrip("-")
+    if len(nodes) > 1 or not all(ends) or len({end.lstrip("-") for end in ends}) < len(ends):
+        raise RecordError(
+            f"{path}: which of {', '.join(names)} move the base? Name one for each direction, for instance "
+            f'channels={{"{names[0]}": "{end}"}} (--channels {names[0]}={end}).'
+        )
+    return {n: _VECTORS.get(end, end) for (n, _), end in zip(histories, ends, strict=True)}
+
+
+def _named(
+    path: Path, histories: list[tuple[int, dict[str, Any]]], wanted: Mapping[str, Direction]
+) -> dict[int, Direction]:
+    numbers: dict[str, list[int]] = {}
+    for n, head in histories:
+        numbers.setdefault(_name(head), []).append(n)
+    for name in wanted:
+        found = len(numbers.get(name, []))
+        if found != 1:
+            fault = f'there is no history "{name}"' if found == 0 else f'there are {found} histories "{name}"'
+            raise RecordError(f"{path}: {fault}; the file holds {', '.join(_name(head) for _, head in histories)}.")
+    return {numbers[name][0]: direction for name, direction in wanted.items()}
+
+
+def _values(path: Path, number: int, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Returns instants [s] and values of a history; RecordError if it is cut off or not finite."""
+    try:
+        content = _open(path).read_sets(number)
+    except Exception:  # the reader knows no other class, and does not say what it met
+        raise RecordError(f"{path}: {name} cannot be read, its dataset is one{_DAMAGED}") from None
+    count = int(content["num_pts"])
+    time, values = np.asarray(content["x"], dtype=float)[:count], np.asarray(content["data"], dtype=float)[:count]
+    if values.size < count or count < 2:
+        raise RecordError(f"{path}: {name} holds {values.size} values where its header says {count}; 2 at least.")
+    if not (np.all(np.abs(values) <= LARGEST) and np.all(np.abs(time) <= LARGEST) and np.all(time[1:] > time[:-1])):
+        raise RecordError(
+            f"{path}: {name} has a value or a time that is not finite or beyond {LARGEST:.0e}, or its times do not increase."
+        )
+    factor = TIME_UNITS.get(_label(content, "abscissa") or "s")
+    if factor is None:
+        raise RecordError(
+            f'{path}: the time of {name} has the unknown unit "{_label(content, "abscissa")}"; known: '
+            f"{', '.join(TIME_UNITS)}."
+        )
+    return time * factor, values
+
+
+def _same_clock(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
+    return a.size == b.size and bool(np.max(np.abs(a - b)) <= _SAME_CLOCK * (a[1] - a[0]))

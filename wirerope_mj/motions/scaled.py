@@ -1,0 +1,233 @@
+"""A base motion at another level, and one in another direction."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from wirerope_mj.foundation.arguments import (
+    Direction,
+    checked_direction,
+    direction_text,
+    nonzero,
+    plain_direction,
+    unit_vector,
+)
+from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
+
+Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
+
+_SQUARE = 1e-9
+"""Largest error of a product of rows of a rotation: a matrix whose numbers were written with ten digits."""
+
+
+@dataclass(frozen=True)
+class _Changed(BaseMotion):
+    """A motion whose vectors are those of another one, times a matrix; its instants are the other's."""
+
+    motion: BaseMotion
+    duration: float = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.motion, BaseMotion):
+            raise ValueError(f"`motion` must be a base motion, got {self.motion!r}.")
+        object.__setattr__(self, "duration", self.motion.duration)
+
+    @abstractmethod
+    def _changed(self, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns vectors of the other motion, (n, 3), as those of this one."""
+
+    def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
+        return self._changed(self.motion.acceleration(time))
+
+    def velocity(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
+        return self._changed(self.motion.velocity(time))
+
+    def displacement(self, time: ArrayLike) -> NDArray[np.float64]:
+        """Returns the base's displacement [m] at the times [s], shape (n_t, 3)."""
+        return self._changed(self.motion.displacement(time))
+
+    @property
+    def end(self) -> float:
+        """Instant after which the motion is over [s]."""
+        return self.motion.end
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Corners of the other motion [s], shape (n,)."""
+        return self.motion.corners
+
+    @property
+    def velocity_jumps(self) -> tuple[tuple[float, NDArray[np.float64]], ...]:
+        """Velocity jumps of the other motion, changed as its velocity is."""
+        return tuple((time, self._changed(jump[np.newaxis])[0]) for time, jump in self.motion.velocity_jumps)
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """Events of the other motion."""
+        return self.motion.events
+
+    @property
+    def shortest_time(self) -> float:
+        """Shortest time scale of the other motion [s]."""
+        return self.motion.shortest_time
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """Files of the other motion."""
+        return self.motion.files
+
+    @property
+    def parts(self) -> tuple[BaseMotion, ...]:
+        """Elementary motions of the other motion, as they are before the change."""
+        return self.motion.parts
+
+    @property
+    def _quoted(self) -> str:
+        """The other motion's description, in brackets if something after it would seem to belong to its last term only."""
+        text = self.motion.description
+        return f"({text})" if isinstance(self.motion, SumOfMotions) else text
+
+
+@dataclass(frozen=True)
+class Scaled(_Changed):
+    """Another motion at another level: acceleration, velocity, displacement and velocity jumps times a factor.
+
+    Attributes:
+        motion: The motion that is scaled; of a record, what `load_record` made of it.
+        factor: The factor, not zero; negative for the motion with its sense reversed.
+    """
+
+    kind: ClassVar[str] = "scaled"
+
+    factor: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "factor", nonzero("factor", self.factor))
+
+    @property
+    def directions(self) -> NDArray[np.float64]:
+        """Directions of the other motion, shape (n, 3)."""
+        return self.motion.directions
+
+    @property
+    def description(self) -> str:
+        """For instance `1.5 x half-sine 15 g 11 ms along z`."""
+        return f"{self.factor:.4g} x {self._quoted}"
+
+    def _changed(self, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.factor * vectors
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        return {"motion": self.motion.to_dict(files=files), "factor": self.factor}
+
+
+@dataclass(frozen=True, init=False)
+class Turned(_Changed):
+    """Another motion in another direction; exactly one of `rotation` and `direction` is given.
+
+    Args:
+        motion: The motion that is turned.
+        rotation: Rotation matrix R, (3, 3): the base moves along R v where the other motion moves along v.
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector into which the line of a motion along one line is turned, as if the
+            motion had been written with it.
+    """
+
+    kind: ClassVar[str] = "turned"
+
+    rotation: Rows | None
+    direction: Direction | None
+
+    def __init__(
+        self,
+        motion: BaseMotion,
+        *,
+        rotation: ArrayLike | None = None,
+        direction: str | Sequence[float] | NDArray[np.float64] | None = None,
+    ) -> None:
+        object.__setattr__(self, "motion", motion)
+        super().__post_init__()
+        if (rotation is None) == (direction is None):
+            raise ValueError(
+                f"exactly one of `rotation` and `direction` must be given, got {'none' if rotation is None else 'both'}."
+            )
+        object.__setattr__(self, "rotation", None if rotation is None else _checked_rotation(rotation))
+        object.__setattr__(self, "direction", None if direction is None else checked_direction(direction))
+        if direction is not None:
+            _line(motion)  # raises if there is none
+
+    @cached_property
+    def matrix(self) -> NDArray[np.float64]:
+        """What turns the other motion's vectors into this one's, shape (3, 3); with `direction` it holds on their line only."""
+        if self.direction is None:
+            return np.array(self.rotation)
+        return np.outer(unit_vector(self.direction), _line(self.motion))
+
+    @property
+    def directions(self) -> NDArray[np.float64]:
+        """Directions of the other motion, turned, shape (n, 3)."""
+        return self._changed(self.motion.directions)
+
+    @property
+    def description(self) -> str:
+        """For instance `half-sine 15 g 11 ms along z, turned to (0, 1, 1)`, or `..., turned by 30 deg about (0, 0, 1)`."""
+        if self.direction is not None:
+            return f"{self._quoted}, turned to {direction_text(self.direction)}"
+        return f"{self._quoted}, turned {_rotation_text(np.array(self.rotation))}"
+
+    def _changed(self, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+        # Sums of three products in this order, so that a row has the same bits however many there are.
+        columns = vectors[:, :, np.newaxis] * self.matrix.T[np.newaxis]
+        return columns[:, 0] + columns[:, 1] + columns[:, 2]
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        values: dict[str, Any] = {"motion": self.motion.to_dict(files=files)}
+        if self.direction is not None:
+            return {**values, "direction": plain_direction(self.direction)}
+        return {**values, "rotation": [list(row) for row in self.rotation or ()]}
+
+
+def _line(motion: BaseMotion) -> NDArray[np.float64]:
+    """Returns the unit vector of the line along which a motion moves, shape (3,); a ValueError if it is no line."""
+    directions = motion.directions
+    if np.linalg.matrix_rank(directions, tol=1e-9) != 1:
+        raise ValueError(
+            f"`direction` turns a motion along one line, and this one moves along {len(directions)} directions: "
+            f"{motion.description}. Give `rotation`, a rotation matrix."
+        )
+    return np.asarray(directions[0] / np.linalg.norm(directions[0]))
+
+
+def _checked_rotation(rotation: ArrayLike) -> Rows:
+    try:
+        matrix = np.asarray(rotation, dtype=float)
+    except (TypeError, ValueError):
+        matrix = np.empty(0)
+    if matrix.shape != (3, 3) or not np.all(np.isfinite(matrix)):
+        raise ValueError(f"`rotation` must be a rotation matrix of 3 x 3 finite numbers, got {rotation!r}.")
+    if np.abs(matrix @ matrix.T - np.eye(3)).max() > _SQUARE or np.linalg.det(matrix) < 0.0:
+        raise ValueError(f"`rotation` must be orthonormal and not mirror, got {matrix.tolist()}.")
+    first, second, third = ((float(x), float(y), float(z)) for x, y, z in matrix)
+    return (first, second, third)
+
+
+def _rotation_text(matrix: NDArray[np.float64]) -> str:
+    """Returns angle and axis of a rotation for a human reader."""
+    from scipy.spatial.transform import Rotation  # takes longer to import than the rest of this room
+
+    vector = Rotation.from_matrix(matrix).as_rotvec(degrees=True)
+    angle = float(np.linalg.norm(vector))
+    if angle < 1e-6:
+        return "by 0 deg"
+    x, y, z = (float(part) + 0.0 for part in np.round(vector / angle, 4))
+    return f"by {angle:.4g} deg about {direction_text((x, y, z))}"

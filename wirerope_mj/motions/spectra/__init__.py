@@ -1,0 +1,6 @@
+"""Spectra of accelerations: shock response and power spectral density, without the engine."""
+
+from wirerope_mj.motions.spectra.psd import PowerSpectralDensity as PowerSpectralDensity
+from wirerope_mj.motions.spectra.psd import power_spectral_density as power_spectral_density
+from wirerope_mj.motions.spectra.srs import ShockResponseSpectrum as ShockResponseSpectrum
+from wirerope_mj.motions.spectra.srs import shock_response_spectrum as shock_response_spectrum

@@ -1,0 +1,91 @@
+"""The response of one oscillator to samples joined by straight lines: exact steps, and the extremes between them."""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.foundation.jit import njit
+
+Array = npt.NDArray[np.float64]
+
+HIGHEST, LOWEST, FARTHEST = 0, 1, 2
+"""Places of what is looked for: largest and smallest absolute acceleration, largest relative displacement."""
+
+
+@njit
+def extreme_between(y0: float, y1: float, d0: float, d1: float) -> float:
+    """Return the extreme of the cubic with values y and slopes d at both ends of a step of length 1; d changes its sign."""
+    c3 = d0 + d1 - 2.0 * (y1 - y0)
+    c2 = 3.0 * (y1 - y0) - 2.0 * d0 - d1
+    root = math.sqrt(max(c2 * c2 - 3.0 * c3 * d0, 0.0))
+    # The two roots of d0 + 2 c2 s + 3 c3 s^2, without subtracting numbers that are nearly equal.
+    q = -(c2 + math.copysign(root, c2))
+    s = q / (3.0 * c3) if c3 != 0.0 else -1.0
+    if not 0.0 <= s <= 1.0:
+        s = d0 / q if q != 0.0 else 0.0
+    return y0 + s * (d0 + s * (c2 + s * c3))
+
+
+@njit
+def free_extremes(u: float, v: float, frequency: float, damping: float, found: Array) -> None:
+    """Widen `found` by the extremes of the free vibration that starts from displacement `u` and rate `v`.
+
+    With theta the angle per unit of time (2 pi f T), zeta the damping and w = theta sqrt(1 - zeta^2), both the displacement
+    and the acceleration y = -(theta^2 u + 2 zeta theta v) are exp(-zeta theta t) (y0 cos w t + (y0' + zeta theta y0) / w
+    sin w t). The first extreme lies where tan w t = w y0' / (theta^2 y0 + zeta theta y0'), the next half a turn later
+    with the opposite sign and exp(-pi zeta / sqrt(1 - zeta^2)) times as large; later ones are smaller.
+    """
+    theta, zeta = frequency, damping
+    root = math.sqrt(1.0 - zeta * zeta)
+    y = -(theta * theta * u + 2.0 * zeta * theta * v)
+    rate = -(theta * theta * v + 2.0 * zeta * theta * y)
+    for quantity in range(2):
+        start, slope = (y, rate) if quantity == 0 else (u, v)
+        angle = math.atan2(root * slope, theta * start + zeta * slope)
+        if angle < 0.0:
+            angle += math.pi
+        decay = math.exp(-zeta * angle / root)
+        first = decay * (start * math.cos(angle) + (slope / theta + zeta * start) / root * math.sin(angle))
+        second = -first * math.exp(-math.pi * zeta / root)
+        if quantity == 0:
+            found[HIGHEST] = max(found[HIGHEST], start, first, second)
+            found[LOWEST] = min(found[LOWEST], start, first, second)
+        else:
+            found[FARTHEST] = max(found[FARTHEST], abs(start), abs(first))
+
+
+@njit
+def ramp_extremes(x: Array, step: Array, frequency: float, damping: float, primary: Array, residual: Array) -> None:
+    """Find the extremes of one oscillator that starts at rest, while it is driven and after.
+
+    Lengths of time are steps of the record: u is in m/s^2 times the step squared, v in m/s^2 times the step.
+
+    Args:
+        x: base acceleration [m/s^2], (n,), straight between the samples and zero after the last.
+        step: what u, v, x at the start and x at the end of a step give for u and v at its end, (2, 4).
+        frequency: angle per step theta = 2 pi f T [rad].
+        damping: ratio.
+        primary: highest, lowest and farthest while it is driven, (3,); filled here.
+        residual: the same for what follows, (3,); filled here.
+    """
+    stiffness, viscosity = frequency * frequency, 2.0 * damping * frequency
+    u, v, y = 0.0, 0.0, 0.0
+    rate = viscosity * x[0]
+    highest, lowest, farthest = 0.0, 0.0, 0.0
+    for i in range(x.size - 1):
+        a, b = x[i], x[i + 1]
+        u_next = step[0, 0] * u + step[0, 1] * v + step[0, 2] * a + step[0, 3] * b
+        v_next = step[1, 0] * u + step[1, 1] * v + step[1, 2] * a + step[1, 3] * b
+        y_next = -stiffness * u_next - viscosity * v_next
+        rate_next = -stiffness * v_next - viscosity * (y_next - b)
+        highest, lowest = max(highest, y_next), min(lowest, y_next)
+        farthest = max(farthest, abs(u_next))
+        if rate * rate_next < 0.0:
+            extreme = extreme_between(y, y_next, rate, rate_next)
+            highest, lowest = max(highest, extreme), min(lowest, extreme)
+        if v * v_next < 0.0:
+            farthest = max(farthest, abs(extreme_between(u, u_next, v, v_next)))
+        u, v, y, rate = u_next, v_next, y_next, rate_next
+    primary[HIGHEST], primary[LOWEST], primary[FARTHEST] = highest, lowest, farthest
+    free_extremes(u, v, frequency, damping, residual)

@@ -1,0 +1,176 @@
+"""Impact of a drop table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirerope_mj.foundation.arguments import (
+    Direction,
+    checked_direction,
+    direction_text,
+    finite,
+    plain_direction,
+    positive,
+)
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions.motion import StraightMotion, unique_times
+from wirerope_mj.motions.pulses import HalfSine
+
+
+@dataclass(frozen=True, init=False)
+class ShockTableImpact(StraightMotion):
+    """Shock of a table that falls from a height, strikes its programmer and rebounds.
+
+    The impact velocity is V = sqrt(2 g h), the rebound velocity e V, and the shock is their sum, V (1 + e), along the
+    direction: at once, or as the half-sine of a programmer, whose peak is pi V (1 + e)/(2 D).
+
+    By default only the impact is played, from rest: the payload then meets it settled on its mounts, and the base coasts
+    at V (1 + e). That is the shock seen from a frame that moves with the falling table, but for one thing: a falling
+    table leaves its payload weightless, so that the mounts have let go of their static deflection, or still swing about it,
+    when the table strikes. With `fall` the fall of sqrt(2 h/g) is played too, at acceleration -g along the direction, which
+    is what a payload in a model with gravity g against the direction must feel to be weightless. Brakes and second impacts
+    are left out.
+
+    Args:
+        drop_height: Height h [m].
+        rebound: Rebound velocity over impact velocity e, from 0 (the table stays) to 1.
+        pulse_duration: Length D of the programmer's half-sine [s]; None: the velocity changes at once.
+        direction: Direction of the shock, against that of the fall: `"x"`, `"y"`, `"z"` or a 3-vector.
+        start: Instant at which the motion begins [s]: the impact, or the release if the fall is played.
+        fall: Whether the fall before the impact is played.
+        gravity: Acceleration of the fall g [m/s^2].
+    """
+
+    kind: ClassVar[str] = "shock-table-impact"
+
+    drop_height: float
+    rebound: float
+    pulse_duration: float | None
+    direction: Direction
+    start: float
+    fall: bool
+    gravity: float
+    duration: float
+
+    def __init__(
+        self,
+        *,
+        drop_height: float,
+        rebound: float = 0.0,
+        pulse_duration: float | None = None,
+        direction: str | Sequence[float] = "z",
+        start: float = 0.0,
+        fall: bool = False,
+        gravity: float = STANDARD_GRAVITY,
+    ) -> None:
+        object.__setattr__(self, "drop_height", positive("drop_height", drop_height))
+        if not 0 <= finite("rebound", rebound) <= 1:
+            raise ValueError(f"`rebound` must lie between 0 and 1, got {rebound!r}.")
+        object.__setattr__(self, "rebound", float(rebound))
+        length = None if pulse_duration is None else positive("pulse_duration", pulse_duration)
+        object.__setattr__(self, "pulse_duration", length)
+        object.__setattr__(self, "direction", checked_direction(direction))
+        object.__setattr__(self, "start", finite("start", start))
+        object.__setattr__(self, "fall", bool(fall))
+        object.__setattr__(self, "gravity", positive("gravity", gravity))
+        object.__setattr__(self, "duration", self.fall_duration + (length or 0.0))
+
+    @property
+    def impact_velocity(self) -> float:
+        """Velocity V at which the table strikes [m/s]."""
+        return math.sqrt(2 * self.gravity * self.drop_height)
+
+    @property
+    def velocity_change(self) -> float:
+        """Velocity change V (1 + e) of the impact [m/s]."""
+        return self.impact_velocity * (1 + self.rebound)
+
+    @property
+    def peak(self) -> float:
+        """Peak acceleration of the programmer's half-sine [m/s^2]; infinite if the velocity changes at once."""
+        return math.inf if self.pulse_duration is None else self._pulse(self.pulse_duration).peak
+
+    @property
+    def fall_duration(self) -> float:
+        """Length of the fall that is played [s]: sqrt(2 h/g), or zero."""
+        return self.impact_velocity / self.gravity if self.fall else 0.0
+
+    @property
+    def impact(self) -> float:
+        """Instant at which the table strikes [s]."""
+        return self.start + self.fall_duration
+
+    @property
+    def end(self) -> float:
+        """Instant at which the impact is over [s]."""
+        return self.start + self.duration
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Release, impact and end of the pulse [s], shape (n,)."""
+        return unique_times([self.start, self.impact, self.end])
+
+    @property
+    def velocity_jumps(self) -> tuple[tuple[float, NDArray[np.float64]], ...]:
+        """The impact, if the velocity changes at once."""
+        return () if self.pulse_duration is not None else ((self.impact, self.velocity_change * self.unit),)
+
+    @property
+    def description(self) -> str:
+        """For instance `drop table 0.5 m, rebound 0.2, 3.758 m/s in 11 ms along z`."""
+        pulse = "at once" if self.pulse_duration is None else f"in {1e3 * self.pulse_duration:.4g} ms"
+        falls = " after its fall" if self.fall else ""
+        size = f"{self.drop_height:.4g} m, rebound {self.rebound:.4g}, {self.velocity_change:.4g} m/s {pulse}{falls}"
+        return f"drop table {size} along {direction_text(self.direction)}" + (
+            f" at {self.start:.4g} s" if self.start else ""
+        )
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """Release, impact and its end."""
+        release = ((self.start, "table falls"),) if self.fall else ()
+        over = ((self.end, "impact ends"),) if self.pulse_duration is not None else ()
+        return (*release, (self.impact, "table strikes"), *over)
+
+    @property
+    def shortest_time(self) -> float:
+        """Length of the half-sine [s]; infinite if the velocity changes at once."""
+        return self.pulse_duration if self.pulse_duration is not None else math.inf
+
+    def _pulse(self, length: float) -> HalfSine:
+        peak = math.pi * self.velocity_change / (2 * length)
+        return HalfSine(peak=peak, duration=length, direction=self.direction, start=self.impact)
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        values = {"drop_height": self.drop_height, "rebound": self.rebound, "start": self.start, "fall": self.fall}
+        length = {} if self.pulse_duration is None else {"pulse_duration": self.pulse_duration}
+        return {**values, **length, "gravity": self.gravity, "direction": plain_direction(self.direction)}
+
+    def _falling(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns how long the table has fallen [s]."""
+        return np.clip(t - self.start, 0.0, self.fall_duration)
+
+    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        falls = np.where((t >= self.start) & (t < self.impact), -self.gravity, 0.0)
+        return falls if self.pulse_duration is None else falls + self._pulse(self.pulse_duration)._acceleration(t)
+
+    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        falls = -self.gravity * self._falling(t)
+        if self.pulse_duration is not None:
+            return falls + self._pulse(self.pulse_duration)._velocity(t)
+        return falls + np.where(t >= self.impact, self.velocity_change, 0.0)
+
+    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        since = np.maximum(t - self.impact, 0.0)
+        falling = self._falling(t)
+        falls = -self.gravity * falling * (falling / 2 + since)
+        if self.pulse_duration is not None:
+            return falls + self._pulse(self.pulse_duration)._displacement(t)
+        return falls + self.velocity_change * since

@@ -1,0 +1,242 @@
+"""Several steady sines at once: ship vibration at shaft, blade and engine orders."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirerope_mj.foundation.arguments import (
+    Direction,
+    checked_direction,
+    checked_seed,
+    direction_text,
+    finite,
+    plain_direction,
+    positive,
+)
+from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
+from wirerope_mj.motions.motion import StraightMotion
+from wirerope_mj.motions.psd_lines import Points, checked_points
+from wirerope_mj.motions.random_phases import random_phases
+
+_ORDER = {"acceleration": 2, "velocity": 1, "displacement": 0}
+_UNIT = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m"}
+
+
+@dataclass(frozen=True, init=False)
+class VibrationLines(StraightMotion):
+    """Sines of fixed frequencies along one direction, endless or between a smooth rise from rest and a fall back to it.
+
+    With the envelope E(t), which is 1 for an endless motion without a rise,
+
+        x = -E sum X_i sin(w_i t + phi_i),   X_i = A_i/w_i^2 = V_i/w_i
+
+    so that each line has the acceleration A sin(w t + phi) where E is 1, as `Sine` has; v and a are its exact derivatives,
+    and nothing drifts. Lines whose amplitudes are given in different quantities add as motions with +.
+
+    Args:
+        acceleration: Lines (frequency [Hz], acceleration amplitude [m/s^2]), in order of frequency.
+        velocity: The same with velocity amplitudes [m/s].
+        displacement: The same with displacement amplitudes [m].
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        phases: Phase of every line at time zero [rad].
+        seed: Instead of the phases: whole number that chooses them at random. Without either all are zero.
+        duration: Length of the vibration with rise and fall [s]; None: it never ends.
+        rise: Length of the rise [s], at least a period of the lowest frequency; None: no rise in an endless vibration,
+            which then already goes on before `start`, else ten such periods, or a tenth of the duration if that is
+            shorter.
+        fall: Length of the fall [s], likewise; only with a duration.
+        start: Instant at which the vibration begins [s].
+    """
+
+    kind: ClassVar[str] = "vibration-lines"
+
+    quantity: str
+    lines: Points
+    direction: Direction
+    phases: tuple[float, ...] | None
+    seed: int | None
+    rise: float
+    fall: float
+    start: float
+    duration: float
+
+    def __init__(
+        self,
+        *,
+        direction: str | Sequence[float],
+        acceleration: Sequence[Sequence[float]] | None = None,
+        velocity: Sequence[Sequence[float]] | None = None,
+        displacement: Sequence[Sequence[float]] | None = None,
+        phases: Sequence[float] | None = None,
+        seed: int | None = None,
+        duration: float | None = None,
+        rise: float | None = None,
+        fall: float | None = None,
+        start: float = 0.0,
+    ) -> None:
+        quantity, lines = _the_one_quantity(
+            {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
+        )
+        object.__setattr__(self, "quantity", quantity)
+        object.__setattr__(self, "lines", lines)
+        object.__setattr__(self, "direction", checked_direction(direction))
+        if phases is not None and seed is not None:
+            raise ValueError("at most one of `phases` and `seed` can be given, got both.")
+        object.__setattr__(self, "phases", None if phases is None else _checked_phases(phases, len(lines)))
+        object.__setattr__(self, "seed", None if seed is None else checked_seed(seed))
+        object.__setattr__(self, "start", finite("start", start))
+        self._set_ramps(duration, rise, fall)
+
+    def _set_ramps(self, duration: float | None, rise: float | None, fall: float | None) -> None:
+        lowest = self.lines[0][0]
+        if duration is None:
+            if fall is not None:
+                raise ValueError("`fall` needs a `duration`: an endless vibration never falls.")
+            ramps = 0.0 if rise is None else usual_ramp("rise", rise, lowest=lowest, duration=math.inf), 0.0
+        else:
+            length = positive("duration", duration)
+            given = (("rise", rise), ("fall", fall))
+            first, last = (usual_ramp(name, value, lowest=lowest, duration=length) for name, value in given)
+            check_room(length, first, last)
+            ramps = first, last
+        object.__setattr__(self, "rise", ramps[0])
+        object.__setattr__(self, "fall", ramps[1])
+        object.__setattr__(self, "duration", math.inf if duration is None else float(duration))
+
+    @property
+    def frequencies(self) -> NDArray[np.float64]:
+        """Frequencies of the lines [Hz], shape (n,)."""
+        return np.array([frequency for frequency, _ in self.lines])
+
+    @property
+    def amplitudes(self) -> NDArray[np.float64]:
+        """Amplitudes of the lines, in the quantity in which they were given, shape (n,)."""
+        return np.array([amplitude for _, amplitude in self.lines])
+
+    @property
+    def end(self) -> float:
+        """Instant at which the base is at rest again [s]; infinite if there is none."""
+        return self.start + self.duration
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """Ends of rise and fall [s], shape (n,): the acceleration's slope jumps there."""
+        return self.envelope.corners
+
+    @cached_property
+    def envelope(self) -> Envelope:
+        """The rise and the fall."""
+        return Envelope(start=self.start, stop=self.end, rise=self.rise, fall=self.fall)
+
+    @property
+    def description(self) -> str:
+        """For instance `3 lines from 5 to 12 Hz, acceleration up to 0.5 m/s^2 along z`."""
+        f, largest = self.frequencies, f"{self.quantity} up to {self.amplitudes.max():.4g} {_UNIT[self.quantity]}"
+        count = f"{f.size} lines from {f[0]:.4g} to {f[-1]:.4g} Hz" if f.size > 1 else f"1 line of {f[0]:.4g} Hz"
+        length = f", {self.duration:.4g} s" if math.isfinite(self.duration) else ""
+        return f"{count}, {largest}{length} along {direction_text(self.direction)}"
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """Start, and the end if there is one."""
+        ends = ((self.end, "vibration ends"),) if math.isfinite(self.duration) else ()
+        return (self.start, "vibration begins"), *ends
+
+    @property
+    def shortest_time(self) -> float:
+        """Period of the highest frequency [s]."""
+        return 1 / self.lines[-1][0]
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        values: dict[str, Any] = {self.quantity: [list(line) for line in self.lines]}
+        if self.phases is not None:
+            values["phases"] = list(self.phases)
+        if self.seed is not None:
+            values["seed"] = self.seed
+        if math.isfinite(self.duration):
+            values |= {"duration": self.duration, "fall": self.fall}
+        if self.rise:
+            values["rise"] = self.rise
+        return {**values, "direction": plain_direction(self.direction), "start": self.start}
+
+    @cached_property
+    def _terms(self) -> tuple[tuple[float, float, float], ...]:
+        """Angular frequency, displacement amplitude and phase of every line."""
+        omega = 2 * np.pi * self.frequencies
+        phases = np.zeros(omega.size) if self.phases is None else np.array(self.phases)
+        if self.seed is not None:
+            phases = random_phases(self.seed, omega.size)
+        size = self.amplitudes / omega ** _ORDER[self.quantity]
+        return tuple(zip(omega.tolist(), size.tolist(), phases.tolist(), strict=True))
+
+    def _oscillation(self, t: NDArray[np.float64], order: int) -> NDArray[np.float64]:
+        """Returns the derivative of that order of -sum X sin(w t + phi)."""
+        total = np.zeros_like(t)
+        for omega, size, phase in self._terms:
+            total -= size * omega**order * np.sin(omega * t + (phase + order * math.pi / 2))
+        return total
+
+    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        factor, first, second = self.envelope.derivatives(t)
+        value = factor * self._oscillation(t, 2)
+        if np.any(first) or np.any(second):
+            value += 2 * first * self._oscillation(t, 1) + second * self._oscillation(t, 0)
+        return value
+
+    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        factor, first, _ = self.envelope.derivatives(t)
+        value = factor * self._oscillation(t, 1)
+        return value + first * self._oscillation(t, 0) if np.any(first) else value
+
+    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.envelope.derivatives(t)[0] * self._oscillation(t, 0)
+
+
+def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Points:
+    """Returns lines (frequency [Hz], amplitude) at equal steps through bands of constant amplitude.
+
+    Amplitude tables of shipboard vibration tests (MIL-STD-167-1A type I and the like) are such bands, passed one
+    frequency after the other: take the lines one by one for that. No table is built in.
+
+    Args:
+        bands: Bands (first frequency [Hz], last frequency [Hz], amplitude), in order of frequency.
+        step: Step between the frequencies [Hz].
+    """
+    positive("step", step)
+    lines: list[tuple[float, float]] = []
+    for band in bands:
+        if not isinstance(band, Sequence) or len(band) != 3:
+            raise ValueError(
+                f"`bands` must hold a first frequency, a last frequency and an amplitude each, got {band!r}."
+            )
+        low, high, amplitude = (positive("bands", value) for value in band)
+        if high < low:
+            raise ValueError(f"a band of `bands` must end above its start, got {low:g} to {high:g} Hz.")
+        # One part in 1e9: the last frequency must not be lost by rounding.
+        steps = math.floor((high - low) / step * (1 + 1e-9))
+        lines += [(low + number * step, amplitude) for number in range(steps + 1)]
+    return checked_points("bands", lines, quantity="amplitude", least=1)
+
+
+def _the_one_quantity(given: Mapping[str, Sequence[Sequence[float]] | None]) -> tuple[str, Points]:
+    """Returns name and lines of the one quantity that is given; none or several are a ValueError."""
+    there = [name for name, lines in given.items() if lines is not None]
+    if len(there) != 1:
+        got = " and ".join(f"`{name}`" for name in there) or "none"
+        raise ValueError(f"exactly one of `acceleration`, `velocity` and `displacement` must be given, got {got}.")
+    (name,) = there
+    return name, checked_points(name, given[name] or (), quantity=f"amplitude [{_UNIT[name]}]", least=1)
+
+
+def _checked_phases(phases: Sequence[float], count: int) -> tuple[float, ...]:
+    if len(phases) != count:
+        raise ValueError(f"`phases` must hold one phase for each of the {count} lines, got {len(phases)}.")
+    return tuple(finite("phases", phase) for phase in phases)

@@ -1,0 +1,115 @@
+"""An isolator file of an estimate: fitted as a vendor's row is, and saying that nothing in it was measured."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from wirerope_mj.mounts.estimate.estimate import LoopEstimate
+from wirerope_mj.mounts.estimate.trends import left_out_errors
+from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE
+from wirerope_mj.mounts.identification.secants import NiLaw
+from wirerope_mj.mounts.isolator import Isolator, Provenance, Rotation, Spread
+from wirerope_mj.mounts.vendor_parts.fitted import fit_part
+from wirerope_mj.mounts.vendor_parts.parts import Figures, Part, Series
+
+_FORCES = ("alpha", "k1", "k2", "k3")
+"""Parameters of the fitted laws that grow with the force; those of their shape (beta with n = 1, b, c) do not."""
+
+_AXIS_FIGURE = {"roll": "shear shock", "shear": "shear shock", "axial": "compression shock"}
+
+
+def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isolator:
+    """Return an isolator with the estimated figures; its spread is the scatter of the estimates of known parts.
+
+    Raises:
+        ConvergenceError: no law has all the figures.
+    """
+    figures = estimate.figures
+    modes = {
+        mode: Figures(
+            static_load=_rounded(figures.static_load) if mode == "compression" else None,
+            travel=_rounded(figures.travel[mode]),
+            vibration=_rounded(figures.vibration[mode]),
+            shock=_rounded(figures.shock[mode]),
+        )
+        for mode in figures.travel
+    }
+    title = name or f"estimated, {estimate.loops} loops of {1e3 * estimate.rope:g} mm rope"
+    part = Part(
+        name=title,
+        series=Series(file="", source=_source(estimate), damping=ENIDINE.damping, damping_range=ENIDINE.damping_range),
+        loops=estimate.loops,
+        rope=estimate.rope,
+        height=estimate.height,
+        width=estimate.width,
+        bar=estimate.bar,
+        modes=modes,
+    )
+    fitted = fit_part(part)
+    provenance = Provenance(
+        kind="estimated",
+        source=_source(estimate),
+        fitted_to=f"estimated figures, none of them measured: {fitted.provenance.fitted_to}",
+        assumed=(*_assumed(estimate), *fitted.provenance.assumed),
+    )
+    rotation = None
+    if estimate.bar_length is not None and isinstance(fitted.axial, NiLaw) and isinstance(fitted.roll, NiLaw):
+        # Their elastic part alone, as in a fitted file: what small vibration has beyond it is friction.
+        along, across = fitted.axial.k1 / figures.vibration["compression"], fitted.roll.k1 / figures.vibration["shear"]
+        about_roll, about_shear, about_axial = estimate.rotation.tolist()
+        rotation = Rotation(
+            roll=_rounded(along * about_roll), shear=_rounded(along * about_shear), axial=_rounded(across * about_axial)
+        )
+    return replace(fitted, provenance=provenance, spread=_spread(fitted, estimate), rotation=rotation)
+
+
+def _rounded(value: float) -> float:
+    """Return four digits of an estimate: more would look like knowledge."""
+    return float(f"{value:.4g}")
+
+
+def _source(estimate: LoopEstimate) -> str:
+    """Return where the figures come from."""
+    return (
+        f"geometry alone (height {1e3 * estimate.height:g} mm, width {1e3 * estimate.width:g} mm, bar "
+        f"{1e3 * estimate.bar:.4g} mm, rope {1e3 * estimate.rope:g} mm, {estimate.loops} loops), by what 50 parts of the "
+        "Enidine WR catalogue have in common; no data sheet, no measurement"
+    )
+
+
+def _assumed(estimate: LoopEstimate) -> tuple[str, ...]:
+    """Return what is estimated, and how far such estimates were off."""
+    band = estimate.bands["compression shock"]
+    other = f", of VMC's within {1.0 + band.other:.2f}" if band.other is not None else ""
+    bar = ("the thickness of the bars, from the trend of the catalogue",) if estimate.bar_assumed else ()
+    turning = ("turning: the elastic part of loops spread evenly",) if estimate.bar_length is not None else ()
+    return (
+        f"every figure is estimated: such estimates of the shock stiffness in compression are within a factor of "
+        f"{1.0 + band.within:.2f} for 80 % of the catalogue's parts, {1.0 + band.worst:.2f} for all{other}",
+        "damping ratio: that of the catalogue's series",
+        "[spread]: scatter of these estimates for the catalogue's own parts, as one factor on all forces of an axis; another "
+        "vendor's parts scatter more",
+        *bar,
+        *turning,
+    )
+
+
+def _spread(isolator: Isolator, estimate: LoopEstimate) -> Spread:
+    """Return the scatter of all force parameters: each axis scales as its shock stiffness does; what was there stays."""
+    errors = left_out_errors(estimate.left_out)
+    names, values, rows = [], [], []
+    for axis, law in isolator.axes.items():
+        for key, value in ({} if law is None else law.to_dict()).items():
+            if key in _FORCES and value != 0.0:
+                names.append(f"{axis}.{key}")
+                values.append(value)
+                rows.append(errors[_AXIS_FIGURE[axis]])
+    covariance = np.outer(values, values) * np.cov(np.stack(rows))
+    if isolator.spread is not None:
+        known = np.array(isolator.spread.covariance)
+        zero = np.zeros((len(names), len(known)))
+        covariance = np.block([[covariance, zero], [zero.T, known]])
+        names += isolator.spread.parameters
+    return Spread(
+        parameters=tuple(names), covariance=tuple(tuple(float(f"{v:.9g}") for v in row) for row in covariance)
+    )

@@ -1,0 +1,201 @@
+"""What the parts of a vendor's table have in common: from geometry to the figures of a data sheet, and how well that goes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.estimate.vendor_check import check_vendor_loops
+from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE, VendorLoop
+from wirerope_mj.mounts.rope_loop import RopeLoop, loop_shape
+from wirerope_mj.mounts.vendor_parts.parts import vendor_parts
+
+Array = npt.NDArray[np.float64]
+LeftOut = Literal["part", "rope size"]
+
+SMALLEST_ROPE, LARGEST_ROPE = 0.0016, 0.0222
+"""Rope diameters of the table [m]; outside them nothing was compared and nothing is estimated."""
+
+SAME_ROPE = 0.02
+"""Relative difference of two rope diameters that are one size in two units."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopFigures:
+    """Estimated figures of an isolator, in SI units; modes as in the vendor's table, shear standing for roll as well.
+
+    Attributes:
+        bending_stiffness: EI of the rope over the compression travel [N m^2].
+        travel: largest deflection [m], by mode.
+        vibration, shock: stiffness [N/m], by mode; the table's vibration stiffness in shear is its shock stiffness.
+        static_load: largest static load in compression [N].
+    """
+
+    bending_stiffness: float
+    travel: dict[str, float]
+    vibration: dict[str, float]
+    shock: dict[str, float]
+    static_load: float
+
+    def flat(self) -> dict[str, float]:
+        """Return the figures that a vendor states, by name."""
+        named = {"static load": self.static_load}
+        for name in ("travel", "vibration", "shock"):
+            named |= {f"{mode} {name}": value for mode, value in getattr(self, name).items()}
+        return named
+
+
+@dataclass(frozen=True, kw_only=True)
+class Trends:
+    """What the parts of a table have in common.
+
+    EI is interpolated between the rope sizes, log over log; each size has the geometric mean of its parts. The compression
+    travel is a share of the gap between the bars, height - 2 bar: the parts close up at 0.78 to 0.96 of it. Vibration over
+    shock stiffness in compression grows with a power of the loop's height. All other figures are constant ratios.
+    """
+
+    rope: Array
+    bending_stiffness: Array
+    bar: Array
+    gap_share: float
+    vibration_power: tuple[float, float]
+    ratios: dict[str, float]
+
+    def predict(self, *, height: float, width: float, rope: float, bar: float, loops: float) -> LoopFigures:
+        """Return the figures of an isolator from its geometry [m]; ValueError if it leaves no loop or no travel."""
+        gap = height - 2.0 * bar
+        if gap <= 0.0:
+            raise ValueError(f"`height` of {height:g} m leaves no gap between two bars of {bar:g} m.")
+        shape = loop_shape(height=height, width=width, bar=bar, rope=rope)
+        travel = self.gap_share * gap
+        stiffness = float(np.exp(_interpolated(rope, self.rope, np.log(self.bending_stiffness))))
+        secant = -float(RopeLoop(shape).state(0.0, -travel).axial_force) / travel
+        shock = loops * stiffness * secant
+        slope, offset = self.vibration_power
+        vibration = shock * float(np.exp(offset + slope * np.log(height - bar)))
+        ratios = self.ratios
+        return LoopFigures(
+            bending_stiffness=stiffness,
+            travel={
+                "compression": travel,
+                "45": ratios["45 travel"] * travel,
+                "shear": ratios["shear travel"] * travel,
+            },
+            shock={"compression": shock, "45": ratios["45 shock"] * shock, "shear": ratios["shear shock"] * shock},
+            vibration={
+                "compression": vibration,
+                "45": ratios["45 vibration"] * vibration,
+                "shear": ratios["shear shock"] * shock,
+            },
+            static_load=ratios["static load"] * shock * travel,
+        )
+
+    def bar_of(self, rope: float) -> float:
+        """Return the thickness of a bar [m] for a rope diameter [m], interpolated between the table's own."""
+        return float(np.exp(_interpolated(rope, self.rope, np.log(self.bar))))
+
+
+def find_trends(parts: Sequence[int]) -> Trends:
+    """Return what the rows of these numbers of `vendor_loops` have in common."""
+    checks = [check_vendor_loops()[index] for index in parts]
+    rows = [check.part for check in checks]
+    sizes = sorted({row.rope for row in rows})
+    travel = np.array([row.travel["compression"] for row in rows])
+    shock = np.array([row.shock["compression"] for row in rows])
+    vibration = np.array([row.vibration["compression"] for row in rows])
+
+    def mean(values: Array) -> float:
+        return float(np.exp(np.mean(np.log(values))))
+
+    def column(figure: str, mode: str) -> Array:
+        return np.array([getattr(row, figure)[mode] for row in rows])
+
+    stiffness = [mean(np.array([c.bending_stiffness for c in checks if c.part.rope == size])) for size in sizes]
+    slope, offset = np.polyfit(np.log([row.height - row.bar for row in rows]), np.log(vibration / shock), 1)
+    return Trends(
+        rope=np.array(sizes),
+        bending_stiffness=np.array(stiffness),
+        bar=np.array([mean(np.array([row.bar for row in rows if row.rope == size])) for size in sizes]),
+        gap_share=mean(travel / np.array([row.height - 2.0 * row.bar for row in rows])),
+        vibration_power=(float(slope), float(offset)),
+        ratios={
+            "45 travel": mean(column("travel", "45") / travel),
+            "shear travel": mean(column("travel", "shear") / travel),
+            "45 shock": mean(column("shock", "45") / shock),
+            "shear shock": mean(column("shock", "shear") / shock),
+            "45 vibration": mean(column("vibration", "45") / vibration),
+            "static load": mean(column("static_load", "compression") / (shock * travel)),
+        },
+    )
+
+
+@cache
+def all_trends() -> Trends:
+    """Return what all 50 rows have in common."""
+    return find_trends(range(len(check_vendor_loops())))
+
+
+@cache
+def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
+    """Return log(estimate / catalogue) of every figure, (50,), each row estimated without itself.
+
+    Args:
+        left_out: "part": the row alone, as for a rope size that the table has; "rope size": all rows with its rope, as for one
+            that it has not (the smallest and the largest size are then extrapolated, which no estimate does).
+    """
+    rows = [check.part for check in check_vendor_loops()]
+    errors: dict[str, list[float]] = {}
+    for index, row in enumerate(rows):
+        others = [i for i, other in enumerate(rows) if _kept(i, other, index, row, left_out)]
+        predicted = find_trends(others).predict(
+            height=row.height, width=row.width, rope=row.rope, bar=row.bar, loops=row.loops
+        )
+        stated = LoopFigures(
+            bending_stiffness=1.0,
+            travel=dict(row.travel),
+            vibration=dict(row.vibration),
+            shock=dict(row.shock),
+            static_load=row.static_load["compression"],
+        )
+        for name, value in predicted.flat().items():
+            errors.setdefault(name, []).append(float(np.log(value / stated.flat()[name])))
+    return {name: np.array(values) for name, values in errors.items()}
+
+
+@cache
+def other_vendor_errors() -> dict[str, Array]:
+    """Return log(estimate / data sheet) of the figures of VMC's table, which no trend has seen; one for each part stating it.
+
+    Their bars are not stated and taken from the trend. The table has no figures at 45 degrees.
+    """
+    trends, errors = all_trends(), dict[str, list[float]]()
+    for part in vendor_parts():
+        if part.series is ENIDINE or None in (part.height, part.width, part.rope, part.loops):
+            continue
+        height, width, rope, loops = (float(v or 0.0) for v in (part.height, part.width, part.rope, part.loops))
+        predicted = trends.predict(height=height, width=width, rope=rope, bar=trends.bar_of(rope), loops=loops).flat()
+        for mode, figures in part.modes.items():
+            stated = {f"{mode} travel": figures.travel, f"{mode} vibration": figures.vibration}
+            stated |= {f"{mode} shock": figures.shock}
+            if mode == "compression":
+                stated["static load"] = figures.static_load
+            for name, value in stated.items():
+                if value is not None:
+                    errors.setdefault(name, []).append(float(np.log(predicted[name] / value)))
+    return {name: np.array(values) for name, values in errors.items()}
+
+
+def _kept(index: int, other: VendorLoop, left: int, row: VendorLoop, left_out: LeftOut) -> bool:
+    """Return whether a row is used in the estimate of the row of number `left`."""
+    return index != left if left_out == "part" else other.rope != row.rope
+
+
+def _interpolated(rope: float, sizes: Array, values: Array) -> float:
+    """Return a value between rope sizes, linear over log d; outside, along the straight line through all sizes."""
+    places, wanted = np.log(sizes), np.log(rope)
+    nearest = float(np.clip(wanted, places[0], places[-1]))
+    slope = float(np.polyfit(places, values, 1)[0])
+    return float(np.interp(nearest, places, values)) + slope * (wanted - nearest)

@@ -1,0 +1,135 @@
+"""An isolator from a vendor's force-deflection curves, and every value of the sheet beside what it gives."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.foundation.errors import ConvergenceError, ModelError
+from wirerope_mj.mounts.identification import figures
+from wirerope_mj.mounts.identification.curve_sheet import KINDS, CurveSheet, Side, read_curve_sheet
+from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Travel
+from wirerope_mj.mounts.laws import Tabulated
+
+_WAYS = {"compression": -1.0, "tension": 1.0, "shear": 1.0, "roll": 1.0}
+"""Which way along its axis the deflections of a table are."""
+
+_CLOSE = 1e-10
+"""Relative error of a damping ratio at which the search for its area ends."""
+
+
+def fit_curves(content: Mapping[str, Any], path: Path) -> Isolator:
+    """Return the isolator whose laws follow the chosen curves of a sheet; ModelError names file, table and rule."""
+    sheet = read_curve_sheet(content, path)
+    sides, assumed = sheet.sides, list(sheet.assumed)
+    laws: dict[str, Any] = {}
+    for axis, name in (("axial", "compression"), ("shear", "shear"), ("roll", "roll")):
+        if name == "roll" and name not in sides and "shear" in sides:
+            laws["roll"] = laws["shear"]
+            assumed.append("roll: the curve of shear; the sheet has none")
+        if name not in sides:
+            continue
+        try:
+            laws[axis] = _law(sheet, sides[name], sides.get("tension") if axis == "axial" else None)
+        except (ConvergenceError, ValueError) as error:
+            raise ModelError(f"{path}: [{name}] {error}") from None
+        if not (sides[name].areas or sides[name].damping):
+            assumed.append(f"{axis}: no hysteresis; the sheet states neither areas nor damping")
+    if "compression" in sides and "tension" not in sides:
+        assumed.append("axial: tension mirrors the curve of compression, and its travel is not judged")
+    rated = {name: side.travel or side.curves[sheet.curve][-1][0] for name, side in sides.items()}
+    if "shear" in rated:
+        rated.setdefault("roll", rated["shear"])
+    provenance = Provenance(kind="catalogue", source=sheet.source, fitted_to=_fitted_to(sheet), assumed=tuple(assumed))
+    try:
+        isolator = Isolator(
+            name=sheet.name, limits=Limits(static_load=sheet.static_load, travel=Travel(**rated)),
+            geometry=Geometry(height=sheet.height, width=sheet.width) if sheet.height or sheet.width else None,
+            provenance=provenance, **laws,
+        )  # fmt: skip
+    except ValueError as error:
+        raise ModelError(f"{path}: {error}") from None
+    return replace(isolator, provenance=replace(provenance, fitted_to=provenance.fitted_to + _others(sheet, isolator)))
+
+
+def curve_figures(sheet: CurveSheet, isolator: Isolator) -> list[tuple[str, str, str, float, float]]:
+    """Return side, name, unit, the sheet's value and the law's of every point, area and damping ratio."""
+    rows = []
+    for name, side in sheet.sides.items():
+        law, way = isolator.axes["axial" if name in ("compression", "tension") else name], _WAYS[name]
+        assert isinstance(law, Tabulated)
+        for kind, points in side.curves.items():
+            for x, force in points:
+                if x <= law.travel_ends[int(way > 0.0)]:
+                    rows.append(
+                        (
+                            name,
+                            f"{kind} force at {1e3 * x:.4g} mm",
+                            "N",
+                            force,
+                            way * figures.virgin_force(law, way * x),
+                        )
+                    )
+        rows += [(name, f"area at {1e3 * a:.4g} mm", "J", area, figures.loop_area(law, a)) for a, area in side.areas]
+        rows += [
+            (name, f"damping ratio at {1e3 * a:.4g} mm", "-", ratio, figures.damping_ratio(law, a))
+            for a, ratio in side.damping
+        ]
+    return rows
+
+
+def _law(sheet: CurveSheet, side: Side, other: Side | None) -> Tabulated:
+    """Return the law of one axis; `other` is the side of tension, by default the mirrored one."""
+    points = [(0.0, 0.0), *side.curves[sheet.curve]]
+    if other is not None:
+        points = [(-x, -f) for x, f in points[:0:-1]] + [(0.0, 0.0), *other.curves[sheet.curve]]
+    values: dict[str, Any] = {
+        "deflection": [x for x, _ in points],
+        "force": [f for _, f in points],
+        "symmetric": other is None,
+    }
+    stated = np.array(side.areas or side.damping).reshape(-1, 2).T
+    law = Tabulated(**values)
+    if not stated.size:
+        return law
+    if stated[0].max() > law.finite_travel:
+        raise ValueError(
+            f"areas and damping ratios are of cycles about zero; one of {1e3 * stated[0].max():.4g} mm leads beyond the end of "
+            f"the curve, {1e3 * law.finite_travel:.4g} mm."
+        )
+    values |= {"amplitudes": stated[0], "yield_deflection": sheet.yield_deflection}
+    if side.areas:
+        return Tabulated(**values, areas=stated[1])
+    # 2 pi zeta K A^2 with the curve's secant, corrected by what cycles of the law measure.
+    areas = [
+        2.0 * np.pi * zeta * 0.5 * float(np.ptp(law.trace([0.0, a, -a]).force[1:])) * a for a, zeta in side.damping
+    ]
+    for _ in range(50):
+        law = Tabulated(**values, areas=areas)
+        ratios = [zeta / figures.damping_ratio(law, a) for a, zeta in side.damping]
+        if max(abs(ratio - 1.0) for ratio in ratios) < _CLOSE:
+            return replace(law, areas=tuple(float(f"{area:.12g}") for area in areas))
+        areas = [area * ratio for area, ratio in zip(areas, ratios, strict=True)]
+    raise ConvergenceError(f"no areas give the damping ratios {[zeta for _, zeta in side.damping]} with this curve.")
+
+
+def _fitted_to(sheet: CurveSheet) -> str:
+    """Return the sentence that says what the laws reproduce."""
+    said = []
+    for name, side in sheet.sides.items():
+        end, force = side.curves[sheet.curve][-1]
+        text = f"{name}: the {sheet.curve} curve, {force:.5g} N at its end, {1e3 * end:.4g} mm"
+        text += "".join(f", area {area:.5g} J at {1e3 * a:.4g} mm" for a, area in side.areas)
+        text += "".join(f", damping ratio {zeta:.4g} at {1e3 * a:.4g} mm" for a, zeta in side.damping)
+        said.append(text)
+    return "; ".join(said)
+
+
+def _others(sheet: CurveSheet, isolator: Isolator) -> str:
+    """Return the sentence that compares the laws with the curves that they do not follow, "" if there are none."""
+    other = next(kind for kind in KINDS if kind != sheet.curve)
+    rows = [row for row in curve_figures(sheet, isolator) if row[1].startswith(other)]
+    said = [f"{side} {name} {stated:.5g} N, here {fitted:.5g} N" for side, name, _, stated, fitted in rows]
+    return f". Not fitted: {'; '.join(said)}" if said else ""

@@ -1,0 +1,212 @@
+"""An isolator from a vendor's data sheet.
+
+What a sheet holds is described in `mounts.identification.vendor`, one of force-deflection curves in `curve_sheet` beside
+it; those of the catalogue lie in `models/isolators/datasheets`, and `wirerope isolators fit` fits one. The shape of the elastic
+force comes from the rope loop's geometry, its size and the friction from the vendor's figures.
+"""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.foundation.errors import ConvergenceError, ModelError
+from wirerope_mj.foundation.toml_file import read_toml
+from wirerope_mj.mounts.identification.curve_fit import fit_curves
+from wirerope_mj.mounts.identification.secants import Curve, NiLaw, fit_damped, fit_secants
+from wirerope_mj.mounts.identification.sheet import AxisFigures, DataSheet, Stated
+from wirerope_mj.mounts.identification.sheet_table import diagonal_figures
+from wirerope_mj.mounts.identification.vendor import read_datasheet
+from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Rotation, Spread, Travel
+from wirerope_mj.mounts.laws import LoopCoupling, SymmetricBoucWen
+from wirerope_mj.mounts.rope_loop import (
+    AxisCurves,
+    axis_curves,
+    fit_coupling,
+    loop_positions,
+    loop_shape,
+    rotational_stiffness,
+)
+
+
+def fit_datasheet(path: str | Path) -> Isolator:
+    """Return the isolator that reproduces the figures, or the curves, of a data sheet.
+
+    Raises:
+        ModelError: the data sheet breaks a rule, or no rope loop has its measures and travels; the message names the file.
+        ConvergenceError: no law has all its figures; the message names the file.
+    """
+    content = read_toml(path, "data sheet")
+    if "curve" in content:
+        return fit_curves(content, Path(path))
+    sheet = read_datasheet(path)
+    try:
+        return fit_sheet(sheet)
+    except ValueError as error:
+        raise ModelError(
+            f"{path}: no rope loop has these measures and travels: {error} Check `height`, `width`, `rope`, `bar` and "
+            "`travel`, and their units."
+        ) from error
+    except ConvergenceError as error:
+        raise ConvergenceError(f"{path}: {error}") from error
+
+
+def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
+    """Return the isolator that reproduces the figures of a data sheet; `kind` is that of its provenance.
+
+    Raises:
+        ValueError: no rope loop has the envelope of the sheet.
+        ConvergenceError: no law has all its figures.
+    """
+    compression, shear = sheet.compression, sheet.shear
+    curves = axis_curves(
+        height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope,
+        compression=compression.travel, roll=None if shear is None else shear.travel,
+    )  # fmt: skip
+    along = Curve(asymmetry=curves.asymmetry, cubic=curves.axial_cubic * compression.hardening)
+    axial = _fit(compression, along, sheet.yielding, sheet.damping_amplitude)
+    across = {} if shear is None else _across(sheet, shear, axial, curves)
+    travel = None if shear is None else shear.travel
+    isolator = Isolator(
+        name=sheet.name,
+        axial=axial,
+        limits=Limits(
+            static_load=sheet.static_load, travel=Travel(compression=compression.travel, shear=travel, roll=travel)
+        ),
+        geometry=Geometry(height=sheet.height, width=sheet.width),
+        spread=Spread(parameters=("axial.c",), covariance=((float(f"{curves.asymmetry_deviation**2:.6g}"),),)),
+        rotation=_rotation(sheet, axial, across.get("roll"), curves),
+        **across,
+    )
+    provenance = Provenance(
+        kind=kind,
+        source=sheet.source,
+        fitted_to=_fitted_to(sheet),
+        assumed=_assumed(sheet, curves),
+        check_45=_check_45(sheet, isolator),
+    )
+    return replace(isolator, provenance=provenance)
+
+
+def _across(sheet: DataSheet, shear: AxisFigures, axial: NiLaw, curves: AxisCurves) -> dict[str, Any]:
+    """Return the laws of shear and roll and what couples roll and axial, as arguments of the isolator."""
+    curve = Curve(asymmetry=None, cubic=curves.roll_cubic * shear.hardening)
+    law = _fit(shear, curve, 1.0 / axial.beta, sheet.damping_amplitude)
+    roll = _rolling(axial, law, curves) if sheet.roll_of_loop else law
+    return {"shear": law, "roll": roll, "coupling": "loop", "loop": _coupling(sheet, shear.travel, axial, roll, curves)}
+
+
+def _fit(stated: AxisFigures, curve: Curve, yielding: float | None, amplitude: float) -> NiLaw:
+    """Return the law of one axis; a damping ratio that is aimed at comes before a yield deflection."""
+    if stated.damping is not None:
+        return fit_damped(stated.fitted, curve, damping=stated.damping, amplitude=amplitude)
+    if yielding is None:
+        raise ValueError("`yielding` must be given where no damping ratio is.")
+    return fit_secants(stated.fitted, curve, yielding)
+
+
+def _rolling(axial: NiLaw, shear: NiLaw, curves: AxisCurves) -> SymmetricBoucWen:
+    """Return the law of roll that the rope loop has beside an axial law, with friction in the proportion of shear's."""
+    spring = axial.k1 * curves.roll_stiffness / curves.axial_stiffness
+    values = {"alpha": shear.alpha * spring / shear.k1, "k1": spring, "k3": curves.roll_cubic * spring}
+    rounded = {key: float(f"{value:.9g}") for key, value in values.items()}
+    return SymmetricBoucWen(**rounded, beta=shear.beta, gamma=0.0, n=1.0, k2=0.0)
+
+
+def _rotation(sheet: DataSheet, axial: NiLaw, roll: NiLaw | None, curves: AxisCurves) -> Rotation | None:
+    """Return what the loops resist turning by, spread over the bars; None where their length is not stated."""
+    if sheet.bar_length is None or sheet.loops is None:
+        return None
+    stiffness = rotational_stiffness(
+        loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope),
+        bending_stiffness=axial.k1 / (sheet.loops * curves.axial_stiffness),
+        positions=loop_positions(sheet.loops, sheet.bar_length),
+        axial=axial.k1,
+        roll=None if roll is None else roll.k1,
+    )
+    about_roll, about_shear, about_axial = (float(f"{value:.6g}") for value in stiffness)
+    return Rotation(roll=about_roll, shear=about_shear, axial=about_axial)
+
+
+def _coupling(sheet: DataSheet, range_of_roll: float, axial: NiLaw, roll: NiLaw, curves: AxisCurves) -> LoopCoupling:
+    """Return the loop's coupling energy, in the size that both axes ask for: the geometric mean of their EI.
+
+    Over the 50 parts of Enidine's table that leaves 45 degrees nearest to the catalogue.
+    """
+    sizes = axial.k1 / curves.axial_stiffness, roll.k1 / curves.roll_stiffness
+    shape = loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope)
+    travel = sheet.compression.travel
+    found = fit_coupling(
+        shape, bending_stiffness=math.sqrt(sizes[0] * sizes[1]), loops=1,
+        roll=range_of_roll, compression=travel, tension=travel,
+    ).coupling  # fmt: skip
+    ends = {name: float(f"{getattr(found, name):.9g}") for name in ("roll", "compression", "tension")}
+    return LoopCoupling(**ends, coefficients=[[float(f"{c:.9g}") for c in row] for row in found.coefficients])
+
+
+def _fitted_to(sheet: DataSheet) -> str:
+    """Return the sentence that says what the parameters reproduce."""
+    axes = []
+    for name, axis in (
+        ("axial", sheet.compression),
+        ("shear" if sheet.roll_of_loop else "shear and roll", sheet.shear),
+    ):
+        if axis is None:
+            continue
+        fitted = [_said(figure) for figure in axis.stated if figure.fitted]
+        if axis.damping is not None:
+            fitted.append(
+                f"damping ratio {axis.damping:g} of the steady loop of {1e3 * sheet.damping_amplitude:.3g} mm"
+            )
+        axes.append(f"{name}: {', '.join(fitted)}")
+    return "; ".join(axes)
+
+
+def _said(figure: Stated) -> str:
+    """Return what a figure is."""
+    path = "steady loop" if figure.secant.steady else "virgin path"
+    value = f"{figure.shown(figure.secant.stiffness):.5g} {figure.unit}"
+    if figure.unit == "N":
+        return f"{figure.name} {value} at {1e3 * figure.secant.deflection:.4g} mm of the {path}"
+    return f"{figure.name} {value} = secant of the {path} of {1e3 * figure.secant.deflection:.4g} mm"
+
+
+def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
+    """Return what no source gives, one sentence each."""
+    sentences = [
+        f"axial: c ln b and k3 / k1 from the rope loop, to {100.0 * curves.misfit:.2g} % of its secants; nobody "
+        f"measured tension; standard deviation of c in [spread], {curves.asymmetry_deviation:.3g} 1/m, for what the bars hold",
+        "n = 1, gamma = 0 and k2 = 0 on every axis, b = e: the shape of the loop",
+        "tension travel is not stated and not judged",
+    ]
+    if sheet.shear is not None:
+        axes = "shear" if sheet.roll_of_loop else "shear and roll"
+        sentences.append(f"{axes}: k3 / k1 is {sheet.shear.hardening:g} times that of the rope loop in roll")
+        sentences.append("roll and axial are coupled as in the rope loop, to 2 % of its coupling forces")
+    if sheet.bar_length is not None:
+        sentences.append("turning: the elastic part of loops that are spread evenly over the bars")
+    if sheet.roll_of_loop:
+        sentences.append(
+            "roll: what the rope loop has beside the axial stiffness, with friction in the proportion of shear's"
+        )
+    if sheet.shear is not None and sheet.shear.damping is None:
+        sentences.append("shear and roll: friction yields at the deflection of the axial law")
+    if sheet.damping_range is not None:
+        sentences.append(
+            "damping ratio: the vendor states {:g} to {:g} for the whole series".format(*sheet.damping_range)
+        )
+    return (*sentences, *sheet.assumed)
+
+
+def _check_45(sheet: DataSheet, isolator: Isolator) -> dict[str, float]:
+    """Return the comparison at 45 degrees as the provenance keeps it."""
+    units = {"N/mm": "N_per_mm", "N": "N"}
+    table: dict[str, float] = {}
+    for row in diagonal_figures(sheet, isolator):
+        name = row.name.replace(" ", "_")
+        if row.vendor is None or row.error is None:
+            continue
+        table[f"{name}_vendor_{units[row.unit]}"] = float(f"{row.vendor:.6g}")
+        table[f"{name}_fitted_{units[row.unit]}"] = float(f"{row.fitted:.6g}")
+        table[f"{name}_relative_error"] = round(row.error, 4)
+    return table

@@ -1,0 +1,198 @@
+"""A measured loop made ready to be fitted: its deflection runs monotonely between its two turning points."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import isotonic_regression
+
+from wirerope_mj.mounts.identification.coordinates import Scales
+from wirerope_mj.mounts.laws import Law, Loop
+from wirerope_mj.mounts.laws.steady import follow_force, settle
+from wirerope_mj.mounts.test_rig.clipping import require_falling, require_unclipped
+from wirerope_mj.mounts.test_rig.reading import require_likely
+from wirerope_mj.mounts.test_rig.recorded import RecordedLoop, mean_of_cycles
+from wirerope_mj.mounts.test_rig.turning import rms_noise
+
+Array = npt.NDArray[np.float64]
+
+STEADY = 1e-12
+"""Change of the hysteretic force over a cycle, relative to the force range, at which it is steady."""
+
+ENDS_NOISE = 6.0
+"""Standard deviations of the noise by which the two ends of a cycle within a stop's gap may differ: four of a difference."""
+
+OPEN_ENDED = 0.2
+"""Share of the force range by which the ends of a measured cycle may differ: creep of the first cycles, and noise."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredLoop:
+    """One closed cycle.
+
+    Attributes:
+        deflection: path [m], (n_t,), monotone between its turning points.
+        force: measured force [N], (n_t,).
+        weight: what a residual of this loop is divided by [N].
+        history: turning points from the unloaded device to the first of the measured cycles [m], (n,).
+        elapsed: time since the cycle began over its period, (n_t,).
+        averaged: cycles whose mean was measured; 0: the loop counts as steady.
+    """
+
+    deflection: Array
+    force: Array
+    weight: float
+    history: Array = field(default_factory=lambda: np.zeros(0))
+    elapsed: Array = field(default_factory=lambda: np.zeros(0))
+    averaged: int = 0
+
+    @property
+    def amplitude(self) -> float:
+        """Half the range of the deflection [m]."""
+        return 0.5 * float(np.ptp(self.deflection))
+
+    def area(self, force: Array) -> float:
+        """Return the area that a force encloses on the loop's path [J]."""
+        return float(np.trapezoid(force, self.deflection))
+
+    def mid_line(self, force: Array, points: int) -> Array:
+        """Return the mean of a force on the way up and on the way down, at evenly spaced deflections, (points,)."""
+        x = np.linspace(self.deflection.min(), self.deflection.max(), points)
+        start = int(np.argmin(self.deflection))
+        path, values = np.roll(self.deflection[:-1], -start), np.roll(force[:-1], -start)
+        top = int(np.argmax(path))
+        up = np.interp(x, path[: top + 1], values[: top + 1])
+        down = np.interp(x, np.append(path[top:], path[0])[::-1], np.append(values[top:], values[0])[::-1])
+        return 0.5 * (up + down)
+
+    def thinned(self, samples: int) -> "MeasuredLoop":
+        """Return about `samples` of the loop's samples, its turning points among them."""
+        x = self.deflection
+        kept = np.unique(
+            np.concatenate([np.linspace(0, x.size - 1, samples).astype(int), [np.argmax(x), np.argmin(x)]])
+        )
+        elapsed = self.elapsed[kept] if self.averaged else self.elapsed
+        return replace(self, deflection=x[kept], force=self.force[kept], elapsed=elapsed)
+
+    def model_force(self, law: Law) -> Array:
+        """Return the force of a law on the loop's path [N], (n_t,); NaN where it is not finite.
+
+        The law is led there as the device was, through the turning points before, and what was made of the measured cycles is
+        made of its. Where they are not known it is in its steady state; elements that never slip there stand as a ramp from the
+        unloaded device to the operating point leaves them.
+        """
+        if len(law.components) > 1:  # each has its own states, and no word in those of the others
+            return np.asarray(sum(self.model_force(one) for one in law.components))
+        if self.averaged:
+            return mean_of_cycles(self._led_forces(law), self.elapsed)
+        x, parameters = self.deflection, law.kernel_parameters()
+        first, second = sorted((int(np.argmax(x)), int(np.argmin(x))))
+        turning = np.array([x[0], x[first], x[second], x[-1]])
+        if law.n_states == 1:
+            states = settle(law.kernel, parameters, turning, 1, STEADY * float(np.ptp(self.force)))
+        else:  # Jenkin elements: steady after one cycle, and no start fades
+            states = np.zeros(law.n_states)
+            middle = 0.5 * (x[first] + x[second])
+            follow_force(law.kernel, parameters, np.array([0.0, middle, *turning, *turning]), states, law.n_states)
+        return follow_force(law.kernel, parameters, x, states, law.n_states)
+
+    def law_closure(self, law: Law) -> float:
+        """Return how far apart the ends of the last cycle of a law that is led there stand, as a record's `closure` does.
+
+        It is without the drift of the cycles' means, over the measured force range; 0 for a loop that counts as steady.
+        """
+        if self.averaged < 2:
+            return 0.0
+        forces = self._led_forces(law)
+        means = np.asarray(np.trapezoid(forces[[0, -1]], self.elapsed, axis=1))
+        drift = (means[1] - means[0]) / (self.averaged - 1)
+        return float(abs(forces[-1, -1] - forces[-1, 0] - drift) / np.ptp(self.force))
+
+    def _led_forces(self, law: Law) -> Array:
+        """Return the forces of a law that came the way of the history in every averaged cycle [N], (n_cycles, n_t)."""
+        x, parameters, states = self.deflection, law.kernel_parameters(), np.zeros(law.n_states)
+        follow_force(law.kernel, parameters, np.append(self.history, x[0]), states, law.n_states)
+        forces = np.empty((self.averaged, x.size))
+        for cycle in range(self.averaged):
+            before = states.copy()
+            forces[cycle:] = follow_force(law.kernel, parameters, x, states, law.n_states)
+            if np.abs(states - before).max(initial=0.0) <= STEADY * float(np.ptp(self.force)):
+                break
+        return forces
+
+
+def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False) -> list[MeasuredLoop]:
+    """Return loops ready to be fitted, smallest first.
+
+    Noise of the deflection would turn every sample into a reversal; the monotone path nearest to the samples of each branch
+    (isotonic regression) has none.
+
+    Args:
+        loops: closed cycles.
+        weights: "range" divides residuals by each loop's half force range, so that small loops count as much as large ones;
+            "equal" by that of the largest loop.
+        stop: whether the device is a bare bump stop, whose force stands still within its gap.
+
+    Raises:
+        ValueError: a loop is not a full cycle, its deflection does not move, or its force is clipped.
+    """
+    if weights not in ("range", "equal"):
+        raise ValueError(f"`weights` must be 'range' or 'equal', got {weights!r}.")
+    largest = max((0.5 * float(np.ptp(loop.force)) for loop in loops), default=0.0)
+    ready = []
+    for number, loop in enumerate(loops, start=1):
+        _check(loop, number, stop)
+        size = 0.5 * float(np.ptp(loop.force)) if weights == "range" else largest
+        one = MeasuredLoop(deflection=_monotone(loop.deflection), force=loop.force, weight=size or 1.0)
+        if isinstance(loop, RecordedLoop):
+            one = replace(one, history=loop.history, elapsed=loop.elapsed, averaged=loop.averaged)
+        ready.append(one)
+    return sorted(ready, key=lambda loop: float(np.ptp(loop.deflection)))
+
+
+def scales_of(loops: Sequence[MeasuredLoop]) -> Scales:
+    """Return the sizes of what was measured."""
+    amplitudes = [loop.amplitude for loop in loops]
+    return Scales(
+        deflection=max(amplitudes),
+        least=min(amplitudes),
+        force=max(float(np.ptp(loop.force)) / 2.0 for loop in loops),
+    )
+
+
+def _check(loop: Loop, number: int, stop: bool) -> None:
+    """Raise ValueError if a loop cannot be fitted."""
+    x, f = loop.deflection, loop.force
+    if x.size < 12:
+        raise ValueError(f"loop {number} has {x.size} samples; a loop needs 12 at least.")
+    if not (np.isfinite(x).all() and np.isfinite(f).all()):
+        raise ValueError(f"loop {number} holds numbers that are not finite.")
+    if np.ptp(x) == 0.0:
+        raise ValueError(f"loop {number}: the deflection is constant at {x[0]:.6g} m.")
+    require_likely(loop.amplitude, f"loop {number}")
+    # A cycle ends where it began; its steps there are as large as anywhere.
+    gap, step = abs(x[-1] - x[0]), float(np.abs(np.diff(x)).max())
+    if gap > 3.0 * step:
+        raise ValueError(
+            f"loop {number} is not a full cycle: it begins at {x[0]:.6g} m and ends at {x[-1]:.6g} m, of a range of "
+            f"{np.ptp(x):.6g} m."
+        )
+    if loop.closure > OPEN_ENDED and not (stop and loop.closure * np.ptp(f) <= ENDS_NOISE * rms_noise(f)):
+        raise ValueError(
+            f"loop {number} is not a full cycle: its force begins at {f[0]:.6g} N and ends at {f[-1]:.6g} N, "
+            f"{100 * loop.closure:.0f} % of its range apart."
+        )
+    require_unclipped(x, f, f"loop {number}", stop=stop)
+    require_falling(loop, f"loop {number}", stop=stop)
+
+
+def _monotone(x: Array) -> Array:
+    """Return the deflection with every branch between its turning points made monotone."""
+    start = int(np.argmin(x))
+    cyclic = np.roll(x[:-1], -start)
+    top = int(np.argmax(cyclic))
+    up = isotonic_regression(cyclic[: top + 1]).x
+    down = isotonic_regression(np.append(cyclic[top:], cyclic[0]), increasing=False).x
+    joined = np.roll(np.concatenate([up, down[1:-1]]), start)
+    return np.append(joined, joined[0])

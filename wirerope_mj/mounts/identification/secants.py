@@ -1,0 +1,143 @@
+"""Ni's laws from the secant stiffnesses that vendors state.
+
+The curve of the elastic part comes from the rope loop, F1 = k1 (x + kappa x^3) and F2 = exp(lambda x). Friction yields at x_y,
+with n = 1 and gamma = 0: d (1 - exp(-x / x_y)) on the virgin path, and +-d tanh(a / x_y) at the ends of the steady loop of
+amplitude a. A secant is then linear in the two scales d and k1, and what a vendor states of the loop's width gives x_y:
+
+    virgin, at a compression of a    exp(-lambda a) [d (1 - exp(-a / x_y)) / a + k1 (1 + kappa a^2)]
+    steady, amplitude a              cosh(lambda a) [d tanh(a / x_y) / a       + k1 (1 + kappa a^2)]
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq, linprog
+
+from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.mounts.identification.figures import damping_ratio
+from wirerope_mj.mounts.laws import AsymmetricBoucWen, SymmetricBoucWen
+
+NiLaw = AsymmetricBoucWen | SymmetricBoucWen
+
+VIBRATION_AMPLITUDE = 0.07
+"""Amplitude of a vibration stiffness where the vendor states none, as a fraction of the rated travel. It is where VMC's figures
+of the CB1400-15 stand: with the sag and the shock response of a rack on ten of them its vibration stiffness in compression and
+that in shear are both the secant at 2.5 mm of 35.6 mm."""
+
+DAMPING_AMPLITUDE = 1e-3
+"""Amplitude of the damping ratio where the data sheet states none [m]: the small vibration for which vendors state damping."""
+
+_REACH = (0.02, 20.0)
+"""Yield deflections that are tried, in amplitudes of the damping: below, the loop is a parallelogram, above, a thread."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Secant:
+    """A secant stiffness.
+
+    Attributes:
+        deflection: compression or amplitude [m].
+        stiffness: [N/m].
+        steady: whether of the steady loop of this amplitude; else of the virgin path.
+    """
+
+    deflection: float
+    stiffness: float
+    steady: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve:
+    """Shape of the elastic part: exponent lambda of F2 [1/m] (None: a law that is odd) and kappa = k3 / k1 [1/m^2]."""
+
+    asymmetry: float | None
+    cubic: float
+
+
+def fit_secants(secants: tuple[Secant, ...], curve: Curve, yielding: float) -> NiLaw:
+    """Return the law whose secants are the stated ones; of more than two the largest relative error is as small as can be.
+
+    Args:
+        secants: at least two.
+        curve: of the elastic part.
+        yielding: yield deflection x_y of friction [m].
+
+    Raises:
+        ConvergenceError: the secants ask for friction or a spring that is not positive.
+    """
+    rows = np.array([_row(secant, curve, yielding) for secant in secants])
+    friction, spring = _nearest(rows)
+    if friction <= 0.0 or spring <= 0.0:
+        stated = ", ".join(f"{1e-3 * s.stiffness:.6g} N/mm at {1e3 * s.deflection:.4g} mm" for s in secants)
+        raise ConvergenceError(
+            f"no passive law has the secants {stated}: they ask for {friction:.6g} N of friction beside a spring of "
+            f"{1e-3 * spring:.6g} N/mm. A secant at a small amplitude must exceed that at a large one by more than the "
+            "elastic part of the rope loop does."
+        )
+    values = {
+        "alpha": friction / yielding, "beta": 1.0 / yielding, "gamma": 0.0, "n": 1.0,
+        "k1": spring, "k2": 0.0, "k3": curve.cubic * spring,
+    }  # fmt: skip
+    # Nine digits are what a file should show; they are far below every tolerance.
+    values = {key: float(f"{value:.9g}") for key, value in values.items()}
+    if curve.asymmetry is None:
+        return SymmetricBoucWen(**values)
+    return AsymmetricBoucWen(**values, b=math.e, c=float(f"{curve.asymmetry:.9g}"))
+
+
+def fit_damped(secants: tuple[Secant, ...], curve: Curve, *, damping: float, amplitude: float) -> NiLaw:
+    """Return the law with these secants and this damping ratio of the steady loop of an amplitude [m].
+
+    Raises:
+        ConvergenceError: no yield deflection gives that damping; says what can be reached.
+    """
+
+    def surplus(yielding: float) -> float:
+        return damping_ratio(fit_secants(secants, curve, yielding), amplitude) - damping
+
+    tried = amplitude * np.geomspace(*_REACH, 25)
+    reached: list[float] = []
+    for yielding in tried:
+        try:
+            reached.append(surplus(float(yielding)))
+        except ConvergenceError:
+            reached.append(math.nan)
+    for index in range(len(tried) - 1):
+        if reached[index] >= 0.0 > reached[index + 1]:
+            # To 1e-13 of a yield deflection of millimetres.
+            found = float(brentq(surplus, tried[index], tried[index + 1], xtol=1e-16, rtol=1e-13))
+            return fit_secants(secants, curve, found)
+    known = [damping + value for value in reached if math.isfinite(value)]
+    if not known:
+        fit_secants(secants, curve, float(tried[len(tried) // 2]))  # says why there is no law at all
+    raise ConvergenceError(
+        f"no law with these secants has a damping ratio of {damping:.3g} at {1e3 * amplitude:.4g} mm: damping ratios reach "
+        f"{min(known):.3g} to {max(known):.3g}; try another target."
+    )
+
+
+def _nearest(rows: npt.NDArray[np.float64]) -> tuple[float, float]:
+    """Return the two scales with which all rows come nearest to 1: their largest distance is the least."""
+    if len(rows) == 2:
+        friction, spring = np.linalg.solve(rows, np.ones(2)).tolist()
+        return friction, spring
+    sizes = np.abs(rows).max(axis=0)  # newtons and newtons per metre, made comparable
+    distance = -np.ones((len(rows), 1))
+    sides = np.block([[rows / sizes, distance], [-rows / sizes, distance]])
+    bounds = np.concatenate([np.ones(len(rows)), -np.ones(len(rows))])
+    found = linprog([0.0, 0.0, 1.0], A_ub=sides, b_ub=bounds, bounds=[(None, None)] * 3)
+    friction, spring = (found.x[:2] / sizes).tolist()
+    return friction, spring
+
+
+def _row(secant: Secant, curve: Curve, yielding: float) -> tuple[float, float]:
+    """Return what 1 N of friction and 1 N/m of the spring give, as fractions of a stated secant."""
+    a, exponent = secant.deflection, curve.asymmetry or 0.0
+    if secant.steady:
+        factor, friction = math.cosh(exponent * a), math.tanh(a / yielding)
+    else:
+        factor, friction = math.exp(-exponent * a), -math.expm1(-a / yielding)
+    factor /= secant.stiffness
+    return factor * friction / a, factor * (1.0 + curve.cubic * a * a)

@@ -1,0 +1,224 @@
+"""Nominally equal isolators: one law for all of them, and how its parameters scatter from one to the next."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.identification.arguments import require_loops
+from wirerope_mj.mounts.identification.coordinates import Family
+from wirerope_mj.mounts.identification.identify import Identification, family_of, identify
+from wirerope_mj.mounts.isolator import Spread
+from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop
+
+Array = npt.NDArray[np.float64]
+
+FEWEST = 2
+"""Specimens below which there is no scatter to speak of."""
+
+STEP = 1e-6
+"""Relative step of the differences that carry standard errors over to the law's own parameters: smooth, one-line formulas."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpecimenRow:
+    """One parameter of the law over the specimens.
+
+    Attributes:
+        parameter: its name, as in an isolator file.
+        nominal: value of the fit to all loops together.
+        mean: mean of the specimens' values.
+        deviation: their standard deviation.
+        fit_error: the part of it that the noise of the tests alone would make: root mean square of the fits' standard errors.
+        values: one for each specimen.
+    """
+
+    parameter: str
+    nominal: float
+    mean: float
+    deviation: float
+    fit_error: float
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Specimens:
+    """What several specimens of one isolator have in common, and what not.
+
+    Attributes:
+        nominal: fit to the loops of all specimens.
+        each: fit to the loops of each.
+        rows: one for each parameter of the law that differs from specimen to specimen.
+        covariance: of these parameters over the specimens (n - 1 in the denominator), in the order of the rows.
+    """
+
+    nominal: Identification
+    each: tuple[Identification, ...]
+    rows: tuple[SpecimenRow, ...]
+    covariance: Array
+
+    @property
+    def law(self) -> Law:
+        """The nominal law."""
+        return self.nominal.law
+
+    @property
+    def correlation(self) -> Array:
+        """The covariance without sizes, (n, n)."""
+        deviations = np.array([row.deviation for row in self.rows])
+        return self.covariance / np.outer(deviations, deviations)
+
+    def spread(self, axis: str) -> Spread:
+        """Return the scatter as an isolator file keeps it, its parameters named "axial.alpha" and so on.
+
+        Args:
+            axis: "roll", "shear" or "axial", the axis that was tested.
+        """
+        if axis not in ("roll", "shear", "axial"):
+            raise ValueError(f"`axis` must be 'roll', 'shear' or 'axial', got {axis!r}.")
+        return Spread(
+            parameters=tuple(f"{axis}.{row.parameter}" for row in self.rows),
+            covariance=tuple(tuple(float(v) for v in row) for row in self.covariance),
+        )
+
+    def __str__(self) -> str:
+        """The table: nominal value, mean, scatter, and the share of it that is the tests' noise."""
+        lines = [f"{'parameter':16s}{'nominal':>13s}{'mean':>13s}{'deviation':>13s}{'of mean':>9s}{'of the fits':>13s}"]
+        for row in self.rows:
+            share = abs(row.deviation / row.mean) if row.mean else np.inf
+            lines.append(
+                f"{row.parameter:16s}{row.nominal:13.5g}{row.mean:13.5g}{row.deviation:13.3g}{100 * share:7.1f} %"
+                f"{row.fit_error:13.2g}"
+            )
+        return "\n".join(lines)
+
+
+def identify_specimens(
+    specimens: Sequence[Sequence[Loop]],
+    *,
+    law: type[Law] = AsymmetricBoucWen,
+    shared: Sequence[str] = (),
+    elements: int = 5,
+    weights: str = "range",
+) -> Specimens:
+    """Return the nominal law of several specimens and the covariance of its parameters over them.
+
+    The covariance is that of the law's own parameters, about their mean; noise of the tests is in it, and is stated beside it.
+    Parameters of a Bouc-Wen law hang on its n: with z in newtons, a tenth more of it halves beta. Where the specimens are of
+    one make, share it.
+
+    Args:
+        specimens: the loops of each specimen.
+        law: class of the law.
+        shared: coordinates of the search, such as "n" or "sigma", that all specimens have in common: found from all loops
+            together, then fixed.
+        elements: Jenkin elements of a Masing law.
+        weights: as in `identify`.
+
+    Raises:
+        ValueError: there are fewer than two specimens, one of them cannot be used, all are the same, or `shared` names
+            no coordinate.
+    """
+    if not isinstance(specimens, Sequence) or isinstance(specimens, str):
+        raise ValueError(f"`specimens` must be the loops of each specimen, got {specimens!r}.")
+    for place, loops in enumerate(specimens):
+        if isinstance(loops, Loop):
+            raise ValueError(
+                "`specimens` must be a sequence of loops for each specimen, got loops: [loops_1, loops_2, ...]."
+            )
+        require_loops(loops, f"specimens[{place}]")
+    if isinstance(shared, str):
+        raise ValueError(f"`shared` must be a sequence of names, got the text {shared!r}; put it into brackets.")
+    if len(specimens) < FEWEST:
+        raise ValueError(f"`specimens` must hold the loops of {FEWEST} at least, got {len(specimens)}.")
+    every = [loop for loops in specimens for loop in loops]
+    nominal = identify(every, law=law, elements=elements, weights=weights)
+    for name in shared:
+        if name not in nominal.parameters:
+            raise ValueError(f"`shared` names {name!r}; {law.name} is searched for by {', '.join(nominal.parameters)}.")
+    fixed = {name: nominal.parameters[name].value for name in shared}
+    each = []
+    for number, loops in enumerate(specimens, start=1):
+        try:
+            # Specimens are alike: each begins at what fits all of them.
+            one = identify(
+                loops, law=law, start=nominal.law, fixed=fixed, elements=elements, weights=weights,
+                method="time", grid=False,
+            )  # fmt: skip
+        except ValueError as failure:
+            raise ValueError(f"specimen {number}: {failure}") from failure
+        each.append(one)
+    if len({tuple(own_parameters(fit.law).values()) for fit in each}) == 1:
+        raise ValueError(
+            "`specimens` do not differ: all give the same law to the last figure. Is one given several times?"
+        )
+    return _scatter(nominal, each, elements)
+
+
+def joint_spread(axes: Mapping[str, Specimens]) -> Spread:
+    """Return the scatter of the same specimens tested along several axes, what they do together included.
+
+    Args:
+        axes: specimens by "roll", "shear" or "axial", in the same order on every axis.
+
+    Raises:
+        ValueError: there are no axes, or not the same number of specimens on each.
+    """
+    if len({len(found.each) for found in axes.values()}) != 1:
+        counts = ", ".join(f"{axis} {len(found.each)}" for axis, found in axes.items())
+        raise ValueError(f"`axes` must hold the same specimens on every axis, got {counts or 'none'}.")
+    names = [name for axis, found in axes.items() for name in found.spread(axis).parameters]
+    values = np.array([row.values for found in axes.values() for row in found.rows])
+    covariance = np.atleast_2d(np.cov(values))
+    return Spread(parameters=tuple(names), covariance=tuple(tuple(float(one) for one in row) for row in covariance))
+
+
+def _scatter(nominal: Identification, each: Sequence[Identification], elements: int) -> Specimens:
+    """Return the specimens from their fits."""
+    tables = [own_parameters(fit.law) for fit in each]
+    errors = [_own_errors(fit, family_of(type(fit.law), elements)) for fit in each]
+    centre = own_parameters(nominal.law)
+    names = [name for name in centre if len({table[name] for table in tables}) > 1]
+    values = np.array([[table[name] for name in names] for table in tables])
+    covariance = np.atleast_2d(np.cov(values, rowvar=False))
+    rows = tuple(
+        SpecimenRow(
+            parameter=name,
+            nominal=centre[name],
+            mean=float(values[:, place].mean()),
+            deviation=float(np.sqrt(covariance[place, place])),
+            fit_error=float(np.sqrt(np.mean([error[name] ** 2 for error in errors]))),
+            values=tuple(float(value) for value in values[:, place]),
+        )
+        for place, name in enumerate(names)
+    )
+    return Specimens(nominal=nominal, each=tuple(each), rows=rows, covariance=covariance)
+
+
+def own_parameters(law: Law) -> dict[str, float]:
+    """Return a law's own parameters by the names of its isolator file; those of a list are named "stiffness[0]" and so on."""
+    values: dict[str, float] = {}
+    for name, value in law.to_dict().items():
+        if isinstance(value, list | tuple):
+            values |= {f"{name}[{place}]": float(one) for place, one in enumerate(value)}
+        elif not isinstance(value, str):
+            values[name] = float(value)
+    return values
+
+
+def _own_errors(fit: Identification, family: Family) -> dict[str, float]:
+    """Return the standard errors of a law's own parameters, those of the search carried over by their slopes."""
+    values = family.read(fit.law)
+    before = own_parameters(family.make(values))
+    slopes: dict[str, Any] = {name: [] for name in before}
+    for name in fit.certainty.free:
+        step = STEP * max(abs(values[name]), fit.parameters[name].standard_error, 1e-12)
+        after = own_parameters(family.make(values | {name: values[name] + step}))
+        for parameter, value in after.items():
+            slopes[parameter].append((value - before[parameter]) / step)
+    return {
+        name: float(np.sqrt(max(np.array(slope) @ fit.certainty.covariance @ np.array(slope), 0.0)))
+        for name, slope in slopes.items()
+    }

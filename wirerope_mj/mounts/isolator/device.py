@@ -1,0 +1,193 @@
+"""The isolator itself."""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.mounts.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, require_law_in_metres
+from wirerope_mj.mounts.isolator.stiffening import Stiffening
+from wirerope_mj.mounts.isolator.tables import AXES, read_tables, write_toml
+from wirerope_mj.mounts.isolator.travel import SIDES
+from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, Stop
+
+COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}
+"""The axes that a coupling couples, by its name."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Isolator:
+    """A device between two sites: one restoring-force law for each axis, limits and provenance.
+
+    Attributes:
+        name: what the vendor or the laboratory calls it.
+        roll: law across the bars (x); None = no force on this axis, as for the next two.
+        shear: law along the bars (y).
+        axial: law from the base's bar to the payload's bar (z), deflection positive in tension.
+        coupling: None for independent axes; "biaxial": roll and shear share one hysteretic force, see
+            `BiaxialBoucWen`; "loop": roll and axial share one and an elastic energy, as in a loop of rope,
+            see `wirerope_mj.mounts.laws.LoopBoucWen`.
+        loop: the elastic energy of the coupling "loop".
+        rotation: stiffness against turning; None = the mount turns freely.
+        stiffening: factor on all forces for the cycles gone through; None = none, `conditioned` is the isolator with it.
+        limits: rated static load and travel.
+        geometry: unloaded envelope, for drawing.
+        provenance: where the parameters come from.
+        spread: scatter of the parameters.
+    """
+
+    name: str
+    roll: Law | None = None
+    shear: Law | None = None
+    axial: Law | None = None
+    coupling: str | None = None
+    loop: LoopCoupling | None = None
+    rotation: Rotation | None = None
+    stiffening: Stiffening | None = None
+    limits: Limits = Limits()
+    geometry: Geometry | None = None
+    provenance: Provenance = Provenance()
+    spread: Spread | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise ValueError(f"`name` must be a string that is not empty, got {self.name!r}.")
+        if plain(self.name) != self.name:
+            raise ValueError(f"`name` must be one line of visible characters, got {self.name!r}.")
+        for axis, law in self.axes.items():
+            if law is not None and not isinstance(law, Law):
+                raise ValueError(f"`{axis}` must be a law or None, got {law!r}.")
+        if not any(self.axes.values()):
+            raise ValueError(f"the isolator must have a law on at least one axis of {', '.join(AXES)}.")
+        self._require_coupling()
+        for name, kind in (("limits", Limits), ("provenance", Provenance)):
+            if not isinstance(getattr(self, name), kind):
+                raise ValueError(f"`{name}` must be a {kind.__name__}, got {getattr(self, name)!r}.")
+        if self.rotation is not None and not isinstance(self.rotation, Rotation):
+            raise ValueError(f"`rotation` must be a Rotation or None, got {self.rotation!r}.")
+        if self.stiffening is not None and not isinstance(self.stiffening, Stiffening):
+            raise ValueError(f"`stiffening` must be a Stiffening or None, got {self.stiffening!r}.")
+        for axis, law in self.axes.items():
+            require_law_in_metres(axis, law)
+        _ = self.coupled  # raises if the two laws cannot be coupled
+        self._require_travel()
+        if self.geometry is not None:
+            self.geometry.require_room(self.limits.travel)
+        _ = self.conditioned  # raises if a stiffened law is none
+
+    def _require_coupling(self) -> None:
+        """Raise ValueError if the coupling is not known, or what it needs is not there."""
+        if self.coupling not in (None, *COUPLINGS):
+            known = ", ".join(map(repr, COUPLINGS))
+            raise ValueError(f"`coupling` must be {known} or None (independent axes), got {self.coupling!r}.")
+        both = COUPLINGS[self.coupling] if self.coupling is not None else ()
+        if any(getattr(self, axis) is None for axis in both):
+            raise ValueError(f"`coupling` {self.coupling!r} needs a law on both axes, {' and '.join(both)}.")
+        if self.loop is not None and not isinstance(self.loop, LoopCoupling):
+            raise ValueError(f"`loop` must be a LoopCoupling or None, got {self.loop!r}.")
+        if (self.coupling == "loop") != (self.loop is not None):
+            has = "there is none" if self.loop is None else f"`coupling` is {self.coupling!r}"
+            raise ValueError(f"`coupling` 'loop' and its table `loop` need each other; {has}.")
+
+    def _require_travel(self) -> None:
+        """Raise ValueError if a law does not hold as far as its axis' rated travel."""
+        for axis, law in self.axes.items():
+            if law is None:
+                continue
+            for end, rated in zip(law.travel_ends, self.rated_travel(axis), strict=True):
+                ends = f"[{axis}] {law.name} holds up to a deflection of {end:.6g} m, where {law.travel_rule}"
+                if rated is None and end < math.inf and law.needs_rating:
+                    raise ValueError(f"{ends}: such a law needs a rated travel on both sides, less than that.")
+                if rated is not None and (end < rated or (end == rated and law.needs_rating)):
+                    raise ValueError(f"{ends}; that is inside the rated travel of {rated:.6g} m.")
+
+    @property
+    def axes(self) -> dict[str, Law | None]:
+        """The laws by axis in the order roll (x), shear (y), axial (z)."""
+        return {"roll": self.roll, "shear": self.shear, "axial": self.axial}
+
+    @property
+    def coupled(self) -> BiaxialBoucWen | LoopBoucWen | None:
+        """The laws of the coupled axes as one, or None if the axes are independent."""
+        if self.loop is not None and self.roll is not None and self.axial is not None:
+            return LoopBoucWen(roll=self.roll, axial=self.axial, loop=self.loop)
+        if self.coupling is None or self.roll is None or self.shear is None:
+            return None
+        return BiaxialBoucWen(roll=self.roll, shear=self.shear)
+
+    @property
+    def coupled_axes(self) -> tuple[int, ...]:
+        """Places of the two coupled axes among roll, shear and axial; none if the axes are independent."""
+        return () if self.coupling is None else tuple(AXES.index(axis) for axis in COUPLINGS[self.coupling])
+
+    @property
+    def stops(self) -> tuple[str, ...]:
+        """The axis of every stop among the laws, in their order."""
+        return tuple(axis for axis, law in self.axes.items() for part in _parts(law) if isinstance(part, Stop))
+
+    @property
+    def is_stop(self) -> bool:
+        """Whether all laws are stops and nothing is rated: listed with contacts, and not among the isolators."""
+        laws = [part for law in self.axes.values() for part in _parts(law)]
+        return all(isinstance(law, Stop) for law in laws) and self.limits == Limits()
+
+    @cached_property
+    def conditioned(self) -> "Isolator":
+        """The isolator as it acts: all forces times the factor of its stiffening; itself where that is 1.
+
+        It has neither stiffening nor spread, which speak of the laws as written.
+        """
+        if self.stiffening is None or (factor := self.stiffening.factor) == 1.0:
+            return self
+        parts = {**self.axes, "loop": self.loop, "rotation": self.rotation}
+        scaled = {name: part.scaled(factor) for name, part in parts.items() if part is not None}
+        return replace(self, stiffening=None, spread=None, **scaled)  # type: ignore[arg-type]
+
+    def rated_travel(self, axis: str) -> tuple[float | None, float | None]:
+        """Return how far the axis may deflect below and above zero [m], both positive; None = not judged."""
+        if axis not in SIDES:
+            raise ValueError(f"`axis` must be one of {', '.join(AXES)}, got {axis!r}.")
+        below, above = (self.limits.travel.stated.get(rating) for rating in SIDES[axis])
+        return below, above
+
+    def save(self, path: str | Path) -> None:
+        """Write the isolator file, whole or not at all."""
+        write_toml(self.to_dict(), Path(path))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the isolator as it stands in its file."""
+        content: dict[str, Any] = {"name": self.name}
+        if self.coupling is not None:
+            content["coupling"] = self.coupling
+        content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
+        for name in ("loop", "rotation", "stiffening", "limits", "geometry", "provenance", "spread"):
+            part = getattr(self, name)
+            table = {} if part is None else part.to_dict()
+            if table:
+                content[name] = table
+        return content
+
+    @classmethod
+    def from_dict(cls, content: dict[str, Any], *, where: str = "isolator", folder: Path | None = None) -> "Isolator":
+        """Return the isolator that a file's content describes.
+
+        Args:
+            content: the tables of the file.
+            where: what messages call the file.
+            folder: that of the file, for the points of a tabulated law in a CSV file beside it.
+
+        Raises:
+            ModelError: something is missing, extra, wrongly typed, not finite or not passive; the message names where,
+                axis, key and rule.
+        """
+        try:
+            return cls(**read_tables(content, where, folder))
+        except ValueError as error:
+            raise ModelError(f"{where}: {error}") from error
+
+
+def _parts(law: Law | None) -> tuple[Law, ...]:
+    return () if law is None else law.components

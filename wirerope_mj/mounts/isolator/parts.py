@@ -1,0 +1,228 @@
+"""What an isolator file says besides its laws: limits, geometry, provenance, spread."""
+
+import math
+from dataclasses import dataclass, field, fields, replace
+from typing import Any, Self
+
+from wirerope_mj.mounts.laws import Law
+
+KINDS = ("catalogue", "identified", "published", "estimated", "illustrative")
+"""Kinds of provenance: fitted to vendor figures, to measurements, taken from a publication, estimated from the geometry, or an
+example."""
+
+
+LARGEST = 2.0
+"""Largest travel, height or width [m]: the vendors' tables reach 0.24 m, and 2 mm taken for metres are as much."""
+
+HEIGHTS = {"compression": 1.0, "tension": 10.0, "shear": 10.0, "roll": 10.0}
+"""Largest rated travel in heights of the isolator: it cannot become shorter than nothing; in the other directions the 72 parts
+of the vendors' tables reach 0.7, and 10 keeps clear of inches (26), centimetres and millimetres taken for metres."""
+
+
+_LENGTHS = {"stop": ("gap_below", "gap_above", "depths", "rounding", "reversal"), "tabulated": ("deflection",)}
+"""Lengths of laws that a file states as they are measured."""
+
+
+def _require_positive(part: Any, *names: str) -> None:
+    """Raise ValueError unless each named attribute is None or a finite number > 0."""
+    for name in names:
+        value = getattr(part, name)
+        if value is None:
+            continue
+        if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
+            raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")
+
+
+def _require_metres(part: Any, *names: str) -> None:
+    """Raise ValueError if a named attribute is so large that it is probably not in metres."""
+    for name in names:
+        value = getattr(part, name)
+        if value is not None and value > LARGEST:
+            raise ValueError(_too_large(name, value))
+
+
+def require_law_in_metres(axis: str, law: Law | None) -> None:
+    """Raise ValueError if a stop or a table has lengths so large that they are probably not in metres."""
+    for part in law.components if law else ():
+        for name in _LENGTHS.get(part.name, ()):
+            value = getattr(part, name)
+            largest = max(map(abs, value), default=0.0) if isinstance(value, tuple) else value or 0.0
+            if largest > LARGEST:
+                raise ValueError(f"[{axis}] {part.name}: {_too_large(name, largest)}")
+
+
+def _too_large(name: str, value: float) -> str:
+    return f"`{name}` must be in metres and at most {LARGEST:g} m, got {value:.6g}. {_in_metres(value)}"
+
+
+def _in_metres(value: float) -> str:
+    """Return the hint for a length that was perhaps meant in millimetres."""
+    return f"If these are millimetres, write {1e-3 * value:.6g}."
+
+
+def _require_text(part: Any, *names: str) -> None:
+    """Raise ValueError unless each named attribute is a string."""
+    for name in names:
+        if not isinstance(getattr(part, name), str):
+            raise ValueError(f"`{name}` must be a string, got {getattr(part, name)!r}.")
+
+
+def _stated(part: Any) -> dict[str, Any]:
+    """Return the attributes of a flat part that are stated, for its table in the file."""
+    values = {item.name: getattr(part, item.name) for item in fields(part)}
+    return {key: value for key, value in values.items() if value is not None}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Travel:
+    """Rated deflections [m], all positive; None where the vendor states none: not judged.
+
+    compression and tension limit the axial deflection below and above zero, shear and roll both directions of theirs.
+    """
+
+    compression: float | None = None
+    tension: float | None = None
+    shear: float | None = None
+    roll: float | None = None
+
+    def __post_init__(self) -> None:
+        _require_positive(self, *HEIGHTS)
+        _require_metres(self, *HEIGHTS)
+
+    @property
+    def stated(self) -> dict[str, float]:
+        """The rated travels that are stated [m], by name."""
+        return _stated(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limits:
+    """What the isolator is rated for: static_load [N] in compression and travel [m]; None = not judged."""
+
+    static_load: float | None = None
+    travel: Travel = Travel()
+
+    def __post_init__(self) -> None:
+        _require_positive(self, "static_load")
+        if not isinstance(self.travel, Travel):
+            raise ValueError(f"`travel` must be a Travel, got {self.travel!r}.")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the limits as they stand in an isolator file."""
+        load = {} if self.static_load is None else {"static_load": self.static_load}
+        return {**load, **({"travel": self.travel.stated} if self.travel.stated else {})}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Geometry:
+    """Unloaded envelope for drawing: height along the axial axis and width across the bars [m]."""
+
+    height: float | None = None
+    width: float | None = None
+
+    def __post_init__(self) -> None:
+        _require_positive(self, "height", "width")
+        _require_metres(self, "height", "width")
+
+    def require_room(self, travel: Travel) -> None:
+        """Raise ValueError if a rated travel is larger than a mount of this height can have."""
+        for name, rated in travel.stated.items():
+            if self.height is not None and rated > HEIGHTS[name] * self.height:
+                raise ValueError(
+                    f"[limits] travel: `{name}` of {rated:.6g} m is more than {HEIGHTS[name]:g} times the `height` of "
+                    f"{self.height:.6g} m in [geometry]; both must be in metres. {_in_metres(rated)}"
+                )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the geometry as it stands in an isolator file."""
+        return _stated(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rotation:
+    """Stiffness against turning the payload's bar relative to the base's [N m/rad], each >= 0.
+
+    roll, shear and axial are about the axes x, y and z of the mount. For a turn theta about one of them the torque is
+    K sin theta, from the potential K (1 - cos theta): elastic, without loss.
+    """
+
+    roll: float = 0.0
+    shear: float = 0.0
+    axial: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in _stated(self).items():
+            if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < math.inf:
+                raise ValueError(f"`{name}` must be a finite number >= 0 N m/rad, got {value!r}.")
+
+    def scaled(self, factor: float) -> Self:
+        """Return `factor` times these stiffnesses."""
+        return replace(self, roll=factor * self.roll, shear=factor * self.shear, axial=factor * self.axial)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the stiffnesses as they stand in an isolator file."""
+        return _stated(self)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Provenance:
+    """Where the parameters come from.
+
+    Attributes:
+        kind: "catalogue", "identified", "published", "estimated" or "illustrative".
+        source: the document or measurement that the figures were taken from.
+        fitted_to: which figures the parameters reproduce, and how.
+        assumed: values that no source gives, one sentence each.
+        check_45: what the fitted axes give at 45 degrees against the vendor's figures there, by name; not fitted.
+    """
+
+    kind: str = "illustrative"
+    source: str = ""
+    fitted_to: str = ""
+    assumed: tuple[str, ...] = ()
+    check_45: dict[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise ValueError(f"`kind` must be one of {', '.join(KINDS)}, got {self.kind!r}.")
+        _require_text(self, "source", "fitted_to")
+        if not isinstance(self.assumed, list | tuple) or not all(isinstance(item, str) for item in self.assumed):
+            raise ValueError(f"`assumed` must be a list of strings, got {self.assumed!r}.")
+        object.__setattr__(self, "assumed", tuple(self.assumed))
+        if not isinstance(self.check_45, dict):
+            raise ValueError(f"`check_45` must be a table of numbers, got {self.check_45!r}.")
+        for key, value in self.check_45.items():
+            if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+                raise ValueError(f"`check_45.{key}` must be a finite number, got {value!r}.")
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the provenance as it stands in an isolator file."""
+        stated = {key: value for key, value in _stated(self).items() if value}
+        return {**stated, **({"assumed": list(self.assumed)} if self.assumed else {})}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spread:
+    """Scatter of the parameters: names such as "axial.alpha" and their covariance in SI units, (n, n)."""
+
+    parameters: tuple[str, ...]
+    covariance: tuple[tuple[float, ...], ...]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.parameters, list | tuple) or not all(isinstance(name, str) for name in self.parameters):
+            raise ValueError(f"`parameters` must be a list of strings, got {self.parameters!r}.")
+        object.__setattr__(self, "parameters", tuple(self.parameters))
+        try:
+            rows = tuple(tuple(float(value) for value in row) for row in self.covariance)
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"`covariance` must be rows of numbers, got {self.covariance!r}.") from error
+        n = len(self.parameters)
+        if len(rows) != n or any(len(row) != n for row in rows):
+            raise ValueError(f"`covariance` must have {n} rows of {n} numbers, one for each of `parameters`.")
+        if not all(math.isfinite(value) for row in rows for value in row):
+            raise ValueError("`covariance` must be finite.")
+        object.__setattr__(self, "covariance", rows)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the spread as it stands in an isolator file."""
+        return {"parameters": list(self.parameters), "covariance": [list(row) for row in self.covariance]}

@@ -1,0 +1,52 @@
+"""Travel: how far a deflection goes in each way that an isolator is rated for, and what share of the rating that is."""
+
+from collections.abc import Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.laws.law import ROUNDING, Law
+
+Array = npt.NDArray[np.float64]
+
+RATINGS = {"compression": (2, -1.0), "tension": (2, 1.0), "shear": (1, 0.0), "roll": (0, 0.0)}
+"""Rated travels in the order of the tables: the mount's axis, and which way along it; 0 = both."""
+
+SIDES = {"roll": ("roll", "roll"), "shear": ("shear", "shear"), "axial": ("compression", "tension")}
+"""Rated travels of each axis below and above zero."""
+
+
+def travel_in(rating: str, deflection: Array) -> Array:
+    """Return how far deflections, (..., 3), go in the way of a rating [m], (...); 0 where they go the other way."""
+    axis, way = RATINGS[rating]
+    along = deflection[..., axis]
+    return np.asarray(np.abs(along) if way == 0.0 else np.maximum(way * along, 0.0) + 0.0)  # + 0.0: never -0.0
+
+
+def travel_reached(lowest: Array, highest: Array) -> dict[str, Array]:
+    """Return the largest travel by rating [m], (...), between extreme deflections, (..., 3)."""
+    return {rating: np.maximum(travel_in(rating, lowest), travel_in(rating, highest)) for rating in RATINGS}
+
+
+def travel_shares(reached: Mapping[str, npt.ArrayLike], rated: Mapping[str, float]) -> dict[str, float]:
+    """Return the shares of the travels that are rated, by rating; those that are not, are not judged and not in it."""
+    return {rating: float(reached[rating]) / rated[rating] for rating in RATINGS if rating in rated}  # type: ignore[arg-type]
+
+
+def beyond_law(axes: Mapping[str, Law | None], lowest: Array, highest: Array, *, share: float = 1.0) -> str:
+    """Return what a message says of the first axis that went beyond a share of what its law holds for, "" if none did.
+
+    Args:
+        axes: laws by axis.
+        lowest: deflections [m], (3,).
+        highest: the same.
+        share: of the deflections up to which a law holds.
+    """
+    for (axis, law), low, high in zip(axes.items(), lowest, highest, strict=True):
+        for way, reached, end in zip((-1.0, 1.0), (-low, high), law.travel_ends if law else (), strict=False):
+            if law is not None and reached > share * end + ROUNDING:
+                return (
+                    f"at {way * reached:.4g} m on its {axis} axis, whose law holds up to {end:.4g} m, where "
+                    f"{law.travel_rule}"
+                )
+    return ""

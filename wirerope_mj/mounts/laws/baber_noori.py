@@ -1,0 +1,86 @@
+"""Bouc-Wen law with wear and pinching."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.mounts.laws.hysteresis import Hysteresis
+from wirerope_mj.mounts.laws.law import anywhere, require_not_negative
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoucWenBaberNoori(Hysteresis):
+    """Bouc-Wen-Baber-Noori law: F = k x + z, with wear and pinching that grow with the work e of z, edot = z xdot [J].
+
+        zdot = (h / eta) {A xdot - nu [gamma + beta sgn(xdot) sgn(z)] |z|^n xdot}
+        A = alpha - delta_alpha e (not below alpha / 1000: worn out),   nu = 1 + delta_nu e,   eta = 1 + delta_eta e
+        h = 1 - s exp{-[z sgn(xdot) - q z_u]^2 / w^2},   s = zeta (1 - exp(-p e)),   w = (psi + delta_psi e)(lam + s)
+        z_u = [A / (nu (beta + gamma))]^(1/n)
+
+    delta_alpha [1/m^2] takes stiffness, delta_nu [1/J] strength, delta_eta [1/J] stiffness at the same strength. The loop is
+    pinched around z = q z_u while loading: zeta [-], 0 <= zeta < 1, is the final depth, p [1/J] how fast it comes, psi [N],
+    delta_psi [N/J] and lam [-] its width. Without wear and pinching it is the Bouc-Wen law. It is passive whatever the wear: at
+    equal z and e unloading is never less steep than loading (beta > 0, q >= 0), so that no path gives back more than e.
+
+    Wire ropes need it only for wear and cyclic softening. Source: Baber and Noori; the form is that of the public codes BWBN.
+    """
+
+    name: ClassVar[str] = "bouc-wen-baber-noori"
+    kernel: ClassVar[int] = kernels.BABER_NOORI
+
+    alpha: float
+    beta: float
+    gamma: float
+    n: float
+    k: float = 0.0
+    delta_alpha: float = 0.0
+    delta_nu: float = 0.0
+    delta_eta: float = 0.0
+    zeta: float = 0.0
+    q: float = 0.0
+    p: float = 0.0
+    psi: float = 0.0
+    delta_psi: float = 0.0
+    lam: float = 0.0
+
+    def _validate(self) -> None:
+        super()._validate()
+        require_not_negative(
+            self, "k", "delta_alpha", "delta_nu", "delta_eta", "zeta", "q", "p", "psi", "delta_psi", "lam"
+        )
+        if anywhere(self.beta + self.gamma <= 0.0):
+            raise ValueError(f"`beta` + `gamma` must be > 0, got {self.beta + self.gamma}: z would have no bound.")
+        if anywhere(self.zeta >= 1.0):
+            raise ValueError(f"`zeta` must be < 1, got {self.zeta}: at 1 the pinched branch has no stiffness left.")
+        if anywhere((self.zeta > 0.0) & ((self.psi == 0.0) | (self.lam + self.p == 0.0))):
+            raise ValueError(
+                "`psi` and one of `lam` and `p` must be > 0 if `zeta` is: the pinching would have no width."
+            )
+
+    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+        """Return the parameters in the order of their declaration."""
+        return np.array(
+            [
+                self.alpha, self.beta, self.gamma, self.n, self.k, self.delta_alpha, self.delta_nu, self.delta_eta,
+                self.zeta, self.q, self.p, self.psi, self.delta_psi, self.lam,
+            ]
+        )  # fmt: skip
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The hysteretic force z [N] and its work e [J]."""
+        return ("z", "e")
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter; the work e grows with the force."""
+        return {**super().force_powers, "delta_nu": -1.0, "delta_eta": -1.0, "p": -1.0, "psi": 1.0}
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Tangent at the unloaded state, alpha + k [N/m]."""
+        return self.alpha + self.k

@@ -1,0 +1,78 @@
+"""Bouc-Wen law of the thesis and Ozdemir's reduction of it."""
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.mounts.laws.hysteresis import Hysteresis, Normalised
+from wirerope_mj.mounts.laws.law import require_not_negative
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoucWen(Hysteresis):
+    """Bouc-Wen hysteresis with a linear spring k [N/m] in parallel, F = k x + z; z and its parameters as in `Hysteresis`.
+
+    Source: W. Schwanen, Modelling and identification of the dynamic behavior of a wire rope spring (2004), (3.7), (3.9).
+    """
+
+    name: ClassVar[str] = "bouc-wen"
+    kernel: ClassVar[int] = kernels.BOUC_WEN
+
+    alpha: float
+    beta: float
+    gamma: float
+    n: float
+    k: float = 0.0
+
+    def _validate(self) -> None:
+        super()._validate()
+        require_not_negative(self, "k")
+
+    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+        """Return alpha, beta, gamma, n, k."""
+        return np.array([self.alpha, self.beta, self.gamma, self.n, self.k])
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Tangent at the unloaded state, alpha + k [N/m]."""
+        return self.alpha + self.k
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ozdemir(Hysteresis):
+    """Ozdemir's law: Bouc-Wen with gamma = 0, zdot = alpha xdot - beta |xdot| |z|^(n-1) z, and F = k x + z.
+
+    Softening only. A parameterisation of the Bouc-Wen kernel. Source: thesis 3.2.1.
+    """
+
+    name: ClassVar[str] = "ozdemir"
+    kernel: ClassVar[int] = kernels.BOUC_WEN
+
+    alpha: float
+    beta: float
+    n: float
+    k: float = 0.0
+
+    @classmethod
+    def from_normalised(cls, *, z_max: float, x_y: float, sigma: float = 1.0, n: float, **others: Any) -> Self:
+        """Return the law from the normalised form, whose sigma can only be 1."""
+        if sigma != 1.0:
+            raise ValueError(f"`sigma` must be 1, got {sigma}: Ozdemir's law has no gamma.")
+        form = Normalised(z_max=z_max, x_y=x_y, sigma=sigma, n=n)
+        return cls(alpha=form.z_max / form.x_y, beta=form.z_max ** (1.0 - n) / form.x_y, n=n, **others)
+
+    def _validate(self) -> None:
+        super()._validate()
+        require_not_negative(self, "k")
+
+    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+        """Return alpha, beta, 0, n, k."""
+        return np.array([self.alpha, self.beta, 0.0, self.n, self.k])
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Tangent at the unloaded state, alpha + k [N/m]."""
+        return self.alpha + self.k

@@ -1,0 +1,57 @@
+"""A deflection between two samples: the cubic through deflections and rates."""
+
+import math
+
+from wirerope_mj.foundation.jit import njit
+
+
+@njit
+def position(cubic, t):
+    """Return the deflection at t."""
+    return cubic[0] + t * (cubic[1] + t * (cubic[2] + t * cubic[3]))
+
+
+@njit
+def speed(cubic, t):
+    """Return the deflection rate at t."""
+    return cubic[1] + t * (2.0 * cubic[2] + t * 3.0 * cubic[3])
+
+
+@njit
+def reversals(x0, x1, v0, v1, h):
+    """Return the cubic that joins positions and rates at the ends of a time h, and where inside it the rate is zero.
+
+    Of the two instants, those that do not exist are h.
+    """
+    b, c = 3.0 * (x1 - x0) / h - 2.0 * v0 - v1, v0 + v1 - 2.0 * (x1 - x0) / h
+    cubic = (x0, v0, b / h, c / (h * h))  # the rate over u = t / h is v0 + 2 b u + 3 c u^2
+    root = b * b - 3.0 * c * v0
+    if root <= 0.0:
+        return cubic, h, h
+    q = -(b + math.copysign(math.sqrt(root), b))
+    one, two = h, h
+    if q != 0.0 and 0.0 < v0 / q < 1.0:
+        one = h * v0 / q
+    if c != 0.0 and 0.0 < q / (3.0 * c) < 1.0:
+        two = h * q / (3.0 * c)
+    return cubic, min(one, two), max(one, two)
+
+
+@njit
+def zero_between(cubic, start, end):
+    """Return where a cubic that changes its sign is zero."""
+    rising = position(cubic, end) > 0.0
+    for _ in range(60):
+        middle = 0.5 * (start + end)
+        if (position(cubic, middle) > 0.0) == rising:
+            end = middle
+        else:
+            start = middle
+    return end
+
+
+@njit
+def shifted(cubic, t):
+    """Return the coefficients of the cubic about the instant t."""
+    a, b, c, d = cubic
+    return a + t * (b + t * (c + t * d)), b + t * (2.0 * c + t * 3.0 * d), c + 3.0 * d * t, d

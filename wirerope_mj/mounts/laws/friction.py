@@ -1,0 +1,153 @@
+"""Laws made of dry friction: TNO's enhanced dry friction and the Masing model of Jenkin elements."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.mounts.laws.hysteresis import Normalised
+from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnhancedDryFriction(Law):
+    """TNO's law, thesis (2.1): a spring k [N/m] beside dry friction d [N] that builds up over the deflection u_c [m].
+
+        F = k x + z,   zdot = (d xdot - |xdot| z) / u_c
+
+    From a reversal at (x_r, z_r) in direction s: z = s d + (z_r - s d) exp(-|x - x_r| / u_c). It is the Bouc-Wen law with
+    alpha = d / u_c, beta = 1 / u_c, gamma = 0, n = 1, and Dahl's with exponent 1. A steady loop of amplitude A has the area
+    4 d [A - u_c tanh(A / u_c)]. u_c = 0 would be dry friction itself, whose force is not defined at rest.
+    """
+
+    name: ClassVar[str] = "enhanced-dry-friction"
+    kernel: ClassVar[int] = kernels.BOUC_WEN
+
+    k: float
+    d: float
+    u_c: float
+
+    def _validate(self) -> None:
+        require_not_negative(self, "k")
+        require_positive(self, "d", "u_c")
+
+    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+        """Return alpha, beta, gamma, n, k of the Bouc-Wen kernel."""
+        return np.array([self.d / self.u_c, 1.0 / self.u_c, 0.0, 1.0, self.k])
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The friction force z."""
+        return ("z",)
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return {"k": 1.0, "d": 1.0}
+
+    @property
+    def z_max(self) -> float:
+        """Bound d of the friction force [N]."""
+        return self.d
+
+    @property
+    def normalised(self) -> Normalised:
+        """The normalised form of the Bouc-Wen law that it is."""
+        return Normalised(z_max=self.d, x_y=self.u_c, sigma=1.0, n=1.0)
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Tangent at the unloaded state, d / u_c + k [N/m]."""
+        return self.d / self.u_c + self.k
+
+    @property
+    def damping_coefficient(self) -> float:
+        """Zero: the force does not depend on the rate [N s/m]."""
+        return 0.0
+
+    @property
+    def largest_force(self) -> float:
+        """The friction force d without a spring, else infinite [N]."""
+        return self.d if self.k == 0.0 else float("inf")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Masing(Law):
+    """Masing's model: Jenkin elements, each a spring c_e [N/m] in series with a slider h_e [N], beside a spring k [N/m].
+
+        F = k x + sum f_e,   fdot_e = c_e xdot while |f_e| < h_e or f_e xdot < 0, else 0
+
+    The virgin curve is k x + sum min(c_e x, h_e); every later branch is that curve doubled (Masing's rule), and a closed inner
+    loop is forgotten (return-point memory), which Bouc-Wen laws lack: the mean of this law does not drift under vibration. A
+    steady loop of amplitude A has the area sum of 4 h_e (A - h_e / c_e) over the elements that slip. The force is piecewise
+    linear. Source: Sauter and Hagedorn (2002), thesis 2.5.2.
+
+    In MuJoCo an element's force grows elastically within a step; each stage clips it to +-h_e and the overshoot is taken out of
+    the state at the end of the step, which is exact while the mount does not turn back within it. The order is therefore 2.
+    """
+
+    name: ClassVar[str] = "masing"
+    kernel: ClassVar[int] = kernels.MASING
+
+    stiffness: Sequence[float]
+    slip_force: Sequence[float]
+    k: float = 0.0
+
+    def __post_init__(self) -> None:
+        for key in ("stiffness", "slip_force"):
+            values = getattr(self, key)
+            if isinstance(values, str) or not isinstance(values, Sequence | np.ndarray):
+                raise ValueError(f"`{key}` must be a list of numbers, got {values!r}.")
+            object.__setattr__(
+                self, key, tuple(float(v) if isinstance(v, np.integer | np.floating) else v for v in values)
+            )
+        super().__post_init__()
+
+    def _validate(self) -> None:
+        require_not_negative(self, "k")
+        if not self.stiffness or len(self.stiffness) != len(self.slip_force):
+            raise ValueError(
+                "`stiffness` and `slip_force` must have one entry for each Jenkin element, at least one, "
+                f"got {len(self.stiffness)} and {len(self.slip_force)}."
+            )
+        for key in ("stiffness", "slip_force"):
+            for value in getattr(self, key):
+                if anywhere(value <= 0.0):
+                    raise ValueError(f"every entry of `{key}` must be > 0, got {value}.")
+
+    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+        """Return k, number of elements, their stiffnesses and slip forces."""
+        return np.array([self.k, len(self.stiffness), *self.stiffness, *self.slip_force], dtype=np.float64)
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The force z1, z2, ... of every Jenkin element."""
+        return tuple(f"z{e + 1}" for e in range(len(self.stiffness)))
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0}
+
+    @property
+    def z_max(self) -> float:
+        """Bound of the sliders' force, the sum of the slip forces [N]."""
+        return float(sum(self.slip_force))
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Tangent at the unloaded state, k plus all elements [N/m]."""
+        return float(sum(self.stiffness) + self.k)
+
+    @property
+    def damping_coefficient(self) -> float:
+        """Zero: the force does not depend on the rate [N s/m]."""
+        return 0.0
+
+    @property
+    def largest_force(self) -> float:
+        """Sum of the slip forces without a spring, else infinite [N]."""
+        return self.z_max if self.k == 0.0 else float("inf")

@@ -1,0 +1,149 @@
+"""What all laws with a Bouc-Wen hysteretic force have in common."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from wirerope_mj.mounts.laws.law import Law, anywhere
+
+LEAST_EXPONENT = 0.05
+"""Least n of a law. States are followed to rounding below it too; but there (1/2)^(1/n), a millionth of its bound, is the z at
+which half of the slope is gone, which no test shows, and 1 % of beta + gamma is 1 / n % of the bound, more than 20 %."""
+
+LARGEST_EXPONENT = 100.0
+"""Largest n of a law: its loop is within 3 % of a parallelogram, and beyond it the corner is a jump of the tangent."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Normalised:
+    """Bouc-Wen's parameters in a form whose shape does not depend on units.
+
+        dw/dx = (1 / x_y) {1 - [sigma sgn(xdot w) + 1 - sigma] |w|^n},   w = z / z_max
+
+    Source: Ikhouane and Rodellar's form of the law; beta of the thesis multiplies the dissipative term.
+
+    Attributes:
+        z_max: bound of z, (alpha / (beta + gamma))^(1/n) [N].
+        x_y: yield deflection z_max / alpha [m].
+        sigma: beta / (beta + gamma) [-]; with 1/2 the unloading branch leaves with the slope alpha.
+        n: sharpness of the transition [-].
+    """
+
+    z_max: float
+    x_y: float
+    sigma: float
+    n: float
+
+    def __post_init__(self) -> None:
+        for name in ("z_max", "x_y", "sigma", "n"):
+            value = getattr(self, name)
+            if isinstance(value, bool) or not isinstance(value, int | float | np.number):
+                raise ValueError(f"`{name}` must be a number, got {value!r}.")
+            if not (math.isfinite(value) and value > 0.0):
+                raise ValueError(f"`{name}` must be finite and > 0, got {value}.")
+
+
+class Hysteresis(Law):
+    """A law with the hysteretic state z of the Bouc-Wen equation, thesis (3.7).
+
+        zdot = alpha xdot - [gamma + beta sgn(xdot) sgn(z)] |z|^n xdot
+
+    alpha [N/m] is the slope of z at z = 0; beta and gamma [N^(1-n)/m] shape the loop, beta being the dissipative one; n [-]
+    sets the sharpness of the transition and is at least 0.05. Passive if and only if beta > 0: with S(z) = int_0^z s ds /
+    (alpha + (beta - gamma)|s|^n) as stored energy, the power z xdot - dS/dt is proportional to beta. With beta + gamma < 0 and
+    n > 1 the force is infinite at a finite deflection.
+    """
+
+    # Each law declares its parameters itself, in the order in which they are written; these are what all of them have.
+    alpha: float
+    beta: float
+    n: float
+
+    @classmethod
+    def from_normalised(cls, *, z_max: float, x_y: float, sigma: float, n: float, **others: Any) -> Self:
+        """Return the law with alpha, beta and gamma from the normalised form; `others` are its further parameters.
+
+        alpha = z_max / x_y, beta = sigma alpha / z_max^n, gamma = (1 - sigma) alpha / z_max^n.
+        """
+        for name in ("alpha", "beta", "gamma"):
+            if name in others:
+                raise ValueError(f"`{name}` follows from the normalised form and cannot be given with it.")
+        form = Normalised(z_max=z_max, x_y=x_y, sigma=sigma, n=n)
+        alpha = form.z_max / form.x_y
+        try:
+            total = alpha / float(form.z_max) ** float(n)
+        except (OverflowError, ZeroDivisionError):
+            raise ValueError(f"`z_max`^`n` must be a finite number > 0, got {z_max}^{n}: take other units.") from None
+        return cls(**{"alpha": alpha, "beta": sigma * total, "gamma": (1.0 - sigma) * total, "n": n, **others})
+
+    @property
+    def normalised(self) -> Normalised:
+        """The normalised form; ValueError if z is not bounded."""
+        if self._total <= 0.0:
+            raise ValueError(f"`beta` + `gamma` must be > 0 for a normalised form, got {self._total}: z has no bound.")
+        return Normalised(z_max=self.z_max, x_y=self.z_max / self.alpha, sigma=self.beta / self._total, n=self.n)
+
+    def _validate(self) -> None:
+        for name in ("alpha", "beta", "n"):
+            if anywhere(getattr(self, name) <= 0.0):
+                raise ValueError(f"`{name}` must be > 0, got {getattr(self, name)}: the law would not be passive.")
+        if anywhere(self.n < LEAST_EXPONENT):
+            raise ValueError(
+                f"`n` must be >= {LEAST_EXPONENT}, got {self.n}: below, beta + gamma would have to be known to far better "
+                "than 1 % to give the bound of z, (alpha / (beta + gamma))^(1/n), to 20 %, and half of the slope alpha is lost "
+                "at a millionth of it. Such a loop is dry friction: take enhanced-dry-friction or masing."
+            )
+        if anywhere(self.n > LARGEST_EXPONENT):
+            raise ValueError(
+                f"`n` must be <= {LARGEST_EXPONENT:g}, got {self.n}: beyond, the loop is that of dry friction: take masing."
+            )
+
+    @property
+    def _total(self) -> float:
+        """Sum of beta and gamma: what bends the loading branch."""
+        return self.beta + getattr(self, "gamma", 0.0)
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The hysteretic force z."""
+        return ("z",)
+
+    @property
+    def damping_coefficient(self) -> float:
+        """Zero: the force does not depend on the rate [N s/m]."""
+        return 0.0
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter; beta and gamma are [N^(1-n)/m]."""
+        bends = {name: 1.0 - self.n for name in ("beta", "gamma") if hasattr(self, name)}
+        return {"alpha": 1.0, **bends, **{name: 1.0 for name in ("k", "k1", "k2", "k3") if hasattr(self, name)}}
+
+    @property
+    def z_max(self) -> float:
+        """Bound of z, (alpha / (beta + gamma))^(1/n) [N], thesis (3.19); infinite if beta + gamma <= 0."""
+        return (self.alpha / self._total) ** (1.0 / self.n) if self._total > 0.0 else math.inf
+
+    @property
+    def finite_travel(self) -> float:
+        """Deflection at which z becomes infinite on the virgin path [m]; infinite unless beta + gamma < 0 and n > 1.
+
+        x* = (1/alpha) (alpha / |beta + gamma|)^(1/n) (pi/n) / sin(pi/n), the integral of dz / (alpha + |beta + gamma| z^n).
+        """
+        if not anywhere((self._total < 0.0) & (self.n > 1.0)):
+            return math.inf
+        share = math.pi / self.n
+        return (self.alpha / -self._total) ** (1.0 / self.n) / self.alpha * share / math.sin(share)
+
+    @property
+    def largest_force(self) -> float:
+        """z_max if there is no elastic part beside z, else infinite [N]."""
+        return self.z_max if self._without_elastic_part else math.inf
+
+    @property
+    def _without_elastic_part(self) -> bool:
+        """Whether z is all of the force."""
+        return getattr(self, "k", 1.0) == 0.0

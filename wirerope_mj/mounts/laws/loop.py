@@ -1,0 +1,142 @@
+"""A force-deflection loop and its measures."""
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.laws.tangent import tangent_at_start
+
+Array = npt.NDArray[np.float64]
+
+
+class ReversalTangents(NamedTuple):
+    """One slope for each turning point of a loop [N/m]."""
+
+    after_largest: float
+    after_smallest: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loop:
+    """Force over deflection along a path, or over one cycle of a cyclic test.
+
+    Attributes:
+        deflection: path [m], (n_t,).
+        force: restoring force [N], (n_t,).
+        hysteretic_state: z [N], (n_t,); zero for a law without one, NaN for a measured loop, whose z nobody knows.
+        work: work done on the isolator since the first sample [J], (n_t,), integrated along the law's own segments
+            where the loop comes from a law.
+        cycles: cycles run before this one was kept, itself included; 0 for a plain trace and where it is not known.
+        closure: distance between the last force and the first over the force range; NaN for a plain trace.
+        internal_states: the law's internal states, (n_t, n_states); no columns where they are not known.
+    """
+
+    deflection: Array
+    force: Array
+    hysteretic_state: Array
+    work: Array
+    cycles: int = 0
+    closure: float = float("nan")
+    internal_states: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
+
+    @classmethod
+    def from_samples(cls, deflection: npt.ArrayLike, force: npt.ArrayLike, *, cycles: int = 0) -> "Loop":
+        """Return the loop of a measured cycle: its work is summed by the trapezoid rule, its z is not known (NaN).
+
+        Chords cut corners off: the area of N samples uniform in time is low by about (2 pi / N)^2 / 6 of itself, 2e-4 at
+        N = 200.
+
+        Args:
+            deflection: one cycle [m], (n_t,), its first sample repeated or measured again at its end.
+            force: restoring force [N], (n_t,).
+            cycles: cycles run before this one was kept, if that is known.
+        """
+        x, f = np.asarray(deflection, dtype=np.float64), np.asarray(force, dtype=np.float64)
+        if x.ndim != 1 or x.shape != f.shape or x.size < 2 or not (np.isfinite(x).all() and np.isfinite(f).all()):
+            raise ValueError(
+                "`deflection` and `force` must be finite series of the same length, 2 samples at least, "
+                f"got shapes {x.shape} and {f.shape}."
+            )
+        work = np.concatenate([[0.0], np.cumsum(np.diff(x) * (f[1:] + f[:-1]) / 2.0)])
+        unknown = np.full(x.size, np.nan)
+        return cls(deflection=x, force=f, hysteretic_state=unknown, work=work, cycles=cycles, closure=closure_of(f))
+
+    @property
+    def dissipated_energy(self) -> float:
+        """Work done on the isolator over the whole path [J]: the loop's area if the path is a closed cycle."""
+        return float(self.work[-1])
+
+    @property
+    def amplitude(self) -> float:
+        """Half the range of the deflection [m]."""
+        return float(np.ptp(self.deflection)) / 2.0
+
+    @property
+    def operating_point(self) -> float:
+        """Mean of the largest and the smallest deflection [m]."""
+        return float(self.deflection.max() + self.deflection.min()) / 2.0
+
+    @property
+    def secant_stiffness(self) -> float:
+        """K = [F(x_max) - F(x_min)] / (x_max - x_min) [N/m]."""
+        top, bottom = int(np.argmax(self.deflection)), int(np.argmin(self.deflection))
+        return float((self.force[top] - self.force[bottom]) / (self.deflection[top] - self.deflection[bottom]))
+
+    @property
+    def damping_ratio(self) -> float:
+        """Equivalent viscous damping ratio zeta = W / (2 pi K A^2) [-] of a closed cycle, W its area, K its secant stiffness.
+
+        It is the ratio of the linear spring and damper that dissipate the same in a sine of amplitude A at the resonance
+        sqrt(K/m). Infinite for a pure damper, K = 0; NaN without any force; without meaning where K < 0.
+        """
+        stored = np.float64(2.0 * np.pi * self.secant_stiffness * self.amplitude**2)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return float(np.float64(self.dissipated_energy) / stored)
+
+    @property
+    def tangents_at_reversal(self) -> ReversalTangents:
+        """Slopes dF/dx just after the turning points [N/m]: on the way down from the largest, up from the smallest.
+
+        t = lim dF/dx for x -> x_turn on the branch that leaves it, estimated by `tangent_at_start`. For the Bouc-Wen law
+        t = k + alpha + (beta - gamma) |z|^n (thesis, table 3.2). NaN where the path ends at the turning point. A
+        rate-dependent force turns round smoothly: its tangent there is vertical, and what comes back is no stiffness.
+        """
+        down, up = self.branch(rising=False), self.branch(rising=True)
+        return ReversalTangents(tangent_at_start(*down), tangent_at_start(*up))
+
+    @property
+    def slope_jumps_at_reversal(self) -> ReversalTangents:
+        """Slopes after the turning points minus those before them [N/m]: 2 beta |z|^n for Bouc-Wen (thesis, 3.2.1)."""
+        (x_down, f_down), (x_up, f_up) = self.branch(rising=False), self.branch(rising=True)
+        after = self.tangents_at_reversal
+        before_largest = tangent_at_start(x_up[::-1], f_up[::-1])
+        before_smallest = tangent_at_start(x_down[::-1], f_down[::-1])
+        return ReversalTangents(after.after_largest - before_largest, after.after_smallest - before_smallest)
+
+    def branch(self, *, rising: bool) -> tuple[Array, Array]:
+        """Return deflection [m] and force [N], (n,) each, on the way from one extreme deflection to the other.
+
+        A path that ends near where it began is a cycle and goes on from its last sample to its first; any other ends there.
+
+        Args:
+            rising: from the smallest to the largest deflection (loading in tension), or from the largest to the smallest.
+        """
+        x, f = self.deflection, self.force
+        start, stop = int(np.argmin(x)), int(np.argmax(x))
+        if not rising:
+            start, stop = stop, start
+        if start <= stop:
+            return x[start : stop + 1], f[start : stop + 1]
+        # Steps of a cycle's deflection at its two ends are alike; a path that leads away leaves a wider gap.
+        cyclic = abs(x[-1] - x[0]) <= 2.0 * np.abs(np.diff(x)).max()
+        again = 1 if x[-1] == x[0] else 0  # the sample that ends the cycle is the one that begins it
+        rest = slice(again, stop + 1) if cyclic else slice(0, 0)
+        return np.concatenate([x[start:], x[rest]]), np.concatenate([f[start:], f[rest]])
+
+
+def closure_of(force: Array) -> float:
+    """Return the distance between the last force and the first over the force range; 0 if the force never changes."""
+    extent = float(np.ptp(force))
+    return float(abs(force[-1] - force[0])) / extent if extent > 0.0 else 0.0

@@ -1,0 +1,54 @@
+"""The kernels of roll and axial deflection coupled as in a loop of rope: the elastic energy, and the law in the plane."""
+
+import math
+
+from wirerope_mj.foundation.jit import njit
+from wirerope_mj.mounts.laws.kernels import biaxial_rates, polynomial
+
+
+@njit
+def loop_force(p, i, u, w):
+    """Return the forces dU/du and dU/dw [N] of the elastic energy between roll u and axial deflection w, `LoopCoupling`.
+
+    p = roll, compression, tension, W, I, J, coefficients row by row.
+    """
+    cu, cw = min(max(u, -p[i]), p[i]), min(max(w, -p[i + 1]), p[i + 2])
+    rows, columns = int(p[i + 4]), int(p[i + 5])
+    a, b = (cu / p[i]) ** 2, cw / p[i + 3]
+    # Horner's scheme in b within that in a, each with its derivative; the powers begin with the first.
+    value_b, of_a, of_ab, value = 0.0, 0.0, 0.0, 0.0
+    for row in range(rows - 1, -1, -1):
+        q, q_b = 0.0, 0.0
+        for column in range(columns - 1, -1, -1):
+            q_b = q_b * b + q
+            q = q * b + p[i + 6 + columns * row + column]
+        q_b = q_b * b + q
+        q = q * b
+        of_a, of_ab = of_a * a + value, of_ab * a + value_b
+        value, value_b = value * a + q, value_b * a + q_b
+    of_a, of_ab = of_a * a + value, of_ab * a + value_b
+    value_b = value_b * a
+    slope = 2.0 * cu / (p[i] * p[i])
+    cross = of_ab * slope / p[i + 3]
+    return of_a * slope + cross * (w - cw), value_b / p[i + 3] + cross * (u - cu)
+
+
+@njit
+def loop_plane_force(p, i, u, w, zu, zw):
+    """Return the forces of roll and axial [N] at the deflections u, w and hysteretic forces zu, zw; p as for `loop_plane`."""
+    fu, fw = loop_force(p, i + 17, u, w)
+    fu += zu + polynomial(p[i + 6], p[i + 7], p[i + 8], u)
+    fw += math.exp(p[i + 16] * w) * (zw + polynomial(p[i + 9], p[i + 10], p[i + 11], w))
+    return fu, fw
+
+
+@njit
+def loop_plane(p, i, x, v, z, j, zdot, k):
+    """Return the force along a straight line in the plane of roll and axial [N], x the distance from its start.
+
+    p = those of `biaxial`, lambda of the axial law's F2, those of `loop_force`.
+    """
+    ex, ey = p[i + 14], p[i + 15]
+    biaxial_rates(p, i, v * ex, v * ey, z, j, j + 1, zdot, k, k + 1)
+    fu, fw = loop_plane_force(p, i, p[i + 12] + x * ex, p[i + 13] + x * ey, z[j], z[j + 1])
+    return ex * fu + ey * fw

@@ -1,0 +1,137 @@
+"""Bouc-Wen's law in the plane of roll and axial deflection, in which a rope loop bends."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+from numpy.polynomial.legendre import leggauss
+
+from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.loop_energy import LoopCoupling
+from wirerope_mj.mounts.laws.path import follow_plane
+from wirerope_mj.mounts.laws.plane import (
+    ODD,
+    SAME,
+    PlaneTrace,
+    asymmetry_of,
+    elastic_of,
+    rates_of,
+    require_alike,
+    require_couplable,
+    require_path,
+    traced,
+)
+
+Array = npt.NDArray[np.float64]
+
+NODES, WEIGHTS = leggauss(32)  # of exp(lambda x) F1(x) to rounding up to lambda x = 20
+
+SMALL = 1e-2
+"""Exponent below which a power series is more exact than the closed form."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopBoucWen:
+    """The laws of roll u and axial deflection w, coupled by an elastic energy U and by one bound of their hysteretic forces.
+
+        F_roll = z_u + F1(u) + dU/du,   F_axial = F2(w) [z_w + F1(w)] + dU/dw
+
+    z_u and z_w follow the rates of `BiaxialBoucWen`: the components of one vector, bounded by one ellipse. Along either axis
+    each is that axis' own law, the loop's pull across (dU/dw in a pure roll) aside. Both laws must have the same n and
+    sigma = beta / (beta + gamma), and sigma >= 1/2.
+
+    No closed path from the unloaded state draws work. The rates are zdot = alpha v - m z, v the deflection rate, for both axes
+    with one m, which is >= 0 if sigma >= 1/2. With S(x, z) the work that unloading without loss gives back, from (x, z) to
+    z = 0 along dz = alpha dx,
+
+        S = int_0^z F2(x - (z - s) / alpha) s ds / alpha,   dS/dz at fixed x = int F2 over [x - z / alpha, x]
+
+    so that z dS/dz >= 0 for every F2 > 0. Moving with zdot = alpha v takes exactly dS = F2 z v; the rest of zdot changes S by
+    -m z dS/dz <= 0, so that F2 z v - Sdot = m z dS/dz >= 0. F1, F2 F1 and U are elastic and add nothing to a closed path.
+
+    Attributes:
+        roll: BoucWen, Ozdemir, SymmetricBoucWen or EnhancedDryFriction.
+        axial: the same, or AsymmetricBoucWen.
+        loop: the elastic energy.
+    """
+
+    roll: Law
+    axial: Law
+    loop: LoopCoupling
+
+    def __post_init__(self) -> None:
+        require_couplable("roll", self.roll, ODD, "a Bouc-Wen law that is odd in the deflection")
+        require_couplable("axial", self.axial, (*ODD, kernels.ASYMMETRIC_BOUC_WEN), "a Bouc-Wen law")
+        require_alike(("roll", "axial"), self.roll, self.axial)
+        sigma = self.rate_parameters()[0]
+        if sigma < 0.5 * (1.0 - SAME):
+            raise ValueError(
+                f"`roll` and `axial` must have sigma = beta / (beta + gamma) >= 0.5 to be coupled, got {sigma:.6g}: the law "
+                "would not be passive."
+            )
+        if not isinstance(self.loop, LoopCoupling):
+            raise ValueError(f"`loop` must be a LoopCoupling, got {self.loop!r}.")
+
+    @property
+    def laws(self) -> tuple[Law, Law]:
+        """The two laws."""
+        return self.roll, self.axial
+
+    def rate_parameters(self) -> Array:
+        """Return sigma, n, the bounds z_m and the yield deflections x_y of both axes, (6,)."""
+        return rates_of(self.roll, self.axial)
+
+    def mount_parameters(self) -> Array:
+        """Return what the kernel of a mount takes: those of the rates, then those of the elastic energy."""
+        return np.concatenate([self.rate_parameters(), self.loop.kernel_parameters()])
+
+    def line_parameters(self, start: Array, stop: Array) -> tuple[Array, float]:
+        """Return the kernel's parameters for a straight line in the plane, and its length [m]."""
+        length = float(np.hypot(*(stop - start)))
+        direction = (stop - start) / length if length else np.zeros(2)
+        parts = [self.rate_parameters(), *map(elastic_of, self.laws), start, direction]
+        return np.concatenate([*parts, [asymmetry_of(self.axial)], self.loop.kernel_parameters()]), length
+
+    def trace(self, deflection: npt.ArrayLike) -> PlaneTrace:
+        """Return forces, states and work along straight lines between the points of a path, entered unloaded.
+
+        Args:
+            deflection: path [m], (n_t, 2), roll and axial, at least two finite points.
+        """
+        path = require_path(deflection)
+        parameters, _ = self.line_parameters(path[0], path[0])
+        return traced(self, path, follow_plane(kernels.LOOP, parameters, path))
+
+    def energy(self, deflection: npt.ArrayLike, hysteretic_state: npt.ArrayLike) -> Array:
+        """Return what is stored [J], (...): elastic, and what unloading without loss gives back of the hysteretic forces.
+
+        Zero where undeflected and unloaded.
+
+        Args:
+            deflection: roll and axial [m], (..., 2).
+            hysteretic_state: z of both [N], (..., 2).
+        """
+        d, z = np.asarray(deflection, dtype=np.float64), np.asarray(hysteretic_state, dtype=np.float64)
+        total = self.loop.energy(d)
+        for axis, law in enumerate(self.laws):
+            total = total + _elastic_energy(law, d[..., axis]) + _given_back(law, d[..., axis], z[..., axis])
+        return np.asarray(total, dtype=np.float64)
+
+
+def _elastic_energy(law: Law, x: Array) -> Array:
+    """Return int_0^x F2 F1 [J]."""
+    (k1, k2, k3), exponent = elastic_of(law), asymmetry_of(law)
+    s = 0.5 * x[..., None] * (1.0 + NODES)
+    force = np.exp(exponent * s) * s * (k1 + k2 * np.abs(s) + k3 * s * s)
+    return np.asarray(0.5 * x * (force @ WEIGHTS), dtype=np.float64)
+
+
+def _given_back(law: Law, x: Array, z: Array) -> Array:
+    """Return S(x, z) [J] = (z^2 / alpha) F2(x) (exp(-t) - 1 + t) / t^2 with t = lambda z / alpha."""
+    alpha, exponent = float(law.kernel_parameters()[0]), asymmetry_of(law)
+    t = exponent * z / alpha
+    large = np.where(np.abs(t) < SMALL, 1.0, t)
+    series = 1 / 2 - t * (1 / 6 - t * (1 / 24 - t * (1 / 120 - t * (1 / 720 - t / 5040))))
+    share = np.where(np.abs(t) < SMALL, series, (np.expm1(-large) + large) / large**2)
+    return np.asarray(z * z / alpha * np.exp(exponent * x) * share, dtype=np.float64)

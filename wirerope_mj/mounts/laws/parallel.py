@@ -1,0 +1,132 @@
+"""Several laws on one axis."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import accumulate
+from typing import Any, ClassVar, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.mounts.laws.law import Law
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parallel(Law):
+    """Several laws that share one deflection: F = F_1 + F_2 + .., as an isolator with a bump stop inside.
+
+    In an isolator file an axis has `laws`, a list of tables, in place of `law`.
+    """
+
+    name: ClassVar[str] = "parallel"
+    kernel: ClassVar[int] = kernels.PARALLEL
+
+    laws: tuple[Law, ...]
+
+    def __post_init__(self) -> None:
+        laws = tuple(self.laws) if isinstance(self.laws, list | tuple) else ()
+        if not laws or not all(isinstance(law, Law) and not isinstance(law, Parallel) for law in laws):
+            raise ValueError(
+                f"`laws` must be a list of one law or more, none of them parallel itself, got {self.laws!r}."
+            )
+        object.__setattr__(self, "laws", laws)
+
+    def _validate(self) -> None:
+        """Do nothing: each law has checked itself."""
+
+    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+        """Return how many laws there are, number, first parameter and first state of each, and their parameters."""
+        parameters = [law.kernel_parameters() for law in self.laws]
+        first = accumulate((p.size for p in parameters[:-1]), initial=1 + 3 * len(self.laws))
+        state = accumulate((law.n_states for law in self.laws[:-1]), initial=0)
+        rows = [float(v) for row in zip((law.kernel for law in self.laws), first, state, strict=True) for v in row]
+        return np.concatenate([[float(len(self.laws))], rows, *parameters])
+
+    @property
+    def components(self) -> tuple[Law, ...]:
+        """The laws."""
+        return self.laws
+
+    @property
+    def rate_independent(self) -> bool:
+        """Whether all of them are."""
+        return all(law.rate_independent for law in self.laws)
+
+    @property
+    def remembers_slow_paths(self) -> bool:
+        """Whether any of them does."""
+        return any(law.remembers_slow_paths for law in self.laws)
+
+    @property
+    def travel_rule(self) -> str:  # type: ignore[override]
+        """Why the law does not hold beyond its finite travel."""
+        return min(self.laws, key=lambda law: law.finite_travel).travel_rule
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Nothing of its own: the laws have all of the force."""
+        return {}
+
+    def scaled(self, factor: float) -> Self:
+        """Return the laws whose force is `factor` times these."""
+        return replace(self, laws=tuple(law.scaled(factor) for law in self.laws))
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """Names of the states of each law, with its place counted from 1."""
+        return tuple(f"{name}_{place}" for place, law in enumerate(self.laws, 1) for name in law.state_names)
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Sum of the tangents at the unloaded state [N/m]."""
+        return sum(law.initial_stiffness for law in self.laws)
+
+    @property
+    def closed_stiffness(self) -> float:
+        """Sum of the tangents with all stops closed [N/m]."""
+        return sum(law.closed_stiffness for law in self.laws)
+
+    @property
+    def damping_coefficient(self) -> float:
+        """Sum of the derivatives by the rate [N s/m]."""
+        return sum(law.damping_coefficient for law in self.laws)
+
+    @property
+    def closed_damping(self) -> float:
+        """Sum of the derivatives by the rate with all stops closed [N s/m]."""
+        return sum(law.closed_damping for law in self.laws)
+
+    @property
+    def relaxation_rate(self) -> float:
+        """Fastest decay of an internal state at rest [1/s]."""
+        return max(law.relaxation_rate for law in self.laws)
+
+    @property
+    def travel_ends(self) -> tuple[float, float]:
+        """How far below and above zero all of them hold [m]."""
+        ends = np.array([law.travel_ends for law in self.laws]).min(axis=0)
+        return float(ends[0]), float(ends[1])
+
+    @property
+    def finite_travel(self) -> float:
+        """The shorter of both [m]."""
+        return min(self.travel_ends)
+
+    @property
+    def needs_rating(self) -> bool:  # type: ignore[override]
+        """Whether one of them that ends somewhere asks for a rated travel."""
+        return any(law.needs_rating for law in self.laws if law.finite_travel < np.inf)
+
+    @property
+    def largest_force(self) -> float:
+        """Sum of what they carry [N]: finite if none has an elastic part."""
+        return sum(law.largest_force for law in self.laws)
+
+    def surely_holds(self, columns: Mapping[str, Any]) -> bool:
+        """Return whether there are no columns: a study does not vary laws in parallel."""
+        return not columns
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the laws as they stand in an isolator file."""
+        return {"laws": [law.to_dict() for law in self.laws]}

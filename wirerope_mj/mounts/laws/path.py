@@ -1,0 +1,108 @@
+"""Laws along a path of deflections: by closed forms or series where there are any, else integrated."""
+
+import math
+
+import numpy as np
+
+from wirerope_mj.foundation.jit import njit
+from wirerope_mj.mounts.laws.adaptive import integrate
+from wirerope_mj.mounts.laws.exact import advance_exactly, has_closed_form
+from wirerope_mj.mounts.laws.kernels import (
+    ASYMMETRIC_BOUC_WEN,
+    BOUC_WEN,
+    KELVIN_VOIGT,
+    LOOP,
+    PARALLEL,
+    SMOOTHED,
+    SYMMETRIC_BOUC_WEN,
+    TINKER_CUTCHINS,
+    ZENER,
+    component,
+    evaluate,
+    polynomial,
+)
+from wirerope_mj.mounts.laws.loop_kernels import loop_plane_force
+from wirerope_mj.mounts.laws.power import advance_power
+
+SCRATCH = 18
+"""Scratch numbers for each state and the work: seven slopes of a step, or the series of a Bouc-Wen law and one more."""
+
+
+@njit
+def advance(law, p, i, x0, x1, z, j, n_states, slopes, trial):
+    """Carry a rate-independent law's states in place from deflection x0 to x1 and return the work done on it [J].
+
+    The arguments are those of `integrate`.
+    """
+    if x0 * x1 < 0.0:  # Ni's polynomial has a kink at zero
+        work = segment(law, p, i, x0, 0.0, z, j, n_states, slopes, trial)
+        return work + segment(law, p, i, 0.0, x1, z, j, n_states, slopes, trial)
+    return segment(law, p, i, x0, x1, z, j, n_states, slopes, trial)
+
+
+@njit
+def segment(law, p, i, x0, x1, z, j, n_states, slopes, trial):
+    """Do the same on a path that does not cross zero."""
+    if law != PARALLEL:
+        return segment_of_one(law, p, i, x0, x1, z, j, n_states, slopes, trial)
+    work = 0.0
+    for part in range(int(p[i])):
+        one, first, state, count = component(p, i, part, n_states)
+        if one in (KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, SMOOTHED):  # infinitely slow: their states stay at zero
+            continue
+        work += segment_of_one(one, p, first, x0, x1, z, j + state, count, slopes, trial)
+    return work
+
+
+@njit
+def segment_of_one(law, p, i, x0, x1, z, j, n_states, slopes, trial):
+    """Do the same for a law that is not made of several."""
+    if x0 == x1:
+        return 0.0
+    if has_closed_form(law, p, i):
+        return advance_exactly(law, p, i, x0, x1, z, j, trial, slopes)
+    if law in (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN):
+        return advance_power(law, p, i, x0, x1, z, j, slopes, trial)
+    direction = 1.0 if x1 > x0 else -1.0
+    return integrate(law, p, i, x0, direction, abs(x1 - x0), z, j, n_states, slopes, trial)
+
+
+@njit
+def follow_path(law, p, deflection, z, n_states):
+    """Return force (n_t,), states (n_t, n_states) and cumulated work (n_t,) along `deflection`, entered with states `z`."""
+    n_t = deflection.size
+    force, states, work = np.empty(n_t), np.empty((n_t, n_states)), np.zeros(n_t)
+    slopes, trial, unused = np.empty(SCRATCH * (n_states + 1)), np.empty(n_states + 1), np.empty(n_states + 1)
+    for t in range(n_t):
+        if t > 0:
+            gain = advance(law, p, 0, deflection[t - 1], deflection[t], z, 0, n_states, slopes, trial)
+            work[t] = work[t - 1] + gain
+        states[t] = z[:n_states]
+        force[t] = evaluate(law, p, 0, deflection[t], 0.0, z, 0, unused, 0)
+    return force, states, work
+
+
+@njit
+def follow_plane(law, p, path):
+    """Return force (n_t, 2), states (n_t, 2) and cumulated work (n_t,) of a kernel in the plane along straight lines.
+
+    `law` is BIAXIAL or LOOP, `p` holds the kernel's parameters; start and direction of the line are written to it.
+    """
+    n_t = path.shape[0]
+    force, states, work, z = np.empty((n_t, 2)), np.empty((n_t, 2)), np.zeros(n_t), np.zeros(2)
+    slopes, trial = np.empty(21), np.empty(3)
+    for t in range(n_t):
+        if t > 0:
+            dx, dy = path[t, 0] - path[t - 1, 0], path[t, 1] - path[t - 1, 1]
+            length = math.sqrt(dx * dx + dy * dy)
+            work[t] = work[t - 1]
+            if length > 0.0:
+                p[12], p[13], p[14], p[15] = path[t - 1, 0], path[t - 1, 1], dx / length, dy / length
+                work[t] += integrate(law, p, 0, 0.0, 1.0, length, z, 0, 2, slopes, trial)
+        states[t] = z
+        if law == LOOP:
+            force[t, 0], force[t, 1] = loop_plane_force(p, 0, path[t, 0], path[t, 1], z[0], z[1])
+            continue
+        force[t, 0] = z[0] + polynomial(p[6], p[7], p[8], path[t, 0])
+        force[t, 1] = z[1] + polynomial(p[9], p[10], p[11], path[t, 1])
+    return force, states, work

@@ -1,0 +1,99 @@
+"""What laws in a plane of two deflections have in common."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.mounts.laws.law import Law
+
+Array = npt.NDArray[np.float64]
+
+SAME = 1e-9
+"""Relative difference of two axes' sharpness, share or energy that is rounding and not another law."""
+
+ODD = (kernels.BOUC_WEN, kernels.SYMMETRIC_BOUC_WEN)
+"""Kernels of the Bouc-Wen laws that are odd in the deflection."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaneTrace:
+    """What a law in the plane does along a path.
+
+    Attributes:
+        deflection: path [m], (n_t, 2), roll and shear, or roll and axial.
+        force: restoring force [N], (n_t, 2).
+        hysteretic_state: z [N], (n_t, 2).
+        work: work done on the isolator since the first sample [J], (n_t,).
+    """
+
+    deflection: Array
+    force: Array
+    hysteretic_state: Array
+    work: Array
+
+
+def require_couplable(axis: str, law: Law, allowed: tuple[int, ...], kind: str) -> None:
+    """Raise ValueError unless a law is a bounded Bouc-Wen law of one of the allowed kernels; `kind` says which these are."""
+    if not isinstance(law, Law) or law.kernel not in allowed:
+        got, hint = (law.name, "") if isinstance(law, Law) else (repr(law), "")
+        if isinstance(law, Law) and any(part.kernel == kernels.STOP for part in law.components):
+            hint = " Beside a coupled isolator a stop is a mount of its own."
+        raise ValueError(f"`{axis}` must be {kind} to be coupled, got {got}.{hint}")
+    if not math.isfinite(form_of(law)[2]):
+        raise ValueError(f"`{axis}` must have `beta` + `gamma` > 0 to be coupled: without a bound it has no scale.")
+
+
+def require_alike(names: tuple[str, str], one: Law, other: Law) -> None:
+    """Raise ValueError unless two laws have the same n and sigma."""
+    (s1, n1, _, _), (s2, n2, _, _) = form_of(one), form_of(other)
+    for name, here, there in (("n", n1, n2), ("sigma = beta / (beta + gamma)", s1, s2)):
+        if not math.isclose(here, there, rel_tol=SAME):
+            raise ValueError(
+                f"`{names[0]}` and `{names[1]}` must have the same {name} to be coupled, got {here:.6g} and {there:.6g}."
+            )
+
+
+def form_of(law: Law) -> tuple[float, float, float, float]:
+    """Return sigma, n, z_m and x_y of a Bouc-Wen kernel's parameters; an unbounded law has z_m infinite."""
+    alpha, beta, gamma, n = (float(value) for value in law.kernel_parameters()[:4])
+    if beta + gamma <= 0.0:
+        return math.nan, n, math.inf, math.inf
+    bound = (alpha / (beta + gamma)) ** (1.0 / n)
+    return beta / (beta + gamma), n, bound, bound / alpha
+
+
+def elastic_of(law: Law) -> Array:
+    """Return k1, k2, k3 of the elastic part."""
+    elastic = law.kernel_parameters()[4:7]
+    return np.concatenate([elastic, np.zeros(3 - elastic.size)])
+
+
+def asymmetry_of(law: Law) -> float:
+    """Return the exponent lambda of F2 = exp(lambda x) [1/m], 0 for a law that has none."""
+    return float(law.kernel_parameters()[7]) if law.kernel == kernels.ASYMMETRIC_BOUC_WEN else 0.0
+
+
+def rates_of(one: Law, other: Law) -> Array:
+    """Return sigma, n, the bounds z_m and the yield deflections x_y of both laws, (6,)."""
+    (sigma, n, z1, x1), (_, _, z2, x2) = form_of(one), form_of(other)
+    return np.array([sigma, n, z1, z2, x1, x2])
+
+
+def require_path(deflection: npt.ArrayLike) -> Array:
+    """Return a path in the plane (n_t, 2), or raise ValueError if it is none."""
+    path = np.asarray(deflection, dtype=np.float64)
+    if path.ndim != 2 or path.shape[0] < 2 or path.shape[1] != 2 or not np.isfinite(path).all():
+        raise ValueError(f"`deflection` must be at least 2 finite points of the plane, got shape {path.shape}.")
+    return path
+
+
+def traced(law: object, path: Array, found: tuple[Array, Array, Array]) -> PlaneTrace:
+    """Return the trace of a law, or raise ValueError where its force or work is not finite."""
+    force, states, work = found
+    finite = np.isfinite(force).all(axis=1) & np.isfinite(work)
+    if not finite.all():
+        raise ValueError(f"the force of {law} leaves the finite numbers at {path[np.argmin(finite)]} m.")
+    return PlaneTrace(deflection=path, force=force, hysteretic_state=states, work=work)

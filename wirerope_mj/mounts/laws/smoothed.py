@@ -1,0 +1,115 @@
+"""A smooth approximation of a rate-independent law, for what differentiates it at reversals."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.mounts.laws.law import Law, require_positive
+
+
+@dataclass(frozen=True, kw_only=True)
+class Smoothed(Law):
+    """A rate-independent law whose slopes for the two directions blend over a velocity.
+
+        zdot = xdot [s+ (1 + tanh(xdot / width)) + s- (1 - tanh(xdot / width))] / 2
+
+    s+ and s- are the slopes dz/dx of `law` for xdot > 0 and < 0, its force is unchanged. For Bouc-Wen's law it replaces
+    sgn(xdot) by tanh(xdot / width). All terms carry xdot: at rest nothing creeps. Far below the `width` [m/s] the law loses its
+    hysteresis and z its bound. In a motion of frequency w and amplitude A the loop differs from the law's by
+    O((width / (w A))^2): the blend covers a path of that order beside each reversal. A hundredth of the velocity amplitude
+    changes a loop by 1e-4; what is chosen belongs beside every result, for the law now depends on the rate.
+
+    Laws with one state whose rate is a slope times xdot can be smoothed: Bouc and Wen's, Ni's, Ozdemir's, the enhanced dry
+    friction, Vaiana and Rosati's and the tabulated one. It lives in memory alone: an isolator file holds the law itself. A
+    static equilibrium takes z = 0, as after long vibration.
+
+    Source: thesis, summary (its form is not given there).
+    """
+
+    name: ClassVar[str] = "smoothed"
+    kernel: ClassVar[int] = kernels.SMOOTHED
+
+    law: Law
+    width: float
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.law, Law) or not smoothable(self.law):
+            what = self.law.name if isinstance(self.law, Law) else repr(self.law)
+            raise ValueError(f"`law` must have one state whose rate is a slope times the velocity, got {what}.")
+        width = self.width.item() if isinstance(self.width, np.integer | np.floating) else self.width
+        if isinstance(width, bool) or not isinstance(width, int | float) or not np.isfinite(width):
+            raise ValueError(f"`width` must be a finite number, got {self.width!r}.")
+        object.__setattr__(self, "width", float(width))
+        self._validate()
+
+    def _validate(self) -> None:
+        require_positive(self, "width")
+
+    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+        """Return the width, the law's kernel and its parameters."""
+        return np.concatenate([[self.width, float(self.law.kernel)], self.law.kernel_parameters()])
+
+    @property
+    def rate_independent(self) -> bool:
+        """False."""
+        return False
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Nothing of its own: the law has all of the force."""
+        return {}
+
+    def scaled(self, factor: float) -> Self:
+        """Return the smoothed law whose force is `factor` times this one's."""
+        return replace(self, law=self.law.scaled(factor))
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Tangent of the law at its unloaded state [N/m]."""
+        return self.law.initial_stiffness
+
+    @property
+    def damping_coefficient(self) -> float:
+        """Zero: the force itself does not depend on the rate [N s/m]."""
+        return 0.0
+
+    @property
+    def finite_travel(self) -> float:
+        """Deflection up to which the law holds [m]."""
+        return self.law.finite_travel
+
+    @property
+    def travel_ends(self) -> tuple[float, float]:
+        """Deflections below and above zero up to which the law holds [m]."""
+        return self.law.travel_ends
+
+    @property
+    def largest_force(self) -> float:
+        """That of the law [N]: finite without an elastic part."""
+        return self.law.largest_force
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The state of the law."""
+        return self.law.state_names
+
+    def to_dict(self) -> dict[str, Any]:
+        """Raise ValueError: an isolator file holds the law itself."""
+        raise ValueError(
+            "a smoothed law is not written to a file: save the isolator with its `law`, and smooth it in memory."
+        )
+
+
+def smoothable(law: Law) -> bool:
+    """Return whether a law has one state whose rate is a slope times the velocity."""
+    return law.kernel in _SMOOTHABLE and law.rate_independent and law.n_states == 1
+
+
+_SMOOTHABLE = (
+    kernels.BOUC_WEN, kernels.SYMMETRIC_BOUC_WEN, kernels.ASYMMETRIC_BOUC_WEN, kernels.VAIANA_ROSATI, kernels.STOP,
+    kernels.TABULATED,
+)  # fmt: skip

@@ -1,0 +1,180 @@
+"""A bump stop behind a gap."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import PPoly
+from scipy.optimize import brentq
+
+from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
+from wirerope_mj.mounts.laws.stop_kernels import elastic, seated
+from wirerope_mj.mounts.laws.table_cubics import level_cubics, monotone, packed
+
+NEVER = 1e300
+"""Gap of a side without a stop [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stop(Law):
+    """A bump stop: no force within the gap, beyond it one that only pushes.
+
+        depth = -x - gap_below  or  x - gap_above  (whichever is > 0)
+        d = r (t^3 - t^4 / 2) for t = depth / r < 1,  depth - r / 2 beyond             r = rounding
+        F = -+ max(0, f(d) (1 + loss u) + c d' depthdot),   f(d) = k d^exponent, or through the points `depths`, `forces`
+
+    gap_below, gap_above [m], >= 0, None = no stop on that side; the lower one acts in compression. k [N/m^exponent]. Rubber
+    that is round, or soft to begin with, closes over the depth `rounding` [m]: with it the force has two continuous
+    derivatives, without it a corner at the gap. Points (n,) [m] and [N] begin behind the origin and are joined by monotone
+    cubics that leave the origin without a slope; beyond the last they go on straight.
+
+    u = -+w is 1 while the stop is pressed and -1 while it is let go, w' = (xdot - |xdot| w) / reversal with the length
+    `reversal` [m] over which the force passes from one branch to the other. A push to a depth much larger than that and
+    back returns the fraction (1 - loss) / (1 + loss) of its energy, at any rate; with loss <= 1 it never pulls. c [N s/m] is
+    viscous: d' is the slope of d over the depth, so that the force is continuous at the touch, for which it needs
+    `rounding` > 0; a stop that is left faster than it springs back lets go before it has its shape again.
+
+    Passive: f is a potential, viscous force opposes the rate, and what is left of it where it would pull dissipates too; of
+    the hysteretic force see `Tabulated`, whose proof holds for any f >= 0. Source: a gap with a spring and a
+    damper as every multibody code has it; loss and rounding are ours.
+    """
+
+    name: ClassVar[str] = "stop"
+    kernel: ClassVar[int] = kernels.STOP
+
+    gap_below: float | None = None
+    gap_above: float | None = None
+    k: float | None = None
+    exponent: float = 1.0
+    depths: tuple[float, ...] = ()
+    forces: tuple[float, ...] = ()
+    rounding: float = 0.0
+    loss: float = 0.0
+    reversal: float | None = None
+    c: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("depths", "forces"):
+            value = getattr(self, name)
+            if isinstance(value, list | np.ndarray):
+                object.__setattr__(self, name, tuple(value))
+        super().__post_init__()
+
+    def _validate(self) -> None:
+        if self.gap_below is None and self.gap_above is None:
+            raise ValueError("`gap_below` or `gap_above` must be given: a stop acts on at least one side.")
+        require_not_negative(self, *(name for name in ("gap_below", "gap_above") if getattr(self, name) is not None))
+        require_not_negative(self, "rounding", "loss", "c")
+        if (self.k is None) == (not self.depths and not self.forces):
+            raise ValueError("`k`, or `depths` and `forces`, must be given, and not both.")
+        if self.k is not None:
+            require_positive(self, "k")
+            if anywhere(self.exponent < 1.0):
+                raise ValueError(
+                    f"`exponent` must be >= 1, got {self.exponent}: the stop would be infinitely stiff at the touch."
+                )
+        else:
+            self._require_points()
+        if anywhere(self.loss > 1.0):
+            raise ValueError(f"`loss` must be <= 1, got {self.loss}: the stop would pull.")
+        if self.reversal is not None:
+            require_positive(self, "reversal")
+        elif anywhere(self.loss > 0.0):
+            raise ValueError(
+                "`reversal` must be given with `loss`: the length over which the force turns from pressing to letting go."
+            )
+        if anywhere((self.c > 0.0) & (self.rounding == 0.0)):
+            raise ValueError("`rounding` must be > 0 with `c`: the force would jump at the touch.")
+
+    def _require_points(self) -> None:
+        """Raise ValueError unless depths and forces are those of a stop."""
+        if len(self.depths) != len(self.forces):
+            raise ValueError(f"`depths` and `forces` must be as many, got {len(self.depths)} and {len(self.forces)}.")
+        if self.exponent != 1.0:
+            raise ValueError(f"`exponent` must be left out with `depths` and `forces`, got {self.exponent}.")
+        for name in ("depths", "forces"):
+            before = 0.0
+            for value in getattr(self, name):
+                if anywhere(value <= before):
+                    raise ValueError(
+                        f"`{name}` must grow from above 0 on, got {value} after {before}: the origin is the first point."
+                    )
+                before = value
+
+    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+        """Return what `wirerope_mj.mounts.laws.stop_kernels.stop` reads."""
+        inverse = 1.0 if self.reversal is None else 1.0 / self.reversal
+        gaps = [NEVER if gap is None else gap for gap in (self.gap_below, self.gap_above)]
+        own = [inverse, inverse, 0.0, 1.0, self.loss, self.c, *gaps, self.rounding]
+        if self.k is not None:
+            return np.array([*own, self.k, self.exponent, 0.0])
+        constant = level_cubics((), (), 0.0)
+        knots = [self._depth(counted) for counted in self._curve.x]
+        return np.array([*own, 0.0, 1.0, *packed(self._curve, constant, 1.0, 1.0)[4:], *knots])
+
+    @property
+    def _curve(self) -> PPoly:
+        """Force over what counts of the depth; a point before the origin makes it leave that flat."""
+        return monotone(np.array([-1.0, 0.0, *self.depths]), np.array([0.0, 0.0, *self.forces]))
+
+    def _depth(self, counted: float) -> float:
+        """Return the depth of which so much counts [m]; what lies before the touch stays there."""
+        if not 0.0 <= counted < 0.5 * self.rounding:
+            return counted + 0.5 * self.rounding
+        return float(brentq(lambda depth: seated(depth, self.rounding)[0] - counted, 0.0, self.rounding, xtol=1e-300))
+
+    def pressed(self, depth: float) -> float:
+        """Return the elastic force at a depth behind the gap [N]."""
+        return float(elastic(self.kernel_parameters(), 0, seated(depth, self.rounding)[0])) if depth > 0.0 else 0.0
+
+    @property
+    def rate_independent(self) -> bool:
+        """Whether the force does not depend on the rate: without viscous loss."""
+        return self.c == 0.0
+
+    @property
+    def remembers_slow_paths(self) -> bool:
+        """True: viscous loss does not touch the state."""
+        return True
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The state w of the loss, between -1 and 1; none without loss."""
+        return ("w",) if self.loss > 0.0 else ()
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return {"forces" if self.k is None else "k": 1.0, "c": 1.0}
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Tangent at the unloaded state [N/m]: zero but for a linear stop without gap and rounding."""
+        touching = 0.0 in (self.gap_below, self.gap_above) and self.rounding == 0.0 and self.exponent == 1.0
+        return self.k if touching and self.k is not None else 0.0
+
+    @property
+    def closed_stiffness(self) -> float:
+        """Tangent behind gap and rounding [N/m]: k, the steepest of the points' cubics, of a hardening stop 1 mm deep."""
+        if self.k is None:
+            return float(self._curve.derivative()(np.array(self.depths)).max())
+        return self.k * self.exponent * 1e-3 ** (self.exponent - 1.0)
+
+    @property
+    def closed_damping(self) -> float:
+        """Viscous coefficient c [N s/m]."""
+        return self.c
+
+    @property
+    def damping_coefficient(self) -> float:
+        """Zero: within its gap the stop does nothing [N s/m]."""
+        return 0.0
+
+
+def largest_gap(law: Law) -> float:
+    """Return the largest gap of the stops among a law [m], 0 without one."""
+    stops = [part for part in law.components if isinstance(part, Stop)]
+    return max((gap for stop in stops for gap in (stop.gap_below, stop.gap_above) if gap is not None), default=0.0)

@@ -1,0 +1,203 @@
+"""The kernel of a bump stop: its force, and the work along a path that its corners cut into smooth pieces."""
+
+import math
+
+import numpy as np
+
+from wirerope_mj.foundation.jit import njit
+from wirerope_mj.mounts.laws.cubic import position, speed, zero_between
+from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
+from wirerope_mj.mounts.laws.table_kernels import ROW, cubics, row_at
+
+LOSS, VISCOUS, BELOW, ABOVE, ROUNDING, STIFFNESS, EXPONENT, N_POINTS, POINTS = range(4, 13)
+"""Places of a stop's parameters behind 1 / reversal (twice), 0 and 1, which are those of a Bouc-Wen law with n = 1."""
+
+
+_BESIDE = 1e-12
+"""Part of an interval that is passed over where rounding holds a path on a corner."""
+
+_PANELS = 4
+"""Panels at least: within its rounding a hardening stop begins as depth^(3 exponent), which eight points have to 1e-10 then."""
+
+_STEEPEST = 4.0
+"""Largest slope of `graded`."""
+
+
+@njit
+def seated(depth, rounding):
+    """Return what counts of a depth > 0 [m], r (t^3 - t^4 / 2) up to t = depth / r = 1, then depth - r / 2, and its slope."""
+    if depth >= rounding:
+        return depth - 0.5 * rounding, 1.0
+    t = depth / rounding
+    return rounding * t * t * t * (1.0 - 0.5 * t), t * t * (3.0 - 2.0 * t)
+
+
+@njit
+def elastic(p, i, depth):
+    """Return the elastic force of the stop at what counts of its depth [N]."""
+    if p[i + N_POINTS] > 0.0:
+        table = i + N_POINTS - 4  # as in a tabulated law
+        return cubics(p, table, row_at(p, table, depth), depth)[0]
+    if p[i + EXPONENT] == 1.0:
+        return p[i + STIFFNESS] * depth
+    return p[i + STIFFNESS] * depth ** p[i + EXPONENT]
+
+
+@njit
+def stop_force(p, i, x, v, w):
+    """Return the force of a stop [N] with the state w of its loss."""
+    if x < -p[i + BELOW]:
+        side, depth = -1.0, -x - p[i + BELOW]
+    elif x > p[i + ABOVE]:
+        side, depth = 1.0, x - p[i + ABOVE]
+    else:
+        return 0.0
+    counted, share = seated(depth, p[i + ROUNDING])
+    force = elastic(p, i, counted) * (1.0 + p[i + LOSS] * side * w) + p[i + VISCOUS] * share * side * v
+    return side * max(force, 0.0)
+
+
+@njit
+def stop(p, i, x, v, z, j, zdot, k):
+    """Return the force of a stop [N]; the state w of a lossy one follows w' = (v - |v| w) / reversal, the only state.
+
+    p = 1 / reversal, 1 / reversal, 0, 1, loss, c, gap below, gap above, rounding, k, exponent, number n of knots, and of the
+    points what a tabulated law has behind that, then the knots as depths behind the gap (n,).
+    """
+    if p[i + LOSS] == 0.0:
+        return stop_force(p, i, x, v, 0.0)
+    zdot[k] = p[i] * (v - abs(v) * z[j])
+    return stop_force(p, i, x, v, z[j])
+
+
+@njit
+def turned(p, i, w, s, length):
+    """Return the state w after a length in the direction s."""
+    return s + (w - s) * math.exp(-p[i] * length)
+
+
+@njit
+def next_corner(p, i, x, s):
+    """Return the next deflection from x in the direction s where a stop has a corner; infinite if there is none."""
+    best, n = np.inf, int(p[i + N_POINTS])
+    for side in (-1.0, 1.0):
+        gap, r = (p[i + BELOW] if side < 0.0 else p[i + ABOVE]), p[i + ROUNDING]
+        for corner in range(2 + n):
+            depth = 0.0
+            if corner == 1:
+                depth = r
+            elif corner > 1:
+                depth = p[i + POINTS + n + ROW * (n + 1) + corner - 2]
+            ahead = s * (side * (gap + depth) - x)
+            if 0.0 < ahead < best:
+                best = ahead
+    return x + s * best
+
+
+@njit
+def at_touch(p, i, x):
+    """Return whether a stop that is not rounded just touches at a deflection."""
+    return p[i + ROUNDING] == 0.0 and (x == -p[i + BELOW] or x == p[i + ABOVE])
+
+
+@njit
+def graded(u, touch):
+    """Return a part of an interval and its slope over u, 0 to 1: u^4 from a touch at the start (-1) or end (1) of the interval.
+
+    There a force d^exponent is not smooth, and one of u is, as smooth as u^(4 exponent + 3).
+    """
+    if touch == 0:
+        return u, 1.0
+    u = u if touch < 0 else 1.0 - u
+    part = u * u * u * u
+    return (part if touch < 0 else 1.0 - part), _STEEPEST * u * u * u
+
+
+@njit
+def advance_stop(p, i, x0, x1, z, j):
+    """Carry the state of a stop without viscous loss from x0 to x1 in place and return the work done on it [J]."""
+    s, work, x, lossy = 1.0 if x1 > x0 else -1.0, 0.0, x0, p[i + LOSS] > 0.0
+    w = z[j] if lossy else 0.0
+    while x != x1:
+        corner = next_corner(p, i, x, s)
+        end = x1 if s * (corner - x1) >= 0.0 else corner
+        if not -p[i + BELOW] <= 0.5 * (x + end) <= p[i + ABOVE]:
+            # On each panel w is an exponential over at most one of its lengths.
+            length = abs(end - x)
+            panels = _PANELS + (int(min(_STEEPEST * p[i] * length, 160.0)) if lossy else 0)
+            touch = -1 if at_touch(p, i, x) else 1 if at_touch(p, i, end) else 0
+            for panel in range(panels):
+                for node in range(8):
+                    part, weight = graded((panel + NODES[node]) / panels, touch)
+                    here = turned(p, i, w, s, length * part) if lossy else 0.0
+                    force = stop_force(p, i, x + s * length * part, 0.0, here)
+                    work += s * length / panels * WEIGHTS[node] * weight * force
+        if lossy:
+            w = turned(p, i, w, s, abs(end - x))
+        x = end
+    if lossy:
+        z[j] = w
+    return work
+
+
+@njit
+def pull_at(p, i, cubic, t, x0, w, s):
+    """Return the force of a stop before it is kept from pulling [N], > 0 where it pushes; w is its state at x0, direction s."""
+    x, v = position(cubic, t), speed(cubic, t)
+    here = turned(p, i, w, s, abs(x - x0)) if p[i + LOSS] > 0.0 else 0.0
+    side, depth = (-1.0, -x - p[i + BELOW]) if x < 0.0 else (1.0, x - p[i + ABOVE])
+    if depth <= 0.0:
+        return 0.0
+    counted, share = seated(depth, p[i + ROUNDING])
+    return elastic(p, i, counted) * (1.0 + p[i + LOSS] * side * here) + p[i + VISCOUS] * share * side * v
+
+
+@njit
+def letting_go(p, i, cubic, start, end, x0, w, s):
+    """Return where between two instants a viscous stop lets go or takes hold, their ends on either side of it."""
+    rising = pull_at(p, i, cubic, end, x0, w, s) > 0.0
+    for _ in range(60):
+        middle = 0.5 * (start + end)
+        if (pull_at(p, i, cubic, middle, x0, w, s) > 0.0) == rising:
+            end = middle
+        else:
+            start = middle
+    return end
+
+
+@njit
+def pushing_work(p, i, cubic, start, end, x0, w, s):
+    """Return the work over an interval on which a stop either pushes or does not [J]."""
+    work, width = 0.0, end - start
+    for node in range(8):
+        t = start + width * NODES[node]
+        force = max(pull_at(p, i, cubic, t, x0, w, s), 0.0)
+        x = position(cubic, t)
+        work += width * WEIGHTS[node] * speed(cubic, t) * (force if x > 0.0 else -force)
+    return work
+
+
+@njit
+def stop_work(p, i, cubic, start, end, z, j):
+    """Carry the state of a viscous stop in place along a cubic path without a reversal and return the work done on it [J]."""
+    x0, x1, lossy = position(cubic, start), position(cubic, end), p[i + LOSS] > 0.0
+    s, work, t, w, x = 1.0 if x1 > x0 else -1.0, 0.0, start, z[j] if lossy else 0.0, x0
+    while t < end:
+        corner = next_corner(p, i, x, s)  # from the last one on, and not from where rounding holds the path before it
+        until = end
+        if s * (corner - x1) < 0.0:
+            until = zero_between((cubic[0] - corner, cubic[1], cubic[2], cubic[3]), t, end)
+            if until <= t:  # by rounding the path stands on the corner
+                until = min(end, t + _BESIDE * (end - start))
+        panels = _PANELS + (int(min(p[i] * abs(x1 - x0), 40.0)) if lossy else 0)
+        for panel in range(panels):
+            one, two = t + (until - t) * panel / panels, t + (until - t) * (panel + 1) / panels
+            if (pull_at(p, i, cubic, one, x0, w, s) > 0.0) != (pull_at(p, i, cubic, two, x0, w, s) > 0.0):
+                kink = letting_go(p, i, cubic, one, two, x0, w, s)
+                work += pushing_work(p, i, cubic, one, kink, x0, w, s)
+                one = kink
+            work += pushing_work(p, i, cubic, one, two, x0, w, s)
+        t, x = until, corner
+    if lossy:
+        z[j] = turned(p, i, w, s, abs(x1 - x0))
+    return work

@@ -1,0 +1,63 @@
+"""Piecewise cubics of the tabulated law: made from points, handed to its kernel, and the area of a cycle with them."""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from scipy.interpolate import BPoly, PchipInterpolator, PPoly
+
+from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.mounts.laws.path import follow_path
+
+Array = npt.NDArray[np.float64]
+
+
+def monotone(x: Array, values: Array) -> PPoly:
+    """Return the monotone cubics through points."""
+    with np.errstate(over="ignore"):  # a mean of slopes of which one is as good as zero
+        return PchipInterpolator(x, values)
+
+
+def level_cubics(knots: Sequence[float], values: Sequence[float] | Array, scale: float) -> PPoly:
+    """Return values over a scale as a function of |x|, joined by cubics that are level at its knots; constant without any."""
+    if len(values) == 0 or scale == 0.0:
+        return PPoly(np.zeros((1, 1)), np.array([-1.0, 1.0]))
+    ends = np.concatenate([-np.array(knots)[::-1], knots])
+    shares = np.concatenate([np.array(values)[::-1], values]) / scale
+    return PPoly.from_bernstein_basis(BPoly.from_derivatives(ends, np.column_stack([shares, np.zeros_like(shares)])))
+
+
+def held(x: Array, curve: PPoly) -> Array:
+    """Return deflections, those beyond the ends of a curve moved there."""
+    return np.clip(x, curve.x[0], curve.x[-1])
+
+
+def packed(curve: PPoly, share: PPoly, z_max: float, x_y: float) -> Array:
+    """Return the kernel's parameters of a law with M and g, `curve` and `share`."""
+    knots = np.union1d(curve.x, share.x)
+    rows = np.zeros((knots.size + 1, 8))
+    factorials = (1.0, 1.0, 2.0, 6.0)
+    for first, poly in ((0, curve), (4, share)):
+        at = held(knots, poly)
+        for power in range(4):
+            rows[1:, first + power] = poly(at, power) / factorials[power]
+    # Outside both are what they are at their ends; M goes straight on.
+    below, above = knots < curve.x[0], knots >= curve.x[-1]
+    for outside, end in ((below, curve.x[0]), (above, curve.x[-1])):
+        rows[1:][outside, 0] = curve(end) + curve(end, 1) * (knots[outside] - end)
+        rows[1:][outside, 1] = curve(end, 1)
+        rows[1:][outside, 2:4] = 0.0
+    rows[1:][(knots < share.x[0]) | (knots >= share.x[-1]), 5:] = 0.0
+    rows[0] = rows[1]
+    rows[0, [2, 3, 5, 6, 7]] = 0.0
+    return np.concatenate([[z_max / x_y, 1.0 / x_y, 0.0, 1.0, knots.size], knots, rows.ravel()])
+
+
+def cycle_area(knots: Sequence[float], widths: Array, amplitude: float, x_y: float) -> float:
+    """Return the area of a closed cycle about zero with half widths [N] at knots of |x| [J]."""
+    elastic = PPoly(np.zeros((1, 1)), np.array([-1.0, 1.0]))
+    # Unit bound of z: g takes the widths themselves.
+    p = packed(elastic, level_cubics(knots, widths, 1.0), 1.0, x_y)
+    path = np.array([-amplitude, amplitude, -amplitude])
+    return float(follow_path(kernels.TABULATED, p, path, np.array([-math.tanh(amplitude / x_y)]), 1)[2][-1])

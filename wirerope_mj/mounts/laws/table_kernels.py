@@ -1,0 +1,93 @@
+"""The tabulated law: two piecewise cubics of the deflection, one of them times a Bouc-Wen state with n = 1 and gamma = 0.
+
+p = alpha, beta, 0, 1, number m of knots, knots (m,), coefficients (m + 1, 8): before the first knot, and from each knot on.
+The coefficients are those of M and then of g in ascending powers of the distance from the knot, the first for both rows there.
+"""
+
+import math
+
+from wirerope_mj.foundation.jit import njit
+from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
+
+ROW = 8
+"""Coefficients from one knot to the next: four of M, four of g."""
+
+_SHORT = 2.0
+"""Lengths of 1 / beta up to which the quadrature of eight points has a cubic times an exponential to rounding."""
+
+
+@njit
+def row_at(p, i, x):
+    """Return how many knots are at or below a deflection: the number of its row of coefficients."""
+    low, high, knots = 0, int(p[i + 4]), i + 5
+    while low < high:
+        middle = (low + high) // 2
+        if p[knots + middle] <= x:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@njit
+def cubics(p, i, row, x):
+    """Return M [N] and g [-] of a row of coefficients at a deflection."""
+    m = int(p[i + 4])
+    c = i + 5 + m + ROW * row
+    d = x - p[i + 5 + max(row - 1, 0)]
+    mean = p[c] + d * (p[c + 1] + d * (p[c + 2] + d * p[c + 3]))
+    return mean, p[c + 4] + d * (p[c + 5] + d * (p[c + 6] + d * p[c + 7]))
+
+
+@njit
+def tabulated(p, i, x, v, z, j, zdot, k):
+    """Return F = M(x) + g(x) z [N] with zdot = alpha v - beta |v| z."""
+    zdot[k] = p[i] * v - p[i + 1] * abs(v) * z[j]
+    mean, share = cubics(p, i, row_at(p, i, x), x)
+    return mean + share * z[j]
+
+
+@njit
+def decaying(p, i, row, x, s, length):
+    """Return the integral of g exp(-beta l) over the length l [m] from x in the direction s, inside one row.
+
+    By parts it is the sum of the derivatives of g at the start, less those at the end times exp(-beta l), over beta^(n+1).
+    """
+    rate, total = p[i + 1], 0.0
+    if rate * length <= _SHORT:  # where these terms would cancel
+        for node in range(8):
+            _, share = cubics(p, i, row, x + s * length * NODES[node])
+            total += WEIGHTS[node] * share * math.exp(-rate * length * NODES[node])
+        return total * length
+    m = int(p[i + 4])
+    c, knot, fade = i + 9 + m + ROW * row, p[i + 5 + max(row - 1, 0)], math.exp(-rate * length)
+    for end in range(2):
+        d = x - knot + end * s * length
+        value = p[c] + d * (p[c + 1] + d * (p[c + 2] + d * p[c + 3]))
+        slope = s * (p[c + 1] + d * (2.0 * p[c + 2] + 3.0 * d * p[c + 3]))
+        bend, jerk = 2.0 * p[c + 2] + 6.0 * d * p[c + 3], 6.0 * s * p[c + 3]
+        total += (1.0 - 2.0 * end) * (fade if end else 1.0) * (value + (slope + (bend + jerk / rate) / rate) / rate)
+    return total / rate
+
+
+@njit
+def advance_table(p, i, x0, x1, z, j):
+    """Carry the state in `z[j]` in place from deflection x0 to x1 and return the work done on the law [J]."""
+    s = 1.0 if x1 >= x0 else -1.0
+    bound, knots, m, work = s * p[i] / p[i + 1], i + 5, int(p[i + 4]), 0.0
+    row, x = row_at(p, i, x0), x0
+    while x != x1:
+        end, ahead = x1, row if s > 0.0 else row - 1
+        if 0 <= ahead < m and abs(p[knots + ahead] - x) < abs(x1 - x):
+            end = p[knots + ahead]
+        length = abs(end - x)
+        if length > 0.0:
+            elastic = 0.0
+            for node in range(8):
+                mean, share = cubics(p, i, row, x + s * length * NODES[node])
+                elastic += WEIGHTS[node] * (mean + share * bound)
+            away = z[j] - bound
+            work += s * (elastic * length + away * decaying(p, i, row, x, s, length))
+            z[j] = bound + away * math.exp(-p[i + 1] * length)
+        x, row = end, row + (1 if s > 0.0 else -1)
+    return work

@@ -1,0 +1,161 @@
+"""Vaiana and Rosati's rate-independent law."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
+
+from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.mounts.laws.law import Law, anywhere
+
+_NAMES = ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")
+
+
+@dataclass(frozen=True, kw_only=True)
+class VaianaRosati(Law):
+    """Vaiana and Rosati's law: while the deflection grows or falls, the force approaches an upper or a lower limit curve.
+
+        xdot > 0:  F = U(x) - [U(x_P) - F_P] exp(-alpha (x - x_P)),          U = fe(x) + kb x + f0
+        xdot < 0:  F = L(x) - [L(x_P) - F_P] exp(+alpha_minus (x - x_P)),    L = fe_minus(x) + kb_minus x - f0_minus
+        fe(x) = b1 (exp(b2 x) - 1) + 4 g1 / (1 + exp(-g2 (x - g3))) - 2 g1
+
+    with any earlier point (x_P, F_P) of the branch, so that a branch is exact in one step. kb [N/m], f0 [N], alpha [1/m],
+    b1 [N], b2 [1/m], g1 [N], g2 [1/m], g3 [m]; `..._minus` are those of the lower curve; where they are not given they are
+    the same, and vary with them. b1 and b2 harden one side, g1 to g3 bend both. Both curves are shifted by one force, so that
+    their mean m is zero at x = 0 where the unloaded isolator stands; F = m(x) + z. With f0 = f0_minus and g3 = 0 that
+    force is none.
+
+    With the same parameters both ways it is kb x + fe(x) beside Bouc-Wen's z with n = 1, gamma = 0, beta = alpha and the slope
+    alpha f0: passive if kb, b1 b2 and g1 g2 are not negative. Different parameters describe measured loops but not a passive
+    law: the unloaded state need not be the one to which small vibrations lead, so that work can be drawn from it once. Where
+    the two curves cross, the law ends (`finite_travel`).
+
+    Source: N. Vaiana, public slides on the Vaiana-Rosati model, analytical and differential form (2023).
+    """
+
+    name: ClassVar[str] = "vaiana-rosati"
+    kernel: ClassVar[int] = kernels.VAIANA_ROSATI
+    travel_rule: ClassVar[str] = "its limit curves cross"
+    leaders: ClassVar[Mapping[str, str]] = {f"{name}_minus": name for name in _NAMES}
+
+    kb: float
+    f0: float
+    alpha: float
+    b1: float = 0.0
+    b2: float = 0.0
+    g1: float = 0.0
+    g2: float = 0.0
+    g3: float = 0.0
+    kb_minus: float | None = None
+    f0_minus: float | None = None
+    alpha_minus: float | None = None
+    b1_minus: float | None = None
+    b2_minus: float | None = None
+    g1_minus: float | None = None
+    g2_minus: float | None = None
+    g3_minus: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in _NAMES:
+            if getattr(self, f"{name}_minus") is None:
+                object.__setattr__(self, f"{name}_minus", getattr(self, name))
+        super().__post_init__()
+
+    def _validate(self) -> None:
+        for name in ("f0", "alpha", "f0_minus", "alpha_minus"):
+            if anywhere(getattr(self, name) <= 0.0):
+                raise ValueError(f"`{name}` must be > 0, got {getattr(self, name)}: the law would not dissipate.")
+        gap = np.min(self._gap(0.0))
+        if gap <= 0.0:
+            raise ValueError(
+                f"the upper limit curve must lie above the lower one, but at zero it lies {-gap:.6g} N below."
+            )
+
+    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+        """Return the parameters of the upper curve, of the lower curve, and the mean of both at zero."""
+        upper, lower, _, _ = self._limits(0.0)
+        return np.array([*self._parameters, 0.5 * (upper + lower)])
+
+    @property
+    def _parameters(self) -> list[Any]:
+        """Parameters of the upper curve, then those of the lower one."""
+        return [getattr(self, name + side) for side in ("", "_minus") for name in _NAMES]
+
+    def _limits(self, x: float) -> tuple[float, float, float, float]:
+        """Return the upper and the lower limit curve at x [N] and their slopes [N/m]."""
+        p = np.array(self._parameters)
+        upper, upper_slope = kernels.limit_curve(p, 0, x)
+        lower, lower_slope = kernels.limit_curve(p, 8, x)
+        return upper + p[1], lower - p[9], upper_slope, lower_slope
+
+    def _gap(self, x: Any) -> Any:
+        """Return the distance of the limit curves at x [N]; x may be an array, and so may the parameters."""
+        p = self._parameters
+        with np.errstate(over="ignore", invalid="ignore"):
+            upper, lower = (
+                b1 * np.expm1(b2 * x) + 2.0 * g1 * np.tanh(0.5 * g2 * (x - g3)) + kb * x
+                for kb, _, _, b1, b2, g1, g2, g3 in (p[:8], p[8:])
+            )
+            return upper + p[1] - (lower - p[9])
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The force z from the mean of the limit curves."""
+        return ("z",)
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return {name + side: 1.0 for name in ("kb", "f0", "b1", "g1") for side in ("", "_minus")}
+
+    @property
+    def z_max(self) -> float:
+        """Half the distance of the limit curves at zero [N], the bound of z if both have the same shape."""
+        return 0.5 * float(self._gap(0.0))
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Larger of the tangents upwards and downwards at the unloaded state [N/m]."""
+        _, _, upper_slope, lower_slope = self._limits(0.0)
+        return max(upper_slope + self.alpha * self.z_max, lower_slope + self._parameters[10] * self.z_max)
+
+    @property
+    def damping_coefficient(self) -> float:
+        """Zero: the force does not depend on the rate [N s/m]."""
+        return 0.0
+
+    @property
+    def finite_travel(self) -> float:
+        """Smallest deflection to either side at which the limit curves cross [m]; infinite if they never do."""
+        p = self._parameters
+        if all(np.array_equal(p[i], p[i + 8]) for i in (0, 3, 4, 5, 6, 7)):
+            return math.inf
+        if any(isinstance(value, np.ndarray) for value in p):
+            raise TypeError("where limit curves cross is sought for one law at a time.")
+        growth = max(abs(p[4]), abs(p[12]))
+        lengths = [1.0 / abs(p[i]) for i in (4, 6, 12, 14) if p[i]] + [abs(p[i]) for i in (7, 15) if p[i]]
+        if p[0] != p[8]:
+            lengths.append(self._gap(0.0) / abs(p[0] - p[8]))
+        # From far below the shortest length over which a curve changes to far beyond the longest; exp() ends at 700.
+        farthest = min(1e2 * max(lengths), 700.0 / growth if growth else math.inf)
+        steps = np.geomspace(1e-3 * min(lengths), farthest, 2000)
+        crossings = []
+        for sign in (-1.0, 1.0):
+            gaps = self._gap(sign * steps)
+            if (gaps <= 0.0).any():
+                first = int(np.argmax(gaps <= 0.0))
+                inside = steps[first - 1] if first else 0.0
+                crossings.append(float(brentq(lambda x, s=sign: self._gap(s * x), inside, steps[first], xtol=1e-15)))
+        return min(crossings, default=math.inf)
+
+    def _check_path(self, path: npt.NDArray[np.float64]) -> None:
+        super()._check_path(path)
+        limit, reach = self.finite_travel, float(np.abs(path).max())
+        if reach > limit:
+            raise ValueError(
+                f"the limit curves of {self.name} cross at a deflection of {limit:.6g} m, and the path leads to {reach:.6g} m."
+            )

@@ -1,0 +1,113 @@
+"""Linear viscoelastic laws, as of rubber and leaf-spring mounts."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
+
+
+@dataclass(frozen=True, kw_only=True)
+class KelvinVoigt(Law):
+    """Kelvin-Voigt law F = k x + c xdot, k [N/m], c [N s/m]; complex stiffness k + i omega c, loss factor omega c / k."""
+
+    name: ClassVar[str] = "kelvin-voigt"
+    kernel: ClassVar[int] = kernels.KELVIN_VOIGT
+
+    k: float
+    c: float
+
+    def _validate(self) -> None:
+        require_not_negative(self, "k", "c")
+        if anywhere((self.k == 0.0) & (self.c == 0.0)):
+            raise ValueError("`k` and `c` must not both be 0: leave the axis out of the isolator instead.")
+
+    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+        """Return k, c."""
+        return np.array([self.k, self.c])
+
+    @property
+    def rate_independent(self) -> bool:
+        """False."""
+        return False
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return {"k": 1.0, "c": 1.0}
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Stiffness k [N/m]."""
+        return self.k
+
+    @property
+    def damping_coefficient(self) -> float:
+        """Damping c [N s/m]."""
+        return self.c
+
+
+@dataclass(frozen=True, kw_only=True)
+class Zener(Law):
+    """Zener's law, the standard linear solid: a spring k0 beside a spring k1 [N/m] in series with a damper c [N s/m].
+
+        F = k0 x + z,   zdot = k1 xdot - (k1 / c) z
+
+    z is the force of the branch with the damper. Complex stiffness k0 + k1 i w / (k1 / c + i w), so that the stiffness grows
+    from k0 at rest to k0 + k1; the loss factor is largest, k1 / (2 sqrt(k0 (k0 + k1))), at
+    w = (k1 / c) sqrt(k0 / (k0 + k1)) [rad/s]. A static load is carried by k0 alone.
+    """
+
+    name: ClassVar[str] = "zener"
+    kernel: ClassVar[int] = kernels.ZENER
+
+    k0: float
+    k1: float
+    c: float
+
+    def _validate(self) -> None:
+        require_not_negative(self, "k0")
+        require_positive(self, "k1", "c")
+
+    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+        """Return k0, k1, k1 / c."""
+        return np.array([self.k0, self.k1, self.relaxation_rate])
+
+    @property
+    def state_names(self) -> tuple[str, ...]:
+        """The force z of the branch with the damper."""
+        return ("z",)
+
+    @property
+    def rate_independent(self) -> bool:
+        """False."""
+        return False
+
+    @property
+    def force_powers(self) -> Mapping[str, float]:
+        """Power of force in the unit of each parameter."""
+        return {"k0": 1.0, "k1": 1.0, "c": 1.0}
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Stiffness against a sudden deflection, k0 + k1 [N/m]."""
+        return self.k0 + self.k1
+
+    @property
+    def damping_coefficient(self) -> float:
+        """Zero: the damper acts through the spring k1 [N s/m]."""
+        return 0.0
+
+    @property
+    def relaxation_rate(self) -> float:
+        """Rate k1 / c at which the damper lets its branch's force decay [1/s]."""
+        return self.k1 / self.c
+
+    @property
+    def largest_force(self) -> float:
+        """Zero at rest if k0 is, else infinite [N]."""
+        return 0.0 if self.k0 == 0.0 else float("inf")

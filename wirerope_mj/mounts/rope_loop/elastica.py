@@ -1,0 +1,98 @@
+"""A whole rope loop between two bars: energy, force and moment for a deflection and a turn of the payload's bar."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.rope_loop.half_loop import HalfLoop
+from wirerope_mj.mounts.rope_loop.shape import LoopShape
+
+Array = npt.NDArray[np.float64]
+
+LARGEST_REACH = 0.95
+"""Distance of the clamped ends over the rope's length up to which a loop is solved: beyond, an inextensible rope is taut,
+its force goes to infinity, and a real one is held by what it stretches and by how it is clamped."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopState:
+    """A loop of EI = 1 N m^2 held at deflections; multiply by EI [N m^2] and by the number of loops.
+
+    Attributes:
+        energy: of bending [J], of the shape of the deflections.
+        roll_force: restoring force, +k x for a spring [N].
+        axial_force: the same; positive in tension [N].
+        moment: restoring moment about the middle of the payload's bar, about the shear axis [N m].
+    """
+
+    energy: Array
+    roll_force: Array
+    axial_force: Array
+    moment: Array
+
+
+class RopeLoop:
+    """A planar loop of inextensible, naturally curved rope with its two halves clamped in both bars.
+
+    Attributes:
+        shape: of the half loop.
+    """
+
+    def __init__(self, shape: LoopShape, elements: int | None = None) -> None:
+        self.shape = shape
+        self._half = HalfLoop(shape, elements)
+
+    def state(self, roll: npt.ArrayLike, axial: npt.ArrayLike, turn: npt.ArrayLike = 0.0) -> LoopState:
+        """Return energy, force and moment for EI = 1 N m^2, each of the common shape of the arguments.
+
+        Args:
+            roll: deflection of the payload's bar minus the base's, across the bars [m].
+            axial: the same along the axial axis [m], positive in tension.
+            turn: of the payload's bar about the shear axis, through its middle [rad], right-handed: it lowers the end of
+                the bar on the side of positive roll.
+
+        Raises:
+            ValueError: the rope is taut (`LARGEST_REACH`), or an argument is not finite.
+            ConvergenceError: no equilibrium is found on the straight way from the unloaded loop.
+        """
+        u, w, t = (np.asarray(part, dtype=float) for part in np.broadcast_arrays(roll, axial, turn))
+        # The other half is a mirror image: roll and turn change their signs in it.
+        side = np.repeat([1.0, -1.0], u.size)
+        across, along, turned = side * np.tile(u.ravel(), 2), np.tile(w.ravel(), 2), side * np.tile(t.ravel(), 2)
+        arm = self.shape.arm
+        moved = np.column_stack([across + arm * (np.cos(turned) - 1.0), along - arm * np.sin(turned)])
+        self._require_slack(moved)
+        half = self._half.move(moved, -turned)
+        lever = -arm * (half.force[:, 0] * np.sin(turned) + half.force[:, 1] * np.cos(turned))
+        moment = side * (lever - half.moment)
+        parts = (half.energy, side * half.force[:, 0], half.force[:, 1], moment)
+        energy, roll_force, axial_force, turning = (part.reshape(2, *u.shape).sum(axis=0) for part in parts)
+        return LoopState(energy=energy, roll_force=roll_force, axial_force=axial_force, moment=turning)
+
+    def stiffness(self) -> Array:
+        """Return the matrix of small deflections about the unloaded loop (roll, axial, turn) for EI = 1 N m^2, (3, 3).
+
+        Units N/m, N and N m/rad; from central differences of the force. Turn is that of `state`, about the payload's bar.
+        """
+        length = self.shape.length
+        # A ten-thousandth of the length: the differences err by its square, rounding by 1e-12 over it.
+        steps = np.array([1e-4 * length, 1e-4 * length, 1e-4])
+        points = np.concatenate([np.diag(steps), -np.diag(steps)])
+        state = self.state(points[:, 0], points[:, 1], points[:, 2])
+        answers = np.stack([state.roll_force, state.axial_force, state.moment], axis=1)
+        matrix = (answers[:3] - answers[3:]).T / (2.0 * steps)
+        return 0.5 * (matrix + matrix.T)
+
+    def _require_slack(self, moved: Array) -> None:
+        """Raise ValueError unless every half has more rope than the distance of its ends."""
+        if not np.all(np.isfinite(moved)):
+            raise ValueError("`roll`, `axial` and `turn` must be finite.")
+        reach = np.linalg.norm(moved + np.array(self.shape.span), axis=1) / self.shape.length
+        if np.any(reach > LARGEST_REACH):
+            worst = moved[np.argmax(reach)]
+            raise ValueError(
+                f"the rope is taut: a deflection of {1e3 * worst[0]:.6g} mm in roll and {1e3 * worst[1]:.6g} mm in axial "
+                f"direction needs {100.0 * reach.max():.4g} % of the free rope; a loop is solved up to "
+                f"{100.0 * LARGEST_REACH:g} %. It is taut at {1e3 * self.shape.taut():.6g} mm without roll."
+            )

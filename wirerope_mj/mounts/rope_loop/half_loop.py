@@ -1,0 +1,158 @@
+"""Equilibrium of many half loops at once: Newton's method for the directions of the rope under its two end conditions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.mounts.rope_loop.elements import Mesh, default_elements, mesh
+from wirerope_mj.mounts.rope_loop.shape import LoopShape
+
+Array = npt.NDArray[np.float64]
+
+_CONVERGED = 1e-10
+"""Change of the directions [rad] after which one more step of Newton, which squares it, leaves rounding only."""
+_ITERATIONS = 12
+_FIRST_STEP, _SMALLEST_STEP = 0.1, 1e-3
+"""Of the way that is gone at once: the ends first move by a tenth of the rope's length; steps that had to become less than a
+thousandth of that end it."""
+_TURN = 0.5
+"""Largest change of a direction in one step [rad]: more may jump to another equilibrium."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HalfState:
+    """Equilibria of m half loops with EI = 1 N m^2; moved by the payload's bar, which they pull back.
+
+    Attributes:
+        direction: of the rope at the nodes [rad], (m, n).
+        energy: of bending [J], (m,).
+        force: on the clamped end in the payload's bar that holds it there, roll and axial [N], (m, 2).
+        moment: bending moment at that end [N m], positive where the rope turns more than unloaded, (m,).
+    """
+
+    direction: Array
+    energy: Array
+    force: Array
+    moment: Array
+
+
+class HalfLoop:
+    """An inextensible rope of EI = 1 N m^2, naturally curved, clamped at both ends, in its plane (Euler's elastica).
+
+    With the direction theta(s) it has the energy 1/2 integral (theta' - kappa_0)^2 ds; the ends' distance is the integral of
+    (cos theta, sin theta), kept by two multipliers, which are the force: it is the gradient of the discrete energy exactly.
+    """
+
+    def __init__(self, shape: LoopShape, elements: int | None = None) -> None:
+        self.shape = shape
+        self.mesh: Mesh = mesh(shape, default_elements(shape) if elements is None else elements)
+        weighted = self.mesh.slope * self.mesh.weight[:, None]
+        self._stiffness = weighted.T @ self.mesh.slope
+        self._bent = weighted.T @ self.mesh.curvature
+
+    def move(self, displacement: Array, turn: Array) -> HalfState:
+        """Return the equilibria after the clamped end has moved straight from the unloaded place.
+
+        Args:
+            displacement: of the end, roll and axial [m], (m, 2).
+            turn: of its direction [rad], (m,).
+
+        Raises:
+            ConvergenceError: no equilibrium was found on the way; says where.
+        """
+        m = len(displacement)
+        goal = np.column_stack([displacement / self.shape.length, turn])
+        direction, force = np.tile(self.mesh.natural, (m, 1)), np.zeros((m, 2))
+        done = np.zeros(m)
+        size = np.max(np.abs(goal), axis=1, initial=1e-12)
+        step = np.minimum(1.0, _FIRST_STEP / size)
+        while (active := np.flatnonzero(done < 1.0)).size:
+            trial = np.minimum(1.0, done[active] + step[active])
+            found = self.settle(direction[active], force[active], trial[:, None] * goal[active])
+            new_direction, new_force, converged = found
+            calm = np.max(np.abs(new_direction - direction[active]), axis=1, initial=0.0) < _TURN
+            good = converged & calm
+            kept = active[good]
+            direction[kept], force[kept], done[kept] = new_direction[good], new_force[good], trial[good]
+            step[kept] *= 1.5
+            step[active[~good]] *= 0.5
+            if np.any(stuck := step < _SMALLEST_STEP * np.minimum(1.0, _FIRST_STEP / size)):
+                raise ConvergenceError(self._lost(displacement[stuck][0], turn[stuck][0], done[stuck][0]))
+        return self._state(direction, force)
+
+    def settle(self, direction: Array, force: Array, goal: Array) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
+        """Return directions, forces and whether they are an equilibrium, by Newton's method from a guess.
+
+        Args:
+            direction: guess at the nodes [rad], (m, n).
+            force: guess, with the length of the rope as unit of length, (m, 2).
+            goal: of the end: displacement in lengths of the rope, change of direction [rad], (m, 3).
+        """
+        direction, force = direction.copy(), force.copy()
+        direction[:, 0] = self.mesh.natural[0]
+        direction[:, -1] = self.mesh.natural[-1] + goal[:, 2]
+        place = np.array(self.shape.span) / self.shape.length + goal[:, :2]
+        converged = np.zeros(len(direction), dtype=bool)
+        left = np.arange(len(direction))
+        for _ in range(_ITERATIONS):
+            change = self._newton_step(direction[left], force[left], place[left])
+            largest = np.max(np.abs(change[:, :-2]), axis=1, initial=0.0)
+            damped = np.minimum(1.0, _TURN / np.maximum(largest, 1e-300))[:, None]
+            direction[left, 1:-1] += damped * change[:, :-2]
+            force[left] += damped * change[:, -2:]
+            converged[left] = largest < _CONVERGED
+            left = left[np.isfinite(largest) & (largest >= _CONVERGED)]
+            if not left.size:
+                break
+        return direction, force, converged
+
+    def _newton_step(self, direction: Array, force: Array, place: Array) -> Array:
+        """Return the change of the inner directions and of the force, (m, n - 2 + 2)."""
+        cosine, sine, pulls, misses = self._ends(direction, place)
+        inner = direction.shape[1] - 2
+        bend = np.einsum("mq,qi,qj->mij", (force[:, :1] * cosine + force[:, 1:] * sine) * self.mesh.weight,
+                         self.mesh.value[:, 1:-1], self.mesh.value[:, 1:-1], optimize=True)  # fmt: skip
+        matrix = np.zeros((len(direction), inner + 2, inner + 2))
+        matrix[:, :inner, :inner] = self._stiffness[1:-1, 1:-1] + bend
+        matrix[:, :inner, inner:] = -pulls[:, 1:-1]
+        matrix[:, inner:, :inner] = -np.swapaxes(pulls[:, 1:-1], 1, 2)
+        rest = np.concatenate([self._unbalanced(direction, force, pulls)[:, 1:-1], -misses], axis=1)
+        try:
+            return np.linalg.solve(matrix, -rest[:, :, None])[:, :, 0]
+        except np.linalg.LinAlgError:  # one singular matrix among many: none of this step is used, smaller ones follow
+            return np.full_like(rest, np.nan)
+
+    def _ends(self, direction: Array, place: Array) -> tuple[Array, Array, Array, Array]:
+        """Return cos, sin of the directions (m, q), the ends' distance by direction (m, n, 2) and what it misses (m, 2)."""
+        angle = direction @ self.mesh.value.T
+        cosine, sine = np.cos(angle), np.sin(angle)
+        weight = self.mesh.weight
+        pulls = np.stack([-(sine * weight) @ self.mesh.value, (cosine * weight) @ self.mesh.value], axis=2)
+        return cosine, sine, pulls, np.stack([cosine @ weight, sine @ weight], axis=1) - place
+
+    def _unbalanced(self, direction: Array, force: Array, pulls: Array) -> Array:
+        """Return the gradient of energy minus force times distance, (m, n); at the last node it is the end's moment."""
+        return direction @ self._stiffness - self._bent - np.einsum("mnk,mk->mn", pulls, force)
+
+    def _state(self, direction: Array, force: Array) -> HalfState:
+        """Return equilibria in units of metres."""
+        length = self.shape.length
+        strain = direction @ self.mesh.slope.T - self.mesh.curvature
+        _, _, pulls, _ = self._ends(direction, np.zeros((len(direction), 2)))
+        return HalfState(
+            direction=direction,
+            energy=0.5 * (strain**2 @ self.mesh.weight) / length,
+            force=force / length**2,
+            moment=self._unbalanced(direction, force, pulls)[:, -1] / length,
+        )
+
+    def _lost(self, displacement: Array, turn: float, done: float) -> str:
+        """Return where a rope was lost."""
+        roll, axial = 1e3 * displacement
+        return (
+            f"the rope loop finds no equilibrium beyond {100.0 * done:.3g} % of the way to {roll:.6g} mm in roll, "
+            f"{axial:.6g} mm in axial direction and a turn of {np.degrees(turn):.4g} degrees; one half is taut at "
+            f"{1e3 * self.shape.taut(float(displacement[0])):.6g} mm in axial direction."
+        )

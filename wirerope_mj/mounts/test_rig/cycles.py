@@ -1,0 +1,201 @@
+"""Long records cut into cycles: the steady loop of every amplitude and operating point that a test held."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.foundation.csv_units import LARGEST
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.mounts.laws import Loop
+from wirerope_mj.mounts.test_rig.averaging import Cycle, cycle_to, mean_loop, whole_record
+from wirerope_mj.mounts.test_rig.clipping import require_falling, require_unclipped
+from wirerope_mj.mounts.test_rig.noise import is_noise, no_cycle_text
+from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_likely, require_nominal
+from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
+from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points
+
+Array = npt.NDArray[np.float64]
+Place = Callable[[int, int], str]
+
+KEPT = 3
+"""Last cycles whose mean is the loop: noise is halved nearly, and what fades from cycle to cycle has faded most."""
+
+_FEWEST = 12  # samples in a cycle: fewer do not show how its branches bend
+_ALIKE = 0.05  # share by which strokes of one run may differ: amplitudes that a test tells apart differ by more
+_AT_ENDS = 0.02  # the same for the strokes that a record begins and ends with, which may stop short of turning round
+_REPEATS = 0.02  # of the amplitude, root mean square: cycles that repeat the deflection less well are not averaged
+_UNLOADED = 0.05  # of its range, within which a record begins at the unloaded device
+
+
+def read_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
+    """Return the steady loops of a measured cyclic test of any length, in the order of the file.
+
+    The file is that of `read_cyclic_test`, but its rows, or those with one value of `loop` or `amplitude`, may hold any
+    number of cycles, amplitudes and operating points one after the other. See `steady_loops` for what is made of them.
+
+    Args:
+        path: of the file.
+        stop: whether the device is a bare bump stop: without force within its gap, and without area if it is elastic.
+
+    Raises:
+        RecordError: names file and lines, what stands there and what is expected.
+    """
+    path = Path(path)
+    loops = []
+    for samples in read_rows(path):
+
+        def place(first: int, last: int, samples: Samples = samples) -> str:
+            return f"{path}, lines {samples.lines[first]} to {samples.lines[last]}"
+
+        try:
+            time = np.array(samples.time) if samples.time else None
+            found = _steady(np.array(samples.deflection), np.array(samples.force), time, place, stop)
+            for loop in found:
+                require_nominal(samples, loop.amplitude, place(0, len(samples.lines) - 1))
+                require_likely(loop.amplitude, place(0, len(samples.lines) - 1))
+        except ValueError as error:
+            raise RecordError(str(error)) from None
+        loops += found
+    return loops
+
+
+def steady_loops(
+    deflection: npt.ArrayLike, force: npt.ArrayLike, *, time: npt.ArrayLike | None = None, stop: bool = False
+) -> list[Loop]:
+    """Return one loop for every run of like cycles in a record.
+
+    Turning points are reversals of the smoothed deflection by more than its noise and by more than 1 % of its range. Strokes
+    of one length that follow each other are a run. Of its last three cycles the mean is taken at equal phases, as far
+    as they repeat each other. A zero of the force that drifts linearly is taken out, by the mean forces of these cycles;
+    of a single one, so that it closes.
+
+    Of a record that begins at the unloaded device, as one with a ramp to the operating point does, each loop keeps the turning
+    points before it, so that laws can be led the same way and cycles need not be steady; of others, loops count as steady.
+
+    Loops hold 200 samples, fewer if the record has fewer, and end with their first sample; `cycles` counts the run's, and
+    `closure` says how far apart the ends of the last cycle stand without the drift.
+
+    Args:
+        deflection: record [m], (n_t,).
+        force: restoring force [N], (n_t,).
+        time: increasing [s], (n_t,); None: the samples are uniform.
+        stop: whether the device is a bare bump stop: without force within its gap, and without area if it is elastic.
+
+    Raises:
+        ValueError: there is no full cycle, the deflection does not move, the force is clipped or works the wrong way.
+    """
+    x, f = np.asarray(deflection, dtype=np.float64), np.asarray(force, dtype=np.float64)
+    t = None if time is None else np.asarray(time, dtype=np.float64)
+    if x.ndim != 1 or x.shape != f.shape or not ((np.abs(x) <= LARGEST).all() and (np.abs(f) <= LARGEST).all()):
+        raise ValueError(
+            f"`deflection` and `force` must be finite series of one length, without a value beyond {LARGEST:.0e}, got shapes "
+            f"{x.shape} and {f.shape}."
+        )
+    if t is not None and (t.shape != x.shape or not np.isfinite(t).all() or (np.diff(t) <= 0.0).any()):
+        raise ValueError("`time` must be finite, as long as `deflection`, and increase from sample to sample.")
+    return _steady(x, f, t, lambda first, last: f"samples {first} to {last}", stop)
+
+
+def _steady(x: Array, f: Array, time: Array | None, place: Place, stop: bool) -> list[Loop]:
+    """Return the loops of a record; `place` says in words where samples stand."""
+    whole = place(0, x.size - 1) if x.size else "the record"
+    if x.size < _FEWEST:
+        raise ValueError(f"{whole}: {x.size} samples; one cycle needs at least {_FEWEST}.")
+    if np.ptp(x) == 0.0:
+        raise ValueError(f"{whole}: the deflection never changes, it stands at {1e3 * x[0]:.6g} mm.")
+    trace = find_turning_points(x, np.arange(x.size, dtype=np.float64) if time is None else time)
+    if trace.turns.size == 0 or is_noise(x, trace.noise):
+        raise ValueError(f"{whole}: {no_cycle_text(x)}")
+    if trace.strokes.size <= 3 and _ends_meet(trace):
+        require_unclipped(x, f, whole, stop=stop)
+        return [mean_loop([whole_record(trace)], x, f, 1, abs(float(f[-1] - f[0])), whole, stop=stop)]
+    runs = _runs(trace)
+    if not runs:
+        strokes = ", ".join(f"{1e3 * s:.4g}" for s in trace.strokes[:6]) + (", ..." if trace.strokes.size > 6 else "")
+        raise ValueError(
+            f"{whole}: there is no full cycle. The deflection goes to and fro by {strokes} mm; a cycle is two strokes of "
+            "one length, or ends where it began."
+        )
+    loops = [_loop_of_run(trace, f, first, last, place, stop) for first, last in runs]
+    if abs(float(trace.smooth[0])) > _UNLOADED * np.ptp(x):  # how the device came there is not in the record
+        return [replace(loop, averaged=0) for loop in loops]
+    return _led_there(trace, runs, loops)
+
+
+def _ends_meet(trace: Trace) -> bool:
+    """Return whether a record ends where it began, or one step before."""
+    x = trace.deflection
+    step = float(np.abs(np.diff(trace.smooth)).max())
+    return trace.strokes.size >= 2 and abs(float(x[-1] - x[0])) <= 1.5 * step + 4.0 * trace.noise
+
+
+def _runs(trace: Trace) -> list[tuple[int, int]]:
+    """Return the first and the last turning point of every run of like strokes that holds a cycle."""
+    strokes, first, stop = trace.strokes, 0, trace.strokes.size
+    slack = 4.0 * trace.smooth_noise
+    if stop >= 2 and abs(strokes[0] - strokes[1]) > _AT_ENDS * strokes[1] + slack:
+        first = 1
+    if stop >= 2 and abs(strokes[-1] - strokes[-2]) > _AT_ENDS * strokes[-2] + slack:
+        stop -= 1
+    runs = []
+    for here in range(first + 1, stop + 1):
+        size = strokes[first:here].mean()
+        if here == stop or abs(strokes[here] - size) > _ALIKE * size + slack:
+            if here - first >= 2:
+                runs.append((first, here))
+            first = here
+    return runs
+
+
+def _led_there(trace: Trace, runs: list[tuple[int, int]], loops: list[RecordedLoop]) -> list[Loop]:
+    """Return loops with the turning points before them; those of a run are its loop's, free of noise."""
+    turning = trace.raw_turning
+    for (first, last), loop in zip(runs, loops, strict=True):
+        ends = (loop.deflection.min(), loop.deflection.max())
+        for place in range(first, last + 1):
+            turning[place] = ends[int(turning[place] > 0.5 * sum(ends))]
+    return [
+        replace(loop, history=np.concatenate([[0.0], turning[: last + 1 - 2 * loop.averaged]]))
+        for (_, last), loop in zip(runs, loops, strict=True)
+    ]
+
+
+def _loop_of_run(trace: Trace, force: Array, first: int, last: int, place: Place, stop: bool) -> RecordedLoop:
+    """Return the mean of the last cycles of a run, without drift."""
+    cycles = [cycle_to(trace, end) for end in range(last, first + 1, -2)]
+    fewest = min(cycle.samples.size for cycle in cycles[:KEPT])
+    if fewest < _FEWEST:
+        at = cycles[0].samples
+        raise ValueError(
+            f"{place(int(at[0]), int(at[-1]))}: the cycle has {fewest} samples; it needs at least {_FEWEST}."
+        )
+    kept, latest = [cycles[0]], cycles[0].of(trace.deflection)
+    for cycle in cycles[1:KEPT]:
+        apart = np.sqrt(np.mean((cycle.of(trace.deflection) - latest) ** 2))
+        if apart > _REPEATS * 0.5 * np.ptp(latest) + 2.0 * trace.noise:
+            break
+        kept.append(cycle)
+    every = np.concatenate([cycle.samples for cycle in kept])
+    where = place(int(every.min()), int(every.max()))
+    require_unclipped(trace.deflection[every], force[every], where, stop=stop)
+    times = trace.times[[last - 2, last]]
+    rise, period = np.diff(np.interp(times, trace.time, trace.smoothed(force)))[0], times[1] - times[0]
+    slope = _drift(trace, kept, force, last) if len(kept) > 1 else rise / period
+    gap = abs(float(rise - slope * period))
+    without_drift = force - slope * (trace.time - times[1])
+    loop = mean_loop(kept, trace.deflection, without_drift, len(cycles), gap, where, stop=stop)
+    require_falling(loop, where, stop=stop)
+    return replace(loop, averaged=len(kept))
+
+
+def _drift(trace: Trace, kept: list[Cycle], force: Array, last: int) -> float:
+    """Return how fast the zero of the force drifts [N/s]: from the mean force of the first kept cycle to that of the last.
+
+    The means of all samples are surer than forces at the turning points, which would close the loop exactly and their noise
+    with it.
+    """
+    begins = trace.times[[last - 2 * len(kept), last - 2]]
+    return (kept[0].mean(force) - kept[-1].mean(force)) / float(begins[1] - begins[0])

@@ -1,0 +1,102 @@
+"""The rig: steady loops of one law under a sine about an operating point."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.mounts.laws import Law, Loop
+from wirerope_mj.mounts.laws.loop import closure_of
+
+CLOSURE = 1e-10
+"""A loop is closed when its last force equals its first within this share of its force range."""
+
+_MOST_CYCLES = (
+    4096  # 1.6 million points at the default 400 per cycle: a few seconds, and 16 times what catalogue fits take
+)
+
+
+def cyclic_test(
+    law: Law,
+    amplitudes: npt.ArrayLike,
+    *,
+    operating_point: float = 0.0,
+    frequency: float = 1.0,
+    cycles: int | None = None,
+    points_per_cycle: int = 400,
+) -> list[Loop]:
+    """Return one loop for each amplitude: the last cycle of a sinusoidal test about the operating point.
+
+    Each test starts unloaded, ramps to the operating point within one period and goes on from there as
+    operating_point + amplitude sin(2 pi f t).
+
+    Args:
+        law: the restoring-force law under test.
+        amplitudes: deflection amplitudes [m], one or (n,), > 0.
+        operating_point: mean deflection [m]: the preload.
+        frequency: of the sine [Hz]; without effect on a rate-independent law.
+        cycles: cycles to run; None: until the loop closes to 1e-10 of its force range. The loop's `cycles` and
+            `closure` say how it ended.
+        points_per_cycle: samples per cycle, a multiple of 4 so that the turning points are samples.
+
+    Raises:
+        ValueError: an argument is out of its range.
+        ConvergenceError: the loop has not closed after 4096 cycles.
+    """
+    sizes = np.atleast_1d(np.asarray(amplitudes, dtype=np.float64))
+    if sizes.ndim != 1 or sizes.size == 0 or not np.isfinite(sizes).all() or (sizes <= 0.0).any():
+        raise ValueError(f"`amplitudes` must be finite and > 0, got {amplitudes!r}.")
+    if not math.isfinite(operating_point):
+        raise ValueError(f"`operating_point` must be finite, got {operating_point}.")
+    if not (math.isfinite(frequency) and frequency > 0.0):
+        raise ValueError(f"`frequency` must be finite and > 0, got {frequency}.")
+    if cycles is not None and cycles < 1:
+        raise ValueError(f"`cycles` must be >= 1, got {cycles}.")
+    if points_per_cycle < 4 or points_per_cycle % 4:
+        raise ValueError(f"`points_per_cycle` must be a multiple of 4 and >= 4, got {points_per_cycle}.")
+    return [_test_one(law, float(size), operating_point, frequency, cycles, points_per_cycle) for size in sizes]
+
+
+def _test_one(
+    law: Law, amplitude: float, operating_point: float, frequency: float, cycles: int | None, points: int
+) -> Loop:
+    """Return the loop of one amplitude."""
+    sine, cosine = _quarters(points)
+    path = operating_point + amplitude * sine
+    rate = 2.0 * np.pi * frequency * amplitude * cosine
+    time = np.arange(points + 1) / (frequency * points)
+    states = _preloaded(law, operating_point, frequency)
+    for count in range(1, (cycles or _MOST_CYCLES) + 1):
+        loop = law.trace(path, time=time, rate=rate, initial_states=states)
+        closure, states = closure_of(loop.force), loop.internal_states[-1]
+        if count == cycles or (cycles is None and closure <= CLOSURE):
+            return replace(loop, cycles=count, closure=closure)
+    raise ConvergenceError(
+        f"the loop of {law.name} at an amplitude of {amplitude:.6g} m about {operating_point:.6g} m has not "
+        f"closed after {_MOST_CYCLES} cycles: its ends still differ by {closure:.2g} of its force range, "
+        f"where {CLOSURE:.0e} counts as closed. The memory of the start fades slowly at small amplitudes: try a larger one. "
+        "A law that wears never closes: say how many `cycles` to run."
+    )
+
+
+def _quarters(points: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+    """Return sine and cosine over one period, (points + 1,) each.
+
+    Every quarter mirrors the first, so that turning points, zeros and the two ends are exact: closure is then the law's,
+    not rounding's.
+    """
+    first = np.sin(2.0 * np.pi * np.arange(points // 4 + 1) / points)
+    half = np.concatenate([first, first[-2::-1]])
+    sine = np.concatenate([half, -half[1:]])
+    quarter = points // 4
+    return sine, np.concatenate([sine[quarter:], sine[1 : quarter + 1]])
+
+
+def _preloaded(law: Law, operating_point: float, frequency: float) -> npt.NDArray[np.float64]:
+    """Return the law's states after a ramp from rest to rest, unloaded to the operating point, (n_states,)."""
+    if operating_point == 0.0:
+        return np.zeros(law.n_states)
+    ramp = law.trace([0.0, operating_point], time=[0.0, 1.0 / frequency], rate=[0.0, 0.0])
+    return ramp.internal_states[-1]

@@ -1,0 +1,57 @@
+"""An isolator fitted from one row of a vendor's table, as those of the catalogue are fitted from data sheets."""
+
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.mounts.identification.datasheet import fit_sheet
+from wirerope_mj.mounts.identification.secants import DAMPING_AMPLITUDE
+from wirerope_mj.mounts.identification.sheet import AxisFigures, DataSheet, two_stiffnesses
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.vendor_parts.parts import Figures, Part
+
+BAR = 1.7
+"""Thickness of a bar in diameters of the rope where the table does not state it: the mean of Enidine's from 9.5 mm of rope on,
+1.54 to 1.80."""
+
+
+def fit_part(part: Part) -> Isolator:
+    """Return the isolator that has the stiffnesses of a part's row in compression and, if stated, in shear and roll.
+
+    Raises:
+        ModelError: the row lacks travel or stiffnesses in compression, or the envelope.
+        ConvergenceError: no law has all its figures.
+    """
+    compression = _axis(part, "compression", part.series.damping)
+    if compression is None:
+        raise ModelError(
+            f"{part.name}: the table does not state travel and stiffnesses in compression; nothing to fit."
+        )
+    measures = {"height": part.height, "width": part.width, "rope": part.rope}
+    for name, value in measures.items():
+        if value is None:
+            raise ModelError(f"{part.name}: the table does not state its {name}; no rope loop to fit.")
+    height, width, rope = (float(value) for value in measures.values() if value is not None)
+    assumed = () if part.bar is not None else (f"bar of {BAR:g} rope diameters: the table does not state it",)
+    return fit_sheet(
+        DataSheet(
+            name=part.name,
+            source=part.series.source,
+            height=height,
+            width=width,
+            rope=rope,
+            bar=BAR * rope if part.bar is None else part.bar,
+            compression=compression,
+            shear=_axis(part, "shear", None),
+            static_load=part.modes["compression"].static_load,
+            damping_amplitude=DAMPING_AMPLITUDE,
+            damping_range=part.series.damping_range,
+            assumed=assumed,
+        )
+    )
+
+
+def _axis(part: Part, mode: str, damping: float | None) -> AxisFigures | None:
+    """Return the figures of one mode; None where they are not stated."""
+    figures: Figures = part.modes[mode]
+    if figures.travel is None or figures.vibration is None or figures.shock is None:
+        return None
+    stated = two_stiffnesses(figures.travel, figures.vibration, figures.shock)
+    return AxisFigures(travel=figures.travel, stated=stated, damping=damping)

@@ -1,0 +1,199 @@
+"""The vendors' tables: parts with load, travel and stiffnesses in compression, at 45 degrees, and in shear or roll."""
+
+import csv
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+from wirerope_mj.foundation.errors import ModelError, why_unread
+from wirerope_mj.foundation.resources import catalogue_folder
+
+MODES = ("compression", "45", "shear")
+"""Loading modes of the tables; shear stands for roll as well."""
+
+_UNITS = {
+    "-": 1.0,
+    "mm": 1e-3,
+    "in": 0.0254,
+    "N": 1.0,
+    "daN": 10.0,
+    "N/mm": 1e3,
+    "lb/in": 175.12683524647636,  # 4.4482216152605 N / 0.0254 m
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Series:
+    """A vendor's table.
+
+    Attributes:
+        file: its name below `models/isolators/vendors`.
+        source: the documents.
+        damping: damping ratio that a fit aims at [-], within `damping_range`.
+        damping_range: what the vendor states of the series [-].
+    """
+
+    file: str
+    source: str
+    damping: float
+    damping_range: tuple[float, float]
+
+
+SERIES = (
+    Series(
+        file="enidine_wr.csv",
+        source="ITT Enidine WR series catalogue ENI877R4, read from a public transcription",
+        damping=0.11,
+        damping_range=(0.05, 0.15),
+    ),
+    Series(
+        file="vmc_cb.csv",
+        source="VMC/Aeroflex and Socitec CB data sheets, read from a public transcription",
+        damping=0.165,
+        damping_range=(0.15, 0.20),
+    ),
+)
+"""The tables that ship; the damping ratios are those of the catalogue's fitted isolators."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figures:
+    """What a table states of one loading mode; None = not stated.
+
+    Attributes:
+        static_load: largest static load [N].
+        travel: largest dynamic deflection [m].
+        vibration: stiffness of small vibration [N/m].
+        shock: mean stiffness over the travel [N/m].
+    """
+
+    static_load: float | None = None
+    travel: float | None = None
+    vibration: float | None = None
+    shock: float | None = None
+
+    def scaled(self, share: float) -> "Figures":
+        """Return the figures with a share of the loops: load and stiffnesses in proportion, the same travel."""
+
+        def times(value: float | None) -> float | None:
+            return None if value is None else share * value
+
+        return replace(
+            self, static_load=times(self.static_load), vibration=times(self.vibration), shock=times(self.shock)
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """One row of a vendor's table, in SI units.
+
+    Attributes:
+        name: of the vendor.
+        series: the table.
+        loops: number of loops; None = not stated, as for the next four.
+        rope: diameter of the rope [m].
+        height: unloaded [m].
+        width: across the bars [m].
+        bar: thickness of one bar [m].
+        modes: figures by loading mode.
+    """
+
+    name: str
+    series: Series
+    loops: int | None
+    rope: float | None
+    height: float | None
+    width: float | None
+    bar: float | None
+    modes: Mapping[str, Figures]
+
+    def with_loops(self, loops: int) -> "Part":
+        """Return the part with fewer loops: load and stiffness in proportion (the vendor's own rule).
+
+        Raises:
+            ValueError: the part has no more loops than that, or the vendor does not say how many.
+        """
+        if self.loops is None or not 0 < loops < self.loops:
+            have = "an unknown number of" if self.loops is None else str(self.loops)
+            raise ValueError(
+                f"`loops` must be a whole number > 0 below those of {self.name} ({have} loops), got {loops}."
+            )
+        share = loops / self.loops
+        modes = {mode: figures.scaled(share) for mode, figures in self.modes.items()}
+        return replace(self, name=f"{self.name} ({loops} of {self.loops} loops)", loops=loops, modes=modes)
+
+
+@cache
+def vendor_parts() -> tuple[Part, ...]:
+    """Return the parts of all tables that ship, in their order."""
+    folder = catalogue_folder() / "vendors"
+    return tuple(part for series in SERIES for part in read_table(folder / series.file, series))
+
+
+def read_table(path: Path, series: Series) -> list[Part]:
+    """Return the parts of a CSV table whose header carries the units, such as `compression travel [mm]`.
+
+    Lines that begin with # are comments. ModelError names file, line, column and rule.
+    """
+    try:
+        numbered = list(enumerate(path.read_text(encoding="utf-8").splitlines(), start=1))
+    except (OSError, UnicodeDecodeError) as error:
+        reason = why_unread(error) if isinstance(error, OSError) else "it is not a text file in UTF-8."
+        raise ModelError(f"{path}: cannot read this table of isolators: {reason} Install wirerope-mj again.") from None
+    lines = [(number, line) for number, line in numbered if line.strip() and not line.startswith("#")]
+    if not lines:
+        raise ModelError(f"{path}: the table is empty.")
+    columns = [_column(path, text) for text in next(csv.reader([lines[0][1]]))]
+    return [_part(path, number, next(csv.reader([line])), columns, series) for number, line in lines[1:]]
+
+
+def _column(path: Path, text: str) -> tuple[str, float]:
+    """Return what a column holds, and what its unit is in SI."""
+    name, _, unit = text.strip().partition(" [")
+    if name == "part":
+        return name, 1.0
+    if unit.removesuffix("]") not in _UNITS:
+        raise ModelError(
+            f"{path}: column {text!r} must end with one of the units {', '.join(f'[{u}]' for u in _UNITS)}."
+        )
+    return name, _UNITS[unit.removesuffix("]")]
+
+
+def _part(path: Path, line: int, cells: list[str], columns: list[tuple[str, float]], series: Series) -> Part:
+    """Return the part of one line."""
+    if len(cells) != len(columns):
+        raise ModelError(f"{path}, line {line}: {len(cells)} fields under {len(columns)} columns.")
+    values: dict[str, float | None] = {}
+    for (column, unit), cell in zip(columns, cells, strict=True):
+        if column != "part":
+            values[column] = _number(f"{path}, line {line}, column {column!r}", cell, unit)
+    modes = {
+        mode: Figures(**{key: values.get(f"{mode} {key}") for key in ("static_load", "travel", "vibration", "shock")})
+        for mode in MODES
+    }
+    loops = values["loops"]
+    return Part(
+        name=cells[[name for name, _ in columns].index("part")],
+        series=series,
+        loops=None if loops is None else round(loops),
+        rope=values["rope"],
+        height=values["height"],
+        width=values["width"],
+        bar=values.get("bar"),
+        modes=modes,
+    )
+
+
+def _number(place: str, cell: str, unit: float) -> float | None:
+    """Return a field in SI; an empty one is not stated."""
+    if not cell.strip():
+        return None
+    try:
+        value = float(cell)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise ModelError(f"{place}: must be a finite number > 0 or empty, got {cell!r}.")
+    return float(f"{value * unit:.12g}")  # 45.2 mm are 0.0452 m, not 0.045200000000000004 m

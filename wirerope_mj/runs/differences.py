@@ -1,0 +1,159 @@
+"""Differences between the numbers that a run's folder holds and those that are computed again."""
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.scene import scene_to_dict
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.runs.folder import SUMMARY
+
+Array = npt.NDArray[np.float64]
+Difference = tuple[float, str]
+"""A difference, relative to what its kind of number is compared with, and where it is; infinite for texts and NaN."""
+
+NEGLIGIBLE = 1e-9
+"""Next to the largest number of its vector: what is smaller is rounding, as along an axis in which nothing moves."""
+
+_BLOCK = 64  # columns that are compared at once
+_OF_THIS_TIME = ("numerics.seconds", "numerics.versions")  # of summary.json: not the same when it is computed again
+_LABELS = ("criterion", "subject", "name")
+
+
+def sample_differences(stored: Response, again: Response) -> Iterator[Difference]:
+    """Yield the differences of samples, relative to the largest of their column."""
+    names = stored.samples.names
+    if names != again.samples.names or not np.array_equal(stored.time, again.time):
+        yield np.inf, "the columns or the sample instants themselves"
+        return
+    for first in range(0, len(names), _BLOCK):
+        a = stored.samples.columns(first, min(first + _BLOCK, len(names)))
+        b = again.samples.columns(first, min(first + _BLOCK, len(names)))
+        if np.array_equal(a, b):
+            continue
+        scale = np.maximum(np.abs(a).max(axis=0), np.finfo(float).tiny)
+        ratio = np.abs(a - b).max(axis=0) / scale
+        place = int(ratio.argmax())
+        yield float(ratio[place]), names[first + place]
+
+
+def peak_differences(stored: Response, again: Response) -> Iterator[Difference]:
+    """Yield the differences of peaks: values relative to the largest of their peak, instants to the end of the run.
+
+    The instant of a component that is rounding, as along an axis in which nothing moves, says nothing unless the component
+    has the same bits: its difference is `NEGLIGIBLE` then.
+    """
+    end = max(float(stored.time[-1]), again.timestep)
+    mine, other = stored.peaks.to_dict(), again.peaks.to_dict()
+    contacts, contacts_again = mine.pop("contacts"), other.pop("contacts")
+    if contacts is not None:  # older responses have none
+        yield from _plain_differences(contacts, contacts_again, "peaks.contacts")
+    mine, other = _flat(mine), _flat(other)
+    for where in [where for where in mine if mine[where] != other[where]]:
+        peak, index = where.rsplit(".", 1)
+        largest = max(abs(mine[f"{peak}.0"]), abs(other[f"{peak}.0"]), np.finfo(float).tiny)
+        ratio = abs(mine[where] - other[where]) / (end if int(index) in _INSTANTS else largest)
+        reached = f"{peak}.{_INSTANTS.get(int(index), 0)}"
+        rounding = max(abs(mine[reached]), abs(other[reached])) <= NEGLIGIBLE * largest
+        yield NEGLIGIBLE if rounding and mine[reached] != other[reached] else ratio, f"peaks.{peak}"
+
+
+_INSTANTS = {1: 0, **{8 + axis: 5 + axis for axis in range(3)}, **{14 + axis: 11 + axis for axis in range(3)}}
+"""Which numbers of a peak are instants, and where the number stands that is reached then, as `Peak.to_list` orders them."""
+
+
+def other_differences(stored: Response, again: Response) -> Iterator[Difference]:
+    """Yield the differences of states, scene, events and step, relative to themselves; of states at least to `NEGLIGIBLE`."""
+    for name in ("initial_state", "final_state"):
+        a, b = getattr(stored, name), getattr(again, name)
+        mine, other = a.values, b.values
+        if stored.peaks.contacts is None:  # older states end before the memory of contacts
+            other = other[: mine.size]
+        if mine.shape != other.shape or a.time != b.time:
+            yield np.inf, name
+            continue
+        floor = max(NEGLIGIBLE * float(np.abs(other).max(initial=0.0)), np.finfo(float).tiny)
+        ratio = np.abs(mine - other) / np.maximum(np.maximum(np.abs(mine), np.abs(other)), floor)
+        yield float(ratio.max(initial=0.0)), name
+    pairs = {
+        "scene": (scene_to_dict(stored.scene), scene_to_dict(again.scene)),
+        "events": ([list(event) for event in stored.events], [list(event) for event in again.events]),
+        "numerics": tuple({key: asdict(one.numerics)[key] for key in ("timestep", "steps")} for one in (stored, again)),
+    }
+    for name, (here, there) in pairs.items():
+        yield from _plain_differences(here, there, name)
+
+
+def summary_differences(folder: Path, computed: Mapping[str, Any], *, texts: bool) -> Iterator[Difference]:
+    """Yield the differences between summary.json and what the stored response gives.
+
+    Args:
+        folder: of the run.
+        computed: what `summary_content` returns of the stored response.
+        texts: whether texts and the entries themselves are compared, which another version may write otherwise.
+
+    Raises:
+        RecordError: summary.json is missing or damaged.
+    """
+    path = folder / SUMMARY
+    try:
+        mine = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise RecordError(f"{folder}: there is no {SUMMARY} here. Take it from another copy of the folder.") from None
+    except (OSError, ValueError, RecursionError):
+        raise RecordError(
+            f"{path}: this is not a summary, nor JSON. Take it from another copy of the folder."
+        ) from None
+    yield from _plain_differences(mine, computed, SUMMARY, texts=texts, without=_OF_THIS_TIME)
+
+
+def _plain_differences(
+    mine: Any, other: Any, where: str, *, texts: bool = True, without: tuple[str, ...] = ()
+) -> Iterator[Difference]:
+    """Yield the differences between plain values: numbers relative to themselves, anything else infinite."""
+    one, two = _flat(mine), _flat(other)
+    for key in dict.fromkeys((*one, *two)):
+        if key.startswith(without) if without else False:
+            continue
+        if key not in one or key not in two:
+            if texts:
+                yield np.inf, f"{where} {key}"
+            continue
+        a, b = one[key], two[key]
+        if _is_number(a) and _is_number(b):
+            if a != b and not (a != a and b != b):  # NaN says in both that something is not known
+                yield (
+                    abs(a - b) / max(abs(a), abs(b)) if np.isfinite(a) and np.isfinite(b) else np.inf,
+                    f"{where} {key}",
+                )
+        elif a != b and (texts or _is_number(a) or _is_number(b)):
+            yield np.inf, f"{where} {key}"
+
+
+def _flat(value: Any, where: str = "") -> dict[str, Any]:
+    """Return the numbers and texts in nested tables and lists by name; entries of a list by what they are called."""
+    if isinstance(value, Mapping):
+        items = [(str(key), item) for key, item in value.items()]
+    elif isinstance(value, list | tuple):
+        items = [(_label(item, number), item) for number, item in enumerate(value)]
+    else:
+        return {where: value}
+    found = {} if items or not where else {where: len(items)}
+    for key, item in items:
+        found |= _flat(item, f"{where}.{key}" if where else key)
+    return found
+
+
+def _label(item: Any, number: int) -> str:
+    known = [str(item[key]) for key in _LABELS if key in item] if isinstance(item, Mapping) else []
+    return " of ".join(known) or str(number)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)

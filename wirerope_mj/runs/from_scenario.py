@@ -1,0 +1,106 @@
+"""A study of a scenario: its system and its motion, of which something varies."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.engine.system import load_system
+from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.runs.scenario import Scenario, load_scenario
+from wirerope_mj.studies.inputs.distributions import Distribution
+from wirerope_mj.studies.inputs.possible import possible_lines
+from wirerope_mj.studies.inputs.vary_text import EXAMPLE, signatures
+from wirerope_mj.studies.study import Study
+
+VARIANTS = 256
+"""Variants unless it is said how many: a power of two, of which Sobol points are balanced."""
+
+_COUNTED = ("sobol", "latin-hypercube", "random")
+"""Samplings of which any number of variants is a study."""
+
+_CARRIED = ("duration", "timestep", "accuracy", "sample_rate", "initial")
+"""Arguments of a scenario's simulation that a study takes over."""
+
+
+def study_of(
+    scenario: Scenario | str | Path,
+    *,
+    vary: Mapping[str, Distribution],
+    variants: int | None = None,
+    sampling: str = "sobol",
+    seed: int = 1,
+    timestep: float | None = None,
+    accuracy: float | None = None,
+    options: Mapping[str, Any] | None = None,
+    name: str | None = None,
+) -> Study:
+    """Return the study of a scenario; model, motion, duration, step and initial state are those of the scenario.
+
+    Args:
+        scenario: the scenario, or the name of one that ships with the package, or the path of a scenario file.
+        vary: what varies, as `Study` takes it.
+        variants: how many; None: 256, or those of a grid.
+        sampling: as `Study` takes it, and so `seed`.
+        seed: of the sampling.
+        timestep: largest step [s] instead of the scenario's.
+        accuracy: error of the peaks for which the step is chosen, instead of the scenario's.
+        options: of the scenario file, by name.
+        name: what the study is called; the scenario's name unless it is given.
+
+    Raises:
+        ValueError: an argument is out of range.
+        ModelError: the scenario asks for what a study has not, or a name stands for nothing in its model.
+    """
+    if not isinstance(scenario, Scenario):
+        scenario = load_scenario(scenario).make(**(options or {}))
+    elif options:
+        raise ValueError("`options` are for a scenario file; this scenario is made already.")
+    simulate = _carried(scenario)
+    if timestep is not None or accuracy is not None:
+        simulate |= {"timestep": timestep, "accuracy": simulate.get("accuracy", 1e-4) if accuracy is None else accuracy}
+    return Study(
+        model=scenario.model,
+        motion=scenario.motion,
+        isolators=scenario.isolators,
+        changes=scenario.changes,
+        folder=scenario.folder,
+        name=name or scenario.name,
+        question=scenario.question,
+        vary=vary,
+        variants=VARIANTS if variants is None and sampling in _COUNTED else variants,
+        sampling=sampling,
+        seed=seed,
+        **simulate,
+    )
+
+
+def what_can_vary(scenario: Scenario) -> str:
+    """Return what can vary in a scenario and how it is said, as lines."""
+    system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
+    lines = "\n".join(f"  {line}" for line in possible_lines(system, scenario.motion))
+    return (
+        f'In {scenario.name} can vary:\n{lines}\nSay it as --vary "{EXAMPLE}", once for each quantity; NAME may hold * and ?. '
+        f"Distributions: {', '.join(signatures())}. A value replaces what the model says, a shift is added to it, a factor "
+        "(`relative`) multiplies it; with `each` every mount or body has its own."
+    )
+
+
+def _carried(scenario: Scenario) -> dict[str, Any]:
+    """Return the arguments of the simulation that a study shares; ModelError if there is another that matters."""
+    arguments = dict(scenario.simulate)
+    callback = arguments.pop("callback", "native")
+    if callback != "native":
+        raise ModelError(
+            f"scenario {scenario.name!r} asks for the {callback!r} callback, and variants are simulated with the native one; "
+            "leave it out."
+        )
+    other = [key for key in arguments if key not in _CARRIED]
+    if other:
+        raise ModelError(
+            f"scenario {scenario.name!r}: a study cannot take over `{other[0]}` of its simulation; it takes "
+            f"{', '.join(_CARRIED)}."
+        )
+    if "duration" not in arguments:
+        raise ModelError(f"scenario {scenario.name!r}: `simulate` must say the duration [s].")
+    return arguments

@@ -1,0 +1,57 @@
+"""Modes as one folder: settings, figures, the recording, and the model as it was used."""
+
+import json
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+
+import tomli_w
+
+from wirerope_mj.dynamics.modes import Modes
+from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system.model_files import model_table, write_model
+from wirerope_mj.runs.folder import written_whole
+
+FORMAT = 1
+SETTINGS, FIGURES = "settings.toml", "modes.json"
+KIND, MARKS = "folder of modes", (SETTINGS, FIGURES)
+"""What messages call such a folder, and the files by which one is known."""
+
+_PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "rerun-sdk")
+
+
+def write_modes(system: System, name: str, results: Sequence[Modes], folder: Path, *, force: bool = False) -> None:
+    """Write the modes of a system as `folder`, whole or not at all.
+
+    Args:
+        system: the system.
+        name: of the model.
+        results: modes of small cycles, which are recorded, and those of larger ones.
+        folder: must not exist, or be empty, or hold modes that `force` replaces.
+        force: whether those that are there are replaced.
+
+    Raises:
+        RecordError: the folder exists and must not be replaced.
+    """
+    with written_whole(folder, force=force, kind=KIND, marks=MARKS) as beside:
+        model = write_model(system, beside / "model")
+        settings = {
+            "format": FORMAT,
+            "name": name,
+            "written": datetime.now(UTC).replace(microsecond=0),
+            "model": model_table(system, model),
+            "question": {
+                "history": results[0].history,
+                "amplitudes": [modes.amplitude for modes in results if modes.amplitude is not None],
+            },
+            "versions": {package: version(package) for package in _PACKAGES},
+        }
+        (beside / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
+        figures = {"format": FORMAT, "results": [modes.to_dict() for modes in results]}
+        (beside / FIGURES).write_text(json.dumps(figures, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        # Here, because rerun takes longer to import than checking what was asked.
+        from wirerope_mj.dynamics.modes.film import film_of_modes
+        from wirerope_mj.views.recording.modes import record_modes
+
+        record_modes(film_of_modes(system, results[0]), beside / "run.rrd", title=name, larger=results[1:])

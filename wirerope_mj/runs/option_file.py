@@ -1,0 +1,133 @@
+"""Python files with one function whose keyword arguments are the options of a command."""
+
+import ast
+import inspect
+import traceback
+from collections.abc import Callable, Mapping
+from importlib.util import module_from_spec, spec_from_file_location
+from numbers import Integral, Real
+from pathlib import Path, PurePath
+from typing import Any
+
+from wirerope_mj.foundation.errors import ModelError, WireRopeError, why_unread
+from wirerope_mj.foundation.plain_text import short
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_KINDS: tuple[tuple[type, Any, str], ...] = (
+    (bool, bool, "true or false"),
+    (int, Integral, "an integer"),
+    (float, Real, "a number"),
+    (str, str | PurePath, "text"),
+)
+"""Types of defaults, what an option with such a default may be, and what it is called; a bool is an int as well."""
+
+
+def defines(path: Path, name: str) -> bool:
+    """Return whether a Python file defines the function `name`; it is read, not executed."""
+    try:
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+    except (SyntaxError, ValueError, OSError):
+        return False  # whoever executes it says what is wrong
+    return any(isinstance(node, ast.FunctionDef) and node.name == name for node in tree.body)
+
+
+def file_called(name_or_path: str | Path, shipped: Mapping[str, Path], *, kind: str) -> Path:
+    """Return the path that is given if a file is there, or that of the shipped file of this name.
+
+    Raises:
+        ModelError: there is neither; names what ships. `kind` is what the message calls it.
+    """
+    path = Path(name_or_path)
+    if path.is_file():
+        return path
+    if str(name_or_path) not in shipped:
+        raise ModelError(
+            f"there is no {kind} {str(name_or_path)!r}. The package ships {', '.join(shipped) or 'none'}; "
+            "anything else must be the path of a Python file."
+        )
+    return shipped[str(name_or_path)]
+
+
+def load_function(path: Path, name: str) -> Callable[..., Any]:
+    """Return the function `name` of a Python file; its docstring is the file's, followed by its own arguments.
+
+    Raises:
+        ModelError: the file cannot be read or has no such function with keyword options only; says in which line.
+    """
+    spec = spec_from_file_location(path.stem, path.resolve())
+    if path.suffix != ".py" or spec is None or spec.loader is None:
+        raise ModelError(f"{path}: a {name} is a Python file; its name ends with .py.")
+    _check_text(path, name)
+    module, loader = module_from_spec(spec), spec.loader
+    guarded(path, lambda: loader.exec_module(module))
+    function = getattr(module, name, None)
+    if not inspect.isfunction(function):
+        raise ModelError(f"{path}: there is no function `{name}` here; a {name} is what `def {name}(*, ...)` returns.")
+    for option, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind is not parameter.KEYWORD_ONLY or parameter.default is parameter.empty:
+            raise ModelError(f"{path}: `{option}` of `{name}` must be a keyword-only argument with a default.")
+    # The question stands above the file; of the function's own docstring, the options are for the reader of --help.
+    _, arguments, options = (inspect.getdoc(function) or "").partition("Args:")
+    function.__doc__ = f"{(inspect.getdoc(module) or '').strip()}\n\n{arguments}{options}".strip()
+    return function
+
+
+def _check_text(path: Path, name: str) -> None:
+    """Raise ModelError if a file cannot be read, or holds bytes that no text has."""
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise ModelError(f"{path}: this {name} cannot be read: {why_unread(error)}") from None
+    if b"\0" in content:
+        raise ModelError(f"{path}: this is not text; a {name} is a Python file, saved as text in UTF-8.")
+
+
+def all_options(path: Path, function: Callable[..., Any], options: dict[str, Any]) -> dict[str, Any]:
+    """Return the options of a function with their defaults; ModelError if one is unknown."""
+    values = defaults(function)
+    for option in options:
+        if option not in values:
+            raise ModelError(f"{path}: no option {option!r}; the options are {', '.join(values)}.")
+        _check_kind(path, option, values[option], options[option])
+    return values | options
+
+
+def _check_kind(path: Path, option: str, default: Any, value: Any) -> None:
+    """Raise ModelError unless a value is of the kind of the option's default; None says nothing of it."""
+    for kinds, accepted, words in _KINDS:
+        if isinstance(default, kinds):
+            if not isinstance(value, accepted) or (isinstance(value, bool) and kinds is not bool):
+                raise ModelError(
+                    f"{path}: option `{option}` must be {words}, as its default {default!r} is, got {value!r}."
+                )
+            return
+
+
+def defaults(function: Callable[..., Any]) -> dict[str, Any]:
+    """Return the options of a function and their default values."""
+    return {name: option.default for name, option in inspect.signature(function).parameters.items()}
+
+
+def question_of(function: Callable[..., Any]) -> str:
+    """Return the first line of the file's docstring."""
+    return (function.__doc__ or "").strip().split("\n", 1)[0]
+
+
+def guarded(path: Path, action: Callable[[], Any]) -> Any:
+    """Return what `action` returns; ModelError with file and line if the file's own code fails."""
+    try:
+        return action()
+    except SyntaxError as error:
+        place = f", line {error.lineno}" if error.lineno else ""
+        quoted = f"`{short(error.text.strip())}`" if error.text else "this"
+        what = "is not text in UTF-8. Save it in UTF-8" if "codec" in error.msg else f"is not Python: {error.msg}"
+        raise ModelError(f"{path}{place}: {quoted} {what}.") from error
+    except Exception as error:
+        frames = traceback.extract_tb(error.__traceback__)
+        own = [frame for frame in frames if Path(frame.filename) == path.resolve()]
+        place = f", line {own[-1].lineno}" if own else ""
+        said = isinstance(error, ValueError) and bool(own) and str(own[-1].line).startswith("raise ")
+        if isinstance(error, WireRopeError) or said or _PACKAGE in Path(frames[-1].filename).parents:
+            raise ModelError(f"{path}{place}: {error}") from error  # the message says what is wrong, and is meant to
+        quoted = f"`{short(own[-1].line or '')}` ends with " if own else ""
+        raise ModelError(f"{path}{place}: {quoted}{type(error).__name__}: {error}") from error

@@ -1,0 +1,113 @@
+"""A run computed again from its folder alone."""
+
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from wirerope_mj.engine.response import Response, load_response
+from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.simulation.simulate import versions
+from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.runs.checksums import Alterations, alterations
+from wirerope_mj.runs.differences import (
+    Difference,
+    other_differences,
+    peak_differences,
+    sample_differences,
+    summary_differences,
+)
+from wirerope_mj.runs.folder import SUMMARY
+from wirerope_mj.runs.judged import judged_run
+from wirerope_mj.runs.scenario_file import scenario_content
+from wirerope_mj.runs.sources import check_one_run, system_and_motion
+from wirerope_mj.runs.write import is_streamed, summary_content
+
+AGREES = 1e-9
+"""Largest difference relative to a column's peak that another processor's rounding explains; a wrong input is far above."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Replay:
+    """Whether a run computed again gives the same numbers, and which files of its folder were altered.
+
+    Attributes:
+        identical: every stored number has the same bits: samples, peaks, states, scene, events, step, and those of
+            summary.json.
+        largest_difference: of a stored number: of a sample relative to the largest of its column, of a peak to the largest of
+            its components; infinite where a text differs, or where there is something else.
+        column: where it is, a column or what else is stored; "" if all is identical.
+        response: what was computed; None if its samples were streamed and are gone.
+        alterations: files that are not as they were written; None without checksums, as in older runs.
+    """
+
+    identical: bool
+    largest_difference: float
+    column: str
+    response: Response | None
+    alterations: Alterations | None = None
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the numbers are the same but for what rounding on another processor explains."""
+        return self.identical or self.largest_difference <= AGREES
+
+    @property
+    def intact(self) -> bool:
+        """Whether no file is known to be altered or missing."""
+        return self.alterations is None or self.alterations.intact
+
+
+def replay(folder: str | Path, *, progress: bool = False) -> Replay:
+    """Return the comparison of a run with itself computed again; nothing outside its folder is read.
+
+    Raises:
+        RecordError: the folder is not a complete run, or its files are damaged or not of one run; names those that were
+            altered since it was written.
+        ModelError: the model or an isolator in it is not what it must be.
+    """
+    folder = Path(folder)
+    altered = alterations(folder) if folder.is_dir() else None
+    with _naming(altered):
+        content = scenario_content(folder)
+        system, motion = system_and_motion(folder, content)
+        stored = load_response(folder)
+        check_one_run(folder, content, system, stored)
+        computed = summary_content(content["name"], motion, stored, judged_run(system, stored), seconds=0.0)
+        same_version = stored.numerics.versions.get("wirerope-mj") == versions()["wirerope-mj"]
+        # Folders without checksums are older than some of the sentences.
+        found = list(summary_differences(folder, computed, texts=same_version and altered is not None))
+        arguments = {key: value for key, value in content["simulate"].items() if key != "accuracy"}
+        long = is_streamed(arguments)
+        with tempfile.TemporaryDirectory() as place:
+            again = simulate(system, motion, **arguments, out=place if long else None, progress=progress)
+            for compare in (sample_differences, peak_differences, other_differences):
+                found += compare(stored, again)
+    difference, where = _largest(found)
+    return Replay(
+        identical=not where,
+        largest_difference=difference,
+        column=where,
+        response=None if long else again,
+        alterations=altered,
+    )
+
+
+@contextmanager
+def _naming(altered: Alterations | None) -> Iterator[None]:
+    """Name the altered files in the message of what they led to."""
+    try:
+        yield
+    except (WireRopeError, ValueError) as error:
+        if altered is None or altered.intact:
+            raise
+        raise type(error)(f"{error} {altered.text}") from None
+
+
+def _largest(found: list[Difference]) -> Difference:
+    """Return the largest difference; the summary repeats what the response says, which is named first."""
+    apart = [one for one in found if one[0] > 0.0]
+    worst = max(apart, default=(0.0, ""))
+    of_response = max((one for one in apart if not one[1].startswith(SUMMARY)), default=worst)
+    return of_response if (of_response[0] > AGREES) == (worst[0] > AGREES) else worst

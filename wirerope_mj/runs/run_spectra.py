@@ -1,0 +1,140 @@
+"""Spectra of a run, of its base and of the bodies and points that are shaken most: of a shock, or of random vibration."""
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.assessment.criteria.steady import steady_stretch
+from wirerope_mj.engine.response import Response
+from wirerope_mj.motions import BaseMotion, RandomVibration
+from wirerope_mj.motions.spectra import (
+    PowerSpectralDensity,
+    ShockResponseSpectrum,
+    power_spectral_density,
+    shock_response_spectrum,
+)
+from wirerope_mj.motions.spectra.arguments import octave_grid
+from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD
+from wirerope_mj.views.plots.report_motion import moving_axes
+from wirerope_mj.views.plots.report_response import acceleration_along
+from wirerope_mj.views.report import BASE, Absent
+
+Array = npt.NDArray[np.float64]
+
+Q = 10.0
+"""Amplification of the oscillators: the convention where nothing else is agreed."""
+
+_LOWEST, _HIGHEST = 1.0, 1000.0  # [Hz]
+_FINE = 10_000.0  # [Hz], at which a base whose motion is known in closed form is sampled
+_MOST_FINE = 200_000  # samples of it: twenty seconds
+_LONG = 200_000  # samples from which spectra have fewer lines: each takes a hundredth of a second for a million samples
+_LINES, _FEW_LINES = 12, 6  # to an octave
+_STEADY = ("sweep", "sine", "vibration-lines")
+_LEAST_STEADY = 1.0  # [s] of stationary vibration below which a density is too uncertain to be shown
+
+
+def run_spectra(
+    motion: BaseMotion, response: Response, names: Sequence[str], sample_rate: float
+) -> Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent:
+    """Return the spectra along every axis in which the base moves, by axis and name, the base first; or why there are none.
+
+    Args:
+        motion: of the base.
+        response: to it.
+        names: bodies and points.
+        sample_rate: of the response [Hz].
+    """
+    terms = motion.parts
+    axes = moving_axes(response)
+    if not axes:
+        return Absent(reason="The base rests: there is no shock response spectrum.")
+    if any(isinstance(term, RandomVibration) for term in terms):
+        return Absent(reason="The base vibrates at random: power spectral densities stand for shock response spectra.")
+    if any(term.kind in _STEADY for term in terms):
+        return Absent(
+            reason="The base is driven steadily: a shock response spectrum would say little, and none is shown."
+        )
+    highest = min(sample_rate / SAMPLES_PER_PERIOD, _HIGHEST)
+    if highest < 2.0 * _LOWEST:
+        return Absent(reason=f"At {sample_rate:g} samples a second there is no shock response spectrum worth showing.")
+    if motion.velocity_jumps:
+        return Absent(
+            reason="The base's velocity jumps: its acceleration is not finite, and a single jump has the same "
+            f"pseudo-velocity at every frequency, {_of_a_jump(Q):.3g} of it at Q = {Q:g} (the jump itself without damping). "
+            "No shock response spectrum is shown."
+        )
+    frequencies = octave_grid(_LOWEST, highest, per_octave=_LINES if response.time.size <= _LONG else _FEW_LINES)
+    found: dict[str, dict[str, ShockResponseSpectrum]] = {}
+    for axis in axes:
+        found["xyz"[axis]] = {BASE: _of_base(motion, response, axis, frequencies)}
+        for name in names:
+            found["xyz"[axis]][name] = _spectrum(response, name, axis, frequencies)
+    return found
+
+
+def run_densities(
+    motion: BaseMotion, response: Response, names: Sequence[str]
+) -> Mapping[str, Mapping[str, PowerSpectralDensity]]:
+    """Return the power spectral densities of a random vibration while it is stationary, by axis and name; else nothing.
+
+    They begin where the base is stationary and the response has settled, all at the same instant: after the longest
+    `settling` of the densities found without it.
+
+    Args:
+        motion: of the base.
+        response: to it.
+        names: bodies and points.
+    """
+    alone, first, last = steady_stretch(motion.to_dict())
+    axes = moving_axes(response)
+    if not (alone and axes):
+        return {}
+    rows = slice(*np.searchsorted(response.time, [first, last]))
+    if not _long_enough(response.time[rows]):
+        return {}
+    unsettled = _densities(response, names, axes, rows)
+    settling = max(float(density.settling) for along in unsettled.values() for density in along.values())
+    rows = slice(*np.searchsorted(response.time, [response.time[rows][0] + settling, last]))
+    return _densities(response, names, axes, rows) if _long_enough(response.time[rows]) else {}
+
+
+def _long_enough(time: Array) -> bool:
+    return time.size > 1 and float(time[-1] - time[0]) >= _LEAST_STEADY
+
+
+def _densities(
+    response: Response, names: Sequence[str], axes: Sequence[int], rows: slice
+) -> dict[str, dict[str, PowerSpectralDensity]]:
+    """Return the densities of some samples, by axis and name, the base first."""
+    return {
+        "xyz"[axis]: {
+            name: power_spectral_density(response.time[rows], acceleration_along(response, name, axis)[rows])
+            for name in (BASE, *names)
+        }
+        for axis in axes
+    }
+
+
+def _of_a_jump(q: float) -> float:
+    """Return the pseudo-velocity of an oscillator whose base jumps in velocity, over the jump.
+
+    Its first extreme is exp(-zeta t) with t = arccos(zeta) / sqrt(1 - zeta^2), in radians of its undamped frequency.
+    """
+    zeta = 0.5 / q
+    return math.exp(-zeta * math.acos(zeta) / math.sqrt(1.0 - zeta * zeta))
+
+
+def _spectrum(response: Response, name: str, axis: int, frequencies: Array) -> ShockResponseSpectrum:
+    return shock_response_spectrum(response.time, acceleration_along(response, name, axis), frequencies, q=Q)
+
+
+def _of_base(motion: BaseMotion, response: Response, axis: int, frequencies: Array) -> ShockResponseSpectrum:
+    """Return the spectrum of the base: from its closed form where that is known, so that no peak falls between samples."""
+    fine = int(float(response.time[-1]) * _FINE) + 1
+    if motion.files or fine > _MOST_FINE or fine <= response.time.size:
+        return _spectrum(response, BASE, axis, frequencies)
+    time = np.arange(fine) / _FINE
+    grid = octave_grid(_LOWEST, _HIGHEST, per_octave=_LINES)
+    return shock_response_spectrum(time, motion.acceleration(time)[:, axis], grid, q=Q)

@@ -1,0 +1,91 @@
+"""A scenario: a question, the model and the base motion that answer it, and the file that makes them from options."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.engine.system import Changes
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.resources import model_source, scenarios_folder
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.runs.option_file import all_options, defaults, file_called, guarded, load_function, question_of
+
+
+@dataclass(frozen=True)
+class Scenario:
+    """What is asked, and everything that a simulation of it needs.
+
+    Attributes:
+        question: what the run should answer.
+        model: MJCF file, or MJCF text. A relative path starts at the scenario file's folder (without a file at the
+            current one), then at the models that ship with the package; `.xml` may be left out.
+        motion: base motion.
+        simulate: arguments of `wirerope_mj.simulate` besides system and motion; `duration` must be among them.
+        isolators: isolators in memory by the name that follows `isolator/` in the model; they go before files.
+        name: names the run.
+        options: values of the options that made it, by name.
+        folder: where a relative model path starts.
+        changes: what the system differs by from the model, as `changes` of what `wirerope_mj.varied` returns says it.
+    """
+
+    question: str
+    model: str | Path
+    motion: BaseMotion
+    simulate: Mapping[str, Any]
+    isolators: Mapping[str, Isolator] | None = None
+    name: str = "scenario"
+    options: Mapping[str, Any] = field(default_factory=dict)
+    folder: Path | None = None
+    changes: Sequence[Changes] = ()
+
+    def model_source(self) -> str | Path:
+        """Return the MJCF text, or the path of the model file; ModelError names where it was looked for."""
+        return model_source(self.model, folder=self.folder, asker=f"scenario {self.name!r}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScenarioFile:
+    """A file with one function `scenario(*, ...) -> Scenario`, whose keyword arguments are the options."""
+
+    name: str
+    path: Path
+    function: Callable[..., Scenario]
+
+    @property
+    def question(self) -> str:
+        """First line of the file's docstring."""
+        return question_of(self.function)
+
+    @property
+    def defaults(self) -> dict[str, Any]:
+        """Options and their default values."""
+        return defaults(self.function)
+
+    def make(self, **options: Any) -> Scenario:
+        """Return the scenario of some options; the others have their defaults.
+
+        Raises:
+            ModelError: an option is unknown, or the function does not return a Scenario, or fails; says in which line.
+        """
+        values = all_options(self.path, self.function, options)
+        made = guarded(self.path, lambda: self.function(**values))
+        if not isinstance(made, Scenario):
+            raise ModelError(f"{self.path}: `scenario` must return a wirerope_mj.Scenario, got {made!r}.")
+        return replace(made, name=self.name, options=values, folder=self.path.parent)
+
+
+def shipped_scenarios() -> dict[str, Path]:
+    """Return the scenarios that ship with the package, by name."""
+    return {path.stem: path for path in sorted(scenarios_folder().glob("*.py"))}
+
+
+def load_scenario(name_or_path: str | Path) -> ScenarioFile:
+    """Return the scenario file at a path, or the shipped one of that name.
+
+    Raises:
+        ModelError: there is no such scenario, or the file has no function `scenario` with keyword options only.
+    """
+    path = file_called(name_or_path, shipped_scenarios(), kind="scenario")
+    return ScenarioFile(name=path.stem, path=path.resolve(), function=load_function(path, "scenario"))

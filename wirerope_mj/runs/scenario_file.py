@@ -1,0 +1,97 @@
+"""The scenario as it stands in a run's folder, checked where it is read."""
+
+import math
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.engine.response.checked import check_motion
+from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.toml_file import toml_content
+from wirerope_mj.runs.folder import FORMAT, SCENARIO
+
+_TABLES = {
+    "model": ("file", "changes"),
+    "simulate": ("duration", "initial", "timestep", "sample_rate", "callback", "accuracy", "corners"),
+}
+"""Tables of which every key counts, and their keys."""
+
+_NEEDED = {
+    "model": ("file",),
+    "simulate": ("duration", "initial", "timestep", "sample_rate", "callback"),
+    "motion": ("kind", "description"),
+    "options": (),
+    "versions": (),
+}
+_REMEDY = "Put it right, or take the file from another copy of the folder."
+_CHOICES = {"initial": ("settled", "relaxed", "unloaded"), "callback": ("native", "python")}
+
+
+def scenario_content(folder: Path) -> dict[str, Any]:
+    """Return the scenario of a run as it stands in its folder, with everything there and of the right type.
+
+    Raises:
+        RecordError: the folder is not a run, or its scenario is damaged; names the key.
+    """
+    path = folder / SCENARIO
+    if not path.is_file():
+        raise RecordError(f"{folder}: this is not a run; there is no {SCENARIO} here.")
+    try:
+        content = toml_content(path)
+    except OSError as error:
+        raise RecordError(f"{path}: {why_unread(error)}") from None
+    except UnicodeDecodeError as error:
+        line = error.object[: error.start].count(b"\n") + 1
+        raise RecordError(
+            f"{path}, line {line}: this is not the scenario of a run, nor text in UTF-8. {_REMEDY}"
+        ) from None
+    except tomllib.TOMLDecodeError as error:
+        raise RecordError(f"{path}: this is not the scenario of a run, nor TOML: {error}. {_REMEDY}") from None
+    if "format" in content and content["format"] != FORMAT:
+        raise RecordError(f"{path}: `format` is {content['format']!r}, not {FORMAT}; use the version that wrote it.")
+    try:
+        _check(content)
+    except ValueError as error:
+        raise RecordError(f"{path}: this is not the scenario of a run as it was written: {error} {_REMEDY}") from None
+    return content
+
+
+def _check(content: dict[str, Any]) -> None:
+    """Raise ValueError that names the key unless the scenario is what `run_scenario` writes."""
+    for name in ("format", "name", "question"):
+        if name not in content:
+            raise ValueError(f"`{name}` is missing.")
+        if name != "format" and not isinstance(content[name], str):
+            raise ValueError(f"`{name}` must be a string, got {content[name]!r}.")
+    for table, needed in _NEEDED.items():
+        if not isinstance(content.get(table), dict):
+            raise ValueError(f"the table `{table}` is missing.")
+        for key in needed:
+            if key not in content[table]:
+                raise ValueError(f"`{table}.{key}` is missing.")
+        for key in content[table]:
+            if key not in _TABLES.get(table, content[table]):
+                raise ValueError(f"`{table}.{key}` is unknown; known: {', '.join(_TABLES[table])}.")
+    for table, names in (("model", _TABLES["model"]), ("motion", _NEEDED["motion"]), ("versions", content["versions"])):
+        for key in names:
+            if not isinstance(content[table].get(key, ""), str):
+                raise ValueError(f"`{table}.{key}` must be a string, got {content[table][key]!r}.")
+    _check_simulate(content["simulate"])
+    check_motion(content["motion"], "motion")
+
+
+def _check_simulate(simulate: dict[str, Any]) -> None:
+    for name in ("duration", "sample_rate", "timestep", "accuracy"):
+        if name in simulate and not (_is_finite(simulate[name]) and simulate[name] > 0.0):
+            raise ValueError(f"`simulate.{name}` must be a number > 0, got {simulate[name]!r}.")
+    for name, choices in _CHOICES.items():
+        if simulate[name] not in choices:
+            raise ValueError(f"`simulate.{name}` must be one of {', '.join(choices)}, got {simulate[name]!r}.")
+    corners = simulate.get("corners", [])
+    if not isinstance(corners, list) or not all(_is_finite(corner) for corner in corners):
+        raise ValueError("`simulate.corners` must be a list of finite instants [s].")
+
+
+def _is_finite(value: Any) -> bool:
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return number and abs(value) <= 1e300 and math.isfinite(value)  # larger integers are no float

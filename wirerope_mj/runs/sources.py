@@ -1,0 +1,99 @@
+"""What a run is computed from: system and motion, read from its folder alone, and whether its response is theirs."""
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.storage import FILE
+from wirerope_mj.engine.simulation.recorder import column_plan
+from wirerope_mj.engine.system import Changes, System, load_system
+from wirerope_mj.engine.system.model_files import missing_isolators, read_changes
+from wirerope_mj.engine.system.named_files import check_inside
+from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.motions.copies import check_records
+from wirerope_mj.motions.motion import BaseMotion
+from wirerope_mj.motions.restore import motion_from_dict
+from wirerope_mj.runs.folder import SCENARIO
+
+_REMEDY = "One of the two was changed or belongs to another run: take them from one copy of the folder."
+
+
+def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, BaseMotion]:
+    """Return system and motion of a run.
+
+    Args:
+        folder: of the run.
+        content: what `scenario_content` returned.
+
+    Raises:
+        RecordError: one of their files is not in the folder, or the motion's parameters are not what they must be.
+        ModelError: the model or an isolator is not.
+    """
+    model = check_inside(folder, content["model"])
+    motion = {key: value for key, value in content["motion"].items() if key != "description"}
+    check_records(motion, folder)
+    system = load_system(model)
+    missing = missing_isolators(system, model.parent)
+    if missing:  # the catalogue stepped in, which may have changed since
+        raise RecordError(
+            f"{folder}: the isolator file {missing[0]!r} is missing in {model.parent.name}/. Take it from another copy of the "
+            "folder."
+        )
+    system = with_changes(system, _changes(folder, content["model"]))
+    try:
+        return system, motion_from_dict(motion, folder=folder)
+    except (ModelError, ValueError) as error:
+        raise RecordError(
+            f"{folder / SCENARIO}: `motion`: {error} Put it right, or take the file from another copy of the folder."
+        ) from None
+
+
+def check_one_run(folder: Path, content: Mapping[str, Any], system: System, response: Response) -> None:
+    """Raise RecordError unless the response in a run's folder is that of the scenario and the model beside it.
+
+    Compared is what both hold: the motion, the sampling, the step, and the names of bodies, points and mounts.
+    """
+    simulate, numerics = content["simulate"], response.numerics
+    samples = np.floor((simulate["duration"] + 1e-10) * simulate["sample_rate"]) + 1.0  # as simulations sample
+    if response.time.size != samples:
+        raise RecordError(
+            f"{folder / SCENARIO}: `simulate.duration` and `simulate.sample_rate` make {samples:.0f} samples, and {FILE} holds "
+            f"{response.time.size}. {_REMEDY}"
+        )
+    pairs = [
+        ("simulate.timestep", simulate["timestep"], numerics.timestep),
+        ("simulate.callback", simulate["callback"], numerics.callback),
+        *_motion_pairs(content["motion"], response.motion, "motion"),
+    ]
+    if "accuracy" in simulate:
+        pairs.append(("simulate.accuracy", simulate["accuracy"], numerics.accuracy))
+    for name, here, there in pairs:
+        if here != there:
+            raise RecordError(
+                f"{folder / SCENARIO}: `{name}` is {here}, and {FILE} was computed with {there}. {_REMEDY}"
+            )
+    if column_plan(system).names != response.samples.names:
+        raise RecordError(
+            f"{folder}: the bodies, points and mounts of {content['model']['file']} are not those of {FILE}. {_REMEDY}"
+        )
+
+
+def _motion_pairs(here: Any, there: Any, where: str) -> Iterator[tuple[str, Any, Any]]:
+    """Yield name and both values of every parameter of two stored motions; records lie elsewhere in the folder."""
+    if isinstance(here, dict) and isinstance(there, dict):
+        for key in sorted({*here, *there} - {"path", "description"}):
+            yield from _motion_pairs(here.get(key), there.get(key), f"{where}.{key}")
+    elif isinstance(here, list) and isinstance(there, list) and len(here) == len(there):
+        for i, (one, other) in enumerate(zip(here, there, strict=True)):
+            yield from _motion_pairs(one, other, f"{where}.{i}")
+    else:
+        yield where, here, there
+
+
+def _changes(folder: Path, model: Mapping[str, Any]) -> tuple[Changes, ...]:
+    """Return what the variant that was simulated differs by from the model in the folder."""
+    return read_changes(folder / model["changes"]) if "changes" in model else ()

@@ -1,0 +1,206 @@
+"""A scenario simulated into one folder."""
+
+import json
+import math
+import sys
+import tomllib
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import tomli_w
+
+from wirerope_mj.assessment.verdicts import summary, verdict_lines
+from wirerope_mj.engine.response import Response, load_response
+from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.engine.system.model_files import model_table, write_model
+from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.plain_text import markdown, markdown_lines
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions.copies import copy_records
+from wirerope_mj.runs.checksums import write_checksums
+from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, check_target, written_whole
+from wirerope_mj.runs.record_doubts import record_doubts
+from wirerope_mj.runs.scenario import Scenario
+
+if TYPE_CHECKING:
+    from wirerope_mj.runs.judged import JudgedRun
+
+STREAM_SAMPLES = 10_000
+"""Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
+
+SAMPLE_RATE = 1000.0
+"""What `simulate` takes where the scenario says nothing [Hz]."""
+
+_PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk")
+_ARGUMENTS = ("duration", "initial", "timestep", "accuracy", "sample_rate", "corners", "callback")
+
+
+def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False, progress: bool = False) -> Response:
+    """Simulate a scenario, write the run as `folder`, whole or not at all, and return its response.
+
+    Args:
+        scenario: what to simulate.
+        folder: the run's folder; it must not exist, or be empty, or be a run that `force` replaces.
+        force: whether a run that is there is replaced.
+        progress: whether a progress bar is shown on standard error.
+
+    Raises:
+        RecordError: the folder exists and must not be replaced.
+        ModelError: the scenario's model or its arguments are not what they must be.
+        SimulationError, ConvergenceError: the simulation cannot start, or ended before its time.
+    """
+    target = Path(folder)
+    check_target(target, force=force)
+    arguments = _checked_arguments(scenario)
+    system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
+    with written_whole(target, force=force) as beside:
+        started = perf_counter()
+        model = write_model(system, beside / "model")
+        long = is_streamed(arguments)
+        response = simulate(system, scenario.motion, **arguments, out=beside if long else None, progress=progress)
+        seconds = perf_counter() - started
+        if not long:
+            response.save(beside)
+        text = _scenario_text(scenario, response, beside, model=model_table(system, model), arguments=arguments)
+        (beside / SCENARIO).write_text(text, encoding="utf-8")
+        judged = _judged(system, response)
+        content = summary_content(scenario.name, scenario.motion, response, judged, seconds=round(seconds, 3))
+        (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        _write_pictures(scenario, response, judged, beside)
+        _write_report(text, system, scenario.motion, response, judged, beside)
+        write_checksums(beside)
+        del response  # a streamed response reads a file that is about to be renamed
+    return load_response(target)
+
+
+def is_streamed(arguments: Mapping[str, Any]) -> bool:
+    """Return whether a simulation with these arguments writes its samples to a file while it goes on."""
+    return bool(arguments["duration"] * arguments.get("sample_rate", SAMPLE_RATE) > STREAM_SAMPLES)
+
+
+def _checked_arguments(scenario: Scenario) -> dict[str, Any]:
+    arguments = dict(scenario.simulate)
+    for name in arguments:
+        if name not in _ARGUMENTS:
+            raise ModelError(
+                f"scenario {scenario.name!r}: `simulate` takes {', '.join(_ARGUMENTS)} here, got {name!r}; "
+                "the run's folder decides the rest."
+            )
+    if "duration" not in arguments:
+        raise ModelError(f"scenario {scenario.name!r}: `simulate` must say the duration [s].")
+    for name in ("duration", "sample_rate"):
+        value = arguments.get(name, SAMPLE_RATE)
+        if not isinstance(value, int | float) or abs(value) > sys.float_info.max:
+            raise ModelError(f"scenario {scenario.name!r}: `{name}` must be a finite number, got {value!r:.40}.")
+    if not isinstance(arguments.get("initial", "settled"), str):
+        raise ModelError(
+            f"scenario {scenario.name!r}: `initial` must be 'settled', 'relaxed' or 'unloaded', so that a file can say it."
+        )
+    return arguments
+
+
+def _scenario_text(
+    scenario: Scenario, response: Response, folder: Path, *, model: dict[str, str], arguments: dict[str, Any]
+) -> str:
+    """Return the scenario with every input resolved, as TOML; files of the motion are copied into `folder`."""
+    numerics = response.numerics
+    resolved = {
+        "duration": float(arguments["duration"]),
+        "initial": arguments.get("initial", "settled"),
+        "timestep": numerics.timestep,
+        "sample_rate": float(arguments.get("sample_rate", SAMPLE_RATE)),
+        "callback": numerics.callback,
+    }
+    if not math.isnan(numerics.accuracy):
+        resolved["accuracy"] = numerics.accuracy
+    if "corners" in arguments:
+        resolved["corners"] = [float(corner) for corner in arguments["corners"]]
+    content = {
+        "format": FORMAT,
+        "name": scenario.name,
+        "question": scenario.question.strip(),
+        "written": datetime.now(UTC).replace(microsecond=0),
+        "options": {name: _plain(value) for name, value in scenario.options.items() if value is not None},
+        "model": model,
+        "simulate": resolved,
+        "motion": {"description": scenario.motion.description}
+        | scenario.motion.to_dict(files=copy_records([scenario.motion], folder)),
+        "versions": {name: version(name) for name in _PACKAGES},
+    }
+    return tomli_w.dumps(content, multiline_strings=True)
+
+
+def _judged(system: System, response: Response) -> "JudgedRun":
+    from wirerope_mj.runs.judged import judged_run  # late, as the pictures
+
+    return judged_run(system, response)
+
+
+def summary_content(
+    name: str, motion: BaseMotion, response: Response, judged: "JudgedRun", *, seconds: float
+) -> dict[str, Any]:
+    """Return what summary.json says of a run; `seconds` is how long it took."""
+    numerics = response.numerics
+    return {
+        "format": FORMAT,
+        "name": name,
+        "motion": motion.description,
+        "record_warnings": list(record_doubts(motion)),
+        **summary(response, judged.verdicts),
+        "numerics": {
+            "timestep_s": numerics.timestep,
+            "steps": numerics.steps,
+            "samples": int(response.time.size),
+            "callback": numerics.callback,
+            "accuracy": None if math.isnan(numerics.accuracy) else numerics.accuracy,
+            "estimated_error": numerics.error_estimate if math.isfinite(numerics.error_estimate) else None,
+            "limited_by": numerics.limited_by,
+            "seconds": seconds,
+            "versions": numerics.versions,
+        },
+    }
+
+
+def _write_pictures(scenario: Scenario, response: Response, judged: "JudgedRun", folder: Path) -> None:
+    # Here, because matplotlib and rerun take longer to import than a small simulation takes.
+    from wirerope_mj.views.plots.histories import save_histories, save_mount_loops
+    from wirerope_mj.views.plots.record_baseline import records_of, save_record_baseline
+    from wirerope_mj.views.recording import record_rerun
+    from wirerope_mj.views.report.display import title_of
+
+    title, text = title_of(scenario.name), _scenario_markdown(scenario)
+    verdicts = [judged.headline, *verdict_lines(response)]
+    record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=verdicts)
+    save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
+    if response.scene.isolating:
+        save_mount_loops(response, folder / "loops.png", title=title)
+    for number, record in enumerate(records_of(scenario.motion), start=1):
+        name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
+        save_record_baseline(record, folder / name, title=title)
+
+
+def _write_report(
+    text: str, system: System, motion: BaseMotion, response: Response, judged: "JudgedRun", folder: Path
+) -> None:
+    from wirerope_mj.runs.page import REPORT  # late, as the pictures
+    from wirerope_mj.runs.report import report_page
+
+    page = report_page(tomllib.loads(text), system, motion, response, judged)
+    (folder / REPORT).write_text(page, encoding="utf-8")
+
+
+def _scenario_markdown(scenario: Scenario) -> str:
+    options = ", ".join(f"{name} = {value}" for name, value in scenario.options.items())
+    parts = [markdown_lines(scenario.question.strip()), f"**Base motion:** {markdown(scenario.motion.description)}"]
+    parts += [f"**Options:** {markdown(options)}"] if options else []
+    return "\n\n".join(parts)
+
+
+def _plain(value: Any) -> Any:
+    return value if isinstance(value, bool | int | float | str) else str(value)

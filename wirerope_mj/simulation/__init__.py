@@ -1,6 +1,0 @@
-"""System + base motion -> Response."""
-
-from wirerope_mj.simulation.batch import BatchFailure as BatchFailure
-from wirerope_mj.simulation.batch import BatchResult as BatchResult
-from wirerope_mj.simulation.batch import simulate_batch as simulate_batch
-from wirerope_mj.simulation.simulate import simulate as simulate

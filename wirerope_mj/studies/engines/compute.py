@@ -1,0 +1,158 @@
+"""What every engine computes: the rows of some variants, from what all variants share and their own inputs."""
+
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import pyarrow as pa
+
+from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.studies.inputs.sampling import arrow_type
+from wirerope_mj.studies.inputs.variants import Maker, Work
+from wirerope_mj.studies.measures import NAN, measure_names, measures
+from wirerope_mj.studies.responses import packed
+
+UNLOADED = "unloaded"
+"""The start of a variant that does not begin at rest."""
+
+DONE, FAILED = "done", "failed"
+"""What `status` says."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chunk:
+    """Some variants that are computed together.
+
+    Attributes:
+        number: of the chunk, which names its part of the table.
+        rows: "variant" and inputs of every variant.
+        responses: whether whole responses are kept of them.
+    """
+
+    number: int
+    rows: Sequence[dict[str, Any]]
+    responses: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Part:
+    """What came of a chunk.
+
+    Attributes:
+        number: of the chunk.
+        table: its rows of the table.
+        responses: by variant the content of the file of its response, if it is kept; of those that failed there is none.
+        died: whether no process lived long enough to compute it, or an accident kept one from it: its rows say so, and it is
+            computed again on resume.
+    """
+
+    number: int
+    table: pa.Table
+    responses: dict[int, bytes] = field(default_factory=dict)
+    died: bool = False
+
+
+Engine = Callable[..., Generator[Part, None, None]]
+"""`engine(work, chunks, *, workers, address)` yields the parts of chunks, as they are ready, in any order.
+
+`chunks` may be long and is read as workers become free. Of a chunk that cannot be computed it yields
+`died(work, chunk, message)`.
+"""
+
+
+_RESULTS = (ValueError, ArithmeticError, WireRopeError)
+"""Errors that a variant's own numbers lead to, the next time too."""
+
+
+def schema(work: Work) -> pa.Schema:
+    """Return names and types of the table's columns."""
+    fields = [("variant", pa.int64()), *((column.name, arrow_type(column)) for column in work.columns)]
+    fields += [(name, pa.float64()) for name in measure_names(work.system)]
+    return pa.schema([*fields, ("status", pa.string()), ("message", pa.string())])
+
+
+def compute(work: Work, chunk: Chunk) -> Part:
+    """Return what comes of a chunk, the same in any process; variants that fail have rows, too."""
+    responses: dict[int, bytes] = {}
+    outcomes = _outcomes(work, chunk.rows, responses if chunk.responses else None)
+    accident = any(isinstance(outcome, Accident) for outcome in outcomes)
+    return Part(number=chunk.number, table=_table(work, chunk, outcomes), responses=responses, died=accident)
+
+
+def died(work: Work, chunk: Chunk, message: str) -> Part:
+    """Return what there is of a chunk whose process died each time."""
+    return Part(number=chunk.number, table=_table(work, chunk, [message] * len(chunk.rows)), died=True)
+
+
+class Accident(str):
+    """Message of an error that says nothing about its variant, as of a machine without memory, threads or files."""
+
+
+Outcome = dict[str, float] | str
+"""Measures of a variant, or why it failed."""
+
+
+def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, bytes] | None) -> list[Outcome]:
+    """Return measures or message of every row; `responses` takes the variants' responses unless it is None."""
+    make = Maker(work.system, work.motions, work.columns)
+    found: dict[int, Outcome] = {}
+    systems, motions, places = [], [], []
+    for place, row in enumerate(rows):
+        try:
+            system, motion = make.system(row), make.motion(row)
+        except (ValueError, WireRopeError) as error:
+            found[place] = str(error)
+        else:
+            systems.append(system)
+            motions.append(motion)
+            places.append(place)
+    try:
+        results = simulate_batch(
+            systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
+            sample_rate=work.sample_rate, corners=work.corners, threads=1,
+            responses=responses is not None,
+        )  # fmt: skip
+    except Exception as error:  # whatever one variant does must not cost the others their results
+        if len(rows) > 1:
+            return [outcome for row in rows for outcome in _outcomes(work, [row], responses)]
+        return [why_not(error)]
+    for place, system, result in zip(places, systems, results, strict=True):
+        found[place] = _outcome(work, system, result)
+        if responses is not None and isinstance(result, BatchResult) and result.response is not None:
+            responses[int(rows[place]["variant"])] = packed(result.response)
+    return [found[place] for place in range(len(rows))]
+
+
+def why_not(error: Exception) -> str:
+    """Return the message of an error: an Accident if it is none that the variant's own numbers lead to."""
+    if isinstance(error, WireRopeError):
+        return str(error)
+    quoted = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+    if isinstance(error, _RESULTS):
+        return (
+            f"the numbers of this variant cannot be computed with ({quoted}). Simulate it alone, or vary less far from the "
+            "nominal system."
+        )
+    return Accident(
+        f"the computer or the program, not this variant's numbers, kept it from being computed ({quoted}). Free memory, or "
+        "use fewer `workers`, and go on with --resume (`resume=True`)."
+    )
+
+
+def _outcome(work: Work, system: System, result: BatchResult | BatchFailure) -> Outcome:
+    if isinstance(result, BatchFailure):
+        return result.message
+    return measures(system, result.peaks, None if work.initial == UNLOADED else result.initial_state)
+
+
+def _table(work: Work, chunk: Chunk, outcomes: Sequence[Outcome]) -> pa.Table:
+    nothing = dict.fromkeys(measure_names(work.system), NAN)
+    rows = [
+        {**row, **nothing, "status": FAILED, "message": outcome}
+        if isinstance(outcome, str)
+        else {**row, **outcome, "status": DONE, "message": ""}
+        for row, outcome in zip(chunk.rows, outcomes, strict=True)
+    ]
+    return pa.Table.from_pylist(rows, schema=schema(work))

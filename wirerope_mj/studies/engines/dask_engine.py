@@ -1,0 +1,259 @@
+"""Chunks on the workers of Dask: processes of this machine, or those of a cluster that is there already."""
+
+import asyncio
+import os
+import subprocess
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Callable, Generator, Iterable, Iterator
+from concurrent.futures import CancelledError, ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wirerope_mj.foundation.errors import ClusterWarning, SimulationError
+from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
+from wirerope_mj.studies.engines.local import processors
+from wirerope_mj.studies.inputs.variants import Work
+from wirerope_mj.studies.versions import versions
+
+if TYPE_CHECKING:
+    from distributed import Client, Future
+
+PATIENCE = 5.0
+"""How long a scheduler may take to answer [s]: on a network that works it takes a fraction of a second."""
+
+AHEAD = 2
+"""Chunks handed over per thread of a worker: one is computed, one lies ready, and no more stand in the scheduler's memory."""
+
+ATTEMPTS = 1
+"""How often a chunk is tried again whose worker died, as the local engine does; a cluster that exists has its own setting."""
+
+STARTING = 60.0
+"""How long workers of this machine may take to start, or to end without one another [s]: a busy machine imports slowly."""
+
+_DEATH = (
+    "the process that computed this chunk of variants died again and again. It may have run out of memory: go on with "
+    "--resume (`resume=True`), which computes it again."
+)
+
+_SILENT: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
+
+
+def run_dask(
+    work: Work, chunks: Iterable[Chunk], *, workers: int | None, address: str | None = None
+) -> Generator[Part, None, None]:
+    """Yield the part of each chunk as they are ready, in any order.
+
+    A worker that dies loses nothing: the scheduler gives what it had to another. A chunk that ends the life of its workers
+    also where it is alone becomes rows that failed. At most `AHEAD` chunks per thread of the workers are handed over at a time.
+
+    Args:
+        work: what all variants share.
+        chunks: read as workers become free.
+        workers: processes of a cluster of this machine's own; None for one per processor. Not with `address`.
+        address: of the scheduler of a cluster that exists, tcp://HOST:8786 for instance.
+
+    Raises:
+        ValueError: `workers` together with `address`, or Dask is not installed.
+        SimulationError: no scheduler answers at `address`, it goes away, or its workers have other versions of the packages
+            that compute.
+    """
+    check_cluster(workers, address)
+    where = "this machine's own cluster" if address is None else f"the cluster at {address}"
+    with _client(workers, address) as client, _gone(where):
+        if address is not None:
+            _warn_if_idle(client, address)
+        suspects: list[Chunk] = []
+        here = _Cluster(client, work, where=where)
+        yield from here.parts(iter(chunks), suspects.append)
+        # Dask counts a death against all that waited at the worker: only a chunk that is alone is its cause for certain.
+        for chunk in suspects:
+            yield here.alone(chunk)
+
+
+def check_cluster(workers: int | None, address: str | None) -> None:
+    """Raise ValueError or SimulationError unless chunks can be computed: Dask is there, and so is the scheduler."""
+    if find_spec("distributed") is None:
+        raise ValueError("engine 'dask' needs Dask: pip install 'wirerope-mj[dask]'.")
+    if address is not None and workers is not None:
+        raise ValueError("`workers` belongs to a cluster of this machine's own; one at `address` has its own workers.")
+    if address is not None:
+        check_answers(address)
+
+
+@contextmanager
+def _gone(where: str) -> Iterator[None]:
+    """Say in one message that the scheduler cannot be reached any more."""
+    try:
+        yield
+    except (CancelledError, OSError) as error:
+        raise SimulationError(
+            f"the scheduler of {where} has gone; what is done is kept: go on with it with --resume (`resume=True`)."
+        ) from error
+
+
+class _Cluster:
+    """Computes chunks on the workers of a client."""
+
+    def __init__(self, client: "Client", work: Work, *, where: str) -> None:
+        self._client, self._work, self._where, self._versions = client, work, where, versions()
+
+    def parts(self, chunks: Iterator[Chunk], suspect: Callable[[Chunk], None]) -> Iterator[Part]:
+        """Yield the parts of chunks as they are ready; those that were there when a worker died are suspect."""
+        from distributed import as_completed
+
+        shared, done = self._shared(), as_completed(loop=self._client.loop)
+        running: dict[Future, Chunk] = {}
+
+        def hand_over() -> None:
+            while len(running) < AHEAD * max(sum(self._client.nthreads().values()), 1):
+                chunk = next(chunks, None)
+                if chunk is None:
+                    return
+                future = self._submit(shared, chunk)
+                running[future] = chunk
+                done.add(future)
+
+        hand_over()
+        while running:
+            future = next(done)
+            chunk = running.pop(future)
+            part = self._part(future)
+            if part is None:
+                suspect(chunk)
+            else:
+                yield part
+            hand_over()
+
+    def alone(self, chunk: Chunk) -> Part:
+        """Return the part of a chunk while nothing else is computed; one that says so if its workers die again."""
+        part = self._part(self._submit(self._shared(), chunk))
+        return died(self._work, chunk, _DEATH) if part is None else part
+
+    def _shared(self) -> "Future":
+        """A task, not scattered data: what a dead worker alone held is then made again."""
+        return self._client.submit(_handed_over, self._work, pure=False)
+
+    def _submit(self, shared: "Future", chunk: Chunk) -> "Future":
+        return self._client.submit(_computed, shared, chunk, self._versions, pure=False)
+
+    def _part(self, future: "Future") -> Part | None:
+        """Return the part of a chunk; None if its worker died too often."""
+        from distributed import KilledWorker
+
+        try:
+            return future.result()
+        except KilledWorker:
+            return None
+        except (ModuleNotFoundError, RuntimeError) as error:
+            reason = error.__cause__ or error
+            raise SimulationError(
+                f"a worker of {self._where} cannot compute ({reason}); it must have the same wirerope-mj installed."
+            ) from error
+
+
+@contextmanager
+def _client(workers: int | None, address: str | None) -> Iterator["Client"]:
+    """Lend a client of the cluster at `address`, or of one that lives as long as the block."""
+    import dask.config
+    from distributed import Client, LocalCluster
+
+    with ExitStack() as open_things:
+        if address is None:
+            open_things.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": ATTEMPTS}))
+            scheduler = LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=":0", silence_logs="CRITICAL")
+            place: str = open_things.enter_context(scheduler).scheduler_address
+            processes = open_things.enter_context(_workers(place, processors() if workers is None else workers))
+        else:
+            place, processes = address, None
+        client = open_things.enter_context(Client(place, timeout=PATIENCE, set_as_default=False))
+        if processes is not None:
+            _wait(client, processes)
+        yield client
+
+
+@contextmanager
+def _workers(place: str, number: int) -> Iterator["subprocess.Popen[bytes]"]:
+    """Run worker processes of one thread each for the block; one that dies is started again.
+
+    They are Dask's own command, not children that import the script that asked for the study: such a script needs no guard.
+    """
+    command = [sys.executable, "-m", "dask", "worker", place, "--nworkers", str(number), "--nthreads", "1",
+               "--host", "127.0.0.1", "--no-dashboard", "--memory-limit", "0", "--death-timeout", f"{STARTING:g}"]  # fmt: skip
+    paths = [str(Path(__file__).resolve().parents[3]), *filter(None, [os.environ.get("PYTHONPATH")])]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        subprocess.Popen([*command, "--local-directory", folder], env=environment, **_SILENT) as process,
+    ):
+        try:
+            yield process
+        finally:
+            process.terminate()  # Dask ends the processes below it
+            try:
+                process.wait(timeout=STARTING)
+            except subprocess.TimeoutExpired:
+                process.kill()
+
+
+def _wait(client: "Client", processes: "subprocess.Popen[bytes]") -> None:
+    """Wait for the first worker of this machine's own cluster."""
+    began = time.monotonic()
+    while not client.nthreads():
+        if processes.poll() is not None or time.monotonic() - began > STARTING:
+            raise SimulationError("Dask's workers do not start on this machine; use engine 'local'.")
+        time.sleep(0.05)
+
+
+def _warn_if_idle(client: "Client", address: str) -> None:
+    """Warn if a cluster that exists has no worker: those of a batch system may come much later."""
+    began = time.monotonic()
+    while not client.nthreads():
+        if time.monotonic() - began > PATIENCE:
+            warnings.warn(f"the cluster at {address} has no workers yet; the study waits for them.", ClusterWarning, 2)
+            return
+        time.sleep(0.05)
+
+
+def check_answers(address: str) -> None:
+    """Raise SimulationError unless a Dask scheduler answers at `address`."""
+    from distributed.core import rpc
+    from distributed.security import Security
+
+    async def ask() -> str:
+        keys = Security().get_connection_args("client")  # of Dask's own configuration, for tls://
+        async with asyncio.timeout(PATIENCE), rpc(address, timeout=PATIENCE, connection_args=keys) as scheduler:
+            return str((await scheduler.identity())["type"])
+
+    try:
+        # In a thread of its own: a notebook's thread has an event loop that runs already.
+        with ThreadPoolExecutor(1) as thread:
+            answer = thread.submit(asyncio.run, ask()).result()
+    except (
+        Exception
+    ) as error:  # what another service answers is read as anything, as a message of exbibytes for instance
+        raise SimulationError(
+            f"no Dask scheduler answers at {address!r}; is it running, and is this its address (tcp://HOST:8786)?"
+        ) from error
+    if answer != "Scheduler":
+        raise SimulationError(f"a Dask {answer.lower()} answers at {address!r}; give the address of the scheduler.")
+
+
+def _handed_over(work: Work) -> Work:
+    return work
+
+
+def _computed(work: Work, chunk: Chunk, asked: dict[str, str]) -> Part:
+    """Return the part of a chunk, on a worker whose packages are those of who asks."""
+    here = versions()
+    other = [f"{name} {here[name]} instead of {wanted}" for name, wanted in asked.items() if here[name] != wanted]
+    if other:
+        raise SimulationError(
+            f"a worker has {', '.join(other)}, so that its rows would not be comparable: every worker needs the versions of "
+            "the process that asks, and the same code of wirerope-mj. What is done is kept."
+        )
+    return compute(work, chunk)

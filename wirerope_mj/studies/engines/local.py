@@ -1,0 +1,180 @@
+"""The engine of one machine: processes side by side, each with a lock-step batch on one thread."""
+
+import os
+import pickle
+import queue
+import subprocess
+import sys
+import threading
+from collections.abc import Generator, Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
+from wirerope_mj.studies.inputs.variants import Work
+
+TRIES = 2
+"""How often a chunk is begun if its process dies: the first death may have been an accident."""
+
+
+class Died(Exception):
+    """A process ended in the middle of a chunk."""
+
+
+def run_local(
+    work: Work, chunks: Iterable[Chunk], *, workers: int | None = None, address: str | None = None
+) -> Generator[Part, None, None]:
+    """Yield the part of every chunk as they are ready.
+
+    Args:
+        work: what all variants share.
+        chunks: what is to be computed; read as processes become free.
+        workers: number of processes; None for one per processor. One worker is this process itself.
+        address: of no use here; engines with a cluster take one.
+    """
+    workers = processors() if workers is None else workers
+    if workers == 1:
+        for chunk in chunks:
+            yield compute(work, chunk)
+        return
+    yield from _Pool(work, chunks, workers).results()
+
+
+def processors() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class _Pool:
+    """One thread for each worker process: it hands out chunks, and starts the process again if it dies."""
+
+    def __init__(self, work: Work, chunks: Iterable[Chunk], workers: int) -> None:
+        self._work, self._chunks, self._workers = work, iter(chunks), workers
+        self._pickled = pickle.dumps(work, protocol=pickle.HIGHEST_PROTOCOL)
+        self._lock, self._stop = threading.Lock(), threading.Event()
+        # A slow reader holds the workers up, so that memory does not grow.
+        self._done: queue.Queue[Part | BaseException | None] = queue.Queue(maxsize=2 * workers)
+        self._processes: list[_Process | None] = [None] * workers
+
+    def results(self) -> Generator[Part, None, None]:
+        threads = [threading.Thread(target=self._serve, args=(n,), daemon=True) for n in range(self._workers)]
+        for thread in threads:
+            thread.start()
+        try:
+            left = self._workers
+            while left:
+                result = self._done.get()
+                if isinstance(result, BaseException):
+                    raise result
+                if result is None:
+                    left -= 1
+                else:
+                    yield result
+        finally:
+            self._end(threads)
+
+    def _end(self, threads: list[threading.Thread]) -> None:
+        self._stop.set()
+        for thread in threads:
+            while thread.is_alive():
+                for process in self._processes:
+                    if process is not None:
+                        process.end()
+                while not self._done.empty():  # a thread may wait for a place
+                    self._done.get_nowait()
+                thread.join(timeout=0.05)
+
+    def _serve(self, number: int) -> None:
+        try:
+            while not self._stop.is_set():
+                with self._lock:
+                    chunk = next(self._chunks, None)
+                if chunk is None:
+                    break
+                part = self._part(number, chunk)
+                if not self._stop.is_set():
+                    self._done.put(part)
+            self._done.put(None)
+        except BaseException as error:
+            self._done.put(error)
+        finally:
+            process = self._processes[number]
+            if process is not None:
+                process.kill()
+
+    def _part(self, number: int, chunk: Chunk) -> Part:
+        reason = ""
+        for _ in range(TRIES):
+            try:
+                process = self._processes[number] = self._processes[number] or _Process(self._pickled)
+                return process.compute(chunk)
+            except Died as death:
+                reason, self._processes[number] = str(death), None
+                if self._stop.is_set():
+                    break
+        return died(
+            self._work,
+            chunk,
+            f"the process that computed this chunk of variants {reason}, {TRIES} times in a row. It may have run out of "
+            "memory: go on with --resume (`resume=True`), which computes it again, and with fewer --workers (`workers`).",
+        )
+
+
+class _Process:
+    """A worker process and its pipes."""
+
+    def __init__(self, pickled_work: bytes) -> None:
+        place = str(Path(__file__).resolve().parents[3])
+        paths = [place, *filter(None, [os.environ.get("PYTHONPATH")])]
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+        # One thread each: more of them would fight for the processors that the other processes have.
+        environment |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+        # A session of its own: Ctrl-C is for the process that started this one, which ends it.
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "wirerope_mj.studies.engines.worker"],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, start_new_session=True,
+        )  # fmt: skip
+        try:
+            self._asked(pickled_work)
+        except Died as death:
+            raise SimulationError(
+                f"a worker process could not start: it {death}. Its own message stands on standard error; with one of "
+                "`workers` the study runs in this process."
+            ) from None
+
+    def compute(self, chunk: Chunk) -> Part:
+        """Return the part of a chunk; Died if the process is gone."""
+        return self._asked(pickle.dumps(chunk, protocol=pickle.HIGHEST_PROTOCOL))
+
+    def _asked(self, question: bytes) -> Any:
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        try:
+            self._process.stdin.write(question)
+            self._process.stdin.flush()
+            return pickle.load(self._process.stdout)
+        except (EOFError, OSError, ValueError, pickle.UnpicklingError):
+            with suppress(subprocess.TimeoutExpired):
+                self._process.wait(timeout=5.0)
+            code = self._process.poll()
+            self.kill()
+            raise Died("died" if code is None else f"died ({_words(code)})") from None
+
+    def end(self) -> None:
+        """End the process; whoever waits for it finds it dead."""
+        self._process.kill()
+
+    def kill(self) -> None:
+        """End the process and close its pipes."""
+        self._process.kill()
+        self._process.wait()
+        for pipe in (self._process.stdin, self._process.stdout):
+            if pipe is not None:
+                with suppress(OSError):  # what was not yet written has nobody to read it
+                    pipe.close()
+
+
+def _words(code: int) -> str:
+    return f"signal {-code}" if code < 0 else f"exit status {code}"

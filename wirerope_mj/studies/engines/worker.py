@@ -1,0 +1,62 @@
+"""A process that computes chunks: reads them from its standard input and writes their parts to its standard output.
+
+It is started by the local engine as a module of its own, so that it never runs the script that asked for the study: such a
+script needs no guard. It ends with its input, and so with the process that started it, however that ends: at once, in the
+middle of a chunk, too, so that it takes neither processors nor memory from a study that goes on.
+"""
+
+import os
+import pickle
+import queue
+import signal
+import threading
+import traceback
+from typing import Any, BinaryIO
+
+from wirerope_mj.studies.engines.compute import compute
+
+
+def main() -> None:
+    """Serve chunks until the input ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where a session of its own is not known
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)  # whatever prints must not disturb the answers
+    serve(os.fdopen(os.dup(0), "rb"), answers)
+
+
+def serve(questions: BinaryIO, answers: BinaryIO) -> None:
+    """Answer every chunk with its part; before them comes the work that all of them share."""
+    asked: queue.SimpleQueue[Any] = queue.SimpleQueue()
+    threading.Thread(target=_read, args=(questions, asked), daemon=True).start()
+    work = asked.get()
+    _answer(answers, "ready")
+    while True:
+        _answer(answers, compute(work, asked.get()))
+
+
+def _read(questions: BinaryIO, asked: "queue.SimpleQueue[Any]") -> None:
+    """Hand on what is asked, and end the process when nobody asks any more."""
+    try:
+        while True:
+            asked.put(pickle.load(questions))
+    except (
+        EOFError,
+        OSError,
+        pickle.UnpicklingError,
+    ):  # the process that asked is gone, perhaps in the middle of a question
+        os._exit(0)
+    except BaseException:  # the main thread would wait for ever
+        traceback.print_exc()
+        os._exit(1)
+
+
+def _answer(answers: BinaryIO, what: Any) -> None:
+    try:
+        pickle.dump(what, answers, protocol=pickle.HIGHEST_PROTOCOL)
+        answers.flush()
+    except BrokenPipeError:
+        os._exit(0)  # nobody waits for it
+
+
+if __name__ == "__main__":
+    main()

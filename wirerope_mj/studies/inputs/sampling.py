@@ -1,0 +1,152 @@
+"""The inputs of all variants: numbers between 0 and 1, made into values by the quantities' distributions."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+from scipy.special import ndtri
+from scipy.stats import qmc
+
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.studies.inputs import sobol
+from wirerope_mj.studies.inputs.distributions import LARGEST, SMALLEST, Choice, Specimens, Uniform
+from wirerope_mj.studies.inputs.quantities import Column, Quantity
+
+Array = npt.NDArray[np.float64]
+
+LISTED = ("grid", "list")
+"""Samplings of values that are listed, and not drawn."""
+
+RANK = 1e-9
+"""Eigenvalue of the correlations, of the largest one, below which a direction does not scatter: rounding leaves 1e-15, and the
+noise of fits, which is scatter, 1e-4 and more."""
+
+SAMPLINGS = ("sobol", "latin-hypercube", "random", *LISTED, sobol.SAMPLING)
+
+
+def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: str, seed: int) -> pa.Table:
+    """Return the table of inputs: `variant`, and one column for every sampled number.
+
+    The same arguments give the same table. With "sobol", "sobol-indices" and "random" the first variants of a larger study
+    are those of a smaller one.
+
+    Raises:
+        ValueError: the number of variants is not positive or does not suit the sampling, the sampling is unknown, or a grid has
+            no listed values.
+    """
+    if sampling not in SAMPLINGS:
+        raise ValueError(f"`sampling` must be one of {', '.join(SAMPLINGS)}, got {sampling!r}.")
+    columns = [column for quantity in quantities for column in quantity.columns]
+    if sampling in LISTED:
+        values: Sequence[Any] = _listed(quantities, variants, sampling)
+    else:
+        if isinstance(variants, bool) or not isinstance(variants, int | np.integer) or variants < 1:
+            raise ValueError(f"`variants` must be a whole number >= 1, got {variants!r}.")
+        if sampling == sobol.SAMPLING:
+            shares = sobol.shares(list(sobol.factors(quantities).values()), int(variants), seed)
+        else:
+            shares = _shares(sampling, int(variants), len(columns), seed)
+        ends = np.cumsum([len(quantity.columns) for quantity in quantities])[:-1]
+        blocks = zip(quantities, np.split(shares, ends, axis=1), strict=True)
+        values = [column for quantity, own in blocks for column in _values(quantity, own)]
+    numbers = pa.array(np.arange(len(values[0])), type=pa.int64())
+    arrays = [pa.array(value, type=arrow_type(column)) for value, column in zip(values, columns, strict=True)]
+    return pa.table([numbers, *arrays], names=["variant", *(column.name for column in columns)])
+
+
+def arrow_type(column: Column) -> pa.DataType:
+    """Return the type of a column in the table."""
+    return {"double": pa.float64(), "int64": pa.int64(), "bool": pa.bool_(), "string": pa.string()}[column.type]
+
+
+def _shares(sampling: str, variants: int, dimensions: int, seed: int) -> Array:
+    """Return numbers from 0 to 1, (variants, dimensions)."""
+    generator = np.random.default_rng(seed)
+    if sampling == "random":
+        return generator.random((variants, dimensions))
+    if sampling == "latin-hypercube":
+        return np.asarray(qmc.LatinHypercube(dimensions, rng=generator).random(variants))
+    if dimensions > qmc.Sobol.MAXDIM:
+        raise ValueError(
+            f"Sobol's sequence has {qmc.Sobol.MAXDIM} dimensions, and {dimensions} numbers vary; use `sampling` "
+            '"latin-hypercube" or "random".'
+        )
+    # Sobol points are balanced in powers of two, and every shorter series is the beginning of them.
+    points = qmc.Sobol(dimensions, scramble=True, rng=generator).random_base2(max(variants - 1, 0).bit_length())
+    return np.asarray(points[:variants])
+
+
+def _values(quantity: Quantity, shares: Array) -> list[npt.NDArray[Any]]:
+    """Return the values of a quantity's columns from their shares (n, n_columns)."""
+    distribution = quantity.distribution
+    if not isinstance(distribution, Specimens):
+        return [distribution.values(shares[:, place]) for place in range(shares.shape[1])]
+    found: list[npt.NDArray[Any]] = []
+    for isolator in quantity.isolators:
+        size = len(isolator.spread.parameters) if isolator.spread else 0
+        own = ndtri(np.clip(shares[:, len(found) : len(found) + size], SMALLEST, LARGEST))
+        found += list(drawn(isolator, own).T)
+    return found
+
+
+def drawn(isolator: Isolator, normals: Array) -> Array:
+    """Return what the parameters of an isolator's spread are in specimens, (n, n_parameters), from as many standard normals."""
+    mean, root = _joint(isolator)
+    # Sums in one order, so that a value has the same bits however many variants there are, and those of its twin.
+    return np.asarray(mean + sum(normals[:, [place]] * root[place] for place in range(mean.size)))
+
+
+def _joint(isolator: Isolator) -> tuple[Array, Array]:
+    """Return the parameters of an isolator's spread, (n,), and a root R of their covariance R.T R, (n, n).
+
+    Directions in which the specimens did not scatter have none, and parameters that were always equal, as those of both limit
+    curves of a law whose file states one, have the same columns.
+    """
+    spread = isolator.spread
+    assert spread is not None  # `quantities` has seen to it
+    laws = [(isolator.axes[axis], key) for axis, key in (name.split(".", 1) for name in spread.parameters)]
+    mean = np.array([law.parameter(key) for law, key in laws if law is not None], dtype=np.float64)
+    covariance = np.array(spread.covariance)
+    sizes = np.sqrt(np.where(np.diag(covariance) > 0.0, np.diag(covariance), 1.0))
+    # As correlations, because stiffness and sharpness differ by ten orders of magnitude.
+    correlation = covariance / np.outer(sizes, sizes)
+    values, vectors = np.linalg.eigh(correlation)
+    if values.min() < -1e-9 * max(values.max(), 1.0):
+        raise ValueError(f"the covariance in the [spread] of isolator {isolator.name!r} is not positive semidefinite.")
+    kept = np.where(values > RANK * values.max(initial=0.0), values, 0.0)
+    root = (vectors * np.sqrt(kept)) @ vectors.T * sizes
+    for place, row in enumerate(correlation):
+        twin = int(np.argmax(row > 1.0 - RANK))  # the first parameter that is as this one, itself at the latest
+        if (
+            row[twin] > 1.0 - RANK
+            and mean[twin] == mean[place]
+            and math.isclose(sizes[twin], sizes[place], rel_tol=RANK)
+        ):
+            root[:, place] = root[:, twin]
+    return mean, root
+
+
+def _listed(quantities: Sequence[Quantity], variants: int | None, sampling: str) -> list[list[Any]]:
+    """Return the columns of a list, or of a grid: all combinations; the last one varies fastest."""
+    lists: list[list[Any]] = []
+    for quantity in quantities:
+        distribution = quantity.distribution
+        values = distribution.listed if isinstance(distribution, Choice | Uniform) else []
+        if not values:
+            raise ValueError(
+                f"`vary`: {quantity.name!r} has no values for a {sampling}; give a Choice(...), or a Uniform(..., points=...)."
+            )
+        lists += [values] * len(quantity.columns)
+    sizes = [len(values) for values in lists]
+    if sampling == "list" and len(set(sizes)) > 1:
+        raise ValueError(f"the quantities of a list must all have as many values, got {', '.join(map(str, sizes))}.")
+    size = sizes[0] if sampling == "list" else math.prod(sizes)
+    if variants is not None and variants != size:
+        raise ValueError(f"`variants` must be left out of a {sampling}, or be its size {size}, got {variants}.")
+    if sampling == "list":
+        return lists
+    places = np.unravel_index(np.arange(size), sizes)
+    return [[values[place] for place in where] for values, where in zip(lists, places, strict=True)]

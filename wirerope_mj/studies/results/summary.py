@@ -1,0 +1,95 @@
+"""What a reader of a study wants first, as the plain values of its `summary.json`."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+
+from wirerope_mj.studies.inputs.sampling import LISTED
+from wirerope_mj.studies.inputs.sobol import SAMPLING
+from wirerope_mj.studies.result import StudyResult
+from wirerope_mj.studies.results.findings import (
+    CONFIDENCE,
+    STRUCK,
+    chance_of,
+    finite,
+    measure_of,
+    quantiles,
+    struck_variants,
+    values_of,
+    worst,
+)
+from wirerope_mj.studies.results.indices import drawn, sobol_indices
+from wirerope_mj.studies.results.varied import varied_of
+
+SUMMARISED = ("acceleration", "travel", "static_load", "fragility")
+"""Measures in the summary."""
+
+_QUANTILES = {"q05": 0.05, "median": 0.5, "q95": 0.95}
+
+
+def summary(result: StudyResult) -> dict[str, Any]:
+    """Return what a study says of its measures, SI: what its tables tell, too.
+
+    Of variants that were drawn percentiles, as far as five variants lie beyond them, and the probability beyond the limit with
+    its bounds; of those for Sobol's indices these, too; of listed ones the smallest, the middle and the largest value.
+    """
+    result = result.narrowed(("variant", "status", "message", STRUCK, *SUMMARISED))
+    method = result.inputs["sampling"]["method"]
+    table = drawn(result) if method == SAMPLING else result.table
+    measures = {}
+    for name in known(table):
+        measures[name] = _of_measure(table, name, is_drawn=method not in LISTED)
+        if method == SAMPLING:
+            measures[name] |= _indices(result, name)
+    struck = struck_variants(result.table)
+    return {**begun(result), **({} if struck is None else {"struck": struck}), "measures": measures}
+
+
+def begun(result: StudyResult) -> dict[str, Any]:
+    """Return what the summaries of studies and of searches begin with."""
+    return {
+        "format": result.inputs["format"],
+        "name": result.inputs["name"],
+        "id": result.inputs["id"],
+        "variants": result.table.num_rows,
+        "failed": len(result.failed),
+        "timestep_s": result.inputs["simulate"]["timestep"],
+        "varied": [one.to_dict() for one in varied_of(result.study)],
+    }
+
+
+def known(table: pa.Table) -> list[str]:
+    """Return the measures of `SUMMARISED` that have values; older tables know less."""
+    names = [name for name in SUMMARISED if name in table.column_names]
+    return [name for name in names if finite(values_of(table, name)).size]
+
+
+def _of_measure(table: pa.Table, name: str, *, is_drawn: bool) -> dict[str, Any]:
+    values, limit = finite(values_of(table, name)), measure_of(name).limit
+    found = _quantiles(values) if is_drawn else {"smallest": float(values.min()), "median": float(np.median(values))}
+    found |= {"largest": float(values.max()), "variant": worst(table, name, 1)[0]}
+    if limit is not None:
+        beyond = chance_of(table, name, limit)
+        found |= {"limit": limit, "beyond": beyond.count, "of": beyond.n}
+        if is_drawn:
+            found |= {"probability": beyond.share, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
+    return found
+
+
+def _quantiles(values: npt.NDArray[np.float64]) -> dict[str, Any]:
+    each = zip(_QUANTILES, quantiles(values, list(_QUANTILES.values())), strict=True)
+    return {name: value for name, value in each if np.isfinite(value)}
+
+
+def _indices(result: StudyResult, name: str) -> dict[str, Any]:
+    found = sobol_indices(result, name)
+    indices = {
+        one.name: {
+            "first": one.first, "first_interval": list(one.first_interval),
+            "total": one.total, "total_interval": list(one.total_interval),
+        }
+        for one in found.factors
+    }  # fmt: skip
+    return {"base_rows": found.rows, "dropped_rows": found.dropped, "indices": indices} if indices else {}

@@ -1,0 +1,106 @@
+"""The run of a study: chunks of variants handed to an engine, and their parts written as they are ready."""
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import closing
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from wirerope_mj.engine.simulation.progress import share_bar
+from wirerope_mj.studies.engines.compute import Chunk, Engine
+from wirerope_mj.studies.engines.local import run_local
+from wirerope_mj.studies.folder import TABLE, computed_alone, done, finish, prepare, write_part
+from wirerope_mj.studies.responses import PEAKS, RESPONSES, checked_keep, most_together
+from wirerope_mj.studies.result import StudyResult, load_study
+from wirerope_mj.studies.results.summary import summary
+
+if TYPE_CHECKING:
+    from wirerope_mj.studies.study import Study
+
+CHUNK = 32
+"""Variants of a chunk: enough that stepping them costs more than handing them over, few enough that a kill loses little."""
+
+FEWEST_CHUNKS = 16
+"""Chunks that a small study has, so that all workers have something to do until the end."""
+
+ENGINES = ("local", "dask")
+
+
+def run_study(
+    study: "Study",
+    folder: Path,
+    *,
+    keep: str,
+    engine: str,
+    workers: int | None,
+    address: str | None,
+    resume: bool,
+    force: bool,
+    progress: bool,
+) -> StudyResult:
+    """Compute what is missing of a study and return its result; the arguments are those of `Study.run`."""
+    run = checked_engine(engine, workers=workers, address=address)
+    checked_keep(keep)
+    study.table()  # every variant is checked before anything is written
+    identity = prepare(study, folder, keep=keep, resume=resume, force=force)
+    with computed_alone(folder, identity):
+        if not (folder / TABLE).is_file():
+            _compute(study, folder, keep, partial(run, workers=workers, address=address), progress)
+        finish(folder, math.ceil(study.size / chunk_size(study, keep)), lambda: summary(load_study(folder)))
+    return load_study(folder)
+
+
+def _compute(study: "Study", folder: Path, keep: str, run: Engine, progress: bool) -> None:
+    """Write the parts that are missing as they are ready."""
+    size = chunk_size(study, keep)
+    missing = sorted(set(range(math.ceil(study.size / size))) - done(folder))
+    already = study.size - sum(min(size, study.size - number * size) for number in missing)
+    with share_bar(
+        "study", "variants/s", total=study.size, parts="variants", enabled=progress, begun=already / study.size
+    ) as update:
+        began, ended = perf_counter(), 0
+        with closing(run(study.work, chunks(study, missing, keep))) as results:  # no process goes on after this one
+            for part in results:
+                write_part(folder, part)
+                ended += part.table.num_rows
+                update((already + ended) / study.size, ended / (perf_counter() - began))
+
+
+def chunk_size(study: "Study", keep: str = PEAKS) -> int:
+    """Return how many variants a chunk has; the study alone says it, so that it may go on with other workers."""
+    size = min(CHUNK, math.ceil(study.size / FEWEST_CHUNKS))
+    return min(size, most_together(study.work)) if keep == RESPONSES else size
+
+
+def chunks(study: "Study", numbers: Sequence[int], keep: str = PEAKS) -> Iterator[Chunk]:
+    """Yield the chunks of some numbers."""
+    size = chunk_size(study, keep)
+    for number in numbers:
+        rows = study.table().slice(number * size, size).to_pylist()
+        yield Chunk(number=number, rows=rows, responses=keep == RESPONSES)
+
+
+def checked_engine(name: str, *, workers: int | None, address: str | None) -> Engine:
+    """Return the engine of a name.
+
+    Raises:
+        ValueError: there is none, or the other arguments do not suit it.
+        SimulationError: its cluster does not answer.
+    """
+    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
+        raise ValueError(f"`workers` must be a whole number >= 1, got {workers!r}.")
+    if name == "local":
+        if address is not None:
+            raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")
+        return run_local
+    if name == "dask":
+        from wirerope_mj.studies.engines.dask_engine import (  # an extra that is not always installed
+            check_cluster,
+            run_dask,
+        )
+
+        check_cluster(workers, address)  # before anything is checked or written
+        return run_dask
+    raise ValueError(f"`engine` must be one of {', '.join(ENGINES)}, got {name!r}.")

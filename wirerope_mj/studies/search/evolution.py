@@ -1,0 +1,122 @@
+"""The optimiser of a search: NSGA-II of pymoo, asked for generations of designs and told what came of them."""
+
+from collections.abc import Mapping, Sequence
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.studies.inputs import distributions
+
+Array = npt.NDArray[np.float64]
+Design = dict[str, Any]
+
+UNKNOWN = 1e12
+"""What an optimiser is told of a design that failed: a number, because it adds them up, and worse than any that did not."""
+
+
+def check_installed() -> str:
+    """Return the optimiser and its version; ValueError if it is not installed."""
+    try:
+        import pymoo  # noqa: F401
+    except ImportError as error:
+        raise ValueError("a search needs pymoo: pip install 'wirerope-mj[optimise]'.") from error
+    return f"pymoo {version('pymoo')}, NSGA-II"
+
+
+class Evolution:
+    """Generations of designs, each made of the best so far; the same arguments and answers give the same designs.
+
+    NSGA-II (Deb et al. 2002): of parents and children those survive that fewest others beat, and of equals those that stand
+    apart. A design that keeps its limits beats one that does not; of two that do not, the one that exceeds them less. Numbers
+    are crossed by simulated binary crossover and mutated by a polynomial, truth values and choices are taken from either
+    parent and flipped.
+    """
+
+    def __init__(
+        self,
+        variables: Mapping[str, distributions.Uniform | distributions.Choice],
+        first: Sequence[Design],
+        *,
+        aims: int,
+        limits: int,
+        seed: int,
+    ) -> None:
+        """Begin with the designs of the first generation.
+
+        Args:
+            variables: what a design says, and among which values.
+            first: the designs of the first generation; later ones have as many, or fewer where no others are found.
+            aims: how many numbers are minimised.
+            limits: how many limits there are.
+            seed: of the optimiser's random numbers.
+        """
+        from pymoo.algorithms.moo.nsga2 import NSGA2, binary_tournament
+        from pymoo.core.mixed import MixedVariableDuplicateElimination, MixedVariableMating
+        from pymoo.core.population import Population
+        from pymoo.core.problem import Problem
+        from pymoo.core.termination import NoTermination
+        from pymoo.core.variable import Binary, Choice, Real
+        from pymoo.operators.mutation.bitflip import BFM
+        from pymoo.operators.mutation.pm import PM
+        from pymoo.operators.mutation.rm import ChoiceRandomMutation
+        from pymoo.operators.selection.tournament import TournamentSelection
+
+        other = MixedVariableDuplicateElimination()
+        kinds = [type(_variable(one)) for one in variables.values()]
+        # One variable of each kind in a child on average: pymoo's own rule, which it breaks for choices alone.
+        often = {"prob_var": min(0.5, 1.0 / max(kinds.count(Choice), 1))}
+        mutation = {Binary: BFM(), Real: PM(), Choice: ChoiceRandomMutation(**often)}
+        # One constraint more: that the design could be simulated at all.
+        self._problem = Problem(
+            vars={name: _variable(one) for name, one in variables.items()}, n_obj=aims, n_ieq_constr=limits + 1
+        )
+        self._algorithm = NSGA2(
+            pop_size=len(first),
+            sampling=Population.new(X=np.array([dict(design) for design in first], dtype=object)),
+            mating=MixedVariableMating(
+                selection=TournamentSelection(func_comp=binary_tournament),
+                mutation=mutation,
+                eliminate_duplicates=other,
+            ),
+            eliminate_duplicates=other,
+        )
+        self._algorithm.setup(self._problem, seed=seed, termination=NoTermination(), verbose=False)
+        self._asked: Any = None
+
+    def ask(self) -> list[Design]:
+        """Return the designs of the next generation; none if no other ones are found."""
+        self._asked = self._algorithm.ask()
+        found = [] if self._asked is None else self._asked.get("X")
+        return [{name: _plain(value) for name, value in design.items()} for design in found]
+
+    def tell(self, aims: Array, excesses: Array) -> None:
+        """Say what came of the designs that were asked for last.
+
+        Args:
+            aims: what is minimised, (n, n_aims); infinite where it is not known.
+            excesses: of the limits, (n, n_limits), <= 0 where they are kept; infinite where that is not known.
+        """
+        from pymoo.core.evaluator import Evaluator
+        from pymoo.problems.static import StaticProblem
+
+        unknown = ~(np.isfinite(aims).all(axis=1) & np.isfinite(excesses).all(axis=1))
+        limits = np.column_stack([np.where(unknown, UNKNOWN, 0.0), np.where(np.isfinite(excesses), excesses, 0.0)])
+        values = np.where(np.isfinite(aims), aims, UNKNOWN)
+        Evaluator().eval(StaticProblem(self._problem, F=values, G=limits), self._asked)
+        self._algorithm.tell(infills=self._asked)
+
+
+def _variable(distribution: distributions.Uniform | distributions.Choice) -> Any:
+    from pymoo.core import variable
+
+    if isinstance(distribution, distributions.Uniform):
+        return variable.Real(bounds=(distribution.low, distribution.high))
+    if set(distribution.choices) == {False, True} and isinstance(distribution.choices[0], bool):
+        return variable.Binary()
+    return variable.Choice(options=list(distribution.choices))
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value

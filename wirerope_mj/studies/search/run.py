@@ -1,0 +1,160 @@
+"""The run of a search: the optimiser is asked for designs, engines compute those that are new, and it is told."""
+
+import queue
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing, nullcontext
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pyarrow as pa
+
+from wirerope_mj.engine.simulation.progress import Update, share_bar
+from wirerope_mj.studies.engines.compute import Chunk, Engine, Part
+from wirerope_mj.studies.engines.local import run_local
+from wirerope_mj.studies.folder import TABLE, computed_alone, finish, part_path, prepare, read_part, write_part
+from wirerope_mj.studies.responses import RESPONSES, checked_keep
+from wirerope_mj.studies.result import load_study
+from wirerope_mj.studies.run import checked_engine, chunk_size
+from wirerope_mj.studies.search.evolution import Design, Evolution, check_installed
+from wirerope_mj.studies.search.front import Array, aims, excesses
+from wirerope_mj.studies.search.result import GENERATION, SearchResult
+from wirerope_mj.studies.search.summary import search_summary
+
+if TYPE_CHECKING:
+    from wirerope_mj.studies.search.search import Search
+
+
+def run_search(
+    search: "Search",
+    folder: Path,
+    *,
+    keep: str,
+    engine: str,
+    workers: int | None,
+    address: str | None,
+    resume: bool,
+    force: bool,
+    progress: bool,
+) -> SearchResult:
+    """Evolve what is missing of a search and return its result; the arguments are those of `Search.run`."""
+    run = checked_engine(engine, workers=workers, address=address)
+    checked_keep(keep)
+    added = {"optimiser": check_installed(), **search.to_dict()}
+    identity = prepare(search.study, folder, keep=keep, resume=resume, force=force, search=added)
+    with computed_alone(folder, identity):
+        parts = 0
+        if not (folder / TABLE).is_file():
+            with share_bar(
+                "search", "designs/s", total=search.generations, parts="generations", enabled=progress
+            ) as update:
+                here = _Run(search, folder, keep, run, {"workers": workers, "address": address}, update)
+                with closing(here):  # so that no process goes on if this one is interrupted
+                    here.evolve()
+            parts = here.parts
+        finish(folder, parts, lambda: search_summary(_loaded(folder)))
+    return _loaded(folder)
+
+
+def _loaded(folder: Path) -> SearchResult:
+    result = load_study(folder)
+    assert isinstance(result, SearchResult)
+    return result
+
+
+class _Run:
+    """What a search knows while it runs.
+
+    Attributes:
+        parts: number of the parts of the table so far; their numbers follow each other through the generations.
+    """
+
+    def __init__(
+        self, search: "Search", folder: Path, keep: str, engine: Engine, where: dict[str, Any], update: Update
+    ) -> None:
+        self._search, self._folder, self._keep = search, folder, keep
+        self._engine, self._where, self._update = engine, where, update
+        self._known: dict[tuple[Any, ...], tuple[Array, Array]] = {}
+        self._chunks: queue.SimpleQueue[Chunk | None] = queue.SimpleQueue()
+        self._results: Generator[Part, None, None] | None = None
+        self._began, self._computed = perf_counter(), 0
+        self.parts = 0
+
+    def evolve(self) -> None:
+        """Compute all generations."""
+        search = self._search
+        evolution = Evolution(
+            search.variables, search.first, aims=len(search.minimise), limits=len(search.limits), seed=search.study.seed
+        )  # fmt: skip
+        for generation in range(search.generations):
+            designs = evolution.ask()
+            if not designs:
+                return  # every design that the best can be crossed to is among them
+            new = list(
+                {self._key(design): design for design in designs if self._key(design) not in self._known}.values()
+            )
+            for table in self._tables(new, generation):
+                self._remember(table)
+            found = [self._known[self._key(design)] for design in designs]
+            evolution.tell(np.array([one for one, _ in found]), np.array([one for _, one in found]))
+            self._tell(generation + 1)
+
+    def _key(self, design: Design) -> tuple[Any, ...]:
+        return tuple(design[name] for name in self._search.variables)
+
+    def _remember(self, table: pa.Table) -> None:
+        values = aims(table, self._search.minimise), excesses(table, self._search.limits)
+        for design, *found in zip(table.select(list(self._search.variables)).to_pylist(), *values, strict=True):
+            self._known[self._key(design)] = (found[0], found[1])
+
+    def _tables(self, designs: Sequence[Design], generation: int) -> list[pa.Table]:
+        """Return the rows of new designs: of the parts that are done already, and of those that are computed now."""
+        rows, size = self._search.rows(designs, len(self._known)), chunk_size(self._search.study, self._keep)
+        pieces = {self.parts + n: rows.slice(first, size) for n, first in enumerate(range(0, len(designs), size))}
+        found = {number: table for number, piece in pieces.items() if (table := self._done(number, piece)) is not None}
+        missing = [
+            Chunk(number=one, rows=piece.to_pylist(), responses=self._keep == RESPONSES)
+            for one, piece in pieces.items()
+            if one not in found
+        ]
+        for part in self._computed_by_engine(missing):
+            numbers = pa.array([generation] * part.table.num_rows, type=pa.int64())
+            table = part.table.append_column(GENERATION, numbers)
+            write_part(self._folder, replace(part, table=table))
+            found[part.number] = table
+            self._computed += table.num_rows
+            self._tell(generation + len(found) / len(pieces))
+        self.parts += len(pieces)
+        return [found[number] for number in sorted(pieces)]
+
+    def _computed_by_engine(self, missing: Sequence[Chunk]) -> Iterator[Part]:
+        """Yield the parts of some chunks; processes of this machine wait for the chunks of later generations."""
+        work = self._search.study.work
+        if self._engine is not run_local:
+            with closing(self._engine(work, missing, **self._where)) if missing else nullcontext(()) as results:
+                yield from results
+            return
+        for chunk in missing:
+            self._chunks.put(chunk)
+        if self._results is None:
+            self._results = run_local(work, iter(self._chunks.get, None), **self._where)
+        for _ in missing:
+            yield next(self._results)
+
+    def close(self) -> None:
+        """End the processes of this machine."""
+        if self._results is not None:
+            self._chunks.put(None)  # a thread that waits for a chunk sees that there are no more
+            self._results.close()
+
+    def _done(self, number: int, rows: pa.Table) -> pa.Table | None:
+        """Return a part that is done, if its designs are these: those after a process's death may be others."""
+        path = part_path(self._folder, number)
+        table = read_part(path) if path.is_file() else None
+        return table if table is not None and table.select(rows.column_names).equals(rows) else None
+
+    def _tell(self, generations: float) -> None:
+        rate = self._computed / (perf_counter() - self._began)
+        self._update(generations / self._search.generations, rate)

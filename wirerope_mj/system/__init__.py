@@ -1,7 +1,0 @@
-"""MJCF and isolators -> a compiled MuJoCo model with mounts."""
-
-from wirerope_mj.system.changes import Changes as Changes
-from wirerope_mj.system.system import Mount as Mount
-from wirerope_mj.system.system import System as System
-from wirerope_mj.system.system import load_system as load_system
-from wirerope_mj.system.varied import varied as varied

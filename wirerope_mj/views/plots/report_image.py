@@ -1,0 +1,172 @@
+"""Figures as images for a report: vector graphics where they are small, pixels where they are not."""
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from io import BytesIO
+from typing import Any
+
+import matplotlib
+import numpy as np
+import numpy.typing as npt
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
+
+from wirerope_mj.dynamics.frequency_response.axes import log_ticks
+
+Array = npt.NDArray[np.float64]
+
+WIDTH = 7.0
+"""Width of a figure [in]: that of the text on A4."""
+
+COLOURS = ("#08519c", "#d95f0e", "#31a354")
+"""Of three lines or axes that stand beside each other; told apart by most colour-blind readers too."""
+
+BASE, RATED = "0.55", "#b30000"
+
+_LARGEST_SVG = 200_000
+"""Bytes above which a figure is stored as pixels: those of a full-width figure take about as much."""
+
+_PIXELS = 150
+"""Of a figure stored as pixels, per inch: its letters stay sharp in print."""
+
+_STEPS = 1000
+"""Stretches of a thinned line: about one for each pixel of a full-width panel."""
+
+_CRESTS = 300
+"""Stretches of an envelope: each should hold a period at least."""
+
+_FITS = 28  # letters of a name in a legend
+_ROW, _SAMPLE = 110, 7  # letters in a row of a legend; what an entry's line takes of them
+_MM = 25.4  # of an inch
+
+_STYLE = {
+    "font.size": 8.0,
+    "axes.titlesize": 8.5,
+    "axes.titleweight": "bold",
+    "legend.fontsize": 7.0,
+    "legend.framealpha": 0.85,
+    "lines.linewidth": 0.9,
+    "path.simplify_threshold": 0.3,
+    "svg.hashsalt": "wirerope",  # the same picture gives the same bytes
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Image:
+    """A drawn picture.
+
+    Attributes:
+        data: bytes of the file.
+        kind: "svg" or "png".
+        width, height: size on paper [mm].
+    """
+
+    data: bytes
+    kind: str
+    width: float
+    height: float
+
+
+@contextmanager
+def report_style() -> Iterator[None]:
+    """Draw what the block draws with the letters and lines of a report."""
+    with matplotlib.rc_context(_STYLE):
+        yield
+
+
+def image_of(figure: Figure, *, detailed: bool = False) -> Image:
+    """Return a finished figure as SVG, or as PNG if the SVG is large.
+
+    Args:
+        figure: what was drawn.
+        detailed: whether it is known to hold too much for an SVG, which then is not even tried.
+    """
+    with report_style():
+        vector = BytesIO()
+        if not detailed:
+            figure.savefig(vector, format="svg", metadata={"Date": None})
+        data, kind = _rounded(vector.getvalue()), "svg"
+        if detailed or len(data) > _LARGEST_SVG:
+            pixels = BytesIO()
+            figure.savefig(pixels, format="png", dpi=_PIXELS)
+            data, kind = pixels.getvalue(), "png"
+    width, height = (float(round(_MM * size, 1)) for size in figure.get_size_inches())
+    return Image(data=data, kind=kind, width=width, height=height)
+
+
+def thinned(time: Array, values: Array) -> tuple[Array, Array]:
+    """Return instants and values that draw the same line: lowest and highest of each stretch, in their order.
+
+    Args:
+        time: instants, (n_t,).
+        values: series, (n_t,).
+    """
+    length = time.size // _STEPS
+    if length <= 2:
+        return time, values
+    whole = length * _STEPS
+    parts = values[:whole].reshape(_STEPS, length)
+    starts = length * np.arange(_STEPS)
+    rows = np.concatenate(
+        [starts + parts.argmin(axis=1), starts + parts.argmax(axis=1), [0], np.arange(whole, time.size)]
+    )
+    rows = np.unique(rows)
+    return time[rows], values[rows]
+
+
+def crest(x: Array, values: Array) -> tuple[Array, Array]:
+    """Return the places and sizes of the largest value of each of many stretches: the envelope of what oscillates."""
+    length = max(x.size // _CRESTS, 1)
+    parts = values[: length * (x.size // length)].reshape(-1, length)
+    rows = length * np.arange(parts.shape[0]) + parts.argmax(axis=1)
+    return x[rows], values[rows]
+
+
+def line(panel: Any, time: Array, values: Array, label: str | None, colour: str, **style: Any) -> None:
+    """Draw a thinned line."""
+    panel.plot(*thinned(time, values), color=colour, label=label, **style)
+
+
+def level(number: int, colour: str) -> float:
+    """Return how far in front a line of a panel is drawn: the first over the others, for it is the one that matters most.
+
+    The base, which all are compared with, lies behind them.
+    """
+    return 2.0 if colour == BASE else 2.8 - 0.1 * number
+
+
+def dress(panel: Any, *, ylabel: str) -> None:
+    """Give a panel of a history its grid and its name."""
+    panel.set_ylabel(ylabel)
+    panel.grid(color="0.92")
+    panel.set_axisbelow(True)
+    panel.margins(x=0.0)
+
+
+def legend_above(figure: Figure, *panels: Any) -> None:
+    """Say above a figure, where it hides nothing, what the lines of its panels are; each name once."""
+    entries = {label: line for panel in panels for line, label in zip(*panel.get_legend_handles_labels(), strict=True)}
+    if entries:
+        columns = max(_ROW // (max(map(len, entries)) + _SAMPLE), 1)
+        figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=columns, frameon=False)
+
+
+def short(name: str) -> str:
+    """Return a name as it fits a legend, its end kept, where numbers stand; never one that a legend leaves out."""
+    fits = name if len(name) <= _FITS else f"{name[: _FITS // 2 - 1]}…{name[-_FITS // 2 :]}"
+    return f" {fits}" if fits.startswith("_") else fits  # matplotlib hides labels that begin with an underscore
+
+
+def round_ticks(axis: Any, low: float, high: float, *, most: int = 12) -> None:
+    """Give a logarithmic axis from `low` to `high` at most about `most` ticks at round numbers, written as such."""
+    ticks = log_ticks(low, high, most=most)
+    axis.set_major_locator(FixedLocator(ticks.tolist()))
+    axis.set_major_formatter(FixedFormatter([f"{tick:.6g}" for tick in ticks]))
+    axis.set_minor_locator(NullLocator())
+
+
+def _rounded(svg: bytes) -> bytes:
+    """Return the file with the points of its paths to a hundredth of a printer's point: nobody sees more."""
+    return re.sub(rb' d="[^"]*"', lambda match: re.sub(rb"(\.\d\d)\d+", rb"\1", match[0]), svg)

@@ -1,0 +1,232 @@
+"""What a study says, as pictures: how likely, which inputs, and where."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from textwrap import wrap
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.studies.engines.compute import DONE
+from wirerope_mj.studies.results.findings import (
+    CONFIDENCE,
+    Measure,
+    chance_of,
+    finite,
+    measure_of,
+    percent,
+    quantiles,
+    values_of,
+)
+from wirerope_mj.studies.results.sensitivity import Influence
+from wirerope_mj.views.plots.plain_figure import PlainFigure
+from wirerope_mj.views.plots.report_image import BASE, COLOURS, RATED, WIDTH, report_style, short
+
+Array = npt.NDArray[np.float64]
+
+QUANTILES = (0.5, 0.9, 0.95, 0.99)
+
+_BELOW = {0.5: -4.0, 0.9: -9.5, 0.95: -8.0, 0.99: -6.0}
+"""How far from its point a percentile's name stands [pt]: right of it and below, where no curve that rises goes."""
+
+MOST_BARS = 12
+"""Inputs in one picture: those below explain next to nothing."""
+
+MOST_SCATTERS = 3
+"""Inputs that are drawn with all their variants."""
+
+_LEAST = 1.9  # height of a picture of few choices, beside which the name of their input stands [in]
+_ROOM = 2.1  # length of an axis in its longest bar, so that there is room for the words beside it
+_LINE = 36  # letters of a measure's words on one line
+_NAME = 34  # letters of an input's name beside its bar
+
+
+def distribution_figure(table: pa.Table, names: Sequence[str]) -> Figure:
+    """Return for each measure the share of variants that stay below a value, with percentiles and limit.
+
+    Args:
+        table: of a study whose variants were drawn.
+        names: measures with values, one panel each.
+    """
+    with report_style():
+        figure = PlainFigure(figsize=(WIDTH, 3.3), layout="constrained")
+        panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
+        for panel, name in zip(panels, names, strict=True):
+            _distribution(panel, measure_of(name), table)
+        panels[0].set_ylabel("share of the variants below [%]")
+    return figure
+
+
+def sensitivity_figure(found: Sequence[Influence], measure: str, labels: Mapping[str, str]) -> Figure:
+    """Return what the inputs explain of a measure's variance, as bars named by `labels`; those that may be chance are pale."""
+    shown = list(found[:MOST_BARS])[::-1]
+    end = _ROOM * max(*(100.0 * one.share for one in shown), 2.5)
+    with report_style():
+        figure = PlainFigure(figsize=(WIDTH, 1.1 + 0.24 * len(shown)), layout="constrained")
+        panel = figure.subplots()
+        for place, one in enumerate(shown):
+            colour = BASE if math.isnan(one.rank) else COLOURS[0] if one.rank >= 0.0 else COLOURS[1]
+            share = max(100.0 * one.share, 0.0)
+            panel.barh(place, share, color=colour, alpha=1.0 if one.certain else 0.25, height=0.7)
+            panel.annotate(
+                _sign(one), (share, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7
+            )
+        panel.set_yticks(range(len(shown)), [_shortened(labels.get(one.name, one.name)) for one in shown])
+        panel.set_xlim(0.0, end)
+        panel.xaxis.set_major_locator(MaxNLocator(6))
+        panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 100.0])
+        panel.set_xlim(0.0, end)
+        panel.set_xlabel(f"share of the variance that the input explains alone [%]:\n{words_of(measure_of(measure))}")
+        _calm(panel, axis="x")
+    return figure
+
+
+def scatter_figure(table: pa.Table, names: Sequence[str], measure: str, labels: Mapping[str, str]) -> Figure:
+    """Return every variant by a measure over some inputs, named by `labels`, with the means of classes of the input."""
+    shown, values = measure_of(measure), values_of(table, measure)
+    with report_style():
+        figure = PlainFigure(figsize=(WIDTH, 2.7), layout="constrained")
+        panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
+        for panel, name in zip(panels, names, strict=True):
+            x, y = np.asarray(table[name], dtype=np.float64), shown.factor * values
+            panel.plot(
+                x,
+                y,
+                ".",
+                ms=max(3.0, 8.0 - math.log2(x.size) / 2.0),
+                color=COLOURS[0],
+                alpha=0.5,
+                mec="none",
+                rasterized=True,
+            )
+            panel.plot(*_means(x, y), color=COLOURS[1], lw=1.5)
+            _limit(panel.axhline, shown)
+            panel.set_xlabel(_shortened(labels.get(name, name)))
+            panel.xaxis.set_major_locator(MaxNLocator(5))
+            _calm(panel)
+        panels[0].set_ylabel(_wrapped(shown))
+    return figure
+
+
+def curve_figure(table: pa.Table, name: str, names: Sequence[str], labels: Mapping[str, str]) -> Figure:
+    """Return measures over the one number that varies, named by `labels`."""
+    x = np.asarray(table[name], dtype=np.float64)
+    order = np.argsort(x)
+    with report_style():
+        figure = PlainFigure(figsize=(WIDTH, 3.0), layout="constrained")
+        for panel, measure in zip(np.atleast_1d(figure.subplots(1, len(names))), names, strict=True):
+            shown = measure_of(measure)
+            panel.plot(x[order], shown.factor * values_of(table, measure)[order], "o-", ms=3, color=COLOURS[0])
+            _limit(panel.axhline, shown)
+            panel.set_xlabel(_shortened(labels.get(name, name)))
+            panel.set_ylabel(_wrapped(shown))
+            panel.set_ylim(bottom=0.0)
+            _calm(panel)
+    return figure
+
+
+def choices_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
+    """Return measures of each choice as bars, the largest first by the first measure."""
+    words = [_word(choice) for choice in table[name].to_pylist()]
+    order = np.argsort(np.nan_to_num(values_of(table, names[0]), nan=-1.0), kind="stable")
+    with report_style():
+        figure = PlainFigure(figsize=(WIDTH, max(1.1 + 0.2 * len(words), _LEAST)), layout="constrained")
+        panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
+        failed = np.asarray(table["status"])[order] != DONE
+        for panel, measure in zip(panels, names, strict=True):
+            shown = measure_of(measure)
+            values = shown.factor * values_of(table, measure)[order]
+            colours = [BASE if words[place] == "none" else COLOURS[0] for place in order]
+            panel.barh(range(len(words)), np.nan_to_num(values), color=colours, height=0.7)
+            for place in np.flatnonzero(failed):
+                panel.annotate(
+                    "failed", (0.0, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7
+                )
+            _limit(panel.axvline, shown)
+            panel.set_xlabel(_wrapped(shown))
+            _calm(panel, axis="x")
+        panels[0].set_yticks(range(len(words)), [_shortened(words[place]) for place in order])
+        panels[0].set_ylabel(_shortened(name))
+    return figure
+
+
+def _distribution(panel: Any, shown: Measure, table: pa.Table) -> None:
+    values = values_of(table, shown.name)
+    known = shown.factor * np.sort(finite(values))
+    shares = 100.0 * np.arange(1, known.size + 1) / known.size
+    panel.step(known, shares, where="post", color=COLOURS[0], lw=1.4)
+    for q, value in zip(QUANTILES, quantiles(values, QUANTILES), strict=True):
+        if math.isfinite(value):
+            x = shown.factor * value
+            panel.plot(x, 100.0 * q, "o", ms=3.5, color=COLOURS[0])
+            panel.annotate(
+                f"{100.0 * q:.0f} %: {x:.3g}", (x, 100.0 * q), xytext=(6, _BELOW[q]), textcoords="offset points",
+                ha="left", va="center", fontsize=7, bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.4},
+            )  # fmt: skip
+    _limit(panel.axvline, shown)
+    if shown.limit is not None:
+        beyond = chance_of(table, shown.name, shown.limit)
+        bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
+        failed = f"; {beyond.failed} more failed" if beyond.failed else ""
+        text = f"beyond the limit: {beyond.count} of {beyond.n} variants{failed}\n{bounds}"
+        panel.set_title(text, loc="left", color=RATED if beyond.count else "0.2", fontweight="normal")
+    panel.set_xlabel(_wrapped(shown))
+    panel.set_ylim(0.0, 104.0)
+    left, right = panel.get_xlim()
+    panel.set_xlim(left, right + 0.22 * (right - left))  # room for the percentiles' names
+    _calm(panel)
+
+
+def _means(x: Array, y: Array) -> tuple[Array, Array]:
+    """Return the mean at each value of x; where hardly any value repeats, of each of some classes of equal size."""
+    known = np.isfinite(x) & np.isfinite(y)
+    x, y = x[known], y[known]
+    values, places = np.unique(x, return_inverse=True)
+    if 2 * values.size <= x.size:
+        return values, np.bincount(places, weights=y) / np.bincount(places)
+    order = np.argsort(x, kind="stable")
+    parts = min(max(round(order.size ** (1.0 / 3.0)), 3), 12)
+    rows = [part for part in np.array_split(order, parts) if part.size]
+    return np.array([x[part].mean() for part in rows]), np.array([y[part].mean() for part in rows])
+
+
+def _limit(draw: Callable[..., Any], shown: Measure) -> None:
+    if shown.limit is not None:
+        draw(shown.factor * shown.limit, color=RATED, ls="--", lw=1.2)
+
+
+def _sign(one: Influence) -> str:
+    chance = "" if one.certain else " (may be chance)"
+    trend = "" if math.isnan(one.rank) else f", rank correlation {one.rank:+.2f}".replace("-", "\N{MINUS SIGN}")
+    return f"{max(100.0 * one.share, 0.0):.0f} %{chance}{trend}"
+
+
+def _word(choice: Any) -> str:
+    """Return one of some choices; that of the mount that fails is "" where none does."""
+    return f"{choice:g}" if isinstance(choice, float) else str(choice) or "none"
+
+
+def _shortened(name: str) -> str:
+    name = plain(name)
+    return name if len(name) <= _NAME else f"{name[: _NAME // 2 - 1]}…{name[-_NAME // 2 :]}"
+
+
+def _wrapped(shown: Measure) -> str:
+    return f"{words_of(shown)} [{shown.unit}]"
+
+
+def words_of(shown: Measure) -> str:
+    """Return a measure's words on lines that fit an axis, of which body or mount on a line of its own."""
+    words, *rest = shown.words.rsplit(", ", 1) if "/" in shown.name else [shown.words]
+    return "\n".join(wrap(words, _LINE)) + "".join(f",\n{short(one)}" for one in rest)
+
+
+def _calm(panel: Any, *, axis: str = "both") -> None:
+    panel.grid(color="0.92", axis=axis)
+    panel.set_axisbelow(True)
+    panel.spines[["top", "right"]].set_visible(False)

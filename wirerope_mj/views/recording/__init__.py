@@ -1,0 +1,33 @@
+"""Recordings: a response as one `run.rrd`, and the viewer that opens it. The only room that imports rerun.
+
+The timeline is `sim_time` [s]. What is drawn is thinned to what a picture can show; /state is exact. Entities:
+
+```text
+/world                                  right-handed, z up; bodies that never move stand here
+/world/BASE                             the driven base; the camera rides on it, and everything else hangs below it
+/world/BASE/BODY                        a body in the base's frame; what is fixed to a body hangs below that body
+  .../geoms/box|sphere|...              its shapes; meshes by name
+  .../bars                              bars of the mounts that stand on it or carry it
+/world/BASE/mounts/ISOLATOR             ropes of all mounts of that device: one mesh, one affine map per mount and row
+/world/BASE/labels                      names of the mounts
+/world/BASE/forces                      force of each mount on its payload, at equal scale
+/world/BASE/acceleration                acceleration of the base
+/histories/acceleration/x|y|z|total     base, bodies and points with the largest peaks [g];  .../peak  the largest
+/histories/deflection|force/AXIS        mounts that use most of their travel [mm, kN];  .../peak  .../lowest_rated ...
+/loops/AXIS/MOUNT                       frame of the plot
+/loops/AXIS/MOUNT/data                  the loop [mm, kN] and its place in the plot;  .../trail  .../cursor
+/loops/AXIS/others                      loops of the mounts that have no view of their own
+/events                                 log of what happens
+/lanes/base  /lanes/travel_AXIS         phase of the motion, use of the rated travel
+/scenario  /peaks                       texts
+/state/time|base|bodies|points|mounts   float64 samples, SI; their `columns` are the names in response.parquet
+```
+
+Branches of periodic motions have a recording of their own, see `views.recording.branch`; so have several responses over
+each other, see `wirerope_mj.views.recording.overlay`.
+"""
+
+from wirerope_mj.views.recording.overlay import record_overlay as record_overlay
+from wirerope_mj.views.recording.record import record_rerun as record_rerun
+from wirerope_mj.views.recording.state import read_state as read_state
+from wirerope_mj.views.recording.viewer import show as show

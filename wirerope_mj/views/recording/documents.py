@@ -1,0 +1,127 @@
+"""Texts beside the pictures: the scenario as it was given, and the peaks as tables."""
+
+import re
+import tomllib
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.plain_text import markdown, plain_lines
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.views.recording.paths import AXES, entity
+from wirerope_mj.views.recording.selection import Selection
+
+
+def log_documents(
+    rec: Any,
+    response: Response,
+    selection: Selection,
+    *,
+    title: str,
+    scenario_text: str,
+    verdicts: Sequence[str] | None,
+) -> None:
+    """Log the scenario and the tables of peaks as Markdown.
+
+    Args:
+        rec: recording stream.
+        response: the response.
+        selection: shares of the rated travel.
+        title: heading of the scenario.
+        scenario_text: Markdown, or TOML, which is set as such.
+        verdicts: sentences above the tables.
+    """
+    import rerun as rr
+
+    for path, text in (
+        (entity("scenario"), scenario_markdown(response, title, scenario_text)),
+        (entity("peaks"), peaks_markdown(response, selection, verdicts)),
+    ):
+        rec.log(path, rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
+
+
+def scenario_markdown(response: Response, title: str, text: str) -> str:
+    """Return title, scenario and how it was computed."""
+    body = _fenced(text) if _is_toml(text) else text.strip()
+    numerics = response.numerics
+    limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
+    how = f"{numerics.steps} steps of at most {1e3 * numerics.timestep:.4g} ms{limit}, {numerics.callback} callback"
+    if np.isfinite(numerics.error_estimate):
+        how += f", estimated error {numerics.error_estimate:.1e} of the peaks"
+    return "\n\n".join(part for part in (f"### {markdown(title or response.scene.name)}", body, f"*{how}*") if part)
+
+
+def peaks_markdown(response: Response, selection: Selection, verdicts: Sequence[str] | None) -> str:
+    """Return verdicts, peak accelerations, and peaks of the mounts against their rated travel."""
+    parts = ["### Verdicts\n" + "\n".join(f"- {markdown(line)}" for line in verdicts)] if verdicts else []
+    parts.append(_acceleration_table(response))
+    if selection.mounts:
+        parts.append(_mount_table(response, selection))
+    return "\n\n".join(parts)
+
+
+def _acceleration_table(response: Response) -> str:
+    rows = ["| | peak [g] | at [ms] | x [g] | y [g] | z [g] |", "|:--|--:|--:|--:|--:|--:|"]
+    accelerations = [(name, peaks.acceleration) for name, peaks in response.peaks.bodies.items()]
+    accelerations += [(f"point {name}", peaks.acceleration) for name, peaks in response.peaks.points.items()]
+    accelerations.sort(key=lambda item: item[1].value, reverse=True)
+    base = response.scene.base
+    parts = []
+    for name, peak in sorted(accelerations, key=lambda item: item[0] != base):
+        extremes = np.maximum(peak.maximum, -peak.minimum) / STANDARD_GRAVITY
+        title = f"{name} (base)" if name == base else name
+        parts.append((title, peak.value / STANDARD_GRAVITY, peak.time, extremes))
+    if base not in response.peaks.bodies:
+        acceleration = response.base.acceleration / STANDARD_GRAVITY
+        norms = np.linalg.norm(acceleration, axis=1)
+        at = int(norms.argmax())
+        parts.insert(
+            0, ("base (samples)", float(norms[at]), float(response.time[at]), np.abs(acceleration).max(axis=0))
+        )
+    for name, value, time, xyz in parts:
+        components = " | ".join(f"{component:.2f}" for component in xyz)
+        rows.append(f"| {markdown(name)} | **{value:.2f}** | {1e3 * time:.1f} | {components} |")
+    return "### Peak accelerations\n" + "\n".join(rows)
+
+
+def _mount_table(response: Response, selection: Selection) -> str:
+    rows = [
+        "| mount | axial [mm] | shear [mm] | roll [mm] | axial [kN] | shear [kN] | roll [kN] | rated travel used |",
+        "|:--|--:|--:|--:|--:|--:|--:|--:|",
+    ]
+    worst = {name: max(_known(selection, name), default=float("nan")) for name in selection.mounts}
+    for name in sorted(worst, key=lambda name: (-np.nan_to_num(worst[name]), name)):
+        peaks = response.peaks.mounts[name]
+        cells = [f"{_extreme(peaks.deflection, axis) * 1e3:.1f}" for axis in reversed(range(len(AXES)))]
+        cells += [f"{_extreme(peaks.force, axis) * 1e-3:.2f}" for axis in reversed(range(len(AXES)))]
+        share = worst[name]
+        used = "not rated" if np.isnan(share) else f"{100 * share:.0f} %"
+        used = f"**{used}, exceeded**" if share >= 1.0 else used
+        rows.append(f"| {markdown(name)} | {' | '.join(cells)} | {used} |")
+    return "### Mounts\n" + "\n".join(rows)
+
+
+def _known(selection: Selection, name: str) -> list[float]:
+    shares = selection.shares[selection.mounts.index(name)]
+    return [float(share) for share in shares if not np.isnan(share)]
+
+
+def _extreme(peak: Any, axis: int) -> float:
+    low, high = float(peak.minimum[axis]), float(peak.maximum[axis])
+    return high if high >= -low else low
+
+
+def _fenced(text: str) -> str:
+    """Return TOML as a block of code, whose fence is longer than any row of backticks in it."""
+    longest = max(map(len, re.findall("`+", text)), default=0)
+    fence = "`" * max(longest + 1, 3)
+    return f"{fence}toml\n{plain_lines(text.strip())}\n{fence}"
+
+
+def _is_toml(text: str) -> bool:
+    try:
+        return bool(tomllib.loads(text))
+    except tomllib.TOMLDecodeError:
+        return False

@@ -1,0 +1,128 @@
+"""Periodic motions of a branch one after the other, as one response: what the scene is drawn from."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wirerope_mj.dynamics.frequency_response.samples import Points, along_branch
+from wirerope_mj.dynamics.frequency_response.summary import Findings
+from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.columns import ColumnPlan
+from wirerope_mj.engine.response.response import MemorySamples
+from wirerope_mj.foundation.arguments import unit_vector
+from wirerope_mj.views.recording.paths import Array
+
+MOST_POINTS = 60
+"""Motions of a branch that are recorded: a step of one is small, and the file stays small too."""
+
+ROWS = 36
+"""Rows of a period of the base: ten degrees each."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Strip:
+    """Motions of one level in the order of its branch.
+
+    Attributes:
+        number: place of the level.
+        branch: its branch.
+        points: which points of the branch, (n,); a short branch has some of them several times.
+        orbits: the motions, one for each.
+    """
+
+    number: int
+    branch: Branch
+    points: Points
+    orbits: tuple[PeriodicOrbit, ...]
+
+    @property
+    def level(self) -> float:
+        """Acceleration of the base [m/s^2]."""
+        return abs(float(self.branch.acceleration[0]))
+
+    @property
+    def frequency(self) -> Array:
+        """Of the base at every motion [Hz], (n,)."""
+        return self.branch.frequency[self.points]
+
+    @property
+    def amplitude(self) -> Array:
+        """Of the payload at every motion [m/s^2], (n,)."""
+        return self.branch.amplitude[self.points]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Film:
+    """A strip shown motion by motion, one repetition each.
+
+    Attributes:
+        strip: the motions.
+        starts: instant at which each begins [s], (n,).
+        response: all of them, one after the other; its peaks are those of the motion with the largest amplitude.
+    """
+
+    strip: Strip
+    starts: Array
+    response: Response
+
+
+def strips_of(findings: list[Findings]) -> list[Strip]:
+    """Return the motions that are shown of every level with a branch."""
+    strips = []
+    for number, found in enumerate(findings):
+        branch, curve = found.level.branch, found.curve
+        if branch is not None and curve is not None:
+            points = along_branch(branch, curve, MOST_POINTS)
+            known = {int(i): branch.orbit(int(i)) for i in np.unique(points)}  # with its response, once computed
+            orbits = tuple(known[int(i)] for i in points)
+            strips.append(Strip(number=number, branch=branch, points=points, orbits=orbits))
+    return strips
+
+
+def film_of(strip: Strip) -> Film:
+    """Return the motions of a strip one after the other.
+
+    Each ends where the payload's acceleration is largest: this is what stands in the scene when one goes from point to point.
+    """
+    rows = ROWS * strip.branch.periods
+    blocks, starts, start = [], [], 0.0
+    for orbit in strip.orbits:
+        samples = orbit.response.samples
+        largest = _largest(strip.branch, orbit)
+        phases = np.arange(rows) / rows
+        chosen = (largest + np.round((phases + 1.0 / rows) * orbit.steps).astype(np.int64)) % orbit.steps
+        block = samples.columns(0, len(samples.names))[chosen]
+        block[:, 0] = start + phases * orbit.duration
+        blocks.append(block)
+        starts.append(start)
+        start += orbit.duration
+    whole = with_values(strip.orbits[int(np.argmax(strip.amplitude))].response, np.concatenate(blocks))
+    return Film(strip=strip, starts=np.array(starts), response=whole)
+
+
+def _largest(branch: Branch, orbit: PeriodicOrbit) -> int:
+    """Return the row at which the payload's acceleration is largest."""
+    acceleration = orbit.response.bodies[branch.payload].acceleration[: orbit.steps]
+    return int(np.argmax(np.abs(acceleration @ unit_vector(branch.response_direction))))
+
+
+def with_values(like: Response, values: Array) -> Response:
+    """Return a response of other samples, (n_t, n_columns), with the same columns, scene and peaks."""
+    plan = ColumnPlan(
+        bodies=list(like.bodies),
+        points=list(like.points),
+        mounts=[(name, mount.state_names) for name, mount in like.mounts.items()],
+    )
+    samples = MemorySamples(names=like.samples.names, values=values)
+    base, bodies, points, mounts = plan.parts(samples)
+    return replace(
+        like,
+        time=values[:, 0].copy(),
+        base=base,
+        bodies=bodies,
+        points=points,
+        mounts=mounts,
+        events=(),
+        samples=samples,
+    )

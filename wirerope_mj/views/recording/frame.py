@@ -1,0 +1,103 @@
+"""Plots in 2D views: a frame with ticks and numbers, and the map from the numbers to the view."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.views.recording.paths import Array
+
+HEIGHT = 100.0
+"""Height of a plot's frame, in units of its view."""
+
+LARGE = 4.5
+"""`lift` for a view that fills half the screen's height."""
+
+_FRAME = (120, 126, 134)
+_GRID = (52, 57, 64)
+_ZERO = (104, 110, 118)
+_TICK = (190, 195, 202)
+
+Color = tuple[int, int, int]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plot:
+    """Ranges of a plot across and upward, and the width of its frame in units of the view."""
+
+    across: tuple[float, float]
+    upward: tuple[float, float]
+    width: float
+
+    @property
+    def scale(self) -> tuple[float, float]:
+        """Units of the view per unit across and upward; the view's y points down."""
+        return self.width / (self.across[1] - self.across[0]), -HEIGHT / (self.upward[1] - self.upward[0])
+
+    def place(self, across: Any, upward: Any) -> Array:
+        """Return positions in the view, (n, 2)."""
+        x, y = np.broadcast_arrays(np.asarray(across, dtype=np.float64), np.asarray(upward, dtype=np.float64))
+        sx, sy = self.scale
+        return np.column_stack([(x.ravel() - self.across[0]) * sx, HEIGHT + (y.ravel() - self.upward[0]) * sy])
+
+    def transform(self) -> Any:
+        """Return the map from numbers to the view."""
+        import rerun as rr
+
+        sx, sy = self.scale
+        return rr.Transform3D(translation=[*self.place(0.0, 0.0)[0], 0.0], scale=[sx, sy, 1.0])
+
+
+def ticks(low: float, high: float, most: int) -> Array:
+    """Return round numbers inside a range, about `most` of them."""
+    rough = np.log10((high - low) / most)
+    steps = np.floor(rough) + np.log10([1.0, 2.0, 5.0, 10.0])
+    step = float(10.0 ** steps[np.abs(steps - rough).argmin()])
+    return np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step
+
+
+def log_frame(
+    rec: Any,
+    path: str,
+    plot: Plot,
+    *,
+    across: Array,
+    upward: Array,
+    names: tuple[Sequence[str], Sequence[str]] | None = None,
+    marked: Sequence[tuple[float, Color]] = (),
+    lift: float = 8.0,
+) -> None:
+    """Log a frame with lines at round numbers and the numbers beside it.
+
+    Args:
+        rec: recording stream.
+        path: entity of the frame.
+        plot: ranges.
+        across: where upright lines stand.
+        upward: where level lines stand.
+        names: of these lines; None: the numbers themselves.
+        marked: places across of lines in a colour of their own.
+        lift: by which the numbers beside the frame are raised to stand at their lines, in units of the view: the viewer hangs
+            them below their places, by as much on the screen however large the view is.
+    """
+    import rerun as rr
+
+    (x0, x1), (y0, y1) = plot.across, plot.upward
+    lines = [plot.place([x, x], [y0, y1]) for x in across] + [plot.place([x0, x1], [y, y]) for y in upward]
+    colors = [_ZERO if value == 0.0 and names is None else _GRID for value in (*across, *upward)]
+    for value, color in marked:
+        lines.append(plot.place([value] * 2, [y0, y1]))
+        colors.append(color)
+    lines.append(plot.place([x0, x1, x1, x0, x0], [y0, y0, y1, y1, y0]))
+    colors.append(_FRAME)
+    frame = rr.LineStrips2D(lines, colors=colors, radii=rr.Radius.ui_points(0.6), draw_order=-10.0)
+    below = plot.place(across, y0) + [0.0, 1.0]
+    beside = plot.place(x0, upward) + [-7.5, -lift]
+    labels = (
+        [f"{value:g}" for value in np.round((*across, *upward), 9) + 0.0] if names is None else [*names[0], *names[1]]
+    )
+    numbers = rr.Points2D(
+        np.concatenate([below, beside]), labels=labels, colors=_TICK, radii=rr.Radius.ui_points(0.0), show_labels=True
+    )
+    rec.log(path, frame, numbers, static=True)

@@ -1,0 +1,196 @@
+"""Force-deflection loops: a frame with ticks, the whole loop dimly, the trail up to the time cursor, and the cursor."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.scene import SceneMount
+from wirerope_mj.views.recording.frame import HEIGHT, Color, Plot, log_frame, ticks
+from wirerope_mj.views.recording.paths import AXES, Array, Rows, at, child, entity
+from wirerope_mj.views.recording.selection import Selection, travel_limits
+from wirerope_mj.views.recording.thin import MOST_ROWS, rows_of_extremes, rows_of_line, rows_of_steps
+
+MOST_TRAIL_ROWS = 1000
+"""Rows of a trail that are seen at once: the viewer draws a segment for each, in every view, for every frame."""
+
+_SHORT_TRAIL = 80
+"""Rows of the trail where the whole past would be too many: the last few cycles."""
+
+_FINE = 1 / 500
+"""Share of a loop's range that its line may be off: half a pixel of a small multiple."""
+
+_COARSE = 1 / 100
+"""The same for the cursor, which is a spot of several pixels."""
+
+_RATED = (214, 64, 64)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loop:
+    """A force-deflection loop.
+
+    Attributes:
+        axis, mount: whose it is.
+        outline: the whole loop [mm, kN], (n, 2).
+        plot: its plot; None if it has no view of its own, as for the next two.
+        time: instants of trail and cursor [s], (m,).
+        points: deflection and force at these instants [mm, kN], (m, 2).
+    """
+
+    axis: str
+    mount: str
+    outline: Array
+    plot: Plot | None = None
+    time: Array = field(default_factory=lambda: np.zeros(0))
+    points: Array = field(default_factory=lambda: np.zeros((0, 2)))
+
+    @property
+    def trail(self) -> float | None:
+        """How long the trail behind the cursor may be [s]; None for the whole past."""
+        if self.time.size <= MOST_TRAIL_ROWS:
+            return None
+        return float((self.time[_SHORT_TRAIL:] - self.time[:-_SHORT_TRAIL]).min())
+
+
+def loop_path(axis: str, mount: str) -> str:
+    """Return the entity of a mount's loop in an axis."""
+    return entity("loops", axis, mount)
+
+
+def grid_shape(plots: int) -> tuple[int, int]:
+    """Return columns and rows of a grid of plots."""
+    columns = 1 if plots == 1 else 2 if plots <= 4 else 3
+    return columns, -(-plots // columns)
+
+
+def frame_width(plots: int) -> float:
+    """Return the width of a plot's frame so that it fills its place in the grid."""
+    columns, rows = grid_shape(plots)
+    # The tabs' pane is about 1040 x 780 points on a full-HD screen; each view has a title, and ticks need room.
+    wide, high = 1040 / columns - 60, 780 / rows - 62
+    return HEIGHT * float(np.clip(wide / high, 0.8, 3.0))
+
+
+def loops_of(response: Response, selection: Selection) -> list[Loop]:
+    """Return a loop for every mount and axis with a force, those of an axis in the order of their rank."""
+    mounts = {mount.name: mount for mount in response.scene.mounts}
+    loops = []
+    for number, axis in enumerate(AXES):
+        shown = selection.shown(axis)
+        for name in selection.ranked[axis]:
+            mount = response.mounts[name]
+            values = np.column_stack([mount.deflection[:, number] * 1e3, mount.force[:, number] * 1e-3])
+            line = rows_of_line(response.time, values, _tolerance(values, _FINE), limit=response.time.size)
+            outline = line[rows_of_extremes(values[line], MOST_TRAIL_ROWS)]
+            if name not in shown:
+                loops.append(Loop(axis=axis, mount=name, outline=values[outline]))
+                continue
+            rows = _trail_rows(response.time, values, line)
+            loops.append(
+                Loop(
+                    axis=axis,
+                    mount=name,
+                    outline=values[outline],
+                    plot=_plot(values, mounts[name], axis, frame_width(len(shown))),
+                    time=response.time[rows],
+                    points=values[rows],
+                )
+            )
+    return loops
+
+
+def log_loops(rec: Any, response: Response, selection: Selection, loops: list[Loop]) -> None:
+    """Log all loops; frame, trail and cursor of those that have a view."""
+    mounts = {mount.name: mount for mount in response.scene.mounts}
+    for axis in selection.axes:
+        others = [loop for loop in loops if loop.axis == axis and loop.plot is None]
+        if others:
+            names = [loop.mount for loop in others]
+            colors = [selection.colors[name] for name in names]
+            rec.log(entity("loops", axis, "others"), outlines(others, colors, names), static=True)
+    for loop in loops:
+        if loop.plot is not None:
+            path = loop_path(loop.axis, loop.mount)
+            log_loop_frame(rec, path, loop.plot, [mounts[loop.mount]], loop.axis)
+            colors = [selection.colors[loop.mount]]
+            rec.log(child(path, "data"), loop.plot.transform(), outlines([loop], colors, [loop.mount]), static=True)
+            log_trail(rec, child(path, "data"), loop, *colors)
+
+
+def _trail_rows(time: Array, values: Array, line: Rows) -> Rows:
+    """Return the rows of trail and cursor.
+
+    A long sweep has more cycles than can be drawn: loops are then exact around the largest deflection, and elsewhere
+    only their turning points are kept.
+    """
+    rows = np.union1d(line, rows_of_steps(time, values, _tolerance(values, _COARSE), limit=time.size))
+    if rows.size <= MOST_ROWS:
+        return rows
+    middle = int(np.abs(values[rows, 0]).argmax())
+    exact = rows[max(0, middle - MOST_ROWS // 2) : middle + MOST_ROWS // 2]
+    return np.union1d(exact, rows[rows_of_extremes(values[rows], 2 * MOST_TRAIL_ROWS)])
+
+
+def _tolerance(loop: Array, share: float) -> Array:
+    return np.asarray(np.maximum(share * np.ptp(loop, axis=0), 1e-12))
+
+
+def _plot(loop: Array, mount: SceneMount, axis: str, width: float) -> Plot:
+    """Return ranges that hold the loop, zero, and the rated travel where the loop comes near it."""
+    low, high = loop.min(axis=0), loop.max(axis=0)
+    for limit in travel_limits(mount, axis):
+        if np.isfinite(limit):
+            near = low[0] if limit < 0.0 else high[0]
+            if near / (limit * 1e3) > 0.5:
+                low[0], high[0] = min(low[0], limit * 1e3), max(high[0], limit * 1e3)
+    low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
+    room = 0.06 * np.maximum(high - low, 1e-6)
+    low, high = low - room, high + room
+    return Plot(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
+
+
+def log_loop_frame(
+    rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount], axis: str, *, lift: float = 8.0
+) -> None:
+    """Log the frame of a loop, the rated travel of the mounts that it is of in red; `lift` is that of `log_frame`."""
+    low, high = plot.across
+    limits = dict.fromkeys(1e3 * limit for mount in mounts for limit in travel_limits(mount, axis))
+    marked = [(limit, _RATED) for limit in limits if np.isfinite(limit) and low < limit < high]
+    across = ticks(low, high, max(2, round(plot.width / 26)))
+    log_frame(rec, path, plot, across=across, upward=ticks(*plot.upward, 5), marked=marked, lift=lift)
+
+
+def outlines(loops: Sequence[Loop], colors: Sequence[Color], labels: Sequence[str]) -> Any:
+    """Return whole loops [mm, kN] as dim lines."""
+    import rerun as rr
+
+    return rr.LineStrips2D(
+        [loop.outline for loop in loops],
+        colors=[[*color, 105] for color in colors],
+        labels=labels,
+        show_labels=False,
+        radii=rr.Radius.ui_points(0.75),
+    )
+
+
+def log_trail(
+    rec: Any, path: str, loop: Loop, color: Color, *, cursor: Color = (255, 255, 255), order: float = 0.0
+) -> None:
+    """Log the cursor [mm, kN], and the trail as one segment a row, at the same rows so that it reaches the cursor.
+
+    Of trails that lie on each other that of the highest `order` is seen, 0 to 9.
+    """
+    import rerun as rr
+
+    width = rr.Radius.ui_points(1.5)
+    # Above the whole loop, which at the same draw order would hide the trail in some views and not in others.
+    look = rr.LineStrips2D.from_fields(colors=color, radii=width, draw_order=40.0 + order)
+    rec.log(child(path, "trail"), look, static=True)
+    segments = np.stack([loop.points[:-1], loop.points[1:]], axis=1)
+    rec.send_columns(child(path, "trail"), at(loop.time[1:]), rr.LineStrips2D.columns(strips=segments))
+    spot = rr.Points2D.from_fields(colors=cursor, radii=rr.Radius.ui_points(4.5), draw_order=50.0 + order)
+    rec.log(child(path, "cursor"), spot, static=True)
+    rec.send_columns(child(path, "cursor"), at(loop.time), rr.Points2D.columns(positions=loop.points))

@@ -1,0 +1,179 @@
+"""Mounts in the 3D scene: bars on the bodies, ropes between them that stretch and shear, labels, force arrows."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.scene import SceneBody, SceneMount
+from wirerope_mj.views.recording.paths import AXIAL, Array, Rows, at, child
+from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, quaternion_of, rotate
+from wirerope_mj.views.recording.selection import Selection
+from wirerope_mj.views.recording.shapes import block, coil
+
+_STEEL = (176, 184, 194)
+_RUBBER = (64, 66, 72)
+_FLAT = 0.08
+"""Least height of a drawn rope over its modelled height, so that a crushed mount is not turned inside out."""
+
+_MOST_LABELS = 12
+"""With more mounts only those whose loops are shown first get a label."""
+
+BESIDE = ("labels", "forces", "acceleration", "stops")
+"""Entities of a base body that would stand in front of a mount seen from near."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Device:
+    """A mount as it is drawn: the scene's mount, the size of the device [m], and whether it is a rope or a block."""
+
+    mount: SceneMount
+    height: float
+    width: float
+    rope: bool
+
+
+def devices_of(response: Response, extent: float) -> list[Device]:
+    """Return the mounts with their sizes; where the model knows none, a size that suits a scene of `extent` [m]."""
+    devices = []
+    for mount in response.scene.isolating:
+        height = mount.height if np.isfinite(mount.height) else float(np.clip(0.03 * extent, 0.01, 0.1))
+        width = mount.width if np.isfinite(mount.width) else 1.1 * height
+        # Every wire rope carries along its axis; what does not is a rubber block that acts sideways only.
+        rope = bool(response.mounts[mount.name].force[:, AXIAL].any())
+        devices.append(Device(mount=mount, height=height, width=width, rope=rope))
+    return devices
+
+
+def log_mounts(
+    rec: Any, response: Response, selection: Selection, frames: dict[str, Frame], rows: Rows, *, extent: float
+) -> None:
+    """Log bars, ropes, labels and forces of all mounts.
+
+    Args:
+        rec: recording stream.
+        response: the response.
+        selection: which mounts get a label.
+        frames: frames of the bodies.
+        rows: rows of the response that are drawn.
+        extent: size of the scene [m].
+    """
+    devices = devices_of(response, extent)
+    _log_bars(rec, response, selection, frames, devices)
+    few = len(devices) <= _MOST_LABELS or not selection.axes
+    labelled = selection.mounts if few else selection.shown(selection.axes[0])
+    for base in dict.fromkeys(device.mount.base_body for device in devices):
+        on_base = [device for device in devices if device.mount.base_body == base]
+        path = frames[base].path
+        _log_labels(rec, path, selection, [device for device in on_base if device.mount.name in labelled])
+        _log_forces(rec, path, response, selection, on_base, rows, extent)
+        for kind in dict.fromkeys((d.mount.isolator, d.height, d.width, d.rope) for d in on_base):
+            same = [d for d in on_base if (d.mount.isolator, d.height, d.width, d.rope) == kind]
+            _log_ropes(rec, child(path, "mounts", kind[0]), response, same, rows)
+
+
+def _log_ropes(rec: Any, path: str, response: Response, devices: list[Device], rows: Rows) -> None:
+    """Log one mesh and, for every row, the affine map of each mount from it: base's bar, then shear and stretch."""
+    import pyarrow as pa
+    import rerun as rr
+
+    first = devices[0]
+    vertices, triangles, normals = coil(first.width) if first.rope else block(first.width)
+    color = _STEEL if first.rope else _RUBBER
+    rec.log(
+        path,
+        rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, vertex_normals=normals, albedo_factor=color),
+        static=True,
+    )
+    maps = np.empty((rows.size, len(devices), 3, 3), dtype=np.float32)  # columns first, as rerun stores them
+    feet = np.empty((len(devices), 3))
+    for number, device in enumerate(devices):
+        mount, axes = device.mount, device.mount.axes
+        feet[number] = mount.base_point - 0.5 * device.height * axes[:, AXIAL]
+        reach = response.mounts[mount.name].deflection[rows] + np.array([0.0, 0.0, device.height])
+        reach[:, AXIAL] = np.maximum(reach[:, AXIAL], _FLAT * device.height)
+        maps[:, number, 0], maps[:, number, 1] = axes[:, 0], axes[:, 1]
+        maps[:, number, 2] = reach @ axes.T
+    kind = pa.list_(pa.field("item", pa.float32(), nullable=False), 9)
+    columns = pa.FixedSizeListArray.from_arrays(pa.array(maps.ravel()), type=kind)
+    # The feet do not move, but the viewer drops instances whose translations are static and whose maps are not.
+    poses = rr.InstancePoses3D.columns(translations=np.tile(feet, (rows.size, 1)), mat3x3=columns)
+    rec.send_columns(path, at(response.time[rows]), poses.partition(np.full(rows.size, len(devices))))
+
+
+def _log_bars(
+    rec: Any, response: Response, selection: Selection, frames: dict[str, Frame], devices: list[Device]
+) -> None:
+    """Log the two bars of every mount, fixed to the bodies, in the mount's colour."""
+    import rerun as rr
+
+    bodies = {body.name: body for body in response.scene.bodies}
+    bars: dict[str, list[tuple[Array, Array, Array, tuple[int, int, int]]]] = {}
+    for device in devices:
+        mount, axes = device.mount, device.mount.axes
+        thick = 0.05 * device.height
+        half = np.array([0.17 * device.width, 0.95 * device.width, thick])
+        half = half if device.rope else np.array([0.6 * device.width, 0.6 * device.width, thick])
+        up = (0.5 * device.height - thick) * np.array([0.0, 0.0, 1.0])
+        for body, point, turn, side in (
+            (mount.base_body, mount.base_point, axes, -1.0),
+            (mount.payload_body, mount.payload_point, _seen_from_payload(bodies, mount), 1.0),
+        ):
+            bar = (point + side * turn @ up, quaternion_of(turn), half, selection.colors[mount.name])
+            bars.setdefault(body, []).append(bar)
+    for body, parts in bars.items():
+        centers, turns, halves, colors = zip(*parts, strict=True)
+        quaternions = [rr.Quaternion(xyzw=np.roll(turn, -1)) for turn in turns]
+        boxes = rr.Boxes3D(
+            half_sizes=halves, centers=centers, quaternions=quaternions, colors=colors, fill_mode="Solid"
+        )
+        rec.log(child(frames[body].path, "bars"), boxes, static=True)
+
+
+def _seen_from_payload(bodies: dict[str, SceneBody], mount: SceneMount) -> Array:
+    """Return the mount's axes as columns in the payload body's axes, in the modelled geometry."""
+    turn = multiply(conjugate(bodies[mount.payload_body].orientation), bodies[mount.base_body].orientation)
+    return rotate(turn, mount.axes.T).T
+
+
+def _log_labels(rec: Any, path: str, selection: Selection, devices: list[Device]) -> None:
+    import rerun as rr
+
+    if devices:
+        rec.log(
+            child(path, "labels"),
+            rr.Points3D(
+                [device.mount.base_point for device in devices],
+                labels=[device.mount.name for device in devices],
+                colors=[selection.colors[device.mount.name] for device in devices],
+                radii=rr.Radius.ui_points(0.0),
+                show_labels=True,
+            ),
+            static=True,
+        )
+
+
+def _log_forces(
+    rec: Any, path: str, response: Response, selection: Selection, devices: list[Device], rows: Rows, extent: float
+) -> None:
+    """Log the force that each mount exerts on its payload as arrows of equal scale."""
+    import rerun as rr
+
+    forces = [-response.mounts[device.mount.name].force[rows] @ device.mount.axes.T for device in devices]
+    vectors = np.stack(forces, axis=1)
+    largest = np.sqrt((vectors**2).sum(axis=-1)).max()
+    if largest == 0.0:
+        return
+    feet = [d.mount.base_point + 0.5 * d.height * d.mount.axes[:, AXIAL] for d in devices]
+    colors = [selection.colors[device.mount.name] for device in devices]
+    rec.log(
+        child(path, "forces"), rr.Arrows3D.from_fields(origins=feet, colors=colors, radii=0.0015 * extent), static=True
+    )
+    rec.send_columns(
+        child(path, "forces"),
+        at(response.time[rows]),
+        rr.Arrows3D.columns(vectors=(vectors * (0.16 * extent / largest)).reshape(-1, 3)).partition(
+            np.full(rows.size, len(devices))
+        ),
+    )

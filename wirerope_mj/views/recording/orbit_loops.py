@@ -1,0 +1,104 @@
+"""Loops of the motions of a branch: they change from point to point, and a cursor runs around them in time."""
+
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.dynamics.frequency_response.samples import busiest_loops
+from wirerope_mj.views.recording.along import AlongBranch, at_points
+from wirerope_mj.views.recording.film import Film, Strip
+from wirerope_mj.views.recording.frame import LARGE, Plot, log_frame, ticks
+from wirerope_mj.views.recording.paths import AXES, Array, at, child, entity
+from wirerope_mj.views.recording.response_curve import level_color
+
+MOST_LOOPS = 4
+"""Loops that are shown: those that take most energy at the highest amplitude."""
+
+SHAPE = "shape"
+"""Entity of the loop whose own ranges fill the frame."""
+
+_SHAPE_TICKS = np.array([-1.0, 0.0, 1.0])
+_CURSOR = (255, 255, 255)
+
+
+def shown_loops(film: Film) -> list[tuple[str, int]]:
+    """Return mount and axis of the loops that are shown."""
+    highest = film.strip.orbits[int(np.argmax(film.strip.amplitude))]
+    return busiest_loops(highest.response)[:MOST_LOOPS]
+
+
+def loop_path(mount: str, axis: int) -> str:
+    """Return the entity of the loops of a mount along an axis."""
+    return entity("loops", AXES[axis], mount)
+
+
+def log_orbit_loops(rec: Any, film: Film, strips: list[Strip], *, width: float, shape_width: float) -> None:
+    """Log the loops that take most energy, all levels in one frame, and the shape of the first.
+
+    Args:
+        rec: recording stream.
+        film: motions of the level that is played.
+        strips: motions of all levels.
+        width: of a loop's frame.
+        shape_width: of the frame of the shape.
+    """
+    shown = shown_loops(film)
+    few = len(shown) <= 2
+    lift, most = (LARGE, 6) if few else (2.0 * LARGE, 4)  # of small frames numbers would touch
+    for mount, axis in shown:
+        loops = [_loops(strip, mount, axis) for strip in strips]
+        plot = _plot([loop for part in loops for loop in part], width)
+        path = loop_path(mount, axis)
+        log_frame(rec, path, plot, across=ticks(*plot.across, most), upward=ticks(*plot.upward, most), lift=lift)
+        _log(rec, child(path, "data"), plot, film, strips, loops)
+        _log_cursor(rec, child(path, "data", "cursor"), film, _points(film.response.mounts[mount], axis))
+    loops = [[_filled(loop) for loop in _loops(strip, *shown[0])] for strip in strips]
+    plot = Plot(across=(-1.12, 1.12), upward=(-1.12, 1.12), width=shape_width)
+    log_frame(rec, entity(SHAPE), plot, across=_SHAPE_TICKS, upward=_SHAPE_TICKS, lift=LARGE)
+    _log(rec, child(entity(SHAPE), "data"), plot, film, strips, loops)
+
+
+def _loops(strip: Strip, mount: str, axis: int) -> list[Array]:
+    """Return the loops of a mount at every motion of a level [mm, kN], (m, 2) each."""
+    return [_points(orbit.response.mounts[mount], axis) for orbit in strip.orbits]
+
+
+def _points(mount: Any, axis: int) -> Array:
+    return np.column_stack([1e3 * mount.deflection[:, axis], 1e-3 * mount.force[:, axis]])
+
+
+def _filled(loop: Array) -> Array:
+    """Return a loop over its own half ranges."""
+    low, high = loop.min(axis=0), loop.max(axis=0)
+    return np.asarray((2.0 * loop - low - high) / np.maximum(high - low, 1e-12))
+
+
+def _plot(loops: list[Array], width: float) -> Plot:
+    low = np.min([loop.min(axis=0) for loop in loops], axis=0)
+    high = np.max([loop.max(axis=0) for loop in loops], axis=0)
+    room = 0.06 * np.maximum(high - low, 1e-6)
+    low, high = low - room, high + room
+    return Plot(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
+
+
+def _log(rec: Any, path: str, plot: Plot, film: Film, strips: list[Strip], loops: list[list[Array]]) -> None:
+    """Log the loops of all levels, one row for every motion; that of an unstable motion is thin."""
+    import rerun as rr
+
+    rec.log(path, plot.transform(), static=True)
+    for strip, rows in zip(strips, loops, strict=True):
+        below = child(path, f"level_{strip.number + 1}")
+        stable = strip.branch.stable[strip.points]
+        radii = [rr.Radius.ui_points(1.5 if good else 0.7) for good in stable]
+        rec.log(below, rr.LineStrips2D.from_fields(colors=level_color(strip.number)), static=True)
+        columns = rr.LineStrips2D.columns(strips=[loop.astype(np.float32) for loop in rows], radii=radii)
+        rec.send_columns(below, at_points(film, strip), columns)
+
+
+def _log_cursor(rec: Any, path: str, film: Film, points: Array) -> None:
+    """Log where the mount is at every instant of the film."""
+    import rerun as rr
+
+    look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
+    rec.log(path, look, static=True)
+    AlongBranch(rec, film).send_columns(path, at(film.response.time), rr.Points2D.columns(positions=points))

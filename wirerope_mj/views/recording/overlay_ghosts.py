@@ -1,0 +1,126 @@
+"""All runs in one scene: every body once for each run, transparent in the run's colour, as seen from the run's base."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.engine.response.scene import SceneBody
+from wirerope_mj.views.recording.camera import scene_extent, whole_scene
+from wirerope_mj.views.recording.overlay_parts import Run
+from wirerope_mj.views.recording.overlay_runs import Overlay
+from wirerope_mj.views.recording.paths import Array, Below, at, child, entity
+from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, rotate
+from wirerope_mj.views.recording.scene import scene_rows
+from wirerope_mj.views.recording.shapes import draw_geoms
+
+ROOT = "ghosts"
+
+_OPAQUE = 0.38
+"""Of a ghost: two of them can be told apart where they overlap, and edges are seen through both."""
+
+_SEEN = 0.04
+"""Share of the scene's size that the largest motion is to have in the picture."""
+
+_ROUND = (1.0, 2.0, 5.0)
+
+
+def ghost_factor(overlay: Overlay) -> float:
+    """Return how much larger than they are motions are drawn, a round number; 1 where they are large enough."""
+    travel, extent = 0.0, 0.0
+    for run in overlay.runs:
+        extent = max(extent, scene_extent(run.response.scene)[1])
+        for body, frame in _riding(run):
+            travel = max(travel, float(np.abs(frame.position - _modelled(run, body)[0]).max()))
+    if travel == 0.0 or _SEEN * extent <= travel:
+        return 1.0
+    wanted = _SEEN * extent / travel
+    decade = 10.0 ** np.floor(np.log10(wanted))
+    return float(decade * max(part for part in _ROUND if part * decade <= wanted * (1.0 + 1e-9)))
+
+
+def log_ghosts(rec: Any, overlay: Overlay) -> None:
+    """Log the ghosts of all runs, and their names beside them."""
+    import rerun as rr
+
+    rec.log(entity(ROOT), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    factor = ghost_factor(overlay)
+    drawn: list[str] = []
+    for number, run in enumerate(overlay.runs):
+        below = Below(rec, entity(ROOT, run.name))
+        _, extent = scene_extent(run.response.scene)
+        rows = scene_rows(run.response, run.frames)
+        poses = {
+            frame.path: _grown(frame, *_modelled(run, body), factor) for body, frame in _riding(run) if not frame.fixed
+        }
+        for body in run.response.scene.bodies:
+            frame = run.frames[body.name]
+            if body.name == "world" or not (body.moves or body.name == run.response.scene.base):
+                continue
+            if body.name == run.response.scene.base:
+                geoms = repr(body.geoms)  # the same base would flicker through itself
+                if geoms not in drawn:
+                    draw_geoms(below, frame.path, body.geoms, extent)
+                    drawn.append(geoms)
+                continue
+            if frame.path in poses:
+                position, orientation = poses[frame.path]
+                columns = rr.Transform3D.columns(
+                    translation=position[rows], quaternion=np.roll(orientation[rows], -1, axis=1)
+                )
+                below.send_columns(frame.path, at(run.response.time[rows]), columns)
+            else:
+                turn = rr.Quaternion(xyzw=np.roll(frame.orientation[0], -1))
+                below.log(frame.path, rr.Transform3D(translation=frame.position[0], quaternion=turn), static=True)
+            draw_geoms(below, frame.path, _ghostly(body, run), extent)
+        _log_name(below, run, number, extent)
+
+
+def _riding(run: Run) -> list[tuple[SceneBody, Frame]]:
+    """Return the bodies that move, but for the base itself."""
+    scene = run.response.scene
+    return [(body, run.frames[body.name]) for body in scene.bodies if body.moves and body.name != scene.base]
+
+
+def _modelled(run: Run, body: SceneBody) -> tuple[Array, Array]:
+    """Return where a body stands in the modelled geometry in the frame that its own is in: position (3,), quaternion."""
+    scene, frame = run.response.scene, run.frames[body.name]
+    parent = frame.path.rsplit("/", 1)[0]
+    name = next((name for name, other in run.frames.items() if other.path == parent and name != "world"), None)
+    if name is None:
+        return body.position, body.orientation
+    carrier = next(other for other in scene.bodies if other.name == name)
+    back = conjugate(carrier.orientation)
+    return rotate(back, body.position - carrier.position), multiply(back, body.orientation)
+
+
+def _grown(frame: Frame, position: Array, orientation: Array, factor: float) -> tuple[Array, Array]:
+    """Return poses `factor` times as far from the modelled one."""
+    turn = multiply(frame.orientation, conjugate(orientation))
+    turn = turn * np.where(turn[:, :1] < 0.0, -1.0, 1.0)
+    turn[:, 1:] *= factor
+    turn /= np.linalg.norm(turn, axis=1, keepdims=True)
+    return position + factor * (frame.position - position), multiply(turn, orientation)
+
+
+def _ghostly(body: SceneBody, run: Run) -> list[Any]:
+    rgba = np.array([*run.color, 255 * _OPAQUE]) / 255.0
+    return [replace(geom, rgba=rgba) for geom in body.geoms]
+
+
+def _log_name(below: Below, run: Run, number: int, extent: float) -> None:
+    """Log the name of a run beside the scene, as it is seen when the recording opens: the legend of the colours."""
+    import rerun as rr
+
+    scene = run.response.scene
+    base = scene.base
+    camera = whole_scene(run.response)
+    back = camera.eye - camera.target
+    left = np.cross(back, [0.0, 0.0, 1.0]) / np.linalg.norm(back)
+    above = camera.target + 0.5 * extent * left + np.array([0.0, 0.0, (0.1 + 0.1 * number) * extent])
+    path = child(run.frames[base].path if base in run.frames else entity("world"), "name")
+    below.log(
+        path,
+        rr.Points3D([above], labels=[run.name], colors=[run.color], radii=rr.Radius.ui_points(0.0), show_labels=True),
+        static=True,
+    )

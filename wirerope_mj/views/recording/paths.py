@@ -1,0 +1,61 @@
+"""Names of entities and timeline, and the one conversion of instants to the timeline's nanoseconds."""
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.mounts.isolator import AXES as AXES
+
+Array = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.intp]
+
+APPLICATION = "wirerope_mj"
+TIMELINE = "sim_time"
+FILE = "run.rrd"
+
+AXIAL = AXES.index("axial")
+
+
+def entity(*parts: str) -> str:
+    """Return an entity path; a part may hold any character."""
+    import rerun as rr
+
+    return str(rr.new_entity_path(list(parts)))
+
+
+def root_of(run: str) -> str:
+    """Return the entity below which a run stands where a recording holds several."""
+    return entity("runs", run)
+
+
+def child(parent: str, *parts: str) -> str:
+    """Return the path of an entity below `parent`, which is a path already."""
+    return parent + entity(*parts)
+
+
+class Below:
+    """A recording stream that puts every entity below `root`: several responses stand beside each other in one file."""
+
+    def __init__(self, rec: Any, root: str) -> None:
+        self._rec, self._root = rec, root
+
+    def log(self, path: str, *args: Any, **options: Any) -> None:
+        """Log as the stream does."""
+        self._rec.log(self._root + path, *args, **options)
+
+    def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
+        """Send rows as the stream does."""
+        self._rec.send_columns(self._root + path, index, columns)
+
+
+def nanoseconds(time: npt.ArrayLike) -> npt.NDArray[np.timedelta64]:
+    """Return instants [s] as the timeline counts them: rounded, because rerun itself truncates floats."""
+    return np.round(np.atleast_1d(np.asarray(time, dtype=np.float64)) * 1e9).astype(np.int64).astype("timedelta64[ns]")
+
+
+def at(time: npt.ArrayLike) -> list[Any]:
+    """Return the index columns of rows at the instants `time` [s]."""
+    import rerun as rr
+
+    return [rr.TimeColumn(TIMELINE, duration=nanoseconds(time))]

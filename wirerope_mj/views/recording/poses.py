@@ -1,0 +1,119 @@
+"""Poses of bodies as a tree of frames: everything rides on the base, and what is fixed to a body hangs on that body."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirerope_mj.engine.response import Response
+from wirerope_mj.views.recording.paths import Array, child, entity
+
+_SAME = 1e-6
+"""Bodies are fixed to each other if they move less than this [m], per metre of arm for rotations; far below a pixel."""
+
+_CHECKED_ROWS = 1000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frame:
+    """A body's frame in its parent's.
+
+    Attributes:
+        path: entity of the body.
+        position: centre of mass in the parent's frame [m], (n_t, 3), or (1, 3) if it never moves there.
+        orientation: quaternion w first, (n_t, 4) or (1, 4).
+    """
+
+    path: str
+    position: Array
+    orientation: Array
+
+    @property
+    def fixed(self) -> bool:
+        """Whether it never moves in the parent's frame."""
+        return self.position.shape[0] == 1
+
+
+def frames_of(response: Response) -> dict[str, Frame]:
+    """Return the frame of every body of the scene by name; the base comes first, then what rides on it."""
+    base = response.scene.base if response.scene.base in response.bodies else ""
+    world = entity("world")
+    frames: dict[str, Frame] = {}
+    free: list[str] = []  # bodies that move in the base's frame
+    if base:
+        driven = response.bodies[base]
+        frames[base] = Frame(path=child(world, base), position=driven.position, orientation=driven.orientation)
+    for body in response.scene.bodies:
+        if body.name in frames:
+            continue
+        if not (body.moves and body.name in response.bodies):
+            path = world if body.name == "world" else child(world, body.name)
+            frames[body.name] = Frame(path=path, position=body.position[None], orientation=body.orientation[None])
+            continue
+        parent = _carrier(response, body.name, [*([base] if base else []), *free])
+        if parent is None:
+            free.append(body.name)
+        position, orientation = relative_pose(response, body.name, parent if parent is not None else base)
+        few = slice(0, 1) if parent is not None else slice(None)
+        path = child(frames[parent or base].path if parent or base else world, body.name)
+        frames[body.name] = Frame(path=path, position=position[few], orientation=orientation[few])
+    return frames
+
+
+def relative_pose(response: Response, name: str, other: str) -> tuple[Array, Array]:
+    """Return position (n_t, 3) and orientation (n_t, 4) of a body in the frame of `other`; "" is the world."""
+    return _relative(response, name, other, slice(None))
+
+
+def rotate(quaternion: Array, vector: Array) -> Array:
+    """Return vectors (..., 3) turned by quaternions (..., 4), w first."""
+    w, u = quaternion[..., :1], quaternion[..., 1:]
+    return vector + 2.0 * np.cross(u, np.cross(u, vector) + w * vector)
+
+
+def conjugate(quaternion: Array) -> Array:
+    """Return the inverse rotation."""
+    return quaternion * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def multiply(a: Array, b: Array) -> Array:
+    """Return the rotation b followed by a."""
+    w, u = a[..., :1], a[..., 1:]
+    real = w * b[..., :1] - np.sum(u * b[..., 1:], axis=-1, keepdims=True)
+    return np.concatenate([real, w * b[..., 1:] + b[..., :1] * u + np.cross(u, b[..., 1:])], axis=-1)
+
+
+def quaternion_of(matrix: Array) -> Array:
+    """Return the quaternion (4,), w first, of a rotation matrix (3, 3)."""
+    # The eigenvector of the largest eigenvalue of this symmetric matrix is the quaternion (Bar-Itzhack 2000).
+    m = matrix
+    k = np.array(
+        [
+            [m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
+            [0.0, m[0, 0] - m[1, 1] - m[2, 2], m[1, 0] + m[0, 1], m[2, 0] + m[0, 2]],
+            [0.0, 0.0, m[1, 1] - m[0, 0] - m[2, 2], m[2, 1] + m[1, 2]],
+            [0.0, 0.0, 0.0, m[2, 2] - m[0, 0] - m[1, 1]],
+        ]
+    )
+    vector: Array = np.linalg.eigh(k, UPLO="U")[1][:, -1]
+    return vector
+
+
+def _carrier(response: Response, name: str, candidates: list[str]) -> str | None:
+    """Return the first of the candidates in whose frame the body never moves."""
+    some = slice(None, None, max(1, response.time.size // _CHECKED_ROWS))
+    for other in candidates:
+        position, orientation = _relative(response, name, other, some)
+        aligned = orientation * np.sign(orientation @ orientation[0])[:, None]
+        if np.ptp(position, axis=0).max() < _SAME and np.ptp(aligned, axis=0).max() < _SAME:
+            return other
+    return None
+
+
+def _relative(response: Response, name: str, other: str, rows: slice) -> tuple[Array, Array]:
+    body = response.bodies[name]
+    position, orientation = body.position[rows], body.orientation[rows]
+    if not other:
+        return position, orientation
+    carrier = response.bodies[other]
+    back = conjugate(carrier.orientation[rows])
+    return rotate(back, position - carrier.position[rows]), multiply(back, orientation)

@@ -1,0 +1,131 @@
+"""The frequency response in the recording: curves of all levels on logarithmic axes, and where each motion stands on them."""
+
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.dynamics.frequency_response.axes import log_ticks
+from wirerope_mj.dynamics.frequency_response.curve import Curve
+from wirerope_mj.dynamics.frequency_response.summary import Findings
+from wirerope_mj.views.recording.along import at_points
+from wirerope_mj.views.recording.film import Film, Strip
+from wirerope_mj.views.recording.frame import LARGE, Color, Plot, log_frame
+from wirerope_mj.views.recording.paths import Array, child, entity
+
+PATH = "response"
+
+WIDTH = 225.0
+"""Width of the frame, so that it fills its pane."""
+
+_COLORS: tuple[Color, ...] = (
+    (78, 155, 230), (255, 159, 64), (76, 194, 107), (190, 120, 230), (242, 84, 91), (150, 160, 170), (60, 200, 216),
+    (205, 165, 90),
+)  # fmt: skip
+_EVENT = (255, 255, 255)
+_DASH = 5
+"""Places of the curve in a dash of an unstable motion, and in the gap behind it."""
+
+_ENVELOPE_ROWS = 800
+"""Rows of a sweep's envelope that are drawn: its view is hardly wider in pixels."""
+
+
+def level_color(number: int) -> Color:
+    """Return the colour of a level."""
+    return _COLORS[number % len(_COLORS)]
+
+
+def log_response(rec: Any, findings: list[Findings], film: Film, strips: list[Strip]) -> None:
+    """Log frame, curves, what happens on them, and for every level the place of its motion."""
+    import rerun as rr
+
+    plot = _plot(findings)
+    _log_axes(rec, plot)
+    data = child(entity(PATH), "data")
+    rec.log(data, plot.transform(), static=True)
+    for number, found in enumerate(findings):
+        _log_level(rec, child(data, f"level_{number + 1}"), found, level_color(number))
+    _log_events(rec, child(data, "events"), findings)
+    for strip in strips:
+        path = child(data, "here", f"level_{strip.number + 1}")
+        look = rr.Points2D.from_fields(
+            colors=level_color(strip.number), radii=rr.Radius.ui_points(7.0), draw_order=60.0, show_labels=False
+        )
+        rec.log(path, look, static=True)
+        places = np.column_stack([np.log10(strip.frequency), np.log10(strip.amplitude)])
+        columns = rr.Points2D.columns(positions=places, labels=[_words(strip, int(point)) for point in strip.points])
+        rec.send_columns(path, at_points(film, strip), columns)
+
+
+def _words(strip: Strip, point: int) -> str:
+    """Return what is said of a motion when the mouse is over its marker."""
+    branch = strip.branch
+    state = "stable" if branch.stable[point] else "unstable"
+    return f"{strip.level:.4g} m/s²: {branch.frequency[point]:.5g} Hz, {branch.amplitude[point]:.4g} m/s², {state}"
+
+
+def _plot(findings: list[Findings]) -> Plot:
+    """Return ranges that hold all curves, in logarithms."""
+    curves = [(found.curve.frequency, found.curve.amplitude) for found in findings if found.curve is not None]
+    curves += [(s.frequency, s.amplitude) for found in findings for s in found.level.sweeps.values()]
+    ranges = []
+    for part in range(2):
+        values = np.log10(np.concatenate([curve[part] for curve in curves]))
+        room = 0.04 * max(float(np.ptp(values)), 0.02)
+        ranges.append((float(values.min()) - room, float(values.max()) + room))
+    return Plot(across=ranges[0], upward=ranges[1], width=WIDTH)
+
+
+def _log_axes(rec: Any, plot: Plot) -> None:
+    across = log_ticks(10.0 ** plot.across[0], 10.0 ** plot.across[1])
+    upward = log_ticks(10.0 ** plot.upward[0], 10.0 ** plot.upward[1])
+    names = [f"{value:.5g}" for value in across], [f"{value:.5g}" for value in upward]
+    log_frame(rec, entity(PATH), plot, across=np.log10(across), upward=np.log10(upward), names=names, lift=LARGE)
+
+
+def _log_level(rec: Any, path: str, found: Findings, color: Color) -> None:
+    import rerun as rr
+
+    name = f"{found.level.acceleration:.4g} m/s^2"
+    for way, sweep in found.level.sweeps.items():
+        rows = np.unique(np.linspace(0, sweep.frequency.size - 1, _ENVELOPE_ROWS).round().astype(int))
+        line = np.log10(np.column_stack([sweep.frequency, sweep.amplitude])[rows])
+        look = {"colors": [*color, 110], "radii": rr.Radius.ui_points(0.7), "labels": [f"{name}, sweep {way}"]}
+        rec.log(child(path, f"sweep_{way}"), rr.LineStrips2D([line], show_labels=False, **look), static=True)
+    if found.curve is None:
+        return
+    for words, strips in zip(("stable", "unstable"), _strips(found.curve), strict=True):
+        if strips:
+            look = {"colors": color, "radii": rr.Radius.ui_points(1.5 if words == "stable" else 1.1)}
+            lines = rr.LineStrips2D(strips, labels=[f"{name}, {words}"] * len(strips), show_labels=False, **look)
+            rec.log(child(path, words), lines, static=True)
+
+
+def _strips(curve: Curve) -> tuple[list[Array], list[Array]]:
+    """Return the lines of stable motions, and the dashes of those that are not."""
+    line = np.log10(np.column_stack([curve.frequency, curve.amplitude]))
+    changes = [0, *(np.flatnonzero(np.diff(curve.stable)) + 1).tolist(), curve.stable.size]
+    stable, dashes = [], []
+    for first, stop in zip(changes[:-1], changes[1:], strict=True):
+        part = line[first : stop + 1]
+        if part.shape[0] < 2:
+            continue
+        if curve.stable[first]:
+            stable.append(part)
+        else:
+            parts = [part[i : i + _DASH + 1] for i in range(0, part.shape[0], 2 * _DASH)]
+            dashes += [dash for dash in parts if dash.shape[0] > 1]
+    return stable, dashes
+
+
+def _log_events(rec: Any, path: str, findings: list[Findings]) -> None:
+    """Mark folds and changes of stability; what they are is said when the cursor is over them."""
+    import rerun as rr
+
+    events = [event for found in findings if found.level.branch for event in found.level.branch.bifurcations]
+    if events:
+        places = np.log10([[event.frequency, event.amplitude] for event in events])
+        marks = rr.Points2D(
+            places, labels=[event.words for event in events], show_labels=False, colors=_EVENT,
+            radii=rr.Radius.ui_points(4.0), draw_order=40.0,
+        )  # fmt: skip
+        rec.log(path, marks, static=True)

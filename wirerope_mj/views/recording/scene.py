@@ -1,0 +1,103 @@
+"""The 3D scene: bodies as a tree of frames that rides on the base, their geoms, the mounts, the base's acceleration."""
+
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.views.recording.camera import reach, scene_extent
+from wirerope_mj.views.recording.mounts import log_mounts
+from wirerope_mj.views.recording.paths import Rows, at, child, entity
+from wirerope_mj.views.recording.poses import Frame, conjugate, rotate
+from wirerope_mj.views.recording.selection import Selection
+from wirerope_mj.views.recording.shapes import draw_geoms
+from wirerope_mj.views.recording.stops import log_stops
+from wirerope_mj.views.recording.thin import rows_of_steps
+
+_STILL = 1 / 100
+"""Poses are drawn anew when something has moved by this share of the largest travel."""
+
+_ARROW = (255, 196, 60)
+
+
+def log_scene(
+    rec: Any,
+    response: Response,
+    selection: Selection,
+    frames: dict[str, Frame],
+    *,
+    arrow: tuple[int, int, int] = _ARROW,
+) -> None:
+    """Log bodies, geoms, mounts and the base's acceleration, an arrow of the given colour."""
+    import rerun as rr
+
+    _, extent = scene_extent(response.scene)
+    rec.log(entity("world"), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    rows = scene_rows(response, frames)
+    for body in response.scene.bodies:
+        frame = frames[body.name]
+        if body.name != "world":
+            _log_pose(rec, response, frame, _base_rows(response) if body.name == response.scene.base else rows)
+        draw_geoms(rec, frame.path, body.geoms, extent)
+    if response.scene.mounts:
+        log_mounts(rec, response, selection, frames, rows, extent=extent)
+        log_stops(rec, response, frames, extent=extent)
+    _log_base_acceleration(rec, response, frames, extent, arrow)
+
+
+def scene_rows(response: Response, frames: dict[str, Frame]) -> Rows:
+    """Return the rows at which what rides on the base is drawn anew."""
+    moving = [frame for name, frame in frames.items() if not frame.fixed and name != response.scene.base]
+    deflections = [mount.deflection for mount in response.mounts.values()]
+    lengths = [frame.position for frame in moving] + deflections
+    if not lengths:
+        return np.array([0])
+    travel = max(float(np.ptp(part, axis=0).max()) for part in lengths)
+    # Turning is judged at an arm of a metre.
+    values = np.concatenate([*lengths, *(frame.orientation for frame in moving)], axis=1)
+    return rows_of_steps(response.time, values, _STILL * travel)
+
+
+def _base_rows(response: Response) -> Rows:
+    moved = response.bodies[response.scene.base].position
+    return rows_of_steps(response.time, moved, _STILL * float(np.ptp(moved, axis=0).max()))
+
+
+def _log_pose(rec: Any, response: Response, frame: Frame, rows: Rows) -> None:
+    import rerun as rr
+
+    if frame.fixed:
+        turn = rr.Quaternion(xyzw=np.roll(frame.orientation[0], -1))
+        rec.log(frame.path, rr.Transform3D(translation=frame.position[0], quaternion=turn), static=True)
+        return
+    poses = rr.Transform3D.columns(
+        translation=frame.position[rows], quaternion=np.roll(frame.orientation[rows], -1, axis=1)
+    )
+    rec.send_columns(frame.path, at(response.time[rows]), poses)
+
+
+def _log_base_acceleration(
+    rec: Any, response: Response, frames: dict[str, Frame], extent: float, color: tuple[int, int, int]
+) -> None:
+    """Log the acceleration of the base as an arrow beside it, so that the shock is seen although the camera rides."""
+    import rerun as rr
+
+    acceleration = response.base.acceleration
+    largest = float(np.linalg.norm(acceleration, axis=1).max())
+    base = response.scene.base
+    if largest == 0.0 or base not in response.bodies:
+        return
+    rows = rows_of_steps(response.time, acceleration, 0.01 * largest)
+    back = conjugate(response.bodies[base].orientation[rows])
+    body = next(body for body in response.scene.bodies if body.name == base)
+    corner = np.max([np.abs(g.position) + reach(g) for g in body.geoms] or [np.full(3, 0.5 * extent)], axis=0)
+    path = child(frames[base].path, "acceleration")
+    look = rr.Arrows3D.from_fields(
+        origins=[[-corner[0], -corner[1], 0.0]], colors=[color], radii=[0.004 * extent], show_labels=True
+    )
+    rec.log(path, look, static=True)
+    levels = np.linalg.norm(acceleration[rows], axis=1) / STANDARD_GRAVITY
+    vectors = rotate(back, acceleration[rows]) * (0.18 * extent / largest)
+    columns = rr.Arrows3D.columns(vectors=vectors, labels=[f"base {level:.1f} g" for level in levels])
+    rec.send_columns(path, at(response.time[rows]), columns)

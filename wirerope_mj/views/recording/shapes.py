@@ -1,0 +1,130 @@
+"""Geoms as rerun shapes, and the mesh of a wire-rope coil."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.response.scene import Geom
+from wirerope_mj.views.recording.paths import Array, child
+from wirerope_mj.views.recording.poses import rotate
+
+_COILS = 8
+_AROUND = 28  # sections of one turn of the rope
+_SECTION = 7  # corners of the rope's cross-section
+_ROPE = 0.075  # diameter of the rope over the width of the device, as in catalogue drawings
+_LENGTH = 1.9  # length of the bars over the width
+
+
+def draw_geoms(rec: Any, path: str, geoms: Sequence[Geom], extent: float) -> None:
+    """Log the geoms of a body: those of one shape together, because every entity costs two kilobytes; meshes alone.
+
+    Args:
+        rec: recording stream.
+        path: entity of the body.
+        geoms: shapes, placed from the body's centre of mass in body axes.
+        extent: size of the scene [m], for planes without an end.
+    """
+    for shape in dict.fromkeys(geom.shape for geom in geoms):
+        same = [geom for geom in geoms if geom.shape == shape]
+        if shape in ("mesh", "plane"):
+            for number, geom in enumerate(same):
+                mesh = _plane(geom, extent) if shape == "plane" else _mesh(geom)
+                rec.log(child(path, "geoms", geom.name or f"{shape}_{number}"), mesh, static=True)
+        else:
+            rec.log(child(path, "geoms", shape), _solids(shape, same), static=True)
+
+
+def _solids(shape: str, geoms: list[Geom]) -> Any:
+    import rerun as rr
+
+    sizes = np.array([geom.size for geom in geoms])
+    places = np.array([geom.position for geom in geoms])
+    common = {
+        "quaternions": [rr.Quaternion(xyzw=np.roll(geom.orientation, -1)) for geom in geoms],
+        "colors": [rgba8(geom.rgba) for geom in geoms],
+        "labels": [geom.name for geom in geoms],
+        "show_labels": False,
+        "fill_mode": "Solid",
+    }
+    if shape == "box":
+        return rr.Boxes3D(half_sizes=sizes, centers=places, **common)
+    if shape == "cylinder":
+        return rr.Cylinders3D(lengths=2.0 * sizes[:, 1], radii=sizes[:, 0], centers=places, **common)
+    if shape == "capsule":
+        # A capsule of rerun runs from its origin along z; MuJoCo's is centred.
+        axes = np.array([rotate(geom.orientation, np.array([0.0, 0.0, 1.0])) for geom in geoms])
+        starts = places - sizes[:, 1:2] * axes
+        return rr.Capsules3D(lengths=2.0 * sizes[:, 1], radii=sizes[:, 0], translations=starts, **common)
+    halves = np.repeat(sizes[:, :1], 3, axis=1) if shape == "sphere" else sizes
+    return rr.Ellipsoids3D(half_sizes=halves, centers=places, **common)
+
+
+def _plane(geom: Geom, extent: float) -> Any:
+    import rerun as rr
+
+    x, y = (half if half > 0.0 else 2.0 * extent for half in geom.size[:2])
+    corners = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
+    return rr.Mesh3D(
+        vertex_positions=geom.position + rotate(geom.orientation, corners),
+        triangle_indices=[[0, 1, 2], [0, 2, 3]],
+        albedo_factor=rgba8(geom.rgba),
+    )
+
+
+def _mesh(geom: Geom) -> Any:
+    import rerun as rr
+
+    return rr.Mesh3D(
+        vertex_positions=geom.position + rotate(geom.orientation, geom.vertices),
+        triangle_indices=geom.faces.astype(np.uint32),
+        albedo_factor=rgba8(geom.rgba),
+    )
+
+
+def rgba8(rgba: Array) -> list[int]:
+    """Return a colour of 0 to 1 as bytes."""
+    return [int(part) for part in np.round(np.clip(rgba, 0.0, 1.0) * 255)]
+
+
+def coil(width: float) -> tuple[Array, npt.NDArray[np.uint32], Array]:
+    """Return vertices, triangles and normals of a wire rope wound around two bars.
+
+    x is across the bars (roll), y along them (shear), z from the base's bar at 0 to the payload's bar at 1: the height
+    is left to the transform, which stretches and shears.
+    """
+    turns = np.linspace(0.0, 2.0 * np.pi * _COILS, _COILS * _AROUND + 1)
+    length = _LENGTH * width * 0.92
+    wire = np.column_stack(
+        [
+            0.5 * width * (1.0 - _ROPE) * np.sin(turns),
+            length * (turns / turns[-1] - 0.5),
+            0.5 * (1.0 - np.cos(turns)),
+        ]
+    )
+    angle = np.linspace(0.0, 2.0 * np.pi, _SECTION, endpoint=False)
+    out = np.column_stack([np.sin(turns), np.zeros_like(turns), -np.cos(turns)])  # away from the middle of the turn
+    normals = np.cos(angle)[None, :, None] * out[:, None] + np.sin(angle)[None, :, None] * np.array([0.0, 1.0, 0.0])
+    # z is in heights and x in metres: the section is round where the height is about the width, as in the catalogues.
+    scale = 0.5 * _ROPE * np.array([width, width, 1.0])
+    return wrap(wire[:, None] + normals * scale, normals)
+
+
+def block(width: float) -> tuple[Array, npt.NDArray[np.uint32], Array]:
+    """Return vertices, triangles and normals of a waisted rubber block of unit height, in the axes of `coil`."""
+    z = np.linspace(0.0, 1.0, 9)
+    radius = 0.5 * width * (1.0 - 0.22 * np.sin(np.pi * z))
+    angle = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    normals = np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=-1)[None].repeat(z.size, axis=0)
+    vertices = normals * radius[:, None, None] + z[:, None, None] * np.array([0.0, 0.0, 1.0])
+    return wrap(vertices, normals)
+
+
+def wrap(vertices: Array, normals: Array) -> tuple[Array, npt.NDArray[np.uint32], Array]:
+    """Return the mesh of a tube: vertices and normals are (n_along, n_around, 3)."""
+    along, around = vertices.shape[:2]
+    i, j = np.meshgrid(np.arange(along - 1), np.arange(around), indexing="ij")
+    a, b = i * around + j, i * around + (j + 1) % around
+    triangles = np.stack([a, b, a + around, b, b + around, a + around], axis=-1).reshape(-1, 3)
+    return vertices.reshape(-1, 3), triangles.astype(np.uint32), normals.reshape(-1, 3)

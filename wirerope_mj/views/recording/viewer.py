@@ -1,0 +1,129 @@
+"""Opens a recording: in the rerun viewer, or in a browser."""
+
+import os
+import socket
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+from urllib.parse import quote
+
+from wirerope_mj.foundation.errors import RecordError, WireRopeError
+from wirerope_mj.views.recording.paths import FILE
+
+STUDY, WORST, OVERLAY = "study.toml", "worst", "worst.rrd"
+"""In the folder of a study: what it is known by, its worst variants, and their recording."""
+
+_BEGINNING = b"RRF"
+"""First bytes of every recording."""
+
+_LOCAL = "127.0.0.1"
+"""The viewer listens on this machine only; its own default is every network."""
+
+
+def show(path_or_folder: str | Path, *, web: bool = False) -> None:
+    """Open a recording and return when the viewer is closed or interrupted.
+
+    Args:
+        path_or_folder: a `.rrd` file, or the folder of a run, or of a study whose worst variants were written.
+        web: serve it to a browser of this machine, and print the address.
+
+    Raises:
+        RecordError: there is no recording.
+        WireRopeError: there is no screen, or no viewer.
+    """
+    path = find_recording(path_or_folder)
+    if not web and not has_display():
+        raise WireRopeError(
+            f"there is no screen here to open {path} on. Show it in a browser with --web, or copy the file to a "
+            f"machine with a screen and open it there: rerun {path.name}"
+        )
+    command = [str(viewer_binary()), "--bind", _LOCAL]
+    if web:
+        server, page = free_port(9876), free_port(9090)
+        command += ["--serve-web", "--port", str(server), "--web-viewer-port", str(page), str(path)]
+        print(f"Open {web_address(server, page)} in a browser. Ctrl-C ends it.", flush=True)
+    else:
+        command += ["--new", str(path)]
+    _run(command)
+
+
+def find_recording(path_or_folder: str | Path) -> Path:
+    """Return the recording that a path names: itself, or that in the folder of a run or of a study."""
+    given = Path(path_or_folder)
+    if (given / STUDY).is_file():
+        return _of_study(given)
+    path = given / FILE if given.is_dir() else given
+    if not path.is_file():
+        raise RecordError(
+            f"{path}: there is no such recording. A folder that `wirerope run` has written holds a {FILE}."
+        )
+    with path.open("rb") as file:
+        if not file.read(len(_BEGINNING)).startswith(_BEGINNING):
+            raise RecordError(
+                f"{path}: this is not a recording of rerun; `wirerope show` takes a run's folder or its {FILE}."
+            )
+    return path
+
+
+def _of_study(folder: Path) -> Path:
+    """Return the recording of a study's worst variants laid over each other, or that of the only one that was written."""
+    together = folder / WORST / OVERLAY
+    if together.is_file():
+        return together
+    single = sorted((folder / WORST).glob(f"*/{FILE}"))
+    if len(single) == 1:
+        return single[0]
+    if single:
+        several = ", ".join(str(path.parent) for path in single)
+        raise RecordError(f"{folder}: several variants of this study were written one by one; open one: {several}.")
+    raise RecordError(
+        f"{folder}: this is a study, and none of its variants was written as a run. Write the worst with the command that "
+        f"computed it and --resume --out {folder} --open-worst 3; only what is missing is computed."
+    )
+
+
+def has_display() -> bool:
+    """Return whether a window can be opened."""
+    linux = sys.platform.startswith("linux")
+    return not linux or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def viewer_binary() -> Path:
+    """Return the viewer that rerun-sdk brought along; the `rerun` on the path may be of another version."""
+    package = find_spec("rerun_cli")
+    folder = Path(package.origin).parent if package and package.origin else Path()
+    for name in ("rerun", "rerun.exe"):
+        if (folder / name).is_file():
+            return folder / name
+    raise WireRopeError("the viewer of rerun-sdk is missing. Install it again: pip install --force-reinstall rerun-sdk")
+
+
+def web_address(server: int, page: int) -> str:
+    """Return the address of the web viewer on port `page`, showing what the server on port `server` holds."""
+    source = quote(f"rerun+http://{_LOCAL}:{server}/proxy", safe="")
+    return f"http://{_LOCAL}:{page}/?url={source}"
+
+
+def free_port(preferred: int) -> int:
+    """Return the preferred port of this machine if nothing listens on it, else one that is free."""
+    for port in (preferred, 0):
+        with socket.socket() as listener:
+            try:
+                listener.bind((_LOCAL, port))
+            except OSError:
+                continue
+            return int(listener.getsockname()[1])
+    raise WireRopeError("no port of this machine is free for the viewer.")
+
+
+def _run(command: list[str]) -> None:
+    process = subprocess.Popen(command)
+    try:
+        code = process.wait()
+    except KeyboardInterrupt:
+        process.terminate()
+        process.wait()
+        return
+    if code != 0:
+        raise WireRopeError(f"the viewer ended with code {code}. On a machine without graphics drivers --web works.")

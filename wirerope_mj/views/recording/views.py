@@ -1,0 +1,116 @@
+"""Views that a recording of one response and that of several share: scenes, plots over time, loops, and the time panel."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from wirerope_mj.views.recording.camera import Camera
+from wirerope_mj.views.recording.frame import HEIGHT
+from wirerope_mj.views.recording.paths import TIMELINE
+
+SLOW_MOTION = 0.05
+"""Playback speed for a shock: an event of half a second takes ten."""
+
+_BACKGROUND = [24, 27, 31]
+
+
+def layout(content: Any, window: tuple[float, float]) -> Any:
+    """Return the blueprint of what is seen: paused at the start of `window` [s], which is what playing repeats."""
+    import rerun as rr
+    import rerun.blueprint as rrb
+
+    start, end = (rr.TimeInt(seconds=instant) for instant in window)
+    return rrb.Blueprint(
+        content,
+        rrb.TimePanel(
+            state="collapsed",
+            timeline=TIMELINE,
+            playback_speed=_speed(window),
+            play_state="paused",
+            loop_mode="selection",
+            time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
+        ),
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+        rrb.TopPanel(state="hidden"),
+        auto_views=False,
+        auto_layout=False,
+    )
+
+
+def _speed(window: tuple[float, float]) -> float:
+    """Return slow motion for a shock, and real time for what lasts longer than ten seconds anyway."""
+    return SLOW_MOTION if window[1] - window[0] < 10.0 else 1.0
+
+
+def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) -> Any:
+    """Return a view of a scene that rides on `origin`; `camera` is in its frame."""
+    import rerun.blueprint as rrb
+
+    return rrb.Spatial3DView(
+        origin=origin,
+        contents=list(contents),
+        name=name,
+        background=_BACKGROUND,
+        line_grid=rrb.LineGrid3D(visible=False),
+        eye_controls=rrb.EyeControls3D(
+            kind=rrb.Eye3DKind.Orbital, position=camera.eye, look_target=camera.target, eye_up=[0.0, 0.0, 1.0]
+        ),
+    )
+
+
+def series_view(origin: str, name: str, window: tuple[float, float]) -> Any:
+    """Return a plot over `window` [s] of the series below `origin`."""
+    import rerun.blueprint as rrb
+
+    return rrb.TimeSeriesView(
+        origin=origin,
+        name=name,
+        axis_x=time_axis(window),
+        plot_legend=rrb.PlotLegend(visible=True, corner=rrb.Corner2D.RightTop),
+    )
+
+
+def time_axis(window: tuple[float, float]) -> Any:
+    """Return the axis of a plot over `window` [s]."""
+    import rerun as rr
+    import rerun.blueprint as rrb
+
+    boundary = rrb.TimeRangeBoundary
+    start, end = (boundary.absolute(seconds=instant) for instant in window)
+    return rrb.TimeAxis(view_range=rr.TimeRange(start=start, end=end))
+
+
+def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, float | None]) -> Any:
+    """Return a view of the plot of a loop.
+
+    Args:
+        origin: entity of the plot.
+        name: of the view.
+        width: of the plot's frame.
+        trails: entities of the trails, and how long each reaches behind the cursor [s]; None for the whole past.
+    """
+    import rerun.blueprint as rrb
+
+    boundary = rrb.TimeRangeBoundary
+    overrides = {}
+    for path, trail in trails.items():
+        start = boundary.infinite() if trail is None else boundary.cursor_relative(seconds=-trail)
+        past = rrb.VisibleTimeRange(TIMELINE, start=start, end=boundary.cursor_relative())
+        overrides[path] = [rrb.VisibleTimeRanges([past])]
+    return rrb.Spatial2DView(
+        origin=origin,
+        name=name,
+        visual_bounds=rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-4.0, HEIGHT + 17.0]),
+        overrides=overrides,
+    )
+
+
+def event_view(origin: str) -> Any:
+    """Return the log of what happens, as it stands below `origin`."""
+    import rerun.blueprint as rrb
+
+    return rrb.TextLogView(
+        origin=origin,
+        name="Events",
+        columns=rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["loglevel", "body"]),
+    )

@@ -1,0 +1,80 @@
+"""The content of a run's report, from the answer to the versions."""
+
+import math
+
+from wirerope_mj.views.report.contacts import contacts_section
+from wirerope_mj.views.report.content import ReportContent, Section, Table
+from wirerope_mj.views.report.display import number, several
+from wirerope_mj.views.report.judged import answer, full_table, headline
+from wirerope_mj.views.report.model import model_section
+from wirerope_mj.views.report.motion import motion_section, mounts_section, response_section
+from wirerope_mj.views.report.record import doubts
+from wirerope_mj.views.report.rest import modes_section, statics_section
+from wirerope_mj.views.report.run import FinishedRun
+
+_START = {
+    "settled": "at rest in the equilibrium of the first loading",
+    "relaxed": "at rest in the relaxed equilibrium, as after long vibration",
+    "unloaded": "in the modelled geometry, with unloaded mounts",
+}
+
+
+def report_content(run: FinishedRun) -> ReportContent:
+    """Return the report of a run: the verdict first, what it rests on after it."""
+    question = " ".join(run.question.split()) and [
+        " ".join(part.split()) for part in run.question.strip().split("\n\n")
+    ]
+    return ReportContent(
+        title=run.title,
+        facts=(
+            ("Model", run.model),
+            ("Base motion", run.motion.description),
+            ("Simulated", run.written),
+            ("By", f"wirerope-mj {run.versions.get('wirerope-mj', 'unknown')}"),
+        ),
+        question=tuple(question or ("The scenario asks no question.",)),
+        verdict=headline(run.verdicts),
+        answer=(*doubts(run), *answer(run.verdicts)),
+        sections=(
+            model_section(run),
+            statics_section(run),
+            modes_section(run),
+            motion_section(run),
+            response_section(run),
+            mounts_section(run),
+            contacts_section(run),
+            _numerics_section(run),
+            _annex(run),
+        ),
+    )
+
+
+def _numerics_section(run: FinishedRun) -> Section:
+    """Return how the numbers were computed, and by what."""
+    numerics = run.response.numerics
+    rows = [
+        ("simulated", f"{run.duration:g} s from {_START.get(run.initial, run.initial)}"),
+        ("steps", f"{several(numerics.steps, 'step')} of at most {number(1e3 * numerics.timestep, digits=4)} ms"),
+        ("step limited by", numerics.limited_by or "not recorded"),
+        ("estimated error", _error(run)),
+        ("samples", f"{run.response.time.size} at {run.sample_rate:g} Hz; peaks are those of every step"),
+        ("mount forces by", f"{numerics.callback} callback"),
+    ]
+    rows += [(f"option {name}", str(value)) for name, value in run.options.items()]
+    rows += [(f"version of {name}", version) for name, version in run.versions.items()]
+    table = Table(caption="How it was computed", head=("what", "value"), align="lt", rows=tuple(rows))
+    return Section(title="Numerics, options and versions", blocks=(table,))
+
+
+def _error(run: FinishedRun) -> str:
+    numerics = run.response.numerics
+    if not math.isfinite(numerics.error_estimate):
+        return "not estimated: the step was given"
+    words = f"{number(100.0 * numerics.error_estimate, digits=2)} % of the peaks, by halving the step before the run"
+    asked = f"{number(100.0 * numerics.accuracy, digits=2)} % asked for"
+    return f"{words}; {'above the ' if numerics.error_estimate > numerics.accuracy else ''}{asked}"
+
+
+def _annex(run: FinishedRun) -> Section:
+    table = full_table(run.verdicts)
+    return Section(title="All verdicts", blocks=() if table is None else (table,))

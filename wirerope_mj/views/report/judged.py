@@ -1,0 +1,148 @@
+"""Verdicts in words and in tables: what is exceeded, how much is left, what nobody can judge."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+from wirerope_mj.assessment.criteria import CLEAR, EXCEEDED, NOT_JUDGED, STRUCK, TOUCHING, WITHIN, Verdict
+from wirerope_mj.assessment.criteria.travel import COMBINED
+from wirerope_mj.assessment.verdicts import headline as verdicts_headline
+from wirerope_mj.views.report.content import Block, Cell, Listing, Mark, Paragraph, Table
+from wirerope_mj.views.report.display import ABSENT, fixed, listed, shown, shown_unit, with_unit
+
+TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
+_ORDER = (EXCEEDED, STRUCK, WITHIN, TOUCHING, CLEAR, NOT_JUDGED)
+_NAMED = 3  # verdicts that the answer names one by one
+_AMPLE = 10.0  # margin from which only its size is said: nobody needs 1234 %
+
+
+def headline(verdicts: Sequence[Verdict]) -> Mark:
+    """Return the answer in one sentence, coloured by the worst that it says."""
+    words = {row.verdict for row in verdicts}
+    tone = next((TONE[word] for word in (EXCEEDED, STRUCK, WITHIN) if word in words), "unjudged")
+    return Mark(text=verdicts_headline(verdicts), tone=tone)
+
+
+def answer(verdicts: Sequence[Verdict]) -> tuple[Block, ...]:
+    """Return the worst margins and what is exceeded in words and as a table, and what is not judged with the reasons."""
+    judged, over = _judged(verdicts), _exceeded(verdicts)
+    sentences = []
+    if over:
+        words = [_sentence(row) for row in over[:_NAMED]]
+        more = f"; and {len(over) - _NAMED} more, listed below" if len(over) > _NAMED else ""
+        sentences.append(f"Exceeded: {'; '.join(words)}{more}.")
+    within = [row for row in judged if row.verdict == WITHIN and (row.margin or 0.0) <= _AMPLE]
+    if within:
+        words = [_sentence(row) for row in _one_each(within)[:_NAMED]]
+        sentences.append(f"{'Elsewhere the' if over else 'The'} smallest margins are: {'; '.join(words)}.")
+    blocks: list[Block] = [Paragraph(text=" ".join(sentences))] if sentences else []
+    table = worst_table(verdicts)
+    if table is not None:
+        blocks.append(table)
+    reasons = unjudged(verdicts)
+    if reasons:
+        blocks += [Paragraph(text="Not judged:", tone="unjudged"), Listing(items=reasons)]
+    return tuple(blocks)
+
+
+def unjudged(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
+    """Return a sentence for each criterion that is not judged, with the reason; subjects of the same reason together."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for row in verdicts:
+        if row.verdict == NOT_JUDGED:
+            reason = row.note.rsplit("; ", 1)[-1]  # what stands before it says where the figure was taken
+            groups.setdefault((row.criterion, reason), []).append(row.subject)
+    return tuple(
+        f"{criterion} of {listed(subjects)}: {reason or 'no limit is stated'}."
+        for (criterion, reason), subjects in groups.items()
+    )
+
+
+def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
+    """Return the worst verdict of every criterion; None without verdicts."""
+    # Where nothing is judged the largest value is the worst; an unknown one, NaN, is none.
+    by_size = sorted(verdicts, key=lambda row: -math.inf if math.isnan(_known(row).value) else row.value, reverse=True)
+    rows = _one_each(ordered(by_size))
+    if not rows:
+        return None
+    counts = {row.criterion: sum(other.criterion == row.criterion for other in verdicts) for row in rows}
+    head = ("criterion", "verdict", "where", "value", "limit", "unit", "margin", "figures")
+    return Table(
+        caption="The worst of every criterion",
+        head=head,
+        align="lllrrlrr",
+        rows=tuple((row.criterion, *_cells(row), str(counts[row.criterion])) for row in rows),
+        note="Margin: limit over value less one, how much more there could be; negative where the limit is exceeded. "
+        "Figures: how many the row is the worst of.",
+    )
+
+
+def full_table(verdicts: Sequence[Verdict]) -> Table | None:
+    """Return every verdict, exceeded ones first, then by margin, those not judged last; None without verdicts."""
+    if not verdicts:
+        return None
+    head = ("criterion", "verdict", "where", "value", "limit", "unit", "margin", "at [s]", "note")
+    rows = []
+    for row in ordered(verdicts):
+        time = _known(row).time
+        when = ABSENT if time is None else fixed(time, 4)
+        rows.append((row.criterion, *_cells(row), when, row.note))
+    return Table(
+        caption="Every figure against its limit: the smallest margin first, what is not judged last",
+        head=head,
+        align="lllrrlrrt",
+        rows=tuple(rows),
+    )
+
+
+def ordered(verdicts: Sequence[Verdict]) -> list[Verdict]:
+    """Return the verdicts: what is exceeded or struck first, then the smallest margin, those not judged last."""
+    return sorted(verdicts, key=lambda row: (_ORDER.index(row.verdict), -(row.share or 0.0)))
+
+
+def margin(row: Verdict) -> str:
+    """Return the margin in per cent."""
+    if row.margin is None:
+        return ABSENT
+    if row.margin > _AMPLE:
+        return f"> {fixed(100.0 * _AMPLE, 0)} %"
+    return f"{fixed(100.0 * row.margin, 1 if abs(row.margin) < 0.1 else 0)} %"
+
+
+def _known(row: Verdict) -> Verdict:
+    """Return the verdict; without value and instant if it is a sum of shares of which none is rated, which says nothing."""
+    nothing = row.criterion == COMBINED and row.limit is None and (row.value == 0.0 or math.isnan(row.value))
+    return replace(row, value=math.nan, time=None) if nothing else row
+
+
+def _cells(row: Verdict) -> tuple[Cell, ...]:
+    """Return verdict, subject, value, limit, unit and margin."""
+    return (
+        Mark(text=row.verdict, tone=TONE[row.verdict]),
+        row.subject,
+        shown(_known(row).value, row.unit),
+        shown(row.limit, row.unit),
+        shown_unit(row.unit),
+        margin(row),
+    )
+
+
+def _sentence(row: Verdict) -> str:
+    value, limit = with_unit(row.value, row.unit), with_unit(row.limit, row.unit)
+    return f"{row.criterion} of {row.subject}, {value} of {limit} (margin {margin(row)})"
+
+
+def _judged(verdicts: Sequence[Verdict]) -> list[Verdict]:
+    return [row for row in ordered(verdicts) if row.verdict in (WITHIN, EXCEEDED)]
+
+
+def _exceeded(verdicts: Sequence[Verdict]) -> list[Verdict]:
+    return [row for row in ordered(verdicts) if row.verdict == EXCEEDED]
+
+
+def _one_each(rows: Sequence[Verdict]) -> list[Verdict]:
+    """Return the first of every criterion."""
+    first: dict[str, Verdict] = {}
+    for row in rows:
+        first.setdefault(row.criterion, row)
+    return list(first.values())

@@ -1,0 +1,153 @@
+"""The part of a report that says what was simulated: geometry, mounts and isolators with their provenance."""
+
+from wirerope_mj.dynamics.modes import Modes
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator.travel import RATINGS
+from wirerope_mj.mounts.laws import Law, Stop
+from wirerope_mj.views.plots.report_image import image_of
+from wirerope_mj.views.plots.report_scene import axial_direction, crowded_label, mount_labels, mount_place, scene_figure
+from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture, Section, Table
+from wirerope_mj.views.report.display import ABSENT, fixed, number, several, shown, with_unit
+from wirerope_mj.views.report.run import FinishedRun
+
+_MOST_SHAPES = 80
+"""Geoms from which the drawing is stored as pixels: each takes about a kilobyte in either view, and as long to write."""
+
+
+def model_section(run: FinishedRun) -> Section:
+    """Return the model: picture, masses, mounts, isolators and where their figures come from."""
+    scene = run.response.scene
+    blocks: list[Block] = [Paragraph(text=_words(run))]
+    if any(body.geoms for body in scene.bodies) or scene.mounts:
+        caption = "The modelled, unloaded geometry"
+        if scene.mounts:
+            named = any(label != name for name, label in mount_labels(scene).items())
+            caption += ", its mounts with their " + ("numbers (see the table)." if named else "names.")
+            behind = crowded_label(scene)
+            caption += f' "{behind[0]}": {behind[1]} mounts behind each other.' if behind else ""
+        alt = f"Plan and elevation of the model {scene.name} with {several(len(scene.mounts), 'mount')}."
+        detailed = sum(len(body.geoms) for body in scene.bodies) > _MOST_SHAPES
+        blocks.append(Picture(image=image_of(scene_figure(scene), detailed=detailed), caption=caption, alt=alt))
+    blocks += [table for table in (_masses(run), _mounts(run)) if table is not None]
+    devices = _devices(run)
+    if devices:
+        blocks.append(_isolators(devices))
+        for device in devices:
+            blocks += _provenance(device)
+    return Section(title="Model and mounts", blocks=tuple(blocks))
+
+
+def _words(run: FinishedRun) -> str:
+    scene = run.response.scene
+    count = several(len(scene.isolating), "mount") if scene.isolating else "no mounts"
+    n_stops = len(scene.mounts) - len(scene.isolating)
+    count += f" and {several(n_stops, 'stop')}" if n_stops else ""
+    driven = f"The base {scene.base} is driven" if scene.base else "Nothing is driven"
+    weight = f"gravity is {run.gravity:g} m/s²" if run.gravity else "there is no gravity"
+    return (
+        f"Model {run.model} with {count}. {driven}, {weight}. Coordinates are those of the model's world frame, z up."
+    )
+
+
+def _masses(run: FinishedRun) -> Table | None:
+    found = next((modes for modes in run.modes.values() if isinstance(modes, Modes)), None)
+    if found is None or not found.payloads:
+        return None
+    rows = tuple(
+        (name, number(payload.mass, digits=4), *(fixed(value, 3) for value in payload.centre))
+        for name, payload in found.payloads.items()
+    )
+    head = ("payload", "mass [kg]", "x [m]", "y [m]", "z [m]")
+    return Table(caption="What the mounts carry, and its centre of mass at rest", head=head, align="lrrrr", rows=rows)
+
+
+def _mounts(run: FinishedRun) -> Table | None:
+    scene = run.response.scene
+    if not scene.mounts:
+        return None
+    labels = mount_labels(scene)
+    numbered = any(label != name for name, label in labels.items())
+    rows = []
+    for mount in scene.mounts:
+        place = [fixed(value, 3) for value in mount_place(scene, mount)]
+        direction = ", ".join(fixed(value, 2) for value in axial_direction(scene, mount))
+        between = f"{mount.payload_body or 'world'} on {mount.base_body or 'world'}"
+        first = (labels[mount.name], mount.name) if numbered else (mount.name,)
+        rows.append((*first, mount.isolator, between, *place, direction))
+    head = ("mount", "isolator", "payload on base", "x [m]", "y [m]", "z [m]", "axial direction")
+    return Table(
+        caption="Mounts",
+        head=("no.", *head) if numbered else head,
+        align="rlllrrrr" if numbered else "lllrrrr",
+        rows=tuple(rows),
+        note="Places are the elastic centres at mid-height. Axial points from the base's bar to the payload's; tension "
+        "is positive.",
+    )
+
+
+def _devices(run: FinishedRun) -> list[Isolator]:
+    """Return the isolators, each once, in the order of the mounts."""
+    found: list[Isolator] = []
+    for mount in run.response.scene.mounts:
+        device = run.isolators[mount.name]
+        if device not in found:
+            found.append(device)
+    return found
+
+
+def _isolators(devices: list[Isolator]) -> Table:
+    rows = []
+    for device in devices:
+        travel, size = device.limits.travel, device.geometry
+        laws = dict.fromkeys(law.name for law in device.axes.values() if law is not None)
+        rows.append(
+            (
+                device.name,
+                device.provenance.kind,
+                ", ".join(laws),
+                shown(size.height if size else None, "m"),
+                shown(size.width if size else None, "m"),
+                shown(device.limits.static_load, "N"),
+                *(shown(getattr(travel, rating), "m") for rating in RATINGS),
+            )
+        )
+    return Table(
+        caption="Isolators and their ratings",
+        head=(
+            "isolator", "figures are", "laws", "height [mm]", "width [mm]", "static load [kN]",
+            "compression [mm]", "tension [mm]", "shear [mm]", "roll [mm]",
+        ),
+        align="lllrrrrrrr",
+        rows=tuple(rows),
+        note=f"{ABSENT}: not stated, and so not judged.",
+    )  # fmt: skip
+
+
+def _provenance(device: Isolator) -> list[Block]:
+    stated = device.provenance
+    text = f"{device.name}: {stated.kind} figures. "
+    text += f"Source: {stated.source.rstrip('.')}. " if stated.source else "No source is stated. "
+    text += f"Fitted to: {stated.fitted_to.rstrip('.')}." if stated.fitted_to else "Nothing is said of a fit."
+    text += "".join(_stop_words(axis, law) for axis, law in device.axes.items() if law is not None)
+    if device.stiffening is not None:
+        text += f" Stiffened by its first cycles, {device.stiffening.description}."
+    blocks: list[Block] = [Paragraph(text=text)]
+    if stated.assumed:
+        blocks.append(Listing(items=tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)))
+    return blocks
+
+
+def _stop_words(axis: str, law: Law) -> str:
+    """Return where the stops on an axis close and how stiff they are, "" without one."""
+    text = ""
+    for stop in [part for part in law.components if isinstance(part, Stop)]:
+        sides = ((stop.gap_below, "below"), (stop.gap_above, "above"))
+        gaps = " and ".join(f"{with_unit(gap, 'm')} {side}" for gap, side in sides if gap is not None)
+        if stop.k is None:
+            force = f"points up to {with_unit(stop.forces[-1], 'N')} at {with_unit(stop.depths[-1], 'm')} beyond it"
+        elif stop.exponent == 1.0:
+            force = f"{number(1e-3 * stop.k)} kN/m beyond it"
+        else:
+            force = f"exponent {number(stop.exponent)} beyond it"
+        text += f" Stop, {axis}: gap {gaps}, {force}."
+    return text

@@ -1,0 +1,51 @@
+"""A report as one HTML page that needs nothing but itself."""
+
+from base64 import b64encode
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from wirerope_mj.foundation.plain_text import plain_lines
+from wirerope_mj.views.plots.report_image import Image
+from wirerope_mj.views.report.content import Listing, Paragraph, ReportContent, Table
+
+_FOLDER = Path(__file__).parent
+_LONG = (
+    30  # letters of a cell of words that may take several lines, and be broken anywhere, rather than widen its column
+)
+_MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
+
+
+def report_html(content: ReportContent) -> str:
+    """Return the page: styles and pictures are inside it, and every text of the content is escaped."""
+    # The style sheet is ours alone; whatever a user has named reaches the page through the template, which escapes it.
+    css = Markup((_FOLDER / "report.css").read_text(encoding="utf-8").strip())
+    template = _environment().get_template("report.html.jinja")
+    return template.render(content=content, css=css, version=version("wirerope-mj")) + "\n"
+
+
+@cache
+def _environment() -> Environment:
+    environment = Environment(
+        loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True, finalize=_shown
+    )
+    environment.filters |= {"data_uri": _data_uri, "breakable": _breakable}
+    for name, kind in (("paragraph", Paragraph), ("listing", Listing), ("table", Table)):
+        environment.tests[name] = lambda item, kind=kind: isinstance(item, kind)
+    return environment
+
+
+def _shown(value: object) -> object:
+    """Return what the page says, invisible characters of texts that users wrote spelled out."""
+    return plain_lines(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+
+
+def _data_uri(image: Image) -> str:
+    return f"data:{_MEDIA[image.kind]};base64,{b64encode(image.data).decode('ascii')}"
+
+
+def _breakable(text: str) -> str:
+    return " long" if len(text) > _LONG else ""
