@@ -289,7 +289,7 @@ BASE = {"start": 0.1, "stop": 0.2, "acceleration": 0.3, "direction": "z", "paylo
         ({"acceleration": None}, "give either `acceleration`"),
         ({"largest_step": 1e-6}, "`smallest_step` must be below `largest_step`"),
         ({"largest_step": 1.5}, "and that below 1"),
-        ({"most_points": 0}, "`most_points` must be a whole number"),
+        ({"most_points": 0}, "`most_points` must be an integer"),
         ({"smoothing": -0.1}, "`smoothing` must be > 0"),
     ],
 )

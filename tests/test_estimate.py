@@ -163,7 +163,7 @@ def test_an_estimate_scales_with_its_loops_and_says_what_it_assumes():
     ("change", "words"),
     [
         ({"rope": 0.03}, "`rope` must be 1.6 to 22.2 mm"),
-        ({"loops": 2.5}, "`loops` must be a whole number"),
+        ({"loops": 2.5}, "`loops` must be an integer"),
         ({"height": -1.0}, "`height` must be"),
         ({"bar": 0.06}, "leaves no gap"),
     ],

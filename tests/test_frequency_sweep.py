@@ -353,7 +353,7 @@ def test_what_leaves_its_law_is_an_error_that_names_the_frequency_and_leaves_no_
         ),
         ({"sweep": up(600.0, 1.0, 1.01)}, "`sweep` ends after .* s, before its first cycle does"),
         ({"settled": 0.0}, "`settled` must be > 0"),
-        ({"largest_cycles": 0}, "`largest_cycles` must be a whole number >= 1, got 0"),
+        ({"largest_cycles": 0}, "`largest_cycles` must be an integer >= 1, got 0"),
         ({"timestep": -1.0}, "`timestep` must be > 0"),
         ({"accuracy": 0.0}, "`accuracy` must be > 0"),
         ({"history": "old"}, "`history` must be 'virgin' or 'relaxed', got 'old'"),

@@ -124,7 +124,7 @@ def test_a_result_is_replaced_only_by_force(written, both, capsys):
             "`smallest_step` must be below `largest_step`, and that below 1, got 1e-05 and 1e-06",
         ),
         (("--rate", "0"), "`rate` must be > 0"),
-        (("--periods", "0"), "`periods` must be a whole number >= 1, got 0"),
+        (("--periods", "0"), "`periods` must be an integer >= 1, got 0"),
         (("--acceleration", "1", "1"), "`acceleration` must be one or several different levels"),
         (("--acceleration", "1", "--acceleration-g", "0.1"), "not both"),
         (("--acceleration", "0"), "`acceleration` must be > 0"),

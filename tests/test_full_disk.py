@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from wirerope_mj.foundation.atomic_files import folder_written_whole, written_whole
+from wirerope_mj.foundation.atomic_files import atomic_file, atomic_folder
 from wirerope_mj.foundation.errors import DiskFullError
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limits of file sizes")
@@ -62,8 +62,8 @@ def test_a_run_that_finds_no_space_is_one_message_and_nothing_is_left(tmp_path, 
 def test_the_error_names_the_place_that_people_know_and_not_the_hidden_one(tmp_path, number):
     def write():
         with (
-            folder_written_whole(tmp_path / "run", force=False, kind="run", marks=()) as folder,
-            written_whole(folder / "picture.png"),
+            atomic_folder(tmp_path / "run", force=False, kind="run", marks=()) as folder,
+            atomic_file(folder / "picture.png"),
         ):
             raise OSError(getattr(errno, number), "", "hidden")
 
@@ -74,7 +74,7 @@ def test_the_error_names_the_place_that_people_know_and_not_the_hidden_one(tmp_p
 
 
 def test_other_errors_of_the_operating_system_are_left_as_they_are(tmp_path):
-    with pytest.raises(FileNotFoundError), written_whole(tmp_path / "a.txt"):
+    with pytest.raises(FileNotFoundError), atomic_file(tmp_path / "a.txt"):
         (tmp_path / "absent").read_text()
     assert list(tmp_path.iterdir()) == []
 

@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from wirerope_mj.foundation import half_written
-from wirerope_mj.foundation.atomic_files import folder_written_whole, written_whole
+from wirerope_mj.foundation.atomic_files import atomic_file, atomic_folder
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.half_written import clear_half_written, hidden_file, hidden_folder
 
@@ -16,12 +16,12 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no 
 
 WRITER = """
 import pathlib, sys
-from wirerope_mj.foundation.atomic_files import folder_written_whole, written_whole
+from wirerope_mj.foundation.atomic_files import atomic_folder, atomic_file
 
 place = pathlib.Path(sys.argv[1])
 with (
-    written_whole(place / "table.csv") as file,
-    folder_written_whole(place / "run-20240101", force=True, kind="run", marks=("mark",)) as folder,
+    atomic_file(place / "table.csv") as file,
+    atomic_folder(place / "run-20240101", force=True, kind="run", marks=("mark",)) as folder,
 ):
     file.write_text("half")
     (folder / "mark").write_text(sys.argv[2])
@@ -52,12 +52,12 @@ def names(folder):
 
 
 def write_file(place):
-    with written_whole(place / "other.txt") as beside:
+    with atomic_file(place / "other.txt") as beside:
         beside.write_text("whole")
 
 
 def write_folder(place):
-    with folder_written_whole(place / "run-20240102", force=False, kind="run", marks=("mark",)) as beside:
+    with atomic_folder(place / "run-20240102", force=False, kind="run", marks=("mark",)) as beside:
         (beside / "mark").write_text("whole")
 
 
@@ -119,7 +119,7 @@ def test_a_hidden_folder_that_another_process_cleared_before_it_was_locked_is_ma
 
 @pytest.mark.parametrize("force", [False, True])
 def test_of_two_writers_of_one_folder_the_second_is_told_so_before_it_works(tmp_path, writer, force):
-    second = folder_written_whole(tmp_path / "run-20240101", force=force, kind="run", marks=("mark",))
+    second = atomic_folder(tmp_path / "run-20240101", force=force, kind="run", marks=("mark",))
     with pytest.raises(RecordError, match=r"run-20240101: another process is writing this run\. Nothing in it was"):
         second.__enter__()
     writer.communicate()
@@ -131,7 +131,7 @@ def test_a_folder_is_written_anew_while_another_process_still_removes_the_one_be
     folder, aside = tmp_path / "run", []
 
     def write(text):
-        with folder_written_whole(folder, force=True, kind="run", marks=("mark",)) as beside:
+        with atomic_folder(folder, force=True, kind="run", marks=("mark",)) as beside:
             (beside / "mark").write_text(text)
 
     def late(path, **_):  # the second writer comes before the first has removed what it replaced

@@ -108,7 +108,7 @@ def test_several_elements_are_described_as_lists(folder, capsys):
         (["law.toml", "--amplitudes", "few"], "few"),
         (["law.toml", "--amplitudes", "1", "--frequency", "0"], "`frequency` must be finite and > 0"),
         (["law.toml", "--amplitudes", "1", "--cycles", "0"], "`cycles` must be >= 1"),
-        (["law.toml", "--amplitudes", "1", "--cycles", "4.5"], r"--cycles: must be a whole number, got 4\.5\."),
+        (["law.toml", "--amplitudes", "1", "--cycles", "4.5"], r"--cycles: must be an integer, got 4\.5\."),
         (["law.toml", "--amplitudes", "1", "--axis", "up"], "--axis.*roll.*shear.*axial"),
         (["law.toml", "--amplitudes", "1", "--out", "loops.docx"], "must end with .png"),
         (["law.toml", "--amplitudes", "1", "--csv", "no/t.csv"], "`--csv`: there is no folder"),

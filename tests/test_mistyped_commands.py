@@ -29,7 +29,7 @@ SLIPS = {
     "run raises.py": "raises.py, line 5: `return np.zeros(3).reshape(2, 2)` ends with ValueError: cannot reshape",
     "run none.py": "none.py: `scenario` must return a wirerope_mj.Scenario, got None",
     "run folder": "there is no scenario 'folder'",
-    "study shock_table --vary 'motion/level = Uniform(1, 2)' --variants 2.5": "--variants: must be a whole number, got 2.5",
+    "study shock_table --vary 'motion/level = Uniform(1, 2)' --variants 2.5": "--variants: must be an integer, got 2.5",
     "run cabinet_random --seed 2.7": "`--seed` must be an integer, got '2.7'",
     "study shock_table --vary 'body/block/mass = Uniform(1'": "body/block/mass",
     "show binary.rrd": "binary.rrd: this is not a recording of rerun; `wirerope show` takes a run's folder or its run.rrd",

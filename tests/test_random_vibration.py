@@ -236,9 +236,9 @@ def test_ten_minutes_to_two_thousand_hertz_keep_one_number_a_knot():
         ({"duration": 0.09}, r"`duration` must leave room for rise and fall, 0.05 s and 0.05 s, got 0.09"),
         ({"rise": 0.01}, r"`rise` must be at least one period of the lowest frequency, 0.05 s.*got 0.01"),
         ({"fall": -1.0}, "`fall` must be > 0, got -1.0"),
-        ({"seed": -1}, "`seed` must be a whole number >= 0, got -1"),
-        ({"seed": 1.5}, "`seed` must be a whole number >= 0, got 1.5"),
-        ({"seed": True}, "`seed` must be a whole number >= 0, got True"),
+        ({"seed": -1}, "`seed` must be an integer >= 0, got -1"),
+        ({"seed": 1.5}, "`seed` must be an integer >= 0, got 1.5"),
+        ({"seed": True}, "`seed` must be an integer >= 0, got True"),
         ({"amplitudes": "gauss"}, "`amplitudes` must be 'fixed' or 'random', got 'gauss'"),
     ],
 )

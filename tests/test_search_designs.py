@@ -249,8 +249,8 @@ def test_where_nothing_is_judged_the_message_says_so(tmp_path):
         ({"minimise": ("travel", "travel")}, "names a measure twice"),
         ({"limits": {"stress": 1.0}}, "`limits`: there is no measure 'stress'; there are acceleration"),
         ({"limits": {"travel": float("nan")}}, "must be a finite number"),
-        ({"generations": 0}, "`generations` must be a whole number >= 1, got 0"),
-        ({"variants": 0}, "`variants` must be a whole number >= 1, got 0"),
+        ({"generations": 0}, "`generations` must be an integer >= 1, got 0"),
+        ({"variants": 0}, "`variants` must be an integer >= 1, got 0"),
         ({"variants": 2}, "it must have at least 4"),
         ({"vary": {"mount/*/fitted": wr.Choice(True), "motion/level": wr.Normal(1.0, 0.1)}}, "a search chooses among"),
     ],
@@ -311,9 +311,9 @@ def test_what_failed_or_is_not_judged_is_on_no_front():
 
 
 def test_the_optimiser_finds_a_known_front_in_numbers_choices_and_truth_values():
-    """Schaffer's problem x^2, (x - 2)^2, of which a limit leaves x >= 0.5; a word and a truth value can only spoil it.
+    """Schaffer's problem x^2, (x - 2)^2, of which a limit leaves x >= 0.5; a word and a boolean can only spoil it.
 
-    So the front is x from 0.5 to 2 with the right word and truth value.
+    So the front is x from 0.5 to 2 with the right word and boolean.
     """
     choices = {"x": wr.Uniform(-10.0, 10.0), "word": wr.Choice("a", "b", "c"), "flag": wr.Choice(True, False)}
     generator = np.random.default_rng(1)

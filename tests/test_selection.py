@@ -226,14 +226,14 @@ def test_weight_and_shock_may_act_in_different_modes():
     ("change", "message"),
     [
         ({"mass": -1.0}, "`mass` must be a finite number > 0, got -1.0"),
-        ({"mounts": 0}, "`mounts` must be a whole number >= 1, got 0"),
+        ({"mounts": 0}, "`mounts` must be an integer >= 1, got 0"),
         ({"drop": None}, "give one shock: `pulse`, `velocity` or `drop`; got 0"),
         ({"velocity": 1.0}, "give one shock.*got 2"),
         ({"drop": -0.1}, "`drop` must be a finite number > 0, got -0.1"),
         ({"rebound": 2.0}, "`rebound` must lie between 0 and 1"),
         ({"loading": "torsion"}, "`loading` must be one of compression, 45, shear or roll, got 'torsion'"),
         ({"fragility": math.nan}, "`fragility` must be a finite number > 0"),
-        ({"loops": (0,)}, "`loops` must be whole numbers >= 1, got 0"),
+        ({"loops": (0,)}, "`loops` must be integers >= 1, got 0"),
         (
             {"drop": None, "pulse": wr.Sine(frequency=5.0, acceleration=1.0, direction="z")},
             "`pulse` must be a half-sine",

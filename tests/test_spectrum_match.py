@@ -111,7 +111,7 @@ def test_a_flank_that_no_motion_has_is_named_with_its_figures():
         ({"tolerance": 0.0}, "`tolerance` must be > 0, got 0.0"),
         ({"duration": 0.5}, "`duration` must leave room for rise and fall"),
         ({"rise": 0.1}, "`rise` must be at least one period"),
-        ({"seed": -1}, "`seed` must be a whole number"),
+        ({"seed": -1}, "`seed` must be an integer"),
         ({"direction": "w"}, "`direction` must be"),
     ],
 )

@@ -267,7 +267,7 @@ def test_a_worst_run_among_several_records_has_the_peaks_of_the_table(tmp_path):
             ["--vary", "mount/m1/axial/alpha = Normal(1, 0.1)", "--vary", "body/mass/mass = Uniform(-2, -1)"],
             "wirerope: warning: mount/m1/axial/alpha is from 0.",
         ),
-        (["--vary", "motion/level = Uniform(1, 2)", "--variants", "0"], "`variants` must be a whole number >= 1"),
+        (["--vary", "motion/level = Uniform(1, 2)", "--variants", "0"], "`variants` must be an integer >= 1"),
     ],
 )
 def test_bad_input_is_one_message_and_writes_nothing(file, tmp_path, arguments, message, capsys):

@@ -264,7 +264,7 @@ def test_a_study_of_a_record_and_of_a_text_holds_all_it_needs(tmp_path):
     ("arguments", "message"),
     [
         ({"engine": "cloud"}, "`engine` must be one of local, dask, got 'cloud'"),
-        ({"workers": 0}, "`workers` must be a whole number >= 1, got 0"),
+        ({"workers": 0}, "`workers` must be an integer >= 1, got 0"),
         ({"address": "tcp://here:1"}, "`address` is for an engine with a cluster"),
     ],
 )

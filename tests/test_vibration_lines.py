@@ -100,7 +100,7 @@ def test_bands_that_make_no_lines_are_refused(bands, message):
         ({"acceleration": [(5, -1)]}, r"`acceleration`, point 1: `amplitude \[m/s\^2\]` must be > 0, got -1.0"),
         ({"phases": [1.0]}, "`phases` must hold one phase for each of the 2 lines, got 1"),
         ({"phases": [1.0, 2.0], "seed": 1}, "at most one of `phases` and `seed`"),
-        ({"seed": -1}, "`seed` must be a whole number"),
+        ({"seed": -1}, "`seed` must be an integer"),
         ({"fall": 1.0}, "`fall` needs a `duration`"),
         ({"rise": 0.1}, "`rise` must be at least one period of the lowest frequency, 0.2 s"),
         ({"duration": 0.3}, "`duration` must leave room for rise and fall"),

@@ -18,6 +18,7 @@ from cyclopts.exceptions import CycloptsError
 from wirerope_mj.cli.compare import compare
 from wirerope_mj.cli.frf_options import frf
 from wirerope_mj.cli.identify_options import identify_records
+from wirerope_mj.cli.integers import Integer
 from wirerope_mj.cli.isolators import print_isolator, print_isolators
 from wirerope_mj.cli.loops_options import loops
 from wirerope_mj.cli.modes import modes
@@ -29,7 +30,6 @@ from wirerope_mj.cli.shock import shock
 from wirerope_mj.cli.statics import statics
 from wirerope_mj.cli.study import list_studies, study_command
 from wirerope_mj.cli.study_report import study_report
-from wirerope_mj.cli.whole_numbers import Whole
 from wirerope_mj.foundation.errors import (
     AccuracyWarning,
     ClusterWarning,
@@ -217,7 +217,7 @@ def estimate(
     height: float,
     width: float,
     rope: float,
-    loops: Whole,
+    loops: Integer,
     bar: float | None = None,
     bar_length: float | None = None,
     out: Path | None = None,

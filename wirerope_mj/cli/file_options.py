@@ -6,7 +6,7 @@ from typing import Annotated, Any, get_args, get_type_hints
 
 from cyclopts import App, Parameter
 
-from wirerope_mj.cli.whole_numbers import whole_numbers
+from wirerope_mj.cli.integers import integers
 
 
 def own_option(name: str, kind: Any, default: Any, words: str, **more: Any) -> inspect.Parameter:
@@ -20,7 +20,7 @@ def own_option(name: str, kind: Any, default: Any, words: str, **more: Any) -> i
 def _integer(annotation: Any, kind: Any) -> Any:
     """Return the annotation of an option; of an integer, one that refuses 2.5 instead of cutting it to 2."""
     if int in (kind, *get_args(kind)):
-        return Annotated[annotation, Parameter(converter=whole_numbers)]
+        return Annotated[annotation, Parameter(converter=integers)]
     return annotation
 
 

@@ -13,7 +13,7 @@ from wirerope_mj.cli.tables import console
 from wirerope_mj.dynamics.frequency_response import Question, frequency_response
 from wirerope_mj.dynamics.frequency_response.summary import findings_of
 from wirerope_mj.engine.system import load_system
-from wirerope_mj.foundation.arguments import Direction
+from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.folder import check_target

@@ -13,7 +13,7 @@ from wirerope_mj.dynamics.frequency_response.findings import ResonancePeak
 from wirerope_mj.dynamics.frequency_response.summary import Findings
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
-from wirerope_mj.foundation.arguments import direction_text
+from wirerope_mj.foundation.directions import direction_text
 
 Row = tuple[str, float, float, float, str]
 """What it is, frequency [Hz], amplitude [m/s^2], transmissibility, and a note."""

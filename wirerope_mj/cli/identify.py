@@ -30,7 +30,7 @@ from wirerope_mj.mounts.identification.identify import Constraint, family_of, id
 from wirerope_mj.mounts.identification.result import Identification
 from wirerope_mj.mounts.isolator import Isolator, Provenance, load_isolator, read_law
 from wirerope_mj.mounts.laws import LAWS, AsymmetricBoucWen, Law, Masing, Stop
-from wirerope_mj.runs.folder import check_target, written_whole
+from wirerope_mj.runs.folder import atomic_run, check_target
 
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
@@ -97,7 +97,7 @@ def identify_command(request: Request) -> int:
     fits = fitted_loops(result)
     isolator = _isolator(request, result, fits, _given(request, result), known)
     wanted = result.converged or request.accept_unconverged
-    with written_whole(request.folder, force=request.force, kind="report", marks=(_REPORT,)) as folder:
+    with atomic_run(request.folder, force=request.force, kind="report", marks=(_REPORT,)) as folder:
         _write_report(folder, request, result, fits, tests)
         _keep_others(request.folder, folder)
         if wanted:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from wirerope_mj.cli.whole_numbers import Whole
+from wirerope_mj.cli.integers import Integer
 
 
 def identify_records(
@@ -19,7 +19,7 @@ def identify_records(
     fix: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
     free: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
     beside: Path | None = None,
-    elements: Whole | None = None,
+    elements: Integer | None = None,
     start: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
     accept_unconverged: Annotated[bool, Parameter(negative=())] = False,

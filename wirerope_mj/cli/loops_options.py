@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from wirerope_mj.cli.whole_numbers import Whole
+from wirerope_mj.cli.integers import Integer
 
 
 def loops(
@@ -17,7 +17,7 @@ def loops(
     operating_point_mm: float = 0.0,
     axis: Literal["roll", "shear", "axial"] | None = None,
     frequency: float = 1.0,
-    cycles: Whole | None = None,
+    cycles: Integer | None = None,
     out: Path | None = None,
     csv: Path | None = None,
 ) -> int:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from wirerope_mj.cli.whole_numbers import Whole, WholeNumbers
+from wirerope_mj.cli.integers import Integer, Integers
 
 Mode = Literal["compression", "45", "shear", "roll"]
 
@@ -14,7 +14,7 @@ Mode = Literal["compression", "45", "shear", "roll"]
 def select(
     *,
     mass: float,
-    mounts: Whole,
+    mounts: Integer,
     shock: str | None = None,
     velocity: float | None = None,
     drop: float | None = None,
@@ -26,10 +26,10 @@ def select(
     isolation_ratio: float = 3.0,
     loading: Mode = "compression",
     direction: Mode | None = None,
-    loops: WholeNumbers | None = None,
+    loops: Integers | None = None,
     all: Annotated[bool, Parameter(negative=())] = False,  # noqa: A002  # the option's name
     simulate: Annotated[bool, Parameter(negative=())] = False,
-    best: Whole = 5,
+    best: Integer = 5,
 ) -> int:
     """Choose isolators by the vendors' worksheet: what carries the load and keeps travel, frequency and acceleration.
 
@@ -79,7 +79,7 @@ def select(
 def _require(positive: Mapping[str, float | None], *, mounts: int, shocks: int, best: int) -> None:
     """Raise ValueError unless the options are in range and go together."""
     if mounts < 1:
-        raise ValueError(f"`--mounts` must be a whole number >= 1, got {mounts}.")
+        raise ValueError(f"`--mounts` must be an integer >= 1, got {mounts}.")
     for option, value in positive.items():
         if value is not None and not (math.isfinite(value) and value > 0.0):
             raise ValueError(f"`--{option}` must be a finite number > 0, got {value:g}.")

@@ -48,7 +48,7 @@ def write_json(content: dict[str, object], path: Path) -> None:
     """Write plain values, whole or not at all."""
     import json
 
-    from wirerope_mj.foundation.atomic_files import written_whole
+    from wirerope_mj.foundation.atomic_files import atomic_file
 
-    with written_whole(path) as beside:
+    with atomic_file(path) as beside:
         beside.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")

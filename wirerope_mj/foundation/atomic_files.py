@@ -23,7 +23,7 @@ _PATIENCE = 1.0
 
 
 @contextmanager
-def written_whole(path: Path, *, clear: bool = True) -> Iterator[Path]:
+def atomic_file(path: Path, *, clear: bool = True) -> Iterator[Path]:
     """Rename what the block writes beside `path` to it, and leave nothing behind if the block fails.
 
     Args:
@@ -86,7 +86,7 @@ def check_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) 
 
 
 @contextmanager
-def folder_written_whole(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) -> Iterator[Path]:
+def atomic_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) -> Iterator[Path]:
     """Yield a new folder beside `folder` that becomes it when the block ends well, and is removed when it does not.
 
     What killed processes left beside it is removed, too. The arguments are those of `check_folder`.

@@ -1,7 +1,5 @@
 """Reading the CSV file of a measured record: a fast path for the numbers, a slow one to name the line that is wrong."""
 
-from __future__ import annotations
-
 import math
 import re
 import warnings
@@ -10,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
@@ -66,12 +64,12 @@ class Header:
     units: tuple[str | None, ...]
 
     def listed(self, first: int = 0) -> str:
-        """Returns the names of the columns, from the number `first` on, as messages list them, and whether they are no text."""
+        """Return the names of the columns, from the number `first` on, as messages list them, and whether they are no text."""
         names = short(", ".join(self.names[first:]))
         return f"{names}; the file is not text in UTF-8, save it as CSV in UTF-8" if "\ufffd" in names else names
 
     def factor(self, column: int, known: dict[str, float]) -> float:
-        """Returns what the column's unit is in SI; no unit or an unknown one is a RecordError."""
+        """Return what the column's unit is in SI; no unit or an unknown one is a RecordError."""
         name, unit = self.names[column], self.units[column]
         example = next(iter(known))
         if unit is None:
@@ -88,7 +86,7 @@ class Header:
 
 
 def read_header(path: Path) -> Header:
-    """Returns the header of a record; lines before it may be empty or begin with #."""
+    """Return the header of a record; lines before it may be empty or begin with #."""
     try:
         with path.open(encoding="utf-8-sig", errors="replace") as lines:
             for number, text in enumerate(lines, start=1):
@@ -128,7 +126,7 @@ def _time_first(header: Header) -> Header:
     return header
 
 
-def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False) -> Iterator[NDArray[np.float64]]:
+def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False) -> Iterator[Array]:
     """Yields the columns' numbers block by block, shape (n, n_columns); the first of them is time.
 
     Every row must have the header's number of cells: in one that has more or fewer, such as one with decimal commas between
@@ -200,7 +198,7 @@ def require_cells(header: Header, where: str, cells: Sequence[str]) -> None:
 
 
 def most_rows(path: Path) -> int:
-    """Returns a number of lines that the file does not exceed, whatever its lines end with."""
+    """Return a number of lines that the file does not exceed, whatever its lines end with."""
     rows = 1
     with path.open("rb") as file:
         while part := file.read(1 << 20):
@@ -234,7 +232,7 @@ def _number_or_nan(cell: str) -> float:
 
 
 def parse_number(cell: str) -> float:
-    """Returns the number in a cell, or raises ValueError; 1_000 and digits of other scripts, which Python takes, are none."""
+    """Return the number in a cell, or raises ValueError; 1_000 and digits of other scripts, which Python takes, are none."""
     if "_" in cell or not cell.isascii():
         raise ValueError(cell)
     return float(cell)

@@ -2,13 +2,12 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
+from wirerope_mj.foundation.arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)
 class State:
     """MuJoCo's integration state of a system (mjSTATE_INTEGRATION), (n,), and its instant [s]."""
 
-    values: npt.NDArray[np.float64]
+    values: Array
     time: float

@@ -1,7 +1,5 @@
 """Decaying oscillation of a struck deck, as a deck simulating fixture gives it to what stands on it."""
 
-from __future__ import annotations
-
 import cmath
 import math
 from collections.abc import Mapping, Sequence
@@ -11,16 +9,10 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wirerope_mj.foundation.arguments import (
-    Direction,
-    checked_direction,
-    direction_text,
-    finite,
-    plain_direction,
-    positive,
-)
+from wirerope_mj.foundation.arguments import finite, positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.motions.harmonic import the_one_level
 from wirerope_mj.motions.motion import StraightMotion, unique_times
 
@@ -111,12 +103,12 @@ class DecayingSine(StraightMotion):
         return self.start + self.duration
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Start and end of the blow [s], shape (n,)."""
         return unique_times([self.start, self.start + self.impact_duration])
 
     @property
-    def velocity_jumps(self) -> tuple[tuple[float, NDArray[np.float64]], ...]:
+    def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
         """The blow, if it is instant."""
         return () if self.impact_duration else ((self.start, self.velocity_change * self.unit),)
 
@@ -168,8 +160,8 @@ class DecayingSine(StraightMotion):
         # The half-sine is a sine that starts at 0 and the same sine that starts at D: after that their forces cancel.
         return self._forced[1] * (1 + cmath.exp(-self._root * self.impact_duration))
 
-    def _derivative(self, t: NDArray[np.float64], order: int) -> NDArray[np.float64]:
-        """Returns the displacement (0), the velocity (1) or the acceleration (2)."""
+    def _derivative(self, t: Array, order: int) -> Array:
+        """Return the displacement (0), the velocity (1) or the acceleration (2)."""
         since = np.maximum(t - self.start, 0.0)
         value = np.real(self._free * self._root**order * np.exp(self._root * since))
         if self.impact_duration:
@@ -181,11 +173,11 @@ class DecayingSine(StraightMotion):
             value = np.where(t < self.start + self.impact_duration, during, value)
         return np.where(t >= self.start, self.velocity_change * value, 0.0)
 
-    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _acceleration(self, t: Array) -> Array:
         return self._derivative(t, 2)
 
-    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _velocity(self, t: Array) -> Array:
         return self._derivative(t, 1)
 
-    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _displacement(self, t: Array) -> Array:
         return self._derivative(t, 0)

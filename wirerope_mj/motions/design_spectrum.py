@@ -1,15 +1,14 @@
 """Three-branch design spectrum of naval shock, and the double pulses that stand for it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.double_half_sine import DoubleHalfSine
 from wirerope_mj.motions.double_triangle import DoubleTriangle
 
@@ -54,8 +53,8 @@ class DesignSpectrum:
         low = self.velocity / (2 * math.pi * self.displacement)
         return low, self.acceleration / (2 * math.pi * self.velocity)
 
-    def pseudo_velocity(self, frequencies: ArrayLike) -> NDArray[np.float64]:
-        """Returns the spectrum's pseudo-velocity [m/s] at the frequencies [Hz]: the lowest of w d0, v0 and a0/w."""
+    def pseudo_velocity(self, frequencies: ArrayLike) -> Array:
+        """Return the spectrum's pseudo-velocity [m/s] at the frequencies [Hz]: the lowest of w d0, v0 and a0/w."""
         omega = 2 * np.pi * np.asarray(frequencies, dtype=float)
         if np.any(omega <= 0):
             raise ValueError("`frequencies` must be > 0.")
@@ -64,7 +63,7 @@ class DesignSpectrum:
     def double_half_sine(
         self, *, direction: str | Sequence[float], factors: Sequence[float] = FACTORS, start: float = 0.0
     ) -> DoubleHalfSine:
-        """Returns the double half-sine that stands for the spectrum.
+        """Return the double half-sine that stands for the spectrum.
 
         Args:
             direction: `"x"`, `"y"`, `"z"` or a 3-vector.
@@ -83,7 +82,7 @@ class DesignSpectrum:
         r1: float = 0.4,
         r2: float = 0.4,
     ) -> DoubleTriangle:
-        """Returns the double triangle that stands for the spectrum.
+        """Return the double triangle that stands for the spectrum.
 
         Args:
             direction: `"x"`, `"y"`, `"z"` or a 3-vector.

@@ -1,14 +1,12 @@
 """Naval double half-sine."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.double_pulse import DoublePulse
 
 
@@ -53,23 +51,23 @@ class DoubleHalfSine(DoublePulse):
     def _travel_factor(self) -> float:
         return math.pi / 4
 
-    def _phases(self, t: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Returns the phases of the two half-sines, each held at 0 before it and at pi after it."""
+    def _phases(self, t: Array) -> tuple[Array, Array]:
+        """Return the phases of the two half-sines, each held at 0 before it and at pi after it."""
         first = np.clip(math.pi * (t - self.start) / self.first_duration, 0.0, math.pi)
         second = np.clip(math.pi * (t - self.middle) / self.second_duration, 0.0, math.pi)
         return first, second
 
-    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _acceleration(self, t: Array) -> Array:
         first, second = self._phases(t)
         value = np.where(t < self.middle, self.peak * np.sin(first), self.second_peak * np.sin(second))
         return np.where((t >= self.start) & (t < self.end), value, 0.0)
 
-    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _velocity(self, t: Array) -> Array:
         first, second = self._phases(t)
         # Written with squares of sines because 1 - cos cancels at the start; pi - second makes the end exactly zero.
         return self.peak_velocity * np.where(t < self.middle, np.sin(first / 2), np.sin((math.pi - second) / 2)) ** 2
 
-    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _displacement(self, t: Array) -> Array:
         first, second = self._phases(t)
         ahead = self.first_duration / math.pi * (first - np.sin(first))
         back = self.second_duration / math.pi * (second + np.sin(second))

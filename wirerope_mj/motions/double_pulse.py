@@ -1,7 +1,5 @@
 """Naval double pulses: a first pulse up to a velocity, a second one back to rest at a displacement."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
@@ -9,17 +7,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
-from wirerope_mj.foundation.arguments import (
-    Direction,
-    checked_direction,
-    direction_text,
-    finite,
-    nonzero,
-    plain_direction,
-)
+from wirerope_mj.foundation.arguments import finite, nonzero
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.motion import StraightMotion, unique_times
 
@@ -111,7 +101,7 @@ class DoublePulse(StraightMotion):
         return self.start + self.first_duration
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Start, middle and end [s], shape (3,)."""
         return unique_times([self.start, self.middle, self.end])
 

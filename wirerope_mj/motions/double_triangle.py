@@ -1,7 +1,5 @@
 """Naval double triangle."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,9 +7,9 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wirerope_mj.foundation.arguments import finite
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.double_pulse import DoublePulse
 from wirerope_mj.motions.motion import unique_times
 from wirerope_mj.motions.piecewise import PiecewiseLinear
@@ -86,7 +84,7 @@ class DoubleTriangle(DoublePulse):
         return self.r1 * t3, t3, t3 + self.r2 * second, self.duration
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Start, peaks, middle and end [s], shape (n,)."""
         return unique_times(self._knots)
 
@@ -95,7 +93,7 @@ class DoubleTriangle(DoublePulse):
         return 2 * (2 - self.r1) / 3
 
     @property
-    def _knots(self) -> NDArray[np.float64]:
+    def _knots(self) -> Array:
         return self.start + np.array([0.0, *self.instants])
 
     @cached_property
@@ -105,11 +103,11 @@ class DoubleTriangle(DoublePulse):
     def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
         return {**super()._parameters(files), "r1": self.r1, "r2": self.r2}
 
-    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _acceleration(self, t: Array) -> Array:
         return self._piecewise.acceleration(t)
 
-    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _velocity(self, t: Array) -> Array:
         return self._piecewise.velocity(t)
 
-    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _displacement(self, t: Array) -> Array:
         return self._piecewise.displacement(t)

@@ -1,16 +1,12 @@
 """Smooth rise and fall of a vibration, so that the base starts and ends at rest."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wirerope_mj.foundation.arguments import finite, positive
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.motion import unique_times
-
-Array = NDArray[np.float64]
 
 USUAL_PERIODS = 10.0
 """Periods of the lowest frequency in a rise that is not given: it disturbs that frequency by 1/(2 * 10) at most."""
@@ -36,7 +32,7 @@ class Envelope:
     fall: float
 
     def derivatives(self, t: Array) -> tuple[Array, Array, Array]:
-        """Returns the factor and its first two derivatives at the times (n_t,)."""
+        """Return the factor and its first two derivatives at the times (n_t,)."""
         up, up1, up2 = _step((t - self.start) / self.rise) if self.rise else _one(t)
         if not np.isfinite(self.stop):
             return up, up1 / (self.rise or 1.0), up2 / (self.rise or 1.0) ** 2
@@ -55,7 +51,7 @@ class Envelope:
 
 
 def usual_ramp(name: str, given: float | None, *, lowest: float, duration: float) -> float:
-    """Returns the length of a rise or fall [s]: the given one, checked, or the usual one.
+    """Return the length of a rise or fall [s]: the given one, checked, or the usual one.
 
     Args:
         name: Name of the argument.
@@ -85,7 +81,7 @@ def check_room(duration: float, rise: float, fall: float) -> None:
 
 
 def _step(s: Array) -> tuple[Array, Array, Array]:
-    """Returns the step from 0 to 1 and its derivatives with respect to s; it is held outside 0..1."""
+    """Return the step from 0 to 1 and its derivatives with respect to s; it is held outside 0..1."""
     s = np.clip(s, 0.0, 1.0)
     return s**3 * (10 - s * (15 - 6 * s)), 30 * (s * (1 - s)) ** 2, 60 * s * (1 - s) * (1 - 2 * s)
 

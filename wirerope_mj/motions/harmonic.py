@@ -1,7 +1,5 @@
 """Steady sine, and logarithmic sine sweep of constant acceleration, velocity or displacement amplitude."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,17 +8,11 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import (
-    Direction,
-    as_times,
-    checked_direction,
-    direction_text,
-    nonzero,
-    plain_direction,
-    positive,
-)
+from wirerope_mj.foundation.arguments import as_times, nonzero, positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.motion import StraightMotion
 from wirerope_mj.motions.sweep_levels import FORMS, Course
@@ -59,7 +51,7 @@ class Sine(StraightMotion):
         object.__setattr__(self, "duration", math.inf if duration is None else positive("duration", duration))
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """End of the sine [s], shape (1,), or nothing if it has none."""
         return np.array([self.duration] if math.isfinite(self.duration) else [])
 
@@ -89,13 +81,13 @@ class Sine(StraightMotion):
     def _omega(self) -> float:
         return 2 * math.pi * self.frequency
 
-    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _acceleration(self, t: Array) -> Array:
         return np.where(t < self.duration, self.amplitude * np.sin(self._omega * t), 0.0)
 
-    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _velocity(self, t: Array) -> Array:
         return -self.amplitude / self._omega * np.cos(self._omega * np.minimum(t, self.duration))
 
-    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _displacement(self, t: Array) -> Array:
         within = np.minimum(t, self.duration)
         oscillation = -self.amplitude / self._omega**2 * np.sin(self._omega * within)
         return oscillation + self._velocity(within) * (t - within)
@@ -173,12 +165,12 @@ class Sweep(StraightMotion):
         """Frequency and phase over time."""
         return Course(start=self.start, stop=self.stop, rate=self.rate)
 
-    def frequency(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the instantaneous frequency [Hz] at the times [s], shape (n_t,)."""
+    def frequency(self, time: ArrayLike) -> Array:
+        """Return the instantaneous frequency [Hz] at the times [s], shape (n_t,)."""
         return self.course.frequency(as_times(time))
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """End of the sweep [s], shape (1,)."""
         return np.array([self.duration])
 
@@ -207,18 +199,18 @@ class Sweep(StraightMotion):
         values = {"start": self.start, "stop": self.stop, "rate": self.rate, self.quantity: self.amplitude}
         return {**values, "direction": plain_direction(self.direction)}
 
-    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _acceleration(self, t: Array) -> Array:
         return self.amplitude * FORMS[self.quantity][0](self.course, t)
 
-    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _velocity(self, t: Array) -> Array:
         return self.amplitude * FORMS[self.quantity][1](self.course, t)
 
-    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _displacement(self, t: Array) -> Array:
         return self.amplitude * FORMS[self.quantity][2](self.course, t)
 
 
 def the_one_level(levels: Mapping[str, float | None]) -> tuple[str, float]:
-    """Returns name and value of the one amplitude that is given; none, several or zero are a ValueError."""
+    """Return name and value of the one amplitude that is given; none, several or zero are a ValueError."""
     given = {name: value for name, value in levels.items() if value is not None}
     if len(given) != 1:
         got = " and ".join(f"`{name}`" for name in given) or "none"

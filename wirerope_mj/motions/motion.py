@@ -1,7 +1,5 @@
 """What a base motion is: acceleration, velocity and displacement that are exact closed forms of each other."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -10,9 +8,11 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import Direction, as_times, unit_vector
+from wirerope_mj.foundation.arguments import as_times
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, unit_vector
 
 SAME_TIME = 1e-10
 """Corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours."""
@@ -35,16 +35,16 @@ class BaseMotion(ABC):
     duration: float
 
     @abstractmethod
-    def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
+    def acceleration(self, time: ArrayLike) -> Array:
+        """Return the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
 
     @abstractmethod
-    def velocity(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
+    def velocity(self, time: ArrayLike) -> Array:
+        """Return the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
 
     @abstractmethod
-    def displacement(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's displacement [m] at the times [s], shape (n_t, 3)."""
+    def displacement(self, time: ArrayLike) -> Array:
+        """Return the base's displacement [m] at the times [s], shape (n_t, 3)."""
 
     @property
     def end(self) -> float:
@@ -53,11 +53,11 @@ class BaseMotion(ABC):
 
     @property
     @abstractmethod
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Instants where velocity, acceleration or one of its derivatives jumps [s], sorted and unique, shape (n,)."""
 
     @property
-    def velocity_jumps(self) -> tuple[tuple[float, NDArray[np.float64]], ...]:
+    def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
         """Instants [s] at which the velocity jumps and the jumps (3,) [m/s]; `acceleration` does not contain them."""
         return ()
 
@@ -78,7 +78,7 @@ class BaseMotion(ABC):
 
     @property
     @abstractmethod
-    def directions(self) -> NDArray[np.float64]:
+    def directions(self) -> Array:
         """Vectors that span the directions in which the base moves, shape (n, 3)."""
 
     @property
@@ -87,12 +87,12 @@ class BaseMotion(ABC):
         return ()
 
     @property
-    def parts(self) -> tuple[BaseMotion, ...]:
+    def parts(self) -> "tuple[BaseMotion, ...]":
         """The elementary motions that this one is made of by adding, scaling and turning; itself if it is one."""
         return (self,)
 
     def to_dict(self, *, files: Mapping[Path, str] | None = None) -> dict[str, Any]:
-        """Returns every parameter as plain TOML values, from which `motion_from_dict` rebuilds the motion exactly.
+        """Return every parameter as plain TOML values, from which `motion_from_dict` rebuilds the motion exactly.
 
         Args:
             files: What to write instead of the path of each of `self.files`, for instance the name of the copy that
@@ -102,10 +102,10 @@ class BaseMotion(ABC):
 
     @abstractmethod
     def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        """Returns the constructor's arguments as plain values."""
+        """Return the constructor's arguments as plain values."""
 
-    def __add__(self, other: BaseMotion) -> SumOfMotions:
-        """Returns the motion that is the sum of the two."""
+    def __add__(self, other: "BaseMotion") -> "SumOfMotions":
+        """Return the motion that is the sum of the two."""
         if not isinstance(other, BaseMotion):
             return NotImplemented
         return SumOfMotions(terms=(*_terms(self), *_terms(other)))
@@ -117,38 +117,38 @@ class StraightMotion(BaseMotion):
     direction: Direction
 
     @cached_property
-    def unit(self) -> NDArray[np.float64]:
+    def unit(self) -> Array:
         """Unit vector of the direction, shape (3,)."""
         return unit_vector(self.direction)
 
     @property
-    def directions(self) -> NDArray[np.float64]:
+    def directions(self) -> Array:
         """The unit vector of the direction, shape (1, 3)."""
         return self.unit[np.newaxis]
 
-    def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
+    def acceleration(self, time: ArrayLike) -> Array:
+        """Return the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
         return np.outer(self._acceleration(as_times(time)), self.unit)
 
-    def velocity(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
+    def velocity(self, time: ArrayLike) -> Array:
+        """Return the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
         return np.outer(self._velocity(as_times(time)), self.unit)
 
-    def displacement(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's displacement [m] at the times [s], shape (n_t, 3)."""
+    def displacement(self, time: ArrayLike) -> Array:
+        """Return the base's displacement [m] at the times [s], shape (n_t, 3)."""
         return np.outer(self._displacement(as_times(time)), self.unit)
 
     @abstractmethod
-    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns the acceleration along the direction [m/s^2], shape (n_t,)."""
+    def _acceleration(self, t: Array) -> Array:
+        """Return the acceleration along the direction [m/s^2], shape (n_t,)."""
 
     @abstractmethod
-    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns the velocity along the direction [m/s], shape (n_t,)."""
+    def _velocity(self, t: Array) -> Array:
+        """Return the velocity along the direction [m/s], shape (n_t,)."""
 
     @abstractmethod
-    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns the displacement along the direction [m], shape (n_t,)."""
+    def _displacement(self, t: Array) -> Array:
+        """Return the displacement along the direction [m], shape (n_t,)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,7 +161,7 @@ class SumOfMotions(BaseMotion):
 
     kind: ClassVar[str] = "sum"
 
-    terms: tuple[BaseMotion, ...]
+    terms: "tuple[BaseMotion, ...]"
     duration: float = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -170,27 +170,27 @@ class SumOfMotions(BaseMotion):
         object.__setattr__(self, "terms", tuple(part for term in self.terms for part in _terms(term)))
         object.__setattr__(self, "duration", max(term.end for term in self.terms))
 
-    def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
+    def acceleration(self, time: ArrayLike) -> Array:
+        """Return the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
         return np.sum([term.acceleration(time) for term in self.terms], axis=0)
 
-    def velocity(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
+    def velocity(self, time: ArrayLike) -> Array:
+        """Return the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
         return np.sum([term.velocity(time) for term in self.terms], axis=0)
 
-    def displacement(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's displacement [m] at the times [s], shape (n_t, 3)."""
+    def displacement(self, time: ArrayLike) -> Array:
+        """Return the base's displacement [m] at the times [s], shape (n_t, 3)."""
         return np.sum([term.displacement(time) for term in self.terms], axis=0)
 
     @cached_property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Corners of all terms [s], sorted and unique, shape (n,)."""
         return unique_times(np.concatenate([term.corners for term in self.terms]))
 
     @property
-    def velocity_jumps(self) -> tuple[tuple[float, NDArray[np.float64]], ...]:
+    def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
         """Velocity jumps of all terms; those at the same instant are added."""
-        jumps: list[tuple[float, NDArray[np.float64]]] = []
+        jumps: list[tuple[float, Array]] = []
         every = (jump for term in self.terms for jump in term.velocity_jumps)
         for time, change in sorted(every, key=lambda jump: jump[0]):
             if jumps and time - jumps[-1][0] <= SAME_TIME:
@@ -210,7 +210,7 @@ class SumOfMotions(BaseMotion):
         return tuple(sorted((event for term in self.terms for event in term.events), key=lambda event: event[0]))
 
     @property
-    def directions(self) -> NDArray[np.float64]:
+    def directions(self) -> Array:
         """Directions of all terms, shape (n, 3)."""
         return np.concatenate([term.directions for term in self.terms])
 
@@ -225,7 +225,7 @@ class SumOfMotions(BaseMotion):
         return tuple(dict.fromkeys(path for term in self.terms for path in term.files))
 
     @property
-    def parts(self) -> tuple[BaseMotion, ...]:
+    def parts(self) -> "tuple[BaseMotion, ...]":
         """Elementary motions of all terms."""
         return tuple(part for term in self.terms for part in term.parts)
 
@@ -233,11 +233,11 @@ class SumOfMotions(BaseMotion):
         return {"terms": [term.to_dict(files=files) for term in self.terms]}
 
 
-def unique_times(times: Iterable[float] | NDArray[np.float64]) -> NDArray[np.float64]:
-    """Returns the instants [s] sorted; of those within `SAME_TIME` of their neighbour only the first stays."""
+def unique_times(times: Iterable[float] | Array) -> Array:
+    """Return the instants [s] sorted; of those within `SAME_TIME` of their neighbour only the first stays."""
     ordered = np.sort(np.fromiter(times, dtype=float) if not isinstance(times, np.ndarray) else times)
     return ordered[np.diff(ordered, prepend=-np.inf) > SAME_TIME]
 
 
-def _terms(motion: BaseMotion) -> tuple[BaseMotion, ...]:
+def _terms(motion: BaseMotion) -> "tuple[BaseMotion, ...]":
     return motion.terms if isinstance(motion, SumOfMotions) else (motion,)

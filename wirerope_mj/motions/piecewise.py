@@ -1,12 +1,12 @@
 """Exact integrals of an acceleration that is linear between knots: the base of trapezoids, sawteeth and records."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from wirerope_mj.foundation.arrays import Array
 
 _BLOCK = 4096
 """Knots between two whose velocity and displacement are kept: a record may have millions of knots."""
@@ -29,7 +29,7 @@ class PiecewiseLinear:
         values: Acceleration at the knots [m/s^2], shape (n,) or (n, 3). Not copied.
     """
 
-    def __init__(self, knots: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+    def __init__(self, knots: Array, values: Array) -> None:
         self._knots, self._values = knots, values
         count = -(-knots.size // _BLOCK)
         self._velocity = np.zeros((count, *values.shape[1:]))
@@ -38,29 +38,27 @@ class PiecewiseLinear:
             velocity, displacement = self._sums(block)
             self._velocity[block + 1], self._displacement[block + 1] = velocity[-1], displacement[-1]
 
-    def acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns the acceleration [m/s^2] at the times (n_t,) [s]."""
+    def acceleration(self, t: Array) -> Array:
+        """Return the acceleration [m/s^2] at the times (n_t,) [s]."""
         value, slope, tau = self._pieces(t, np.searchsorted(self._knots, t, side="right"))
         return value + slope * tau
 
-    def velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns the velocity [m/s] at the times (n_t,) [s]."""
+    def velocity(self, t: Array) -> Array:
+        """Return the velocity [m/s] at the times (n_t,) [s]."""
         found = np.zeros((t.size, *self._values.shape[1:]))
         for at, row, (velocity, _), (value, slope, tau) in self._by_block(t):
             found[at] = velocity[row] + tau * (value + tau * slope / 2)
         return found
 
-    def displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns the displacement [m] at the times (n_t,) [s]."""
+    def displacement(self, t: Array) -> Array:
+        """Return the displacement [m] at the times (n_t,) [s]."""
         found = np.zeros((t.size, *self._values.shape[1:]))
         for at, row, (velocity, displacement), (value, slope, tau) in self._by_block(t):
             found[at] = displacement[row] + tau * (velocity[row] + tau * (value / 2 + tau * slope / 6))
         return found
 
-    def _pieces(
-        self, t: NDArray[np.float64], after: NDArray[np.intp]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Returns value and slope at the knot before each time, and the time since it; `after` is the knot behind it.
+    def _pieces(self, t: Array, after: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+        """Return value and slope at the knot before each time, and the time since it; `after` is the knot behind it.
 
         A knot belongs to what follows it.
         """
@@ -74,7 +72,7 @@ class PiecewiseLinear:
         slope = np.divide(rise, step, out=np.zeros_like(rise), where=inside & (step > 0))
         return value, slope, (t - self._knots[left]).reshape(shape)
 
-    def _by_block(self, t: NDArray[np.float64]) -> Iterator[tuple[Any, ...]]:
+    def _by_block(self, t: Array) -> Iterator[tuple[Any, ...]]:
         """Yields places in `t` that lie in one block of knots, their rows in its sums, the sums, and their pieces."""
         after = np.searchsorted(self._knots, t, side="right")
         blocks = (after - 1) // _BLOCK  # -1 before the first knot
@@ -82,8 +80,8 @@ class PiecewiseLinear:
             at = np.flatnonzero(blocks == block)
             yield at, after[at] - 1 - block * _BLOCK, self._sums(int(block)), self._pieces(t[at], after[at])
 
-    def _sums(self, block: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Returns velocity and displacement at the knots of a block and at the first one behind it."""
+    def _sums(self, block: int) -> tuple[Array, Array]:
+        """Return velocity and displacement at the knots of a block and at the first one behind it."""
         part = slice(block * _BLOCK, (block + 1) * _BLOCK + 1)
         knots, values = self._knots[part], self._values[part]
         step = np.diff(knots).reshape((-1,) + (1,) * (values.ndim - 1))

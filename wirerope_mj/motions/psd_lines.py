@@ -1,21 +1,20 @@
 """A power spectral density given by points: straight lines on logarithmic axes between them, zero outside."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 Points = tuple[tuple[float, float], ...]
 
 
 def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: str, least: int = 2) -> Points:
-    """Returns points (frequency [Hz], level) as plain floats; frequencies rise, and both are positive.
+    """Return points (frequency [Hz], level) as plain floats; frequencies rise, and both are positive.
 
     Args:
         name: Name of the argument.
@@ -49,8 +48,8 @@ def _positive(name: str, number: int, what: str, value: float) -> float:
         raise ValueError(f"`{name}`, point {number}: {fault}") from None
 
 
-def psd_level(psd: Sequence[Sequence[float]], frequencies: ArrayLike) -> NDArray[np.float64]:
-    """Returns the level of a power spectral density at the frequencies [Hz], in the unit of its points.
+def psd_level(psd: Sequence[Sequence[float]], frequencies: ArrayLike) -> Array:
+    """Return the level of a power spectral density at the frequencies [Hz], in the unit of its points.
 
     Args:
         psd: Points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
@@ -63,8 +62,8 @@ def psd_level(psd: Sequence[Sequence[float]], frequencies: ArrayLike) -> NDArray
     return np.where(inside, np.exp(logarithm), 0.0)
 
 
-def psd_power(psd: Sequence[Sequence[float]], up_to: ArrayLike) -> NDArray[np.float64]:
-    """Returns the integral of a power spectral density from zero to the frequencies [Hz], exact, any shape.
+def psd_power(psd: Sequence[Sequence[float]], up_to: ArrayLike) -> Array:
+    """Return the integral of a power spectral density from zero to the frequencies [Hz], exact, any shape.
 
     Between two points, S = S1 (f/f1)^m, it is S1 f1 ((f/f1)^(m+1) - 1)/(m+1), or S1 f1 ln(f/f1) for m = -1.
 
@@ -86,7 +85,7 @@ def psd_power(psd: Sequence[Sequence[float]], up_to: ArrayLike) -> NDArray[np.fl
 
 
 def psd_rms(psd: Sequence[Sequence[float]]) -> float:
-    """Returns the rms value of a stationary signal of that power spectral density, in the root of its unit times Hz.
+    """Return the rms value of a stationary signal of that power spectral density, in the root of its unit times Hz.
 
     Args:
         psd: Points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
@@ -96,6 +95,6 @@ def psd_rms(psd: Sequence[Sequence[float]]) -> float:
 
 
 def psd_from_g(points: Sequence[Sequence[float]]) -> Points:
-    """Returns a power spectral density [(m/s^2)^2/Hz] from points (frequency [Hz], level [g^2/Hz])."""
+    """Return a power spectral density [(m/s^2)^2/Hz] from points (frequency [Hz], level [g^2/Hz])."""
     checked = checked_points("points", points, quantity="level [g^2/Hz]")
     return tuple((frequency, level * STANDARD_GRAVITY**2) for frequency, level in checked)

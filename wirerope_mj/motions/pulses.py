@@ -1,7 +1,5 @@
 """Classical shock pulses and the velocity step (IEC 60068-2-27, MIL-STD-810 method 516)."""
 
-from __future__ import annotations
-
 import math
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
@@ -11,17 +9,10 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wirerope_mj.foundation.arguments import (
-    Direction,
-    checked_direction,
-    direction_text,
-    finite,
-    nonzero,
-    plain_direction,
-    positive,
-)
+from wirerope_mj.foundation.arguments import finite, nonzero, positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.motion import StraightMotion, unique_times
 from wirerope_mj.motions.piecewise import PiecewiseLinear
@@ -60,7 +51,7 @@ class Pulse(StraightMotion):
         """Velocity along the direction that the pulse leaves behind [m/s]."""
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Start and end of the pulse [s], shape (n,)."""
         return unique_times([self.start, self.end])
 
@@ -103,21 +94,21 @@ class HalfSine(Pulse):
         """Velocity along the direction that the pulse leaves behind [m/s]."""
         return 2 * self.peak * self.duration / math.pi
 
-    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _acceleration(self, t: Array) -> Array:
         inside = (t >= self.start) & (t < self.end)
         return np.where(inside, self.peak * np.sin(self._phase(t)), 0.0)
 
-    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _velocity(self, t: Array) -> Array:
         # 2 sin^2(p/2) is 1 - cos p without its cancellation at the start of the pulse.
         return self.velocity_change * np.sin(self._phase(t) / 2) ** 2
 
-    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _displacement(self, t: Array) -> Array:
         phase = self._phase(t)
         within = self.velocity_change / 2 * self.duration / math.pi * (phase - np.sin(phase))
         return within + self.velocity_change * np.maximum(t - self.end, 0.0)
 
-    def _phase(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns pi t / D, held at 0 before the pulse and at pi after it."""
+    def _phase(self, t: Array) -> Array:
+        """Return pi t / D, held at 0 before the pulse and at pi after it."""
         return np.clip(math.pi * (t - self.start) / self.duration, 0.0, math.pi)
 
 
@@ -130,13 +121,13 @@ class _PiecewisePulse(Pulse):
     def _piecewise(self) -> PiecewiseLinear:
         """The acceleration and its integrals."""
 
-    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _acceleration(self, t: Array) -> Array:
         return self._piecewise.acceleration(t)
 
-    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _velocity(self, t: Array) -> Array:
         return self._piecewise.velocity(t)
 
-    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _displacement(self, t: Array) -> Array:
         return self._piecewise.displacement(t)
 
 
@@ -192,12 +183,12 @@ class Trapezoid(_PiecewisePulse):
         return self.peak * (self.duration - self.rise)
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Start, ends of the plateau and end of the pulse [s], shape (n,)."""
         return unique_times(self._knots)
 
     @property
-    def _knots(self) -> NDArray[np.float64]:
+    def _knots(self) -> Array:
         return np.array([self.start, self.start + self.rise, self.start + (self.duration - self.rise), self.end])
 
     @cached_property
@@ -236,12 +227,12 @@ class VelocityStep(StraightMotion):
         return self.start
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Instant of the step [s], shape (1,)."""
         return np.array([self.start])
 
     @property
-    def velocity_jumps(self) -> tuple[tuple[float, NDArray[np.float64]], ...]:
+    def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
         """The step: its instant [s] and the jump (3,) [m/s]."""
         return ((self.start, self.velocity_change * self.unit),)
 
@@ -264,13 +255,13 @@ class VelocityStep(StraightMotion):
         direction = plain_direction(self.direction)
         return {"velocity": self.velocity_change, "direction": direction, "start": self.start}
 
-    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _acceleration(self, t: Array) -> Array:
         return np.zeros_like(t)
 
-    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _velocity(self, t: Array) -> Array:
         return np.where(t >= self.start, self.velocity_change, 0.0)
 
-    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _displacement(self, t: Array) -> Array:
         return self.velocity_change * np.maximum(t - self.start, 0.0)
 
 

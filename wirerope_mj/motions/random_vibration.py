@@ -1,7 +1,5 @@
 """Stationary random vibration of a given power spectral density."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,18 +8,11 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len
 
-from wirerope_mj.foundation.arguments import (
-    Direction,
-    checked_direction,
-    checked_seed,
-    direction_text,
-    finite,
-    plain_direction,
-    positive,
-)
+from wirerope_mj.foundation.arguments import finite, integer, positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
 from wirerope_mj.motions.motion import StraightMotion
@@ -65,7 +56,7 @@ class RandomVibration(StraightMotion):
         psd: Points (frequency [Hz], level [(m/s^2)^2/Hz]) with straight lines between them on logarithmic axes; zero
             outside. `psd_from_g` makes them from g^2/Hz.
         duration: Length of the vibration with rise and fall [s].
-        seed: Whole number that chooses the phases, and the amplitudes if they are random.
+        seed: Integer number that chooses the phases, and the amplitudes if they are random.
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
         rise: Length of the rise [s], at least a period of the lowest frequency; None: ten such periods, or a tenth of
             the duration if that is shorter.
@@ -99,7 +90,7 @@ class RandomVibration(StraightMotion):
     ) -> None:
         object.__setattr__(self, "psd", checked_points("psd", psd, quantity="level"))
         object.__setattr__(self, "duration", positive("duration", duration))
-        object.__setattr__(self, "seed", checked_seed(seed))
+        object.__setattr__(self, "seed", integer("seed", seed, least=0))
         object.__setattr__(self, "direction", checked_direction(direction))
         for name, length in (("rise", rise), ("fall", fall)):
             object.__setattr__(self, name, usual_ramp(name, length, lowest=self.psd[0][0], duration=self.duration))
@@ -125,7 +116,7 @@ class RandomVibration(StraightMotion):
         return self.start + self.rise, self.end - self.fall
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Every knot [s], shape (n,): the slope of the acceleration changes at each."""
         return self.start + self._spacing * np.arange(self._intervals + 1.0)
 
@@ -195,11 +186,11 @@ class RandomVibration(StraightMotion):
             coefficients[part] *= inner.derivatives(h * np.arange(float(part.start), float(part.stop)))[0]
         return UniformSpline(self.start, h, coefficients)
 
-    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _acceleration(self, t: Array) -> Array:
         return self._spline.acceleration(t)
 
-    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _velocity(self, t: Array) -> Array:
         return self._spline.velocity(t)
 
-    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _displacement(self, t: Array) -> Array:
         return self._spline.displacement(t)

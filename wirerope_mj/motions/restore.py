@@ -1,7 +1,5 @@
 """A base motion from its stored parameters."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -40,7 +38,7 @@ _MAKERS: dict[str, Callable[..., BaseMotion]] = {
 
 
 def motion_from_dict(stored: Mapping[str, Any], *, folder: str | Path | None = None) -> BaseMotion:
-    """Returns the motion that `BaseMotion.to_dict` stored; its numbers are the same to the last bit.
+    """Return the motion that `BaseMotion.to_dict` stored; its numbers are the same to the last bit.
 
     Args:
         stored: The parameters, as `to_dict` wrote them.

@@ -1,7 +1,5 @@
 """A base motion at another level, and one in another direction."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,16 +8,11 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import (
-    Direction,
-    checked_direction,
-    direction_text,
-    nonzero,
-    plain_direction,
-    unit_vector,
-)
+from wirerope_mj.foundation.arguments import nonzero
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
 
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
@@ -41,19 +34,19 @@ class _Changed(BaseMotion):
         object.__setattr__(self, "duration", self.motion.duration)
 
     @abstractmethod
-    def _changed(self, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns vectors of the other motion, (n, 3), as those of this one."""
+    def _changed(self, vectors: Array) -> Array:
+        """Return vectors of the other motion, (n, 3), as those of this one."""
 
-    def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
+    def acceleration(self, time: ArrayLike) -> Array:
+        """Return the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
         return self._changed(self.motion.acceleration(time))
 
-    def velocity(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
+    def velocity(self, time: ArrayLike) -> Array:
+        """Return the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
         return self._changed(self.motion.velocity(time))
 
-    def displacement(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's displacement [m] at the times [s], shape (n_t, 3)."""
+    def displacement(self, time: ArrayLike) -> Array:
+        """Return the base's displacement [m] at the times [s], shape (n_t, 3)."""
         return self._changed(self.motion.displacement(time))
 
     @property
@@ -62,12 +55,12 @@ class _Changed(BaseMotion):
         return self.motion.end
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Corners of the other motion [s], shape (n,)."""
         return self.motion.corners
 
     @property
-    def velocity_jumps(self) -> tuple[tuple[float, NDArray[np.float64]], ...]:
+    def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
         """Velocity jumps of the other motion, changed as its velocity is."""
         return tuple((time, self._changed(jump[np.newaxis])[0]) for time, jump in self.motion.velocity_jumps)
 
@@ -116,7 +109,7 @@ class Scaled(_Changed):
         object.__setattr__(self, "factor", nonzero("factor", self.factor))
 
     @property
-    def directions(self) -> NDArray[np.float64]:
+    def directions(self) -> Array:
         """Directions of the other motion, shape (n, 3)."""
         return self.motion.directions
 
@@ -125,7 +118,7 @@ class Scaled(_Changed):
         """For instance `1.5 x half-sine 15 g 11 ms along z`."""
         return f"{self.factor:.4g} x {self._quoted}"
 
-    def _changed(self, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _changed(self, vectors: Array) -> Array:
         return self.factor * vectors
 
     def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
@@ -153,7 +146,7 @@ class Turned(_Changed):
         motion: BaseMotion,
         *,
         rotation: ArrayLike | None = None,
-        direction: str | Sequence[float] | NDArray[np.float64] | None = None,
+        direction: str | Sequence[float] | Array | None = None,
     ) -> None:
         object.__setattr__(self, "motion", motion)
         super().__post_init__()
@@ -167,14 +160,14 @@ class Turned(_Changed):
             _line(motion)  # raises if there is none
 
     @cached_property
-    def matrix(self) -> NDArray[np.float64]:
+    def matrix(self) -> Array:
         """What turns the other motion's vectors into this one's, shape (3, 3); with `direction` it holds on their line only."""
         if self.direction is None:
             return np.array(self.rotation)
         return np.outer(unit_vector(self.direction), _line(self.motion))
 
     @property
-    def directions(self) -> NDArray[np.float64]:
+    def directions(self) -> Array:
         """Directions of the other motion, turned, shape (n, 3)."""
         return self._changed(self.motion.directions)
 
@@ -185,7 +178,7 @@ class Turned(_Changed):
             return f"{self._quoted}, turned to {direction_text(self.direction)}"
         return f"{self._quoted}, turned {_rotation_text(np.array(self.rotation))}"
 
-    def _changed(self, vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _changed(self, vectors: Array) -> Array:
         # Sums of three products in this order, so that a row has the same bits however many there are.
         columns = vectors[:, :, np.newaxis] * self.matrix.T[np.newaxis]
         return columns[:, 0] + columns[:, 1] + columns[:, 2]
@@ -197,8 +190,8 @@ class Turned(_Changed):
         return {**values, "rotation": [list(row) for row in self.rotation or ()]}
 
 
-def _line(motion: BaseMotion) -> NDArray[np.float64]:
-    """Returns the unit vector of the line along which a motion moves, shape (3,); a ValueError if it is no line."""
+def _line(motion: BaseMotion) -> Array:
+    """Return the unit vector of the line along which a motion moves, shape (3,); a ValueError if it is no line."""
     directions = motion.directions
     if np.linalg.matrix_rank(directions, tol=1e-9) != 1:
         raise ValueError(
@@ -221,8 +214,8 @@ def _checked_rotation(rotation: ArrayLike) -> Rows:
     return (first, second, third)
 
 
-def _rotation_text(matrix: NDArray[np.float64]) -> str:
-    """Returns angle and axis of a rotation for a human reader."""
+def _rotation_text(matrix: Array) -> str:
+    """Return angle and axis of a rotation for a human reader."""
     from scipy.spatial.transform import Rotation  # takes longer to import than the rest of this room
 
     vector = Rotation.from_matrix(matrix).as_rotvec(degrees=True)

@@ -1,13 +1,12 @@
 """Flanks of a response spectrum: how much the answers of two oscillators can differ."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 
 def too_steep(frequencies: Array, target: Array, damping: float) -> str:
-    """Returns a sentence on the flank of a spectrum that is farthest beyond any motion; empty if there is none.
+    """Return a sentence on the flank of a spectrum that is farthest beyond any motion; empty if there is none.
 
     Of all motions a steady sine at the frequency of one oscillator sets it the most apart from another: the amplifications
     |1 + 2 i zeta r| / |1 - r^2 + 2 i zeta r| of the two, r = sine's over oscillator's frequency, are the measure.

@@ -1,16 +1,15 @@
 """A base motion whose response spectrum is a given one: for earthquakes, of which only the spectrum is prescribed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from wirerope_mj.foundation.arguments import checked_direction, checked_seed, finite, positive
+from wirerope_mj.foundation.arguments import finite, integer, positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import checked_direction
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
 from wirerope_mj.motions.psd_lines import Points, checked_points
@@ -18,8 +17,6 @@ from wirerope_mj.motions.random_phases import random_phases
 from wirerope_mj.motions.spectra import shock_response_spectrum
 from wirerope_mj.motions.spectrum_flanks import too_steep
 from wirerope_mj.motions.vibration_lines import VibrationLines
-
-Array = NDArray[np.float64]
 
 LINES_PER_OCTAVE = 12
 """Least number of lines, which are also the frequencies at which the spectrum is matched."""
@@ -88,7 +85,7 @@ def match_spectrum(
     fall: float | None = None,
     start: float = 0.0,
 ) -> SpectrumMatch:
-    """Returns a base motion whose response spectrum is the target within the tolerance.
+    """Return a base motion whose response spectrum is the target within the tolerance.
 
     The motion is a sum of sines, twelve to an octave (more for damping below 5 %), with random phases between a smooth
     rise and fall, so that base velocity and displacement start and end at zero. Sines and cosines are corrected together
@@ -104,7 +101,7 @@ def match_spectrum(
     Args:
         target: Points (frequency [Hz], absolute acceleration [m/s^2]), straight on logarithmic axes between them.
         duration: Length of the motion with rise and fall [s].
-        seed: Whole number that chooses the phases to begin with.
+        seed: Integer number that chooses the phases to begin with.
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
         damping: Damping ratio of the spectrum's oscillators, 0.01 or more.
         tolerance: Largest relative mismatch at the frequencies of the comparison.
@@ -125,7 +122,7 @@ def match_spectrum(
         )
     positive("tolerance", tolerance)
     checked_direction(direction)
-    checked_seed(seed)
+    integer("seed", seed, least=0)
     length = positive("duration", duration)
     first, last = (usual_ramp(n, v, lowest=points[0][0], duration=length) for n, v in (("rise", rise), ("fall", fall)))
     check_room(length, first, last)
@@ -154,7 +151,7 @@ def match_spectrum(
 
 
 def _comparison(points: Points, damping: float) -> tuple[Array, Array]:
-    """Returns the frequencies of the comparison [Hz] and the target there [m/s^2], shape (n,)."""
+    """Return the frequencies of the comparison [Hz] and the target there [m/s^2], shape (n,)."""
     f, levels = np.array(points).T
     per_octave = max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * damping))
     count = math.ceil(per_octave * math.log2(f[-1] / f[0]) - 1e-9) + 1
@@ -185,7 +182,7 @@ class _Search:
         ]
 
     def run(self, seed: int, tolerance: float) -> tuple[Array, Array, int]:
-        """Returns the amplitudes of sine and cosine (2, n), the spectrum (n,) and the number of corrections."""
+        """Return the amplitudes of sine and cosine (2, n), the spectrum (n,) and the number of corrections."""
         phases = random_phases(seed, self.frequencies.size)
         q = np.concatenate([self.target * np.cos(phases), self.target * np.sin(phases)])
         q *= np.median(self.target / np.abs(self.peaks(q)[1]))
@@ -210,16 +207,16 @@ class _Search:
         )
 
     def acceleration(self, q: Array) -> Array:
-        """Returns the base's acceleration for the amplitudes (2 n,), shape (n_t,)."""
+        """Return the base's acceleration for the amplitudes (2 n,), shape (n_t,)."""
         return np.einsum("j,jt->t", q, self.lines)
 
     def spectrum(self, q: Array) -> Array:
-        """Returns the response spectrum of the amplitudes (2 n,), shape (n,)."""
+        """Return the response spectrum of the amplitudes (2 n,), shape (n,)."""
         quality = 1 / (2 * self.damping)
         return shock_response_spectrum(self.time, self.acceleration(q), self.frequencies, q=quality).maximax
 
     def peaks(self, q: Array) -> tuple[list[int], Array]:
-        """Returns the sample at which every oscillator answers most and its answer there, refined by a parabola, (n,)."""
+        """Return the sample at which every oscillator answers most and its answer there, refined by a parabola, (n,)."""
         acceleration = self.acceleration(q)
         places, values = [], []
         for coefficients in self.filters:
@@ -234,7 +231,7 @@ class _Search:
         return places, np.array(values)
 
     def correction(self, q: Array, places: list[int], signs: Array, excess: Array) -> Array:
-        """Returns the smallest change of the amplitudes (2 n,) that makes the relative excess (n,), to first order."""
+        """Return the smallest change of the amplitudes (2 n,) that makes the relative excess (n,), to first order."""
         gains = np.empty((self.frequencies.size, q.size))
         for row, answer, place, sign in zip(gains, self.answers, places, signs, strict=True):
             first = max(place + 1 - answer.size, 0)
@@ -247,7 +244,7 @@ class _Search:
 
 
 def _line_accelerations(time: Array, frequencies: Array, envelope: Envelope) -> Array:
-    """Returns the accelerations of lines of unit sine and of unit cosine as `VibrationLines` makes them, (2 n, n_t)."""
+    """Return the accelerations of lines of unit sine and of unit cosine as `VibrationLines` makes them, (2 n, n_t)."""
     factor, first, second = envelope.derivatives(time)
     omega = 2 * np.pi * frequencies[:, np.newaxis]
     sine, cosine = np.sin(omega * time), np.cos(omega * time)
@@ -257,7 +254,7 @@ def _line_accelerations(time: Array, frequencies: Array, envelope: Envelope) -> 
 
 
 def _filter(frequency: float, damping: float, step: float) -> tuple[list[float], list[float]]:
-    """Returns the ramp-invariant filter of an oscillator's absolute acceleration (Smallwood 1981, ISO 18431-4)."""
+    """Return the ramp-invariant filter of an oscillator's absolute acceleration (Smallwood 1981, ISO 18431-4)."""
     omega = 2 * math.pi * frequency
     decay, angle = math.exp(-damping * omega * step), omega * step * math.sqrt(1 - damping**2)
     c, s = decay * math.cos(angle), decay * math.sin(angle) / angle

@@ -1,11 +1,8 @@
 """Displacement as a uniform cubic spline: an acceleration that is linear between knots and cannot drift."""
 
-from __future__ import annotations
-
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 
 class UniformSpline:
@@ -31,24 +28,24 @@ class UniformSpline:
         self._intervals = coefficients.size - 1
 
     def displacement(self, t: Array) -> Array:
-        """Returns the displacement [m] at the times (n_t,) [s]."""
+        """Return the displacement [m] at the times (n_t,) [s]."""
         u, (c0, c1, c2, c3) = self._locate(t)
         w = 1 - u
         return (w**3 * c0 + (1 + 3 * w * (1 + u * w)) * c1 + (1 + 3 * u * (1 + u * w)) * c2 + u**3 * c3) / 6
 
     def velocity(self, t: Array) -> Array:
-        """Returns the velocity [m/s] at the times (n_t,) [s]."""
+        """Return the velocity [m/s] at the times (n_t,) [s]."""
         u, (c0, c1, c2, c3) = self._locate(t)
         w = 1 - u
         return (w**2 * (c1 - c0) + (1 + 2 * u * w) * (c2 - c1) + u**2 * (c3 - c2)) / (2 * self._h)
 
     def acceleration(self, t: Array) -> Array:
-        """Returns the acceleration [m/s^2] at the times (n_t,) [s]."""
+        """Return the acceleration [m/s^2] at the times (n_t,) [s]."""
         u, (c0, c1, c2, c3) = self._locate(t)
         return ((1 - u) * ((c2 - c1) - (c1 - c0)) + u * ((c3 - c2) - (c2 - c1))) / self._h**2
 
     def _locate(self, t: Array) -> tuple[Array, tuple[Array, Array, Array, Array]]:
-        """Returns the place 0..1 of each time between its knots and the four coefficients that reach there."""
+        """Return the place 0..1 of each time between its knots and the four coefficients that reach there."""
         knots = np.clip((t - self._start) / self._h, 0.0, float(self._intervals))
         i = np.minimum(knots.astype(np.intp), self._intervals - 1)
         return knots - i, (self._c[i], self._c[i + 1], self._c[i + 2], self._c[i + 3])

@@ -1,11 +1,11 @@
 """The two integrals of a logarithmic sweep that do not drift."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 from numpy.typing import NDArray
+
+from wirerope_mj.foundation.arrays import Array
 
 # From here on thirty terms of the series are exact to 1e-15 of the leading one: 30! / 50^30 is 3e-19.
 _SERIES_FROM = 50.0
@@ -20,8 +20,8 @@ _NODES = np.exp(_S - np.exp(-_S))
 _WEIGHTS = _STEP * _NODES * (1 + np.exp(-_S)) * np.exp(-_NODES)
 
 
-def oscillating_tails(u: NDArray[np.float64]) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Returns h1 and h2 of the integrals from u to infinity, without their fast factor e^(iu).
+def oscillating_tails(u: Array) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Return h1 and h2 of the integrals from u to infinity, without their fast factor e^(iu).
 
         int e^(is) / s ds          = e^(iu) h1(u)    (so e^(iu) h1 = E1(-iu) = -Ci(u) + i (pi/2 - Si(u)))
         int e^(is) ln(s/u) / s ds  = e^(iu) h2(u)    (the integral of the first one over ln u)
@@ -43,7 +43,7 @@ def oscillating_tails(u: NDArray[np.float64]) -> tuple[NDArray[np.complex128], N
     return h1, h2
 
 
-def _by_series(u: NDArray[np.float64]) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+def _by_series(u: Array) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     """With q = -i/u: h1 = (i/u) sum n! q^n and h2 = -(i/u) sum n! (1 + 1/2 + ... + 1/n) q^n."""
     q = -1j / u
     first = np.polynomial.polynomial.polyval(q, _FACTORIALS)
@@ -51,7 +51,7 @@ def _by_series(u: NDArray[np.float64]) -> tuple[NDArray[np.complex128], NDArray[
     return 1j / u * first, -1j / u * second
 
 
-def _by_quadrature(u: NDArray[np.float64]) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+def _by_quadrature(u: Array) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
     h1, h2 = np.zeros(u.shape, dtype=complex), np.zeros(u.shape, dtype=complex)
     for y, weight in zip(_NODES, _WEIGHTS, strict=True):
         term = 1j * weight / (u + 1j * y)

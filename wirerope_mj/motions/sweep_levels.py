@@ -1,7 +1,5 @@
 """Course of a logarithmic sweep, and its motion for an amplitude that is constant in acceleration, velocity or displacement."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -9,9 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.sweep_integrals import oscillating_tails
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,31 +49,31 @@ class Course:
         return 2 * math.pi * self.stop
 
     def within(self, t: Array) -> Array:
-        """Returns the times [s], those after the end of the sweep replaced by its end."""
+        """Return the times [s], those after the end of the sweep replaced by its end."""
         return np.minimum(t, self.duration)
 
     def frequency(self, t: Array) -> Array:
-        """Returns the frequency at the times [Hz]."""
+        """Return the frequency at the times [Hz]."""
         swept = self.start * np.exp(self.sign * self.growth * self.within(t))
         return np.where(t < self.duration, swept, self.stop)
 
     def omega(self, t: Array) -> Array:
-        """Returns the angular frequency at the times [rad/s]."""
+        """Return the angular frequency at the times [rad/s]."""
         return 2 * math.pi * self.frequency(t)
 
     def angle(self, within: Array) -> tuple[Array, Array]:
-        """Returns u and u - u0 at times up to the end of the sweep; the difference is taken without cancellation."""
+        """Return u and u - u0 at times up to the end of the sweep; the difference is taken without cancellation."""
         u0 = 2 * math.pi * self.start / self.growth
         exponent = self.sign * self.growth * within
         return u0 * np.exp(exponent), u0 * np.expm1(exponent)
 
     def phase(self, t: Array) -> Array:
-        """Returns the phase [rad]."""
+        """Return the phase [rad]."""
         within = self.within(t)
         return self.sign * self.angle(within)[1] + self.last * (t - within)
 
     def whole_cycles(self) -> Array:
-        """Returns the instants at which the cycles that the sweep completes begin and end [s], shape (n + 1,)."""
+        """Return the instants at which the cycles that the sweep completes begin and end [s], shape (n + 1,)."""
         u0 = 2 * math.pi * self.start / self.growth
         turns = float(self.phase(np.array([self.duration]))[0]) / (2 * math.pi)
         count = math.floor(turns * (1 + 1e-12))  # a sweep of a whole number of cycles must not lose one by rounding
@@ -85,13 +82,13 @@ class Course:
 
 
 def _tail(course: Course, within: Array, order: int) -> NDArray[np.complex128]:
-    """Returns e^(i (u - u0)) h1(u) for order 1 and e^(i (u - u0)) h2(u) for order 2."""
+    """Return e^(i (u - u0)) h1(u) for order 1 and e^(i (u - u0)) h2(u) for order 2."""
     u, angle = course.angle(within)
     return np.exp(1j * angle) * oscillating_tails(u)[order - 1]
 
 
 def _after(course: Course, t: Array, function: Callable[[Array], Array]) -> Array:
-    """Returns how far `function` of the phase has gone from its value at the end of the sweep; zero until then."""
+    """Return how far `function` of the phase has gone from its value at the end of the sweep; zero until then."""
     return function(course.phase(t)) - function(course.phase(course.within(t)))
 
 

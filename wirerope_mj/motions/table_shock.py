@@ -1,7 +1,5 @@
 """Impact of a drop table."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -9,16 +7,10 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wirerope_mj.foundation.arguments import (
-    Direction,
-    checked_direction,
-    direction_text,
-    finite,
-    plain_direction,
-    positive,
-)
+from wirerope_mj.foundation.arguments import finite, positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.motion import StraightMotion, unique_times
 from wirerope_mj.motions.pulses import HalfSine
@@ -113,12 +105,12 @@ class ShockTableImpact(StraightMotion):
         return self.start + self.duration
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Release, impact and end of the pulse [s], shape (n,)."""
         return unique_times([self.start, self.impact, self.end])
 
     @property
-    def velocity_jumps(self) -> tuple[tuple[float, NDArray[np.float64]], ...]:
+    def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
         """The impact, if the velocity changes at once."""
         return () if self.pulse_duration is not None else ((self.impact, self.velocity_change * self.unit),)
 
@@ -153,21 +145,21 @@ class ShockTableImpact(StraightMotion):
         length = {} if self.pulse_duration is None else {"pulse_duration": self.pulse_duration}
         return {**values, **length, "gravity": self.gravity, "direction": plain_direction(self.direction)}
 
-    def _falling(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Returns how long the table has fallen [s]."""
+    def _falling(self, t: Array) -> Array:
+        """Return how long the table has fallen [s]."""
         return np.clip(t - self.start, 0.0, self.fall_duration)
 
-    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _acceleration(self, t: Array) -> Array:
         falls = np.where((t >= self.start) & (t < self.impact), -self.gravity, 0.0)
         return falls if self.pulse_duration is None else falls + self._pulse(self.pulse_duration)._acceleration(t)
 
-    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _velocity(self, t: Array) -> Array:
         falls = -self.gravity * self._falling(t)
         if self.pulse_duration is not None:
             return falls + self._pulse(self.pulse_duration)._velocity(t)
         return falls + np.where(t >= self.impact, self.velocity_change, 0.0)
 
-    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _displacement(self, t: Array) -> Array:
         since = np.maximum(t - self.impact, 0.0)
         falling = self._falling(t)
         falls = -self.gravity * falling * (falling / 2 + since)

@@ -1,13 +1,12 @@
 """Response spectra that earthquake standards ask for, as targets of `match_spectrum`; every level is an argument."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arrays import Array
 
 EN1998_TYPE_1 = {
     "A": {"soil_factor": 1.0, "corner_periods": (0.15, 0.4, 2.0)},
@@ -33,8 +32,8 @@ def en1998_spectrum(
     soil_factor: float,
     corner_periods: tuple[float, float, float],
     damping: float = 0.05,
-) -> NDArray[np.float64]:
-    """Returns the horizontal elastic response spectrum of EN 1998-1, 3.2.2.2 [m/s^2].
+) -> Array:
+    """Return the horizontal elastic response spectrum of EN 1998-1, 3.2.2.2 [m/s^2].
 
     With T = 1/f and eta = sqrt(10/(5 + 100 damping)), at least 0.55,
 
@@ -64,10 +63,8 @@ def en1998_spectrum(
     return level * np.where(period < tb, 1 + period / tb * (plateau - 1), falling)
 
 
-def ac156_spectrum(
-    frequencies: ArrayLike, *, s_ds: float, height_ratio: float, vertical: bool = False
-) -> NDArray[np.float64]:
-    """Returns the required response spectrum of ICC-ES AC156 for 5 % damping [in the unit of `s_ds`].
+def ac156_spectrum(frequencies: ArrayLike, *, s_ds: float, height_ratio: float, vertical: bool = False) -> Array:
+    """Return the required response spectrum of ICC-ES AC156 for 5 % damping [in the unit of `s_ds`].
 
     Horizontal: A_flx = S_DS (1 + 2 z/h), at most 1.6 S_DS, from 1.3 to 8.3 Hz, and A_rig = 0.4 S_DS (1 + 2 z/h), at most
     1.2 S_DS, from 33.3 Hz on; straight on logarithmic axes between them. Vertical: 0.67 and 0.27 S_DS at any height.
@@ -90,7 +87,7 @@ def ac156_spectrum(
     return s_ds * np.exp(np.interp(np.log(asked), corners, np.log([flexible, flexible, rigid])))
 
 
-def _above(frequencies: ArrayLike, least: float, reason: str) -> NDArray[np.float64]:
+def _above(frequencies: ArrayLike, least: float, reason: str) -> Array:
     asked = np.asarray(frequencies, dtype=float)
     if not np.all(np.isfinite(asked)) or np.any(asked < least * (1 - 1e-9)):
         raise ValueError(f"`frequencies` must be at least {least:g} Hz: {reason}; got {np.min(asked):g} Hz.")

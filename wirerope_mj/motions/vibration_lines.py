@@ -1,7 +1,5 @@
 """Several steady sines at once: ship vibration at shaft, blade and engine orders."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,17 +8,10 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wirerope_mj.foundation.arguments import (
-    Direction,
-    checked_direction,
-    checked_seed,
-    direction_text,
-    finite,
-    plain_direction,
-    positive,
-)
+from wirerope_mj.foundation.arguments import finite, integer, positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
 from wirerope_mj.motions.motion import StraightMotion
 from wirerope_mj.motions.psd_lines import Points, checked_points
@@ -47,7 +38,7 @@ class VibrationLines(StraightMotion):
         displacement: The same with displacement amplitudes [m].
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
         phases: Phase of every line at time zero [rad].
-        seed: Instead of the phases: whole number that chooses them at random. Without either all are zero.
+        seed: Instead of the phases: integer that chooses them at random. Without either all are zero.
         duration: Length of the vibration with rise and fall [s]; None: it never ends.
         rise: Length of the rise [s], at least a period of the lowest frequency; None: no rise in an endless vibration,
             which then already goes on before `start`, else ten such periods, or a tenth of the duration if that is
@@ -91,7 +82,7 @@ class VibrationLines(StraightMotion):
         if phases is not None and seed is not None:
             raise ValueError("at most one of `phases` and `seed` can be given, got both.")
         object.__setattr__(self, "phases", None if phases is None else _checked_phases(phases, len(lines)))
-        object.__setattr__(self, "seed", None if seed is None else checked_seed(seed))
+        object.__setattr__(self, "seed", None if seed is None else integer("seed", seed, least=0))
         object.__setattr__(self, "start", finite("start", start))
         self._set_ramps(duration, rise, fall)
 
@@ -112,12 +103,12 @@ class VibrationLines(StraightMotion):
         object.__setattr__(self, "duration", math.inf if duration is None else float(duration))
 
     @property
-    def frequencies(self) -> NDArray[np.float64]:
+    def frequencies(self) -> Array:
         """Frequencies of the lines [Hz], shape (n,)."""
         return np.array([frequency for frequency, _ in self.lines])
 
     @property
-    def amplitudes(self) -> NDArray[np.float64]:
+    def amplitudes(self) -> Array:
         """Amplitudes of the lines, in the quantity in which they were given, shape (n,)."""
         return np.array([amplitude for _, amplitude in self.lines])
 
@@ -127,7 +118,7 @@ class VibrationLines(StraightMotion):
         return self.start + self.duration
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Ends of rise and fall [s], shape (n,): the acceleration's slope jumps there."""
         return self.envelope.corners
 
@@ -177,31 +168,31 @@ class VibrationLines(StraightMotion):
         size = self.amplitudes / omega ** _ORDER[self.quantity]
         return tuple(zip(omega.tolist(), size.tolist(), phases.tolist(), strict=True))
 
-    def _oscillation(self, t: NDArray[np.float64], order: int) -> NDArray[np.float64]:
-        """Returns the derivative of that order of -sum X sin(w t + phi)."""
+    def _oscillation(self, t: Array, order: int) -> Array:
+        """Return the derivative of that order of -sum X sin(w t + phi)."""
         total = np.zeros_like(t)
         for omega, size, phase in self._terms:
             total -= size * omega**order * np.sin(omega * t + (phase + order * math.pi / 2))
         return total
 
-    def _acceleration(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _acceleration(self, t: Array) -> Array:
         factor, first, second = self.envelope.derivatives(t)
         value = factor * self._oscillation(t, 2)
         if np.any(first) or np.any(second):
             value += 2 * first * self._oscillation(t, 1) + second * self._oscillation(t, 0)
         return value
 
-    def _velocity(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _velocity(self, t: Array) -> Array:
         factor, first, _ = self.envelope.derivatives(t)
         value = factor * self._oscillation(t, 1)
         return value + first * self._oscillation(t, 0) if np.any(first) else value
 
-    def _displacement(self, t: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _displacement(self, t: Array) -> Array:
         return self.envelope.derivatives(t)[0] * self._oscillation(t, 0)
 
 
 def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Points:
-    """Returns lines (frequency [Hz], amplitude) at equal steps through bands of constant amplitude.
+    """Return lines (frequency [Hz], amplitude) at equal steps through bands of constant amplitude.
 
     Amplitude tables of shipboard vibration tests (MIL-STD-167-1A type I and the like) are such bands, passed one
     frequency after the other: take the lines one by one for that. No table is built in.
@@ -227,7 +218,7 @@ def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Poin
 
 
 def _the_one_quantity(given: Mapping[str, Sequence[Sequence[float]] | None]) -> tuple[str, Points]:
-    """Returns name and lines of the one quantity that is given; none or several are a ValueError."""
+    """Return name and lines of the one quantity that is given; none or several are a ValueError."""
     there = [name for name, lines in given.items() if lines is not None]
     if len(there) != 1:
         got = " and ".join(f"`{name}`" for name in there) or "none"

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from wirerope_mj.foundation.atomic_files import written_whole
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError, RecordWarning, why_unread
 
 CHECKSUMS = "checksums.txt"
@@ -100,7 +100,7 @@ def digest_of(path: Path) -> str:
 
 
 def _write(folder: Path, digests: dict[str, str]) -> None:
-    with written_whole(folder / CHECKSUMS) as beside:
+    with atomic_file(folder / CHECKSUMS) as beside:
         lines = [f"{digest}  {name}\n" for name, digest in sorted(digests.items())]
         beside.write_text("".join(lines), encoding="utf-8", newline="\n")
 

@@ -7,14 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import scene_to_dict
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.folder import SUMMARY
 
-Array = npt.NDArray[np.float64]
 Difference = tuple[float, str]
 """A difference, relative to what its kind of number is compared with, and where it is; infinite for texts and NaN."""
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from wirerope_mj.foundation.atomic_files import check_folder, folder_written_whole
+from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 
 SCENARIO, SUMMARY = "scenario.toml", "summary.json"
 
@@ -18,9 +18,9 @@ def check_target(folder: Path, *, force: bool, kind: str = "run", marks: Sequenc
 
 
 @contextmanager
-def written_whole(
+def atomic_run(
     folder: Path, *, force: bool, kind: str = "run", marks: Sequence[str] = (SCENARIO, SUMMARY)
 ) -> Iterator[Path]:
     """Yield a new folder that becomes the run `folder` when the block ends well; arguments as those of `check_target`."""
-    with folder_written_whole(folder, force=force, kind=kind, marks=marks) as beside:
+    with atomic_folder(folder, force=force, kind=kind, marks=marks) as beside:
         yield beside

@@ -12,8 +12,8 @@ from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.storage import save_tables
 from wirerope_mj.dynamics.frequency_response.summary import Findings, summary
 from wirerope_mj.engine.system.model_files import model_table, write_model
-from wirerope_mj.foundation.arguments import direction_text, plain_direction
-from wirerope_mj.runs.folder import written_whole
+from wirerope_mj.foundation.directions import direction_text, plain_direction
+from wirerope_mj.runs.folder import atomic_run
 
 FORMAT = 1
 SETTINGS, SUMMARY = "settings.toml", "frequency_response.json"
@@ -37,7 +37,7 @@ def write_frequency_response(
     Raises:
         RecordError: the folder exists and must not be replaced.
     """
-    with written_whole(folder, force=force, kind=KIND, marks=MARKS) as beside:
+    with atomic_run(folder, force=force, kind=KIND, marks=MARKS) as beside:
         model = write_model(result.system, beside / "model")
         content = _settings(result, model_table(result.system, model))
         (beside / SETTINGS).write_text(tomli_w.dumps(content), encoding="utf-8")

@@ -11,7 +11,7 @@ import tomli_w
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.model_files import model_table, write_model
-from wirerope_mj.runs.folder import written_whole
+from wirerope_mj.runs.folder import atomic_run
 
 FORMAT = 1
 SETTINGS, FIGURES = "settings.toml", "modes.json"
@@ -34,7 +34,7 @@ def write_modes(system: System, name: str, results: Sequence[Modes], folder: Pat
     Raises:
         RecordError: the folder exists and must not be replaced.
     """
-    with written_whole(folder, force=force, kind=KIND, marks=MARKS) as beside:
+    with atomic_run(folder, force=force, kind=KIND, marks=MARKS) as beside:
         model = write_model(system, beside / "model")
         settings = {
             "format": FORMAT,

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from wirerope_mj.foundation.atomic_files import written_whole
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.views.report import check_pdf, write_pdf
 
@@ -44,8 +44,8 @@ def write_page(text: str, files: list[Path]) -> None:
     """Write a page to the first of `files`, and its PDF to the second if there is one, each whole or not at all."""
     page, *pdf = files
     page.parent.mkdir(parents=True, exist_ok=True)
-    with written_whole(page) as beside:
+    with atomic_file(page) as beside:
         beside.write_text(text, encoding="utf-8")
     for path in pdf:
-        with written_whole(path) as beside:
+        with atomic_file(path) as beside:
             write_pdf(text, beside)

@@ -4,10 +4,10 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.assessment.criteria.steady import steady_stretch
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion, RandomVibration
 from wirerope_mj.motions.spectra import (
     PowerSpectralDensity,
@@ -20,8 +20,6 @@ from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD
 from wirerope_mj.views.plots.report_motion import moving_axes
 from wirerope_mj.views.plots.report_response import acceleration_along
 from wirerope_mj.views.report import BASE, Absent
-
-Array = npt.NDArray[np.float64]
 
 Q = 10.0
 """Amplification of the oscillators: the convention where nothing else is agreed."""

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wirerope_mj.engine.response import load_response
-from wirerope_mj.foundation.atomic_files import written_whole
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.write import run_scenario
@@ -47,7 +47,7 @@ def _write(folder: Path, pictures: "Sequence[StudyPicture]") -> list[Path]:
     paths = []
     for picture in pictures:
         paths.append(folder / f"{picture.name}.png")
-        with written_whole(paths[-1]) as beside:
+        with atomic_file(paths[-1]) as beside:
             picture.figure.savefig(beside, format="png", dpi=150)
     return paths
 

@@ -24,7 +24,7 @@ from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.copies import copy_records
 from wirerope_mj.runs.checksums import write_checksums
-from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, check_target, written_whole
+from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target
 from wirerope_mj.runs.record_doubts import record_doubts
 from wirerope_mj.runs.scenario import Scenario
 
@@ -59,7 +59,7 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
     check_target(target, force=force)
     arguments = _checked_arguments(scenario)
     system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
-    with written_whole(target, force=force) as beside:
+    with atomic_run(target, force=force) as beside:
         started = perf_counter()
         model = write_model(system, beside / "model")
         long = is_streamed(arguments)

@@ -17,11 +17,11 @@ import tomli_w
 
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.atomic_files import (
+    atomic_file,
+    atomic_folder,
     check_folder,
-    folder_written_whole,
     full_disk_said,
     worked_on_alone,
-    written_whole,
 )
 from wirerope_mj.foundation.errors import DiskFullError, RecordError
 from wirerope_mj.foundation.half_written import clear_half_written
@@ -91,7 +91,7 @@ def prepare(
 
 def _begin(study: "Study", folder: Path, keep: str, search: dict[str, Any] | None, *, force: bool) -> str:
     """Make a new folder of a study, in which nothing is done yet, and return its id."""
-    with folder_written_whole(folder, force=force, kind="study", marks=MARKS) as beside:
+    with atomic_folder(folder, force=force, kind="study", marks=MARKS) as beside:
         content = _write_inputs(study, beside, keep, search)
         (beside / STUDY).write_text(tomli_w.dumps(content), encoding="utf-8")
         (beside / PARTS).mkdir()
@@ -163,7 +163,7 @@ def write_part(folder: Path, part: Part) -> None:
     """Write the part of one chunk, each file whole or not at all; what is done stands there when all of it does."""
     for variant, content in part.responses.items():
         write_response(folder, variant, content)
-    with written_whole(part_path(folder, part.number, _DIED if part.died else ""), clear=False) as beside:
+    with atomic_file(part_path(folder, part.number, _DIED if part.died else ""), clear=False) as beside:
         pq.write_table(part.table, beside)
     if not part.died:
         part_path(folder, part.number, _DIED).unlink(missing_ok=True)
@@ -242,11 +242,11 @@ def finish(folder: Path, chunks: int, summary: Callable[[], dict[str, Any]]) -> 
     They stay where a process died, so that the study can go on. `summary` is asked once the table is there.
     """
     if not (folder / TABLE).is_file():
-        with written_whole(folder / TABLE) as beside:
+        with atomic_file(folder / TABLE) as beside:
             _write_table(beside, parts(folder, list(range(chunks))))
     if not (folder / SUMMARY).is_file():
         text = json.dumps(summary(), indent=2, allow_nan=False) + "\n"
-        with written_whole(folder / SUMMARY) as beside:
+        with atomic_file(folder / SUMMARY) as beside:
             beside.write_text(text, encoding="utf-8")
     if not dead(folder):
         shutil.rmtree(folder / PARTS, ignore_errors=True)

@@ -8,7 +8,7 @@ import numpy as np
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.response.storage import FILE
 from wirerope_mj.engine.simulation.recorder import column_plan
-from wirerope_mj.foundation.atomic_files import written_whole
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.studies.inputs.variants import Work
 
@@ -49,7 +49,7 @@ def write_response(folder: Path, variant: int, content: bytes) -> None:
     """Write the response of a variant into the study's `folder`, whole or not at all."""
     path = _file(folder, variant)
     path.parent.mkdir(exist_ok=True)
-    with written_whole(path, clear=False) as beside:
+    with atomic_file(path, clear=False) as beside:
         beside.write_bytes(content)
 
 
@@ -76,7 +76,7 @@ def kept_numbers(folder: Path) -> set[int]:
 def whole_number(variant: int) -> int:
     """Return the number of a variant; ValueError if it is not a whole one."""
     if isinstance(variant, bool) or not isinstance(variant, int | np.integer):
-        raise ValueError(f"`variant` must be a whole number, got {variant!r}.")
+        raise ValueError(f"`variant` must be an integer, got {variant!r}.")
     return int(variant)
 
 

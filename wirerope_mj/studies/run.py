@@ -90,7 +90,7 @@ def checked_engine(name: str, *, workers: int | None, address: str | None) -> En
         SimulationError: its cluster does not answer.
     """
     if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
-        raise ValueError(f"`workers` must be a whole number >= 1, got {workers!r}.")
+        raise ValueError(f"`workers` must be an integer >= 1, got {workers!r}.")
     if name == "local":
         if address is not None:
             raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")

@@ -117,7 +117,7 @@ class Study:
         if initial not in STARTS:
             raise ValueError(f"`initial` must be one of {', '.join(STARTS)}, got {initial!r}.")
         if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
-            raise ValueError(f"`seed` must be a whole number >= 0, got {seed!r}.")
+            raise ValueError(f"`seed` must be an integer >= 0, got {seed!r}.")
         self.name, self.question, self.vary = name, question, dict(vary)
         self.duration, self.sample_rate, self.initial = float(duration), float(sample_rate), initial
         self.timestep, self.accuracy = None if timestep is None else float(timestep), accuracy

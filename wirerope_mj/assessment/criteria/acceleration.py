@@ -4,16 +4,14 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 from scipy import signal
 
 from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.engine.response import Peak, Response
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit
-
-Array = npt.NDArray[np.float64]
 
 UNIT = "m/s^2"
 UNLIMITED = "no limit is stated"

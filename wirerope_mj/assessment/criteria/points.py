@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 
 def check_points(name: str, frequency: npt.ArrayLike, value: npt.ArrayLike) -> tuple[Array, Array]:

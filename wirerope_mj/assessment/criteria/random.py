@@ -12,10 +12,9 @@ from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
 from wirerope_mj.assessment.criteria.steady import steady_stretch
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.motions.spectra import PowerSpectralDensity, power_spectral_density
-
-Array = npt.NDArray[np.float64]
 
 SIGMAS = 3.0
 

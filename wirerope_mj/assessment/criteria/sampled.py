@@ -1,11 +1,7 @@
 """Sampled histories: read without keeping them, and their extremes."""
 
-import numpy as np
-import numpy.typing as npt
-
 from wirerope_mj.engine.response import Response
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 
 def read_columns(response: Response, first: str, count: int) -> Array:

@@ -13,9 +13,8 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import maximum_filter1d
 
 from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.spectra import power_spectral_density
-
-Array = npt.NDArray[np.float64]
 
 PEAKS_1984 = {"lower": (4e-3, 0.126), "upper": (9e-3, 0.285)}
 """Peak velocity from 5 to 100 Hz [m/s], and peak acceleration from 1 to 5 Hz [m/s^2]."""

@@ -7,9 +7,8 @@ from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import RATINGS, travel_in, travel_reached
-
-Array = npt.NDArray[np.float64]
 
 COMBINED = "travel combined"
 """Name of the criterion on all axes at once."""

@@ -269,7 +269,7 @@ def _variants(parts: Sequence[Part], loops: Sequence[int]) -> list[Part]:
     """Return the parts, and after each those with fewer loops."""
     for number in loops:
         if isinstance(number, bool) or not isinstance(number, int) or number < 1:
-            raise ValueError(f"`loops` must be whole numbers >= 1, got {number!r}.")
+            raise ValueError(f"`loops` must be integers >= 1, got {number!r}.")
     found = []
     for part in parts:
         fewer = [number for number in loops if part.loops is not None and number < part.loops]

@@ -61,7 +61,7 @@ class Worksheet:
             if value is not None and not (math.isfinite(value) and value > 0.0):
                 raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")
         if isinstance(self.mounts, bool) or not isinstance(self.mounts, int) or self.mounts < 1:
-            raise ValueError(f"`mounts` must be a whole number >= 1, got {self.mounts!r}.")
+            raise ValueError(f"`mounts` must be an integer >= 1, got {self.mounts!r}.")
         for name in ("loading", "direction"):
             mode = "shear" if getattr(self, name) == "roll" else getattr(self, name)
             if mode not in MODES:

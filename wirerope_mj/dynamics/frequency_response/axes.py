@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 ENOUGH = 4
 """Numbers 1, 2, 5, 10, .. in a range from which they are the ticks of its axis; with fewer, equal steps are."""

@@ -4,13 +4,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.frequency_response.curve import Curve
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 AWAY = 0.05
 """Relative distance from a fold within which a sweep jumps and is not compared."""

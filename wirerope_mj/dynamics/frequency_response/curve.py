@@ -8,8 +8,7 @@ import numpy.typing as npt
 from scipy.interpolate import Akima1DInterpolator
 
 from wirerope_mj.dynamics.periodic import Branch
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 BETWEEN = 16
 """Places between two neighbouring points: at steps of 2 % in frequency, an eighth of a percent apart."""
@@ -23,7 +22,7 @@ class Curve:
         frequency: [Hz], (n,).
         amplitude: of the payload [m/s^2], (n,).
         stable: whether the motions on either side of a place are, (n,).
-        point: place in the branch, a whole number at its points, (n,).
+        point: place in the branch, an integer at its points, (n,).
     """
 
     frequency: Array

@@ -9,7 +9,8 @@ import numpy as np
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.simulation.stability import eigenvalues
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import Direction, checked_direction, direction_text, positive, unit_vector
+from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import Sine
 
@@ -75,7 +76,7 @@ class Question:
         check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=direction))
         start, stop, words = _range(system, self.start, self.stop)
         if isinstance(self.periods, bool) or not isinstance(self.periods, int) or self.periods < 1:
-            raise ValueError(f"`periods` must be a whole number >= 1, got {self.periods!r}.")
+            raise ValueError(f"`periods` must be an integer >= 1, got {self.periods!r}.")
         if self.method == "sweep" and (self.smoothing is not None or self.periods != 1):
             raise ValueError(
                 "`smoothing` and `periods` belong to the continuation: a sweep has neither. Leave them out."

@@ -1,14 +1,12 @@
 """Stiffness of one mount axis about its deflection at rest: tangents, the limit of small closed cycles, closed cycles."""
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq
 
 from wirerope_mj.dynamics.single_mass.cycle import cycle_force, require_steady
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Law
 from wirerope_mj.mounts.laws.kernels import evaluate
-
-Array = npt.NDArray[np.float64]
 
 SAMPLES = 256
 """Samples of a closed cycle: the area of a loop with sharp tips is then right to 1e-6."""

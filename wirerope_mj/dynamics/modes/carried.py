@@ -9,7 +9,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq
 
 from wirerope_mj.dynamics.modes.axis import closed_cycle, mean_force
@@ -18,10 +17,9 @@ from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.dynamics.single_mass.cycle import is_neutral
 from wirerope_mj.engine.statics import MountLoad
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import Law
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

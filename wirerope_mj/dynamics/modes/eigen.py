@@ -7,7 +7,8 @@ import numpy.typing as npt
 from scipy.linalg import eigh
 from scipy.optimize import linear_sum_assignment
 
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
+
 ComplexArray = npt.NDArray[np.complex128]
 
 CLOSE = 1e-6

@@ -5,7 +5,6 @@ from importlib.metadata import version
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.modes.rest import STATE, AtRest, linearise
 from wirerope_mj.dynamics.modes.result import Modes
@@ -15,8 +14,7 @@ from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peak, Peaks
 from wirerope_mj.engine.response.response import MemorySamples, Numerics
 from wirerope_mj.engine.simulation.scene import scene_of
 from wirerope_mj.engine.system import System
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 ROWS = 36
 """Rows of a period: ten degrees each."""

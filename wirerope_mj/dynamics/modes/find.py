@@ -14,9 +14,9 @@ from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.dynamics.modes.tipping import stability_of
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 
-Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 AnyArray = TypeVar("AnyArray", Array, ComplexArray)
 

@@ -4,14 +4,12 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.modes.rest import AtRest
 from wirerope_mj.dynamics.modes.result import PayloadShape
 from wirerope_mj.engine.statics.payloads import Payload, movers_of, payloads_of
 from wirerope_mj.engine.system import System
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 NAMED = 0.15
 """Share of the kinetic energy from which a part of the motion is named."""

@@ -7,9 +7,9 @@ import numpy.typing as npt
 
 from wirerope_mj.dynamics.modes.axis import closed_cycle, lasting, loading_and_unloading, vanishing_cycle
 from wirerope_mj.dynamics.modes.plane import SMALL, loop_cycle, plane_cycle, plane_tangents
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
 
-Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 
 

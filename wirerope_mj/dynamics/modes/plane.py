@@ -7,10 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.dynamics.modes.axis import SAMPLES, closed_cycle, cycle_samples
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import BiaxialBoucWen, BoucWen, Law, LoopBoucWen, LoopCoupling
 from wirerope_mj.mounts.laws.plane import asymmetry_of, elastic_of
 
-Array = npt.NDArray[np.float64]
 ComplexArray = npt.NDArray[np.complex128]
 Coupled = BiaxialBoucWen | LoopBoucWen
 

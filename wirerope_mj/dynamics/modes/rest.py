@@ -11,8 +11,7 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.rotation import righting_torque
 from wirerope_mj.engine.statics import Equilibrium
 from wirerope_mj.engine.system import System
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 STEP = 1e-6
 """Step [m or rad] of central differences: their error and that of rounding are both near 1e-9 of the stiffness."""

@@ -9,8 +9,7 @@ from scipy.optimize import linear_sum_assignment
 
 from wirerope_mj.dynamics.modes.tipping import Stability
 from wirerope_mj.engine.statics import Equilibrium, History
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,15 +6,13 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import eigvalsh
 
 from wirerope_mj.dynamics.modes.eigen import FREE, solve
 from wirerope_mj.dynamics.modes.rest import AtRest
 from wirerope_mj.engine.statics.payloads import movers_of
 from wirerope_mj.engine.system import System
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 AMPLE = 3.0
 """Gravity factor from which a payload stands safely; less is called slender."""

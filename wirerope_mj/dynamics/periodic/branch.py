@@ -10,10 +10,10 @@ from wirerope_mj.dynamics.periodic.coordinates import Coordinates
 from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import Direction
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.state import State
 
-Array = npt.NDArray[np.float64]
 Parameter = Literal["frequency", "acceleration"]
 Kind = Literal["fold", "period doubling", "Neimark-Sacker", "symmetry breaking"]
 

@@ -13,7 +13,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.periodic.branch import Parameter
 from wirerope_mj.dynamics.periodic.coordinates import scales
@@ -23,9 +22,7 @@ from wirerope_mj.dynamics.periodic.search import Search
 from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot, least_solution, monodromy, shot
 from wirerope_mj.dynamics.periodic.track import Drive
 from wirerope_mj.dynamics.periodic.variational import Variational
-
-Array = npt.NDArray[np.float64]
-
+from wirerope_mj.foundation.arrays import Array
 
 CHANGE = 0.25
 """Change of the motion in shares of its ranges that counts as one unit of arclength."""

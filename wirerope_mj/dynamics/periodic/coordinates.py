@@ -4,15 +4,13 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.simulation.initial import moving_with_base
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine
-
-Array = npt.NDArray[np.float64]
 
 SMALLEST_STATE = 1e-2
 """Share of the largest range among the internal states below which a state's own range is no scale for it."""

@@ -17,11 +17,9 @@ from wirerope_mj.dynamics.periodic.track import Drive, Track
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.motions import Sine
-
-Array = npt.NDArray[np.float64]
-
 
 STATE_PARTS = ("qpos", "qvel", "act")
 

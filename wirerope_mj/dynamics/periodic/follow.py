@@ -10,7 +10,7 @@ from wirerope_mj.dynamics.periodic.walk import Walk
 from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import at_least_one
+from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.foundation.state import State
 
 
@@ -74,8 +74,8 @@ def follow_branch(
     """
     question = checked_question(
         system, acceleration=acceleration, frequency=frequency, direction=direction, payload=payload,
-        response_direction=response_direction, periods=at_least_one("periods", periods), history=history,
-        most_points=at_least_one("most_points", most_points), start=start, stop=stop, largest_step=largest_step,
+        response_direction=response_direction, periods=integer("periods", periods, least=1), history=history,
+        most_points=integer("most_points", most_points, least=1), start=start, stop=stop, largest_step=largest_step,
         smallest_step=smallest_step, tolerance=tolerance, accuracy=accuracy,
         smoothing=smoothing,
     )  # fmt: skip

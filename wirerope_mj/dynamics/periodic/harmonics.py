@@ -4,12 +4,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
-from wirerope_mj.foundation.arguments import checked_direction, unit_vector
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import checked_direction, unit_vector
 
 
 @dataclass(frozen=True, kw_only=True)

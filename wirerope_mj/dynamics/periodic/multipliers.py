@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from wirerope_mj.dynamics.periodic.flow import Flow
 from wirerope_mj.dynamics.periodic.shooting import Shot
+from wirerope_mj.foundation.arrays import Array
 
-Array = npt.NDArray[np.float64]
 Multipliers = npt.NDArray[np.complex128]
 
 NEAR_ONE = 1e-3

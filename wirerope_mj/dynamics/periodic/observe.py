@@ -8,9 +8,8 @@ from wirerope_mj.dynamics.periodic.track import Track
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.observer import parabola_extreme
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import travel_reached, travel_shares
-
-Array = npt.NDArray[np.float64]
 
 
 def observed_bodies(system: System) -> list[str]:

@@ -8,7 +8,7 @@ from wirerope_mj.dynamics.periodic.smoothing import smoothed
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import Direction
+from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine
 

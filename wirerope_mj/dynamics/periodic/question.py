@@ -10,7 +10,8 @@ from wirerope_mj.dynamics.periodic.observe import observed_bodies
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import Direction, checked_direction, positive
+from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.motions import Sine
 
 

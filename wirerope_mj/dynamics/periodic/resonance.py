@@ -4,11 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.periodic.branch import Branch
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 PROMINENT = 1.02
 """Ratio of a peak to the higher of the two valleys beside it from which on it is one."""

@@ -8,9 +8,8 @@ import numpy.typing as npt
 from wirerope_mj.dynamics.periodic.continuation import Point
 from wirerope_mj.dynamics.periodic.observe import amplitude, body_acceleration
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import Direction, unit_vector
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, unit_vector
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.periodic.coordinates import Coordinates
 from wirerope_mj.dynamics.periodic.flow import Flow
@@ -21,12 +20,12 @@ from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.simulation.stepper import STATE
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import Direction, at_least_one, checked_direction, nonzero, positive
+from wirerope_mj.foundation.arguments import integer, nonzero, positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.foundation.errors import ConvergenceError, SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine
-
-Array = npt.NDArray[np.float64]
 
 SETTLING = (20, 60, 240)
 """Periods that are simulated before Newton's method starts, and more of them each time it fails."""
@@ -87,7 +86,7 @@ def periodic_orbit(
         frequency=positive("frequency", frequency), acceleration=nonzero("acceleration", acceleration),
         direction=checked_direction(direction),
     )  # fmt: skip
-    at_least_one("periods", periods)
+    integer("periods", periods, least=1)
     check_direction(system, sine)
     if guess is not None:
         _require_state(system, guess)

@@ -3,14 +3,12 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.periodic.coordinates import scales
 from wirerope_mj.dynamics.periodic.flow import Flow
 from wirerope_mj.dynamics.periodic.observe import ranges
 from wirerope_mj.dynamics.periodic.track import Drive, Track
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 DIFFERENCE = 1e-5
 """Step of the difference quotients in units of the scales: far above the rounding of positions of metres (1e-16 m against

@@ -11,7 +11,7 @@ import numpy as np
 from wirerope_mj.dynamics.periodic.branch import Bifurcation
 from wirerope_mj.dynamics.periodic.rows import Row
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.atomic_files import written_whole
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 
 FILE = "branch.parquet"
@@ -54,7 +54,7 @@ def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content:
     columns["unknowns"] = [row.unknowns for row in rows]
     noted = [asdict(event) | {"multiplier": [event.multiplier.real, event.multiplier.imag]} for event in events]
     metadata = {_KEY: json.dumps(content | {"bifurcations": noted}).encode()}
-    with written_whole(folder / FILE) as beside:
+    with atomic_file(folder / FILE) as beside:
         pq.write_table(pa.table(columns).replace_schema_metadata(metadata), beside)
 
 

@@ -2,10 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,9 +24,9 @@ from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot
 from wirerope_mj.dynamics.periodic.smoothing import set_width
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import Sine
 
-Array = npt.NDArray[np.float64]
 Instants = npt.NDArray[np.int64]
 
 ROWS = 512

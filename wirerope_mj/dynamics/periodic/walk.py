@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.periodic.branch import Bifurcation, Branch
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
@@ -19,10 +18,9 @@ from wirerope_mj.dynamics.periodic.rows import Row, row_of
 from wirerope_mj.dynamics.periodic.search import ITERATIONS, Search
 from wirerope_mj.dynamics.periodic.shooting import close, shot
 from wirerope_mj.dynamics.periodic.storage import fingerprint, load_rows, save_rows
-from wirerope_mj.foundation.arguments import direction_text
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import direction_text
 from wirerope_mj.foundation.state import State
-
-Array = npt.NDArray[np.float64]
 
 FIRST = 0.2
 """First step in units of the largest."""

@@ -19,10 +19,11 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.dynamics.single_mass.cycle import Array, largest, steady_cycle
+from wirerope_mj.dynamics.single_mass.cycle import largest, steady_cycle
 from wirerope_mj.dynamics.single_mass.equivalent import require_oscillator
 from wirerope_mj.dynamics.single_mass.fourier import Balance, Solution, newton
 from wirerope_mj.dynamics.single_mass.linearisation import linearised_orbits
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import Law, Smoothed
 

@@ -12,10 +12,9 @@ from wirerope_mj.dynamics.single_mass.closing import (
     steady_force,
     turning_points,
 )
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import BoucWenBaberNoori, Law, Loop
 from wirerope_mj.mounts.laws.timed import follow_time
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

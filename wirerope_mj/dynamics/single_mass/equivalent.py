@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from wirerope_mj.dynamics.single_mass.cycle import Array, cycle_force, is_neutral, largest, require_steady
+from wirerope_mj.dynamics.single_mass.cycle import cycle_force, is_neutral, largest, require_steady
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Law
 
 SAMPLES = 256

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.dynamics.single_mass.cycle import Array, cycle_force, is_neutral
+from wirerope_mj.dynamics.single_mass.cycle import cycle_force, is_neutral
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Law
 
 _STEP = 1e-6

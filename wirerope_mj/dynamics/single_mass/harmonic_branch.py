@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.dynamics.single_mass.balance import HarmonicOrbit, checked_harmonics, harmonic_balance, orbit_of
-from wirerope_mj.dynamics.single_mass.cycle import Array
 from wirerope_mj.dynamics.single_mass.fourier import Balance, Solution, newton
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import Law
 

@@ -13,8 +13,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import brentq, minimize_scalar
 
-from wirerope_mj.dynamics.single_mass.cycle import Array, steady_cycle
+from wirerope_mj.dynamics.single_mass.cycle import steady_cycle
 from wirerope_mj.dynamics.single_mass.equivalent import SAMPLES, EquivalentOscillator, oscillator_at, require_oscillator
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Law
 
 _DECADES, _PER_DECADE = 6.0, 24

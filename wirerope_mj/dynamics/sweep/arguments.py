@@ -15,7 +15,8 @@ from wirerope_mj.engine.simulation.stepper import STATE
 from wirerope_mj.engine.simulation.timestep import GIVEN, ChosenStep, choose_timestep
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import checked_direction, positive, unit_vector
+from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.directions import checked_direction, unit_vector
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine, Sweep

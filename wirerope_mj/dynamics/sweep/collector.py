@@ -4,17 +4,15 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.sweep.channels import Channels
 from wirerope_mj.dynamics.sweep.envelope import FrequencySweep
 from wirerope_mj.dynamics.sweep.storage import Table, encoded
 from wirerope_mj.dynamics.sweep.travel import TravelWatch
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import Direction, unit_vector
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, unit_vector
 from wirerope_mj.foundation.state import State
-
-Array = npt.NDArray[np.float64]
 
 
 class Collector:

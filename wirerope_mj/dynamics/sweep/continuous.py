@@ -4,9 +4,6 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
-import numpy.typing as npt
-
 from wirerope_mj.dynamics.sweep.arguments import (
     acceleration_of,
     axis_of,
@@ -22,11 +19,10 @@ from wirerope_mj.engine.simulation.progress import Update, share_bar
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import at_least_one, positive
+from wirerope_mj.foundation.arguments import integer, positive
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine, Sweep
-
-Array = npt.NDArray[np.float64]
 
 CHUNK = 64
 """Cycles between two looks at deflections and progress: their base motion is evaluated at once."""
@@ -89,7 +85,7 @@ def frequency_sweep(
             f"`sweep` ends after {sweep.duration:.4g} s, before its first cycle does; lower its rate or widen its range."
         )
     wait = None if settled is None else positive("settled", settled)
-    most = at_least_one("largest_cycles", largest_cycles)
+    most = integer("largest_cycles", largest_cycles, least=1)
     start = starting_state(system, history=history, initial=initial)
     with (
         Collector(system, direction=sweep.direction, out=out) as collector,

@@ -17,11 +17,10 @@ from wirerope_mj.engine.simulation.initial import moving_with_base
 from wirerope_mj.engine.simulation.stages import StageTables
 from wirerope_mj.engine.simulation.stepper import STATE, Stepper
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine, Sweep
-
-Array = npt.NDArray[np.float64]
 
 STEPS_PER_CYCLE = 40
 """Fewest steps in a cycle: the parabola through three of them meets the crest of a sine within 1e-5, of its third harmonic

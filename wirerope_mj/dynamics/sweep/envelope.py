@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sweep, motion_from_dict
-
-Array = npt.NDArray[np.float64]
 
 AXES = ("x", "y", "z")
 

@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.sweep.channels import Channels
 from wirerope_mj.dynamics.sweep.cycles import Extremes, at_start, stepping
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine
-
-Array = npt.NDArray[np.float64]
 
 FEWEST = 16
 """Cycles before which nothing is judged: four in each quarter."""

@@ -21,12 +21,11 @@ from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import Direction, at_least_one, checked_direction, plain_direction, positive
+from wirerope_mj.foundation.arguments import integer, positive
+from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine, Sweep
 from wirerope_mj.motions.harmonic import the_one_level
-
-Array = npt.NDArray[np.float64]
 
 KIND = "stepped sine"
 
@@ -96,7 +95,7 @@ def stepped_sine(
     along = axis_of(
         *(("direction", direction) if response_direction is None else ("response_direction", response_direction))
     )
-    tolerance, most = positive("settled", settled), at_least_one("largest_cycles", largest_cycles)
+    tolerance, most = positive("settled", settled), integer("largest_cycles", largest_cycles, least=1)
     start = starting_state(system, history=history, initial=initial)
     pilot = _pilot(sines, quantity, level, base)
     excitation = {"kind": KIND, quantity: level, "direction": plain_direction(base)}

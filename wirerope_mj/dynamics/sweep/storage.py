@@ -6,17 +6,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.sweep.envelope import AXES, Envelope, FrequencySweep, MountEnvelope
 from wirerope_mj.dynamics.sweep.summary import summary
 from wirerope_mj.engine.response.storage import SampleWriter
-from wirerope_mj.foundation.atomic_files import written_whole
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.mounts.isolator import AXES as MOUNT_AXES
-
-Array = npt.NDArray[np.float64]
 
 FILE, SUMMARY = "frequency_sweep.parquet", "frequency_sweep.json"
 FORMAT = 1
@@ -151,5 +149,5 @@ def _built(rows: Array, content: dict[str, Any]) -> FrequencySweep:
 
 
 def _write_summary(sweep: FrequencySweep, folder: Path) -> None:
-    with written_whole(folder / SUMMARY) as beside:
+    with atomic_file(folder / SUMMARY) as beside:
         beside.write_text(json.dumps(summary(sweep), indent=2) + "\n", encoding="utf-8")

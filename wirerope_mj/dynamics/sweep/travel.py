@@ -3,14 +3,12 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.mounts.isolator.travel import RATINGS, travel_reached
 from wirerope_mj.mounts.laws.law import ROUNDING
-
-Array = npt.NDArray[np.float64]
 
 RAN_AWAY = 10.0
 """Finite travels beyond which a deflection is but the overflow of a law that has ended."""

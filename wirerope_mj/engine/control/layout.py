@@ -5,7 +5,7 @@ mount axis, no force of its own. Its `dynprm` says where the rest is:
 
     dynprm = MAGIC, layout, parameters, userdata, activation        addresses into numeric_data, userdata and act
 
-The layout (in `numeric_data`) holds a header and tables of whole numbers, the parameters those of the laws, in the order of
+The layout (in `numeric_data`) holds a header and tables of integers, the parameters those of the laws, in the order of
 the axes table. `userdata` holds what the callbacks exchange within and between steps. Nothing lives outside mjModel and mjData.
 """
 

@@ -3,9 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
 from wirerope_mj.engine.response.response import (
     BaseResponse,
     BodyResponse,
@@ -14,9 +11,9 @@ from wirerope_mj.engine.response.response import (
     Response,
     Samples,
 )
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import AXES
 
-Array = npt.NDArray[np.float64]
 _XYZ = ("x", "y", "z")
 _KINEMATICS = (
     ("position", _XYZ),

@@ -4,11 +4,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.response.contacts import ContactPeak
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,13 +7,11 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.scene import Scene
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
-
-Array = npt.NDArray[np.float64]
 
 BLOCK_ROWS = 1 << 16
 """Rows of samples that are handed on at once where a long response must not stand in memory as a whole."""

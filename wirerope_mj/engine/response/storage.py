@@ -10,17 +10,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.response.checked import check_content
 from wirerope_mj.engine.response.columns import ColumnPlan
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import BLOCK_ROWS, Numerics, Response
 from wirerope_mj.engine.response.scene import Scene, scene_from_dict, scene_to_dict
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.state import State
 
-Array = npt.NDArray[np.float64]
 FILE = "response.parquet"
 _KEY = b"wirerope_mj"
 FORMAT = 1

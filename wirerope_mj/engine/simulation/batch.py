@@ -8,8 +8,6 @@ from functools import cache, partial
 from typing import Any
 
 import mujoco
-import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import Kind
@@ -31,11 +29,10 @@ from wirerope_mj.engine.simulation.simulate import (
 )
 from wirerope_mj.engine.simulation.timestep import limit_of_given
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError, WireRopeError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
-
-Array = npt.NDArray[np.float64]
 
 _OUTSIDE_THE_STATE = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mjENBL_IPC
 """Options with which MuJoCo keeps more from step to step than a state holds, so that threads cannot share its data."""
@@ -122,7 +119,7 @@ def simulate_batch(
     """
     check_arguments(duration=duration, timestep=timestep, sample_rate=sample_rate, threads=threads)
     if threads is not None and threads != int(threads):
-        raise ValueError(f"`threads` must be a whole number, got {threads}.")
+        raise ValueError(f"`threads` must be an integer, got {threads}.")
     systems, motions, starts = _variants(systems, motions, initial)
     if not systems:
         return []

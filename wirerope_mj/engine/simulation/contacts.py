@@ -2,19 +2,17 @@
 
 from dataclasses import replace
 
-import numpy as np
-import numpy.typing as npt
-
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.response.contacts import ContactPeak
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.contact_pairs import contact_name, geom_name, payload_first
+from wirerope_mj.foundation.arrays import Array
 
 OTHERS = "further pairs"
 """What pairs of geoms beyond the memory's last row are called together."""
 
 
-def contacts_of(system: System, user: npt.NDArray[np.float64]) -> dict[str, ContactPeak]:
+def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
     """Return the contacts by name: the model's declared pairs, touched or not, what else touched, then the mounts' stops.
 
     Where more touched than the memory has rows for, the last row is of all further pairs together, and what is not known to
@@ -35,7 +33,7 @@ def contacts_of(system: System, user: npt.NDArray[np.float64]) -> dict[str, Cont
     return found | _stops(system, user)
 
 
-def _stops(system: System, user: npt.NDArray[np.float64]) -> dict[str, ContactPeak]:
+def _stops(system: System, user: Array) -> dict[str, ContactPeak]:
     """Return the stops among the mounts' laws, open or not, by the mount's name; with the axis where it has several."""
     rows = iter(user[system.assembly.tables.user.stops :].reshape(-1, at.CONTACT_MEMORY))
     found = {}
@@ -57,7 +55,7 @@ def _contact(system: System, pair: tuple[int, int]) -> ContactPeak:
     return ContactPeak(geoms=(geom_name(model, pair[0]), geom_name(model, pair[1])), bodies=(bodies[0], bodies[1]))
 
 
-def _touched(contact: ContactPeak, row: npt.NDArray[np.float64]) -> ContactPeak:
+def _touched(contact: ContactPeak, row: Array) -> ContactPeak:
     force, depth = float(row[at.FORCE_PEAK]), float(row[at.DEPTH])
     return replace(
         contact,

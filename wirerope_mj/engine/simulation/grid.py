@@ -8,9 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.control.layout import CORNER, JUMP, MAX_STEPS, SMOOTH
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion
-
-Array = npt.NDArray[np.float64]
 
 SAME_TIME = 1e-10
 """Instants closer than this are one [s]; also how far a corner's one-sided limits are evaluated from it."""

@@ -2,15 +2,13 @@
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.simulation.stepper import STATE, velocity_jump
 from wirerope_mj.engine.statics import equilibrium
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
-
-Array = npt.NDArray[np.float64]
 
 SAME_MOTION = 1e-6
 """Relative difference of base positions and velocities that is integration error and not another motion."""

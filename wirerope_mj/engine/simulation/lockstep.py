@@ -5,7 +5,6 @@ from functools import partial
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 from mujoco.batch import Batch
 from mujoco.batch import SimulationError as BatchError
 
@@ -25,11 +24,11 @@ from wirerope_mj.engine.simulation.stepper import (
     velocity_jump,
 )
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
-Array = npt.NDArray[np.float64]
 Sink = Callable[[int, Array], None]
 
 

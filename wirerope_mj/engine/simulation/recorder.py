@@ -4,7 +4,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.response.columns import ColumnPlan
 from wirerope_mj.engine.response.peaks import Peaks
@@ -14,10 +13,9 @@ from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.simulation.run import point_name
 from wirerope_mj.engine.simulation.scene import scene_of
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
-
-Array = npt.NDArray[np.float64]
 
 STREAM_ROWS = 4096
 """Samples that are kept in memory before a block is written to disk."""

@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import mujoco
-import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
@@ -16,10 +14,9 @@ from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.simulation.stages import StageTables
 from wirerope_mj.engine.simulation.stepper import Stepper
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
-
-Array = npt.NDArray[np.float64]
 
 CHECK_EVERY = 64
 """Pieces between two looks at MuJoCo's warning counters."""

@@ -2,10 +2,10 @@
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.engine.system import Mount, System
+from wirerope_mj.foundation.arrays import Array
 
 _SHAPES = {
     mujoco.mjtGeom.mjGEOM_PLANE: "plane",
@@ -69,7 +69,7 @@ def _geoms(model: mujoco.MjModel, body: int) -> tuple[Geom, ...]:
     return tuple(geoms)
 
 
-def _mesh(model: mujoco.MjModel, mesh: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def _mesh(model: mujoco.MjModel, mesh: int) -> tuple[Array, Array]:
     vertex, n_vertices = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
     face, n_faces = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
     return (

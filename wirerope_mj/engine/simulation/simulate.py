@@ -9,7 +9,6 @@ from numbers import Real
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.response import Numerics, Response
@@ -24,11 +23,10 @@ from wirerope_mj.engine.simulation.stability import stable_step
 from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, limit_of_given
 from wirerope_mj.engine.simulation.uncertain import warn_of_uncertainty
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, RecordError, SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
-
-Array = npt.NDArray[np.float64]
 
 
 def simulate(

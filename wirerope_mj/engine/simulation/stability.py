@@ -6,6 +6,7 @@ import numpy.typing as npt
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.tables import turning
+from wirerope_mj.foundation.arrays import Array
 
 RK4_LIMIT = 2.7
 """RK4 is stable for |lambda| h < 2.785 on the negative real axis and 2.828 on the imaginary one; a little less is used."""
@@ -15,9 +16,7 @@ SLOWEST_RATE = 1.0
 """Angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely."""
 
 
-def _mount_matrices(
-    system: System, data: mujoco.MjData, closed: bool
-) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[Array, Array]:
     """Return stiffness [N/m, ...] and damping of all mounts in MuJoCo's velocity coordinates, (n_v, n_v) each.
 
     Stiffness is that of the unloaded mounts in the modelled geometry, with stops open or closed, damping the laws' largest.

@@ -11,12 +11,11 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
 from wirerope_mj.engine.simulation.stages import Piece, along_slides
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator.travel import beyond_law
-
-Array = npt.NDArray[np.float64]
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 

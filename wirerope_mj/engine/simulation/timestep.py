@@ -3,7 +3,6 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.simulation.grid import time_grid
@@ -11,11 +10,10 @@ from wirerope_mj.engine.simulation.initial import moving_with_base
 from wirerope_mj.engine.simulation.run import run
 from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
-
-Array = npt.NDArray[np.float64]
 
 HALVINGS = 11
 """Halvings after which the search ends: 1e-3 s becomes 5e-7 s."""

@@ -6,11 +6,12 @@ import numpy as np
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.statics.payloads import payloads_of
-from wirerope_mj.engine.statics.result import Array, Equilibrium, History, MountLoad
+from wirerope_mj.engine.statics.result import Equilibrium, History, MountLoad
 from wirerope_mj.engine.statics.roots import Roots
 from wirerope_mj.engine.statics.slow_path import SlowPath
 from wirerope_mj.engine.statics.unresisted import unresisted
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.mounts.isolator.travel import beyond_law

@@ -2,14 +2,14 @@
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 
 
-def forces_at_rest(system: System, state: State) -> npt.NDArray[np.float64]:
+def forces_at_rest(system: System, state: State) -> Array:
     """Return the forces of all mounts in an equilibrium's state, roll, shear, axial [N], (n_mounts, 3).
 
     The state holds them, since the callback's memory is part of it: nothing is computed.

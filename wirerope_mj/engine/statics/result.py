@@ -3,12 +3,9 @@
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-import numpy.typing as npt
-
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 
-Array = npt.NDArray[np.float64]
 History = Literal["virgin", "relaxed"]
 
 

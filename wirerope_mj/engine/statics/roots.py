@@ -3,9 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 ITERATIONS = 60
 """Iterations for one root: ten times what a smooth one takes."""

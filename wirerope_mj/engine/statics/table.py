@@ -5,17 +5,15 @@ from typing import Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.statics.find import equilibrium
 from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.statics.result import Equilibrium, History
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.isolator.static_rating import static_load_unjudged
-
-Array = npt.NDArray[np.float64]
 
 HISTORIES: tuple[History, History] = ("virgin", "relaxed")
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION

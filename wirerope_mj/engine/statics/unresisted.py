@@ -8,8 +8,7 @@ import numpy.typing as npt
 from scipy.linalg import eigh, null_space
 
 from wirerope_mj.engine.system import System
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 TURN = 1e-5
 """Turn of the differences [rad]: rounding of accelerations, 1e-14 m/s^2, and their curvature both leave less than `SLOW`."""

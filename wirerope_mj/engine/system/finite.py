@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.system.named_files import model_trees
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
 _ELEMENTS = {"site": "site", "jnt": "joint", "geom": "geom", "body": "body", "eq": "equality"}
@@ -72,7 +73,7 @@ def _float_arrays() -> tuple[str, ...]:
     return tuple(sorted(arrays, key=rank))
 
 
-def _place(model: mujoco.MjModel, array: str, values: npt.NDArray[np.float64]) -> str:
+def _place(model: mujoco.MjModel, array: str, values: Array) -> str:
     """Return words for the first element of an array whose numbers are not all finite."""
     kind, _, attribute = array.partition("_")
     row = int(np.argwhere(~np.isfinite(values))[0][0])
@@ -103,7 +104,7 @@ def check_joints(model: mujoco.MjModel) -> None:
     _check_independent(model, np.arange(model.nv), mass / np.outer(size, size))
 
 
-def _check_independent(model: mujoco.MjModel, dofs: npt.NDArray[np.int64], matrix: npt.NDArray[np.float64]) -> None:
+def _check_independent(model: mujoco.MjModel, dofs: npt.NDArray[np.int64], matrix: Array) -> None:
     """Raise ModelError if a symmetric matrix over velocity coordinates is not positive definite; names their joints."""
     values, shapes = np.linalg.eigh(matrix)
     if not values.size or values[0] > REGULAR:

@@ -6,8 +6,6 @@ from os import PathLike
 from pathlib import Path
 
 import mujoco
-import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.system.assembly import Assembly, assemble
 from wirerope_mj.engine.system.changes import Changes
@@ -15,6 +13,7 @@ from wirerope_mj.engine.system.declared import DeclaredMount, base_body, check_n
 from wirerope_mj.engine.system.finite import check_joints, check_numbers, check_written
 from wirerope_mj.engine.system.limits import declared_limits
 from wirerope_mj.engine.system.refused import refused
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.plain_text import short
@@ -46,8 +45,8 @@ class Mount:
     base_site: str
     payload_body: str
     base_body: str
-    position: npt.NDArray[np.float64]
-    axes: npt.NDArray[np.float64]
+    position: Array
+    axes: Array
     states: tuple[slice, slice, slice]
 
 

@@ -10,10 +10,9 @@ import numpy.typing as npt
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system.contact_pairs import contact_rows
 from wirerope_mj.engine.system.declared import DeclaredMount
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL
-
-Array = npt.NDArray[np.float64]
 
 DRIVE_ARMATURE = 1e10
 """Inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2."""

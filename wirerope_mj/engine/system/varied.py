@@ -5,17 +5,16 @@ from dataclasses import replace
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system.changes import Changes
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.engine.system.system import Mount, System, load_system
 from wirerope_mj.engine.system.tables import Tables, make_tables, with_laws
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
 
-Array = npt.NDArray[np.float64]
 Shift = Sequence[float] | Array
 
 

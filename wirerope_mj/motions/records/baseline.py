@@ -1,10 +1,8 @@
 """What may be taken off a measured acceleration, each of it only on request."""
 
-from __future__ import annotations
-
 import numpy as np
-from numpy.typing import NDArray
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.records.rest import standing_value
 
 BASELINES = ("none", "rest", "mean", "velocity", "highpass")
@@ -20,10 +18,8 @@ _MOST_ADDED = 20_000_000
 """Samples that may be added: a cutoff far below anything in a record would fill the memory with rest."""
 
 
-def without_baseline(
-    time: NDArray[np.float64], samples: NDArray[np.float64], baseline: str, highpass: float | None
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Returns instants and samples without a constant (`baseline`), or without what is slower than a cutoff [Hz].
+def without_baseline(time: Array, samples: Array, baseline: str, highpass: float | None) -> tuple[Array, Array]:
+    """Return instants and samples without a constant (`baseline`), or without what is slower than a cutoff [Hz].
 
     The samples are changed in place, unless they are filtered: a record is then longer, by rest at both ends.
 
@@ -50,9 +46,7 @@ def without_baseline(
     return time, samples
 
 
-def _highpassed(
-    time: NDArray[np.float64], samples: NDArray[np.float64], cutoff: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _highpassed(time: Array, samples: Array, cutoff: float) -> tuple[Array, Array]:
     from scipy.signal import butter, sosfiltfilt
 
     step = float(time[-1] - time[0]) / (time.size - 1)

@@ -3,18 +3,15 @@
 None of these can be known for sure, so that each is said with its reason, and nothing is changed.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.records.reading import Reading
 from wirerope_mj.motions.records.rest import is_pulse, peak_from, quiet_level, standing_value
-
-Array = NDArray[np.float64]
 
 _FEWEST = 16
 """Samples below which nothing is judged: a record so short was written by hand."""
@@ -106,7 +103,7 @@ def doubts_about_motion(time: Array, samples: Array, baseline: str = "none") -> 
 
 
 def _noise_gain(a: Array, step: float) -> float:
-    """Returns four standard deviations of what the noise of a signal adds up to, if it is white [m/s]."""
+    """Return four standard deviations of what the noise of a signal adds up to, if it is white [m/s]."""
     rms = float(np.median(np.abs(np.diff(a[:100_000])))) / _MEDIAN_STEP
     return 4.0 * rms * step * float(np.sqrt(a.size))
 
@@ -125,7 +122,7 @@ def _strays(where: str, steady: float, speed: float, travel: float) -> Iterator[
 
 
 def _pushed(axis: str, rest: float, gained: float, baseline: str) -> str:
-    """Returns words for a correction that takes the record's pulse for an offset."""
+    """Return words for a correction that takes the record's pulse for an offset."""
     what = "mean" if baseline == "mean" else "final velocity"
     return (
         f'along {axis} the quiet part stands at {rest:.4g} m/s^2 after baseline="{baseline}": the {what} holds the pulse too, '
@@ -160,7 +157,7 @@ def _implausible(reading: Reading) -> Iterator[str]:
 
 
 def _are_pulses(samples: Array) -> bool:
-    """Returns whether there are pulses and no vibrations in samples (n, 3)."""
+    """Return whether there are pulses and no vibrations in samples (n, 3)."""
     return all(is_pulse(a, standing_value(a)) for a in samples.T if a.any())
 
 
@@ -221,7 +218,7 @@ def _clipped(axis: str, a: Array, low: float, high: float) -> Iterator[str]:
 
 
 def _is_rectangle(a: Array, first: int, length: int, rest: float) -> bool:
-    """Returns whether a flat top is reached and left in one sample each: it was written so, not measured."""
+    """Return whether a flat top is reached and left in one sample each: it was written so, not measured."""
     if first == 0 or first + length == a.size:
         return False
     jumps = (abs(float(a[place]) - float(a[first])) for place in (first - 1, first + length))
@@ -229,7 +226,7 @@ def _is_rectangle(a: Array, first: int, length: int, rest: float) -> bool:
 
 
 def _longest(inside: NDArray[np.bool_]) -> tuple[int, int]:
-    """Returns first place and length of the longest run."""
+    """Return first place and length of the longest run."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
     starts, lengths = edges[::2], edges[1::2] - edges[::2]
     longest = int(lengths.argmax())
@@ -237,7 +234,7 @@ def _longest(inside: NDArray[np.bool_]) -> tuple[int, int]:
 
 
 def _converter_step(a: Array) -> float:
-    """Returns the smallest difference of two values beside each other that is none of rounding, 1 % of the range at most."""
+    """Return the smallest difference of two values beside each other that is none of rounding, 1 % of the range at most."""
     steps = np.abs(np.diff(a[:100_000]))
     kept = steps[steps > 1e-9 * np.abs(a).max()]
     return min(float(kept.min()), 0.01 * float(np.ptp(a))) if kept.size else 0.0

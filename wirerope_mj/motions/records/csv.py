@@ -1,16 +1,13 @@
 """A measured record from a CSV file: which columns are meant, and their numbers on the three axes."""
 
-from __future__ import annotations
-
 import re
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wirerope_mj.foundation.arguments import Direction
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import (
     ACCELERATION_UNITS,
     TIME_UNITS,
@@ -20,6 +17,7 @@ from wirerope_mj.foundation.csv_units import (
     read_blocks,
     read_header,
 )
+from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.motions.records.reading import Reading, axes_of
 
@@ -27,12 +25,12 @@ _AXIS_COLUMN = re.compile(r"(?:(?:a|acc|acceleration)[ _]?)?([xyz])", re.IGNOREC
 
 
 def csv_channels(path: Path) -> tuple[str, ...]:
-    """Returns the names of all columns but the time."""
+    """Return the names of all columns but the time."""
     return read_header(path).names[1:]
 
 
 def read_csv(path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False) -> Reading:
-    """Returns what the columns of a CSV file hold.
+    """Return what the columns of a CSV file hold.
 
     Args:
         path: The file.
@@ -63,8 +61,8 @@ def read_csv(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
     return Reading(time=time, samples=samples, units=tuple(dict.fromkeys(units)))
 
 
-def _filled(header: Header, columns: Sequence[int], blocks: list[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
-    """Returns the blocks of numbers, joined and with straight lines where samples are missing, if there are any."""
+def _filled(header: Header, columns: Sequence[int], blocks: list[Array]) -> list[Array]:
+    """Return the blocks of numbers, joined and with straight lines where samples are missing, if there are any."""
     if all(np.all(np.isfinite(block)) for block in blocks):
         return blocks
     numbers = np.concatenate(blocks)
@@ -97,7 +95,7 @@ def _unit(header: Header, column: int) -> str:
 
 
 def _named_columns(header: Header, wanted: Mapping[str, Direction]) -> dict[int, Direction]:
-    """Returns the column numbers of the channels asked for, with their directions."""
+    """Return the column numbers of the channels asked for, with their directions."""
     for name in wanted:
         found = header.names[1:].count(name)
         if found != 1:
@@ -107,7 +105,7 @@ def _named_columns(header: Header, wanted: Mapping[str, Direction]) -> dict[int,
 
 
 def _axis_columns(header: Header) -> dict[int, Direction]:
-    """Returns the numbers of the columns that are named after an axis, with their directions."""
+    """Return the numbers of the columns that are named after an axis, with their directions."""
     found: dict[int, Direction] = {}
     for column, name in enumerate(header.names[1:], start=1):
         match = _AXIS_COLUMN.fullmatch(name)

@@ -1,13 +1,9 @@
 """What a filter is to find beyond the ends of a measured record, so that it does not err there."""
 
-from __future__ import annotations
-
 import numpy as np
-from numpy.typing import NDArray
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.records.rest import is_pulse, standing_value
-
-Array = NDArray[np.float64]
 
 _ORDER, _WINDOW = 32, 1000
 """Of the prediction, and the samples next to an end that it is made from: sixteen lines, a thousandth of the rate apart."""
@@ -17,7 +13,7 @@ _EXACT = 1e-10
 
 
 def continued(a: Array, count: int) -> Array:
-    """Returns a signal (n,) with samples added at both ends, (n + 2 count,).
+    """Return a signal (n,) with samples added at both ends, (n + 2 count,).
 
     A pulse is mirrored, so that a filter takes nothing from its area even where it begins with the first sample. A vibration
     was cut out of a longer one and is continued by linear prediction (Burg): sines go on with their phase, noise dies away.
@@ -31,7 +27,7 @@ def continued(a: Array, count: int) -> Array:
 
 
 def _predicted(a: Array, count: int) -> Array:
-    """Returns the samples that come after a signal as far as its past tells."""
+    """Return the samples that come after a signal as far as its past tells."""
     from scipy.signal import lfilter, lfiltic
 
     weights = _burg(a, min(_ORDER, a.size // 3))
@@ -40,7 +36,7 @@ def _predicted(a: Array, count: int) -> Array:
 
 
 def _burg(a: Array, order: int) -> Array:
-    """Returns 1 and the weights of the past in the error of prediction, which are always those of a stable filter."""
+    """Return 1 and the weights of the past in the error of prediction, which are always those of a stable filter."""
     weights = np.ones(1)
     forward, backward = a[1:], a[:-1]
     enough = _EXACT * 2.0 * float(a @ a)

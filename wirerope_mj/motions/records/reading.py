@@ -1,14 +1,12 @@
 """What the file of a measured record holds, before anything is done to it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wirerope_mj.foundation.arguments import Direction, unit_vector
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, unit_vector
 
 
 @dataclass(frozen=True)
@@ -21,11 +19,11 @@ class Reading:
         units: Units in which the file gives them, each once.
     """
 
-    time: NDArray[np.float64]
-    samples: NDArray[np.float64]
+    time: Array
+    samples: Array
     units: tuple[str, ...]
 
 
-def axes_of(directions: Iterable[Direction]) -> NDArray[np.float64]:
-    """Returns the unit vectors of the channels' directions, shape (n_channels, 3)."""
+def axes_of(directions: Iterable[Direction]) -> Array:
+    """Return the unit vectors of the channels' directions, shape (n_channels, 3)."""
     return np.array([unit_vector(direction) for direction in directions])

@@ -1,7 +1,5 @@
 """Measured acceleration of a base, played back exactly as it was sampled."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -10,20 +8,12 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import (
-    Direction,
-    as_times,
-    checked_direction,
-    direction_text,
-    finite,
-    nonzero,
-    plain_direction,
-    positive,
-    unit_vector,
-)
+from wirerope_mj.foundation.arguments import as_times, finite, nonzero, positive
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import ACCELERATION_UNITS, LARGEST
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.motion import BaseMotion
@@ -66,8 +56,8 @@ class Record(BaseMotion):
     kind: ClassVar[str] = "record"
 
     path: Path
-    time: NDArray[np.float64] = field(repr=False)
-    samples: NDArray[np.float64] = field(repr=False)
+    time: Array = field(repr=False)
+    samples: Array = field(repr=False)
     channels: Mapping[str, Direction] | None = None
     scale: float = 1.0
     baseline: str = "none"
@@ -82,20 +72,20 @@ class Record(BaseMotion):
         object.__setattr__(self, "duration", float(self.time[-1] - self.time[0]))
 
     @property
-    def directions(self) -> NDArray[np.float64]:
+    def directions(self) -> Array:
         """Axes of the world in which a sample is not zero, shape (n, 3)."""
         return np.eye(3)[[bool(column.any()) for column in self.samples.T]]
 
-    def acceleration(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
+    def acceleration(self, time: ArrayLike) -> Array:
+        """Return the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
         return self._piecewise.acceleration(as_times(time))
 
-    def velocity(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
+    def velocity(self, time: ArrayLike) -> Array:
+        """Return the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
         return self._piecewise.velocity(as_times(time))
 
-    def displacement(self, time: ArrayLike) -> NDArray[np.float64]:
-        """Returns the base's displacement [m] at the times [s], shape (n_t, 3)."""
+    def displacement(self, time: ArrayLike) -> Array:
+        """Return the base's displacement [m] at the times [s], shape (n_t, 3)."""
         return self._piecewise.displacement(as_times(time))
 
     @property
@@ -104,7 +94,7 @@ class Record(BaseMotion):
         return float(self.time[-1])
 
     @property
-    def corners(self) -> NDArray[np.float64]:
+    def corners(self) -> Array:
         """Every sample instant [s], shape (n,): the slope of the acceleration may change at each."""
         return self.time
 
@@ -140,8 +130,8 @@ class Record(BaseMotion):
         asked = {"highpass": self.highpass, "resample": self.resample, "unit": self.unit}
         return values | {name: value for name, value in asked.items() if value is not None}
 
-    def as_measured(self) -> Record:
-        """Returns the same record without a baseline correction, read from its file again; its warnings were given.
+    def as_measured(self) -> "Record":
+        """Return the same record without a baseline correction, read from its file again; its warnings were given.
 
         What the high-pass filter added at the ends is missing: it starts as much later.
         """
@@ -173,7 +163,7 @@ def load_record(
     gaps: str = "refuse",
     unit: str | None = None,
 ) -> Record:
-    """Returns the base motion that a CSV file or a universal file (dataset 58) holds, on up to three axes at once.
+    """Return the base motion that a CSV file or a universal file (dataset 58) holds, on up to three axes at once.
 
     The header of a CSV file names its columns with their units, for instance `time [s], x [g], z [m/s^2]`; time is the first;
     cells are separated by commas, semicolons or tabs; lines before the header may begin with #. A universal file names a
@@ -242,7 +232,7 @@ def load_record(
 
 
 def record_channels(path: str | Path) -> tuple[str, ...]:
-    """Returns the names of a record's channels, as `load_record` takes them.
+    """Return the names of a record's channels, as `load_record` takes them.
 
     Raises:
         RecordError: The file is no record.
@@ -257,14 +247,14 @@ def _one_of(name: str, value: str, known: Sequence[str]) -> None:
         raise ValueError(f'`{name}` must be {listed} or "{known[-1]}", got {value!r}.')
 
 
-def _require_scale(samples: NDArray[np.float64], scale: float) -> None:
+def _require_scale(samples: Array, scale: float) -> None:
     """Raises ValueError if a factor makes numbers of a record that it would not be allowed to hold."""
     peak = max(float(samples.max()), -float(samples.min()))
     if peak * abs(scale) > LARGEST * STANDARD_GRAVITY:
         raise ValueError(f"`scale` makes {abs(scale):.3g} times a peak of {peak:.4g} m/s^2, got {scale!r}.")
 
 
-def _require_start(time: NDArray[np.float64], start: float) -> None:
+def _require_start(time: Array, start: float) -> None:
     """Raises ValueError if instants [s] from 0 on cannot be told from each other so late or so early."""
     step, digit = float(time[-1]) / (time.size - 1), float(np.spacing(abs(start)))
     if digit > _EVEN * step:

@@ -1,11 +1,8 @@
 """Where the signal of a measured record stands when nothing happens, and whether it is of a pulse or of a vibration."""
 
-from __future__ import annotations
-
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 _RESTS, _BAND, _BESIDE = 0.3, 0.02, 0.1
 """A record rests at its median if this share of its samples lies beside it, within a share of its range or of the median."""
@@ -24,7 +21,7 @@ _PULSE_WAVES = 10
 
 
 def resting_value(a: Array) -> float | None:
-    """Returns the value at which a signal (n,) rests between its events, None if it does not."""
+    """Return the value at which a signal (n,) rests between its events, None if it does not."""
     middle = float(np.median(a))
     band = max(_BAND * float(np.ptp(a)), _BESIDE * abs(middle))
     share = np.count_nonzero((a >= middle - band) & (a <= middle + band)) / a.size
@@ -32,7 +29,7 @@ def resting_value(a: Array) -> float | None:
 
 
 def quiet_level(a: Array) -> float | None:
-    """Returns the mean of the quiet part of a signal (n,), which it begins or ends with; None if there is no such part.
+    """Return the mean of the quiet part of a signal (n,), which it begins or ends with; None if there is no such part.
 
     A level that is neither at the beginning nor at the end is the top of a pulse.
     """
@@ -48,20 +45,20 @@ def quiet_level(a: Array) -> float | None:
 
 
 def _stands_at(part: Array, level: float, near: float) -> bool:
-    """Returns whether the median of samples is a level, but for what their own noise does to it or for what is near."""
+    """Return whether the median of samples is a level, but for what their own noise does to it or for what is near."""
     middle = float(np.median(part))
     spread = float(np.median(np.abs(part - middle)))
     return abs(middle - level) <= max(near, _ERRORS * spread / np.sqrt(part.size))
 
 
 def _converter_step(off: Array) -> float:
-    """Returns how far samples may be off a level that most of them are equal to: a step of the converter if it is dithered."""
+    """Return how far samples may be off a level that most of them are equal to: a step of the converter if it is dithered."""
     step = 1.5 * float(off[off > 0.0].min(initial=np.inf))
     return step if np.count_nonzero((off > 0.0) & (off <= step)) > _DITHERED * off.size else 0.0
 
 
 def standing_value(a: Array) -> float:
-    """Returns the value that a signal (n,) had before and after: where it rests, a vibration's mean, zero for a bare pulse."""
+    """Return the value that a signal (n,) had before and after: where it rests, a vibration's mean, zero for a bare pulse."""
     rest = quiet_level(a)
     if rest is not None:
         return rest
@@ -70,12 +67,12 @@ def standing_value(a: Array) -> float:
 
 
 def is_pulse(a: Array, rest: float) -> bool:
-    """Returns whether a signal (n,) is of a pulse and not of a vibration: it has few half waves about its rest."""
+    """Return whether a signal (n,) is of a pulse and not of a vibration: it has few half waves about its rest."""
     peak = peak_from(a, rest)
     signs = np.sign(a[np.abs(a - rest) > 0.1 * peak] - rest)
     return bool(np.count_nonzero(np.diff(signs)) < _PULSE_WAVES)
 
 
 def peak_from(a: Array, rest: float) -> float:
-    """Returns how far a signal (n,) goes from its rest, to either side."""
+    """Return how far a signal (n,) goes from its rest, to either side."""
     return max(float(a.max()) - rest, rest - float(a.min()))

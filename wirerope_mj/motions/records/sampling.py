@@ -1,7 +1,5 @@
 """Equal intervals for a measured record: small jitter, gaps, uneven sampling, and another rate on request."""
 
-from __future__ import annotations
-
 import warnings
 from dataclasses import replace
 from fractions import Fraction
@@ -10,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.motions.records.ends import continued
 from wirerope_mj.motions.records.reading import Reading
@@ -50,7 +49,7 @@ _LARGEST_FACTOR = 10_000
 
 
 def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
-    """Returns the record at equal intervals; a RecordWarning says what had to be done for it.
+    """Return the record at equal intervals; a RecordWarning says what had to be done for it.
 
     Args:
         path: Of the file, for messages.
@@ -80,7 +79,7 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
     return _evened(reading, usual, float(intervals.min()))
 
 
-def _require_few(path: Path, time: NDArray[np.float64], intervals: NDArray[np.float64], usual: float) -> None:
+def _require_few(path: Path, time: Array, intervals: Array, usual: float) -> None:
     """Raises RecordError if a record at its usual interval would be far longer than what was measured."""
     count = float(time[-1] - time[0]) / usual
     if count <= max(_MOST_MADE, _MOST_TIMES * time.size):
@@ -93,8 +92,8 @@ def _require_few(path: Path, time: NDArray[np.float64], intervals: NDArray[np.fl
     )
 
 
-def _largest_miss(time: NDArray[np.float64], step: float) -> float:
-    """Returns how far the instants are from equal intervals [s], at most; block by block, to need no memory."""
+def _largest_miss(time: Array, step: float) -> float:
+    """Return how far the instants are from equal intervals [s], at most; block by block, to need no memory."""
     largest = 0.0
     for first in range(0, time.size, _BLOCK):
         part = time[first : first + _BLOCK]
@@ -103,7 +102,7 @@ def _largest_miss(time: NDArray[np.float64], step: float) -> float:
     return largest
 
 
-def _even_time(first: float, step: float, count: int) -> NDArray[np.float64]:
+def _even_time(first: float, step: float, count: int) -> Array:
     time = np.arange(count, dtype=float)
     time *= step
     time += first
@@ -111,13 +110,13 @@ def _even_time(first: float, step: float, count: int) -> NDArray[np.float64]:
 
 
 def resampled(reading: Reading, rate: float) -> Reading:
-    """Returns an evenly sampled record at another rate [Hz], through a zero-phase anti-alias filter.
+    """Return an evenly sampled record at another rate [Hz], through a zero-phase anti-alias filter.
 
     The filter (a Kaiser window, applied in polyphase form) passes what lies below 0.8 of the lower of the two Nyquist
     frequencies to 1e-4 and attenuates what lies above it by 80 dB.
 
     Raises:
-        ValueError: The two rates are no fraction of whole numbers up to 10 000.
+        ValueError: The two rates are no fraction of integers up to 10 000.
     """
     step = float(reading.time[1] - reading.time[0])
     ratio = Fraction(rate * step).limit_denominator(_LARGEST_FACTOR)
@@ -141,7 +140,7 @@ def resampled(reading: Reading, rate: float) -> Reading:
     return replace(reading, time=time[inside], samples=samples[inside])
 
 
-def _filtered(samples: NDArray[np.float64], up: int, down: int) -> NDArray[np.float64]:
+def _filtered(samples: Array, up: int, down: int) -> Array:
     from scipy.signal import firwin, kaiserord, resample_poly
 
     most = max(up, down)
@@ -157,8 +156,8 @@ def _filtered(samples: NDArray[np.float64], up: int, down: int) -> NDArray[np.fl
     return made
 
 
-def _printed(time: NDArray[np.float64], step: float) -> float:
-    """Returns the last decimal place of the instants [s], as far as the first thousand show it; 0 if it explains nothing."""
+def _printed(time: Array, step: float) -> float:
+    """Return the last decimal place of the instants [s], as far as the first thousand show it; 0 if it explains nothing."""
     first = time[:1000] - time[0]
     for places in range(10):
         scaled = first * 10.0**places
@@ -168,7 +167,7 @@ def _printed(time: NDArray[np.float64], step: float) -> float:
 
 
 def _without_gaps(path: Path, reading: Reading, gaps: NDArray[np.intp], usual: float, *, fill: bool) -> Reading:
-    """Returns the record with straight lines in its gaps, or raises RecordError."""
+    """Return the record with straight lines in its gaps, or raises RecordError."""
     time = reading.time
     places = [f"{time[gap]:.6g} to {time[gap + 1]:.6g} s" for gap in gaps[:3]] + ["..."] * (gaps.size > 3)
     missing = sum(round(float(time[gap + 1] - time[gap]) / usual) - 1 for gap in gaps)
@@ -184,7 +183,7 @@ def _without_gaps(path: Path, reading: Reading, gaps: NDArray[np.intp], usual: f
 
 
 def _evened(reading: Reading, usual: float, shortest: float) -> Reading:
-    """Returns an uneven record at its usual interval: curves, finer where samples are dense, then the filter."""
+    """Return an uneven record at its usual interval: curves, finer where samples are dense, then the filter."""
     time = reading.time
     fine = int(np.clip(np.ceil(usual / shortest), 1, _FINEST))
     count = int(np.floor(float(time[-1] - time[0]) / usual * (1.0 + 1e-9))) + 1
@@ -196,13 +195,13 @@ def _evened(reading: Reading, usual: float, shortest: float) -> Reading:
     return replace(reading, time=finely.time[::fine], samples=_filtered(finely.samples, 1, fine))
 
 
-def _at(reading: Reading, time: NDArray[np.float64]) -> Reading:
+def _at(reading: Reading, time: Array) -> Reading:
     columns = [np.interp(time, reading.time, column) for column in reading.samples.T]
     return replace(reading, time=time, samples=np.column_stack(columns))
 
 
-def _curved(reading: Reading, time: NDArray[np.float64], usual: float) -> Reading:
-    """Returns the record on Akima's curves, which swing less beside a step than splines; lines where it is sparse."""
+def _curved(reading: Reading, time: Array, usual: float) -> Reading:
+    """Return the record on Akima's curves, which swing less beside a step than splines; lines where it is sparse."""
     from scipy.interpolate import Akima1DInterpolator
 
     straight = _at(reading, time)

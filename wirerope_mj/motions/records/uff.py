@@ -1,17 +1,15 @@
 """A measured record from a universal file: functions at nodal degrees of freedom, dataset 58, as text or binary."""
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wirerope_mj.foundation.arguments import Direction
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import ACCELERATION_UNITS, LARGEST, TIME_UNITS
+from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.motions.records.reading import Reading, axes_of
 
@@ -32,7 +30,7 @@ _DAMAGED = " whose header or values are damaged or do not fit each other. Export
 
 
 def is_uff(path: Path) -> bool:
-    """Returns whether the file begins as universal files do, with a line that holds -1 alone."""
+    """Return whether the file begins as universal files do, with a line that holds -1 alone."""
     try:
         with path.open("rb") as file:
             lines = file.read(400).split(b"\n")
@@ -42,19 +40,19 @@ def is_uff(path: Path) -> bool:
 
 
 def _is_complete(path: Path) -> bool:
-    """Returns whether the file ends as universal files do, with a line that holds -1 alone."""
+    """Return whether the file ends as universal files do, with a line that holds -1 alone."""
     with path.open("rb") as file:
         file.seek(max(0, path.stat().st_size - 400))
         return file.read().split()[-1:] == [b"-1"]
 
 
 def uff_channels(path: Path) -> tuple[str, ...]:
-    """Returns the names of the acceleration histories: response node and direction, as in `12:z` or `12:-x`."""
+    """Return the names of the acceleration histories: response node and direction, as in `12:z` or `12:-x`."""
     return tuple(_name(head) for _, head in _histories(path, None)[0])
 
 
 def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | None) -> Reading:
-    """Returns what the time histories of acceleration in a universal file hold.
+    """Return what the time histories of acceleration in a universal file hold.
 
     Args:
         path: The file.
@@ -68,7 +66,7 @@ def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
         )
     chosen = _all_of_one_node(path, histories) if channels is None else _named(path, histories, channels)
     heads = dict(histories)
-    time, columns = np.zeros(0), list[NDArray[np.float64]]()
+    time, columns = np.zeros(0), list[Array]()
     units: list[str] = []
     for number in chosen:
         head, name = heads[number], _name(heads[number])
@@ -90,7 +88,7 @@ def _open(path: Path) -> Any:
 
 
 def _histories(path: Path, unit: str | None) -> tuple[list[tuple[int, dict[str, Any]]], list[dict[str, Any]]]:
-    """Returns number and header of each history of acceleration, and the datasets 164 with their system of units."""
+    """Return number and header of each history of acceleration, and the datasets 164 with their system of units."""
     try:
         file = _open(path)
         kinds = [int(kind) for kind in file.get_set_types()]
@@ -122,7 +120,7 @@ def _is_acceleration(head: Mapping[str, Any], unit: str | None) -> bool:
 
 
 def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:
-    """Returns the file's units of length in a metre; None if it does not say."""
+    """Return the file's units of length in a metre; None if it does not say."""
     if not systems:
         return None
     code, factor = int(systems[-1]["units_code"]), float(systems[-1]["length"])
@@ -135,7 +133,7 @@ def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:
 
 
 def _unit(path: Path, head: Mapping[str, Any], unit: str | None, systems: list[dict[str, Any]]) -> tuple[str, float]:
-    """Returns the unit of a history in words, and what it is in m/s^2."""
+    """Return the unit of a history in words, and what it is in m/s^2."""
     label = unit if unit is not None else _label(head, "ordinate")
     if label in ACCELERATION_UNITS:
         return label, ACCELERATION_UNITS[label]
@@ -165,7 +163,7 @@ def _name(head: Mapping[str, Any]) -> str:
 
 
 def _all_of_one_node(path: Path, histories: list[tuple[int, dict[str, Any]]]) -> dict[int, Direction]:
-    """Returns all histories along the directions that the file gives them; they must be of one node and at most three."""
+    """Return all histories along the directions that the file gives them; they must be of one node and at most three."""
     names = [_name(head) for _, head in histories]
     ends = [name.partition(":")[2] for name in names]
     nodes = {name.partition(":")[0] for name in names}
@@ -192,8 +190,8 @@ def _named(
     return {numbers[name][0]: direction for name, direction in wanted.items()}
 
 
-def _values(path: Path, number: int, name: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Returns instants [s] and values of a history; RecordError if it is cut off or not finite."""
+def _values(path: Path, number: int, name: str) -> tuple[Array, Array]:
+    """Return instants [s] and values of a history; RecordError if it is cut off or not finite."""
     try:
         content = _open(path).read_sets(number)
     except Exception:  # the reader knows no other class, and does not say what it met
@@ -215,5 +213,5 @@ def _values(path: Path, number: int, name: str) -> tuple[NDArray[np.float64], ND
     return time * factor, values
 
 
-def _same_clock(a: NDArray[np.float64], b: NDArray[np.float64]) -> bool:
+def _same_clock(a: Array, b: Array) -> bool:
     return a.size == b.size and bool(np.max(np.abs(a - b)) <= _SAME_CLOCK * (a[1] - a[0]))

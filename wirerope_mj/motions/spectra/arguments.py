@@ -5,7 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 JITTER = 0.01
 """Largest distance of an instant from its uniform place, in steps: what rounding to a few digits leaves in a file."""

@@ -7,9 +7,8 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.spectra.arguments import check_samples
-
-Array = npt.NDArray[np.float64]
 
 SEGMENTS = 15
 """Half-overlapping segments by default: 28 degrees of freedom, a density within about 27 % (one standard error)."""

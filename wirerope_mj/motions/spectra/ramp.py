@@ -2,12 +2,8 @@
 
 import math
 
-import numpy as np
-import numpy.typing as npt
-
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
-
-Array = npt.NDArray[np.float64]
 
 HIGHEST, LOWEST, FARTHEST = 0, 1, 2
 """Places of what is looked for: largest and smallest absolute acceleration, largest relative displacement."""

@@ -8,11 +8,10 @@ from numbers import Real
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.motions.spectra.arguments import check_samples, octave_grid
 from wirerope_mj.motions.spectra.ramp import FARTHEST, HIGHEST, LOWEST, ramp_extremes
-
-Array = npt.NDArray[np.float64]
 
 SAMPLES_PER_PERIOD = 10.0
 """ISO 18431-4's least number of samples per period of the highest oscillator: straight lines between the samples then lack

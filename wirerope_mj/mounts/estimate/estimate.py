@@ -4,8 +4,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.estimate.trends import (
     LARGEST_ROPE,
     SAME_ROPE,
@@ -17,8 +17,6 @@ from wirerope_mj.mounts.estimate.trends import (
     other_vendor_errors,
 )
 from wirerope_mj.mounts.rope_loop import RopeLoop, loop_positions, loop_shape, rotational_stiffness
-
-Array = npt.NDArray[np.float64]
 
 SHARE = 0.8
 """Share of the known parts within the band that is stated."""
@@ -97,7 +95,7 @@ def estimate_loop(
     """
     _require(height=height, width=width, rope=rope, bar=bar, bar_length=bar_length)
     if isinstance(loops, bool) or loops != int(loops) or loops < 1:
-        raise ValueError(f"`loops` must be a whole number >= 1, got {loops!r}.")
+        raise ValueError(f"`loops` must be an integer >= 1, got {loops!r}.")
     if not SMALLEST_ROPE * (1.0 - SAME_ROPE) <= rope <= LARGEST_ROPE * (1.0 + SAME_ROPE):
         raise ValueError(
             f"`rope` must be {1e3 * SMALLEST_ROPE:g} to {1e3 * LARGEST_ROPE:g} mm, the ropes of the parts that were compared, "

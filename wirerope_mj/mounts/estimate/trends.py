@@ -6,14 +6,13 @@ from functools import cache
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.estimate.vendor_check import check_vendor_loops
 from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE, VendorLoop
 from wirerope_mj.mounts.rope_loop import RopeLoop, loop_shape
 from wirerope_mj.mounts.vendor_parts.parts import vendor_parts
 
-Array = npt.NDArray[np.float64]
 LeftOut = Literal["part", "rope size"]
 
 SMALLEST_ROPE, LARGEST_ROPE = 0.0016, 0.0222

@@ -4,12 +4,9 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.mounts.estimate.vendor_loops import VendorLoop, vendor_loops
 from wirerope_mj.mounts.rope_loop import LoopShape, RopeLoop
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

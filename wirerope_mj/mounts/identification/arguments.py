@@ -85,7 +85,7 @@ def require_kind(law: Any, name: str = "law") -> None:
 
 
 def _is_number(value: Any) -> bool:
-    """Return whether a value is a finite number and no text or truth value."""
+    """Return whether a value is a finite number and no text or boolean."""
     return isinstance(value, int | float | np.number) and not isinstance(value, bool) and math.isfinite(float(value))
 
 

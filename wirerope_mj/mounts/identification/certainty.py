@@ -4,11 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.search import Found, Search
-
-Array = npt.NDArray[np.float64]
 
 OPEN = 0.25
 """Standard error, in logarithms or in the size that a coordinate can have, from which on the data leave it open."""

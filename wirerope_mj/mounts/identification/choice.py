@@ -6,15 +6,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.arguments import require_kind, require_loops
 from wirerope_mj.mounts.identification.identify import identify
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare
 from wirerope_mj.mounts.identification.result import Identification
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, EnhancedDryFriction, Law, Loop, Masing, SymmetricBoucWen
-
-Array = npt.NDArray[np.float64]
 
 SAME = 0.05
 """Relative difference within which two amplitudes are one: a rig does not repeat its stroke closer."""

@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.mounts.laws import (
     AsymmetricBoucWen,
@@ -22,8 +21,6 @@ from wirerope_mj.mounts.laws import (
     SymmetricBoucWen,
     VaianaRosati,
 )
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

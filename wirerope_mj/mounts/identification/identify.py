@@ -134,7 +134,7 @@ def family_of(law: type[Law], elements: int = 5) -> Family:
         return STOP
     if law is Masing:
         if not isinstance(elements, int) or elements < 1:
-            raise ValueError(f"`elements` must be a whole number >= 1, got {elements!r}.")
+            raise ValueError(f"`elements` must be an integer >= 1, got {elements!r}.")
         return masing_family(elements)
     if law not in FAMILIES:
         kinds: list[type[Law]] = [*FAMILIES, Masing, Stop]

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import isotonic_regression
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import Scales
 from wirerope_mj.mounts.laws import Law, Loop
 from wirerope_mj.mounts.laws.steady import follow_force, settle
@@ -14,8 +14,6 @@ from wirerope_mj.mounts.test_rig.clipping import require_falling, require_unclip
 from wirerope_mj.mounts.test_rig.reading import require_likely
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop, mean_of_cycles
 from wirerope_mj.mounts.test_rig.turning import rms_noise
-
-Array = npt.NDArray[np.float64]
 
 STEADY = 1e-12
 """Change of the hysteretic force over a cycle, relative to the force range, at which it is steady."""

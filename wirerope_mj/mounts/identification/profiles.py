@@ -11,13 +11,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.certainty import OPEN, Certainty, Parameter, certainty_of, spread_of
 from wirerope_mj.mounts.identification.residuals import Residual
 from wirerope_mj.mounts.identification.search import Found, Search, run_search
-
-Array = npt.NDArray[np.float64]
 
 ERRORS = 3.0
 """Standard errors by which a value is moved: the sum of squares then rises by their square, in variances."""

@@ -4,12 +4,11 @@ from collections.abc import Callable, Sequence
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.laws import Law
 
-Array = npt.NDArray[np.float64]
 Residual = Callable[[Law], Array]
 Data = Literal["loops", "skeleton"]
 

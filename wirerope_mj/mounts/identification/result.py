@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.certainty import Certainty, Parameter
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.stages import Stage
@@ -34,7 +32,7 @@ class Identification:
     law: Law
     parameters: dict[str, Parameter]
     residual: float
-    residuals: npt.NDArray[np.float64]
+    residuals: Array
     converged: bool
     message: str
     open_combinations: tuple[str, ...]

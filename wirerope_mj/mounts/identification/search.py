@@ -4,14 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import least_squares
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
 from wirerope_mj.mounts.identification.residuals import Residual
 from wirerope_mj.mounts.laws import Law
-
-Array = npt.NDArray[np.float64]
 
 STEP = 1e-6
 """Step of the differences that make the Jacobian, in logarithms or scaled units: 1e5 times the traces' own error."""

@@ -12,9 +12,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq, linprog
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.identification.figures import damping_ratio
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, SymmetricBoucWen
@@ -118,7 +118,7 @@ def fit_damped(secants: tuple[Secant, ...], curve: Curve, *, damping: float, amp
     )
 
 
-def _nearest(rows: npt.NDArray[np.float64]) -> tuple[float, float]:
+def _nearest(rows: Array) -> tuple[float, float]:
     """Return the two scales with which all rows come nearest to 1: their largest distance is the least."""
     if len(rows) == 2:
         friction, spring = np.linalg.solve(rows, np.ones(2)).tolist()

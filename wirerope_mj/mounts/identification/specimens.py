@@ -5,15 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.arguments import require_loops
 from wirerope_mj.mounts.identification.coordinates import Family
 from wirerope_mj.mounts.identification.identify import Identification, family_of, identify
 from wirerope_mj.mounts.isolator import Spread
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop
-
-Array = npt.NDArray[np.float64]
 
 FEWEST = 2
 """Specimens below which there is no scatter to speak of."""

@@ -9,13 +9,11 @@ import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import lsq_linear
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
-
-Array = npt.NDArray[np.float64]
 
 SAMPLES = 60
 """Samples of each loop that the grid looks at: its shape, not its noise."""

@@ -4,14 +4,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import lsq_linear
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import Coordinate, Family, Scales
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.laws import Law, Parallel, Stop
-
-Array = npt.NDArray[np.float64]
 
 HINGES = 12
 """Gaps of the springs that make up any stop, evenly over the reach of a side."""

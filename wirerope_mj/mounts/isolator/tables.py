@@ -9,7 +9,7 @@ from typing import Any
 
 import tomli_w
 
-from wirerope_mj.foundation.atomic_files import written_whole
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator.curves import curve_in_si
 from wirerope_mj.mounts.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, Travel
@@ -120,7 +120,7 @@ _PARTS: dict[str, Callable[[dict[str, Any], str], Any]] = {
 
 
 def _make(kind: Callable[..., Any], table: dict[str, Any], place: str, what: str) -> Any:
-    """Return `kind(**table)` with whole numbers made floats; ModelError for a missing, extra or wrong entry."""
+    """Return `kind(**table)` with integers made floats; ModelError for a missing, extra or wrong entry."""
     known = [item.name for item in fields(kind)]  # type: ignore[arg-type]
     required = [
         item.name
@@ -135,7 +135,7 @@ def _make(kind: Callable[..., Any], table: dict[str, Any], place: str, what: str
 
 
 def _as_float(value: Any) -> Any:
-    """Return a whole number as a float, infinite if it is too large for one; anything else as it is."""
+    """Return an integer as a float, infinite if it is too large for one; anything else as it is."""
     if type(value) is not int:
         return value
     return float(value) if abs(value) <= sys.float_info.max else math.inf
@@ -154,5 +154,5 @@ def _require_keys(table: dict[str, Any], required: Any, known: Any, place: str, 
 def write_toml(content: dict[str, Any], path: Path) -> None:
     """Write `content` as TOML, whole or not at all."""
     text = tomli_w.dumps(content, multiline_strings=True)
-    with written_whole(path) as beside:
+    with atomic_file(path) as beside:
         beside.write_text(text, encoding="utf-8")

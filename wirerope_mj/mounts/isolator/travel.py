@@ -5,9 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
-
-Array = npt.NDArray[np.float64]
 
 RATINGS = {"compression": (2, -1.0), "tension": (2, 1.0), "shear": (1, 0.0), "roll": (0, 0.0)}
 """Rated travels in the order of the tables: the mount's axis, and which way along it; 0 = both."""

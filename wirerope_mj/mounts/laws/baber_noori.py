@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 from wirerope_mj.mounts.laws.law import anywhere, require_not_negative
@@ -61,7 +61,7 @@ class BoucWenBaberNoori(Hysteresis):
                 "`psi` and one of `lam` and `p` must be > 0 if `zeta` is: the pinching would have no width."
             )
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return the parameters in the order of their declaration."""
         return np.array(
             [

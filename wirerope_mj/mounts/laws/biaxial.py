@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.path import follow_plane
@@ -21,8 +22,6 @@ from wirerope_mj.mounts.laws.plane import (
     require_path,
     traced,
 )
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis, Normalised
 from wirerope_mj.mounts.laws.law import require_not_negative
@@ -31,7 +31,7 @@ class BoucWen(Hysteresis):
         super()._validate()
         require_not_negative(self, "k")
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return alpha, beta, gamma, n, k."""
         return np.array([self.alpha, self.beta, self.gamma, self.n, self.k])
 
@@ -68,7 +68,7 @@ class Ozdemir(Hysteresis):
         super()._validate()
         require_not_negative(self, "k")
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return alpha, beta, 0, n, k."""
         return np.array([self.alpha, self.beta, 0.0, self.n, self.k])
 

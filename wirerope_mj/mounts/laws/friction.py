@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.hysteresis import Normalised
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
@@ -34,7 +34,7 @@ class EnhancedDryFriction(Law):
         require_not_negative(self, "k")
         require_positive(self, "d", "u_c")
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return alpha, beta, gamma, n, k of the Bouc-Wen kernel."""
         return np.array([self.d / self.u_c, 1.0 / self.u_c, 0.0, 1.0, self.k])
 
@@ -118,7 +118,7 @@ class Masing(Law):
                 if anywhere(value <= 0.0):
                     raise ValueError(f"every entry of `{key}` must be > 0, got {value}.")
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return k, number of elements, their stiffnesses and slip forces."""
         return np.array([self.k, len(self.stiffness), *self.stiffness, *self.slip_force], dtype=np.float64)
 

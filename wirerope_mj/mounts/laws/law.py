@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.loop import Loop
 from wirerope_mj.mounts.laws.path import follow_path
 from wirerope_mj.mounts.laws.timed import follow_time
@@ -74,7 +75,7 @@ class Law(ABC):
         return (self,)
 
     @abstractmethod
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return the parameters in the order that the law's kernel reads, (n_p,)."""
 
     @property
@@ -251,7 +252,7 @@ class Law(ABC):
         z = history[:, forces].sum(axis=1)
         return Loop(deflection=path, force=force, hysteretic_state=z, work=work, internal_states=history)
 
-    def _last_finite(self, start: float, stop: float, states: npt.NDArray[np.float64]) -> float:
+    def _last_finite(self, start: float, stop: float, states: Array) -> float:
         """Return how far a rate-independent law leads from `start` towards `stop` with a finite force [m]."""
         if not self.rate_independent:
             return stop
@@ -263,7 +264,7 @@ class Law(ABC):
             low, high = (middle, high) if np.isfinite([force[1], work[1]]).all() else (low, middle)
         return start + low * (stop - start)
 
-    def _check_path(self, path: npt.NDArray[np.float64]) -> None:
+    def _check_path(self, path: Array) -> None:
         """Raise ValueError if a path is not a finite series, or leads to where the law does not hold."""
         if path.ndim != 1 or path.size < 2:
             raise ValueError(f"`deflection` must be a series of at least 2 numbers, got shape {path.shape}.")
@@ -273,7 +274,7 @@ class Law(ABC):
             )
 
 
-def _instants(law: Law, path: npt.NDArray[np.float64], time: npt.ArrayLike | None) -> npt.NDArray[np.float64]:
+def _instants(law: Law, path: Array, time: npt.ArrayLike | None) -> Array:
     """Return `time` as an array (n_t,) [s], or raise ValueError if it does not fit the path."""
     if time is None:
         raise ValueError(f"`time` must be given: the force of {law.name} depends on the deflection rate.")
@@ -285,9 +286,7 @@ def _instants(law: Law, path: npt.NDArray[np.float64], time: npt.ArrayLike | Non
     return instants
 
 
-def _rates(
-    path: npt.NDArray[np.float64], instants: npt.NDArray[np.float64], rate: npt.ArrayLike | None
-) -> npt.NDArray[np.float64]:
+def _rates(path: Array, instants: Array, rate: npt.ArrayLike | None) -> Array:
     """Return `rate` as an array (n_t,) [m/s], by differences that are exact for a parabola if it is not given."""
     if rate is None:
         return np.gradient(path, instants, edge_order=2 if path.size > 2 else 1)

@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.tangent import tangent_at_start
-
-Array = npt.NDArray[np.float64]
 
 
 class ReversalTangents(NamedTuple):

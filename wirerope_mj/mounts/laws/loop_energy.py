@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial.polynomial import polyder, polyval2d
 
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial.legendre import leggauss
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.loop_energy import LoopCoupling
@@ -22,8 +23,6 @@ from wirerope_mj.mounts.laws.plane import (
     require_path,
     traced,
 )
-
-Array = npt.NDArray[np.float64]
 
 NODES, WEIGHTS = leggauss(32)  # of exp(lambda x) F1(x) to rounding up to lambda x = 20
 

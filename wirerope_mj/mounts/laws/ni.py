@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 from wirerope_mj.mounts.laws.law import anywhere
@@ -32,7 +32,7 @@ class SymmetricBoucWen(Hysteresis):
     k2: float
     k3: float
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return alpha, beta, gamma, n, k1, k2, k3."""
         return np.array([self.alpha, self.beta, self.gamma, self.n, self.k1, self.k2, self.k3])
 
@@ -65,7 +65,7 @@ class AsymmetricBoucWen(SymmetricBoucWen):
         if anywhere(self.b <= 0.0):
             raise ValueError(f"`b` must be > 0, got {self.b}: F2 = b^(c x) is a stiffness factor.")
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return alpha, beta, gamma, n, k1, k2, k3, c ln b."""
         return np.append(super().kernel_parameters(), self.asymmetry)
 

@@ -6,8 +6,8 @@ from itertools import accumulate
 from typing import Any, ClassVar, Self
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law
 
@@ -35,7 +35,7 @@ class Parallel(Law):
     def _validate(self) -> None:
         """Do nothing: each law has checked itself."""
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return how many laws there are, number, first parameter and first state of each, and their parameters."""
         parameters = [law.kernel_parameters() for law in self.laws]
         first = accumulate((p.size for p in parameters[:-1]), initial=1 + 3 * len(self.laws))

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law
-
-Array = npt.NDArray[np.float64]
 
 SAME = 1e-9
 """Relative difference of two axes' sharpness, share or energy that is rounding and not another law."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law, require_not_negative, require_positive
 from wirerope_mj.mounts.laws.loop import Loop
@@ -49,7 +49,7 @@ class TinkerCutchins(Law):
         require_not_negative(self, "k1", "k3", "c", "f0", "f1", "f2")
         require_positive(self, "n", "smoothing")
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return k1, k2, k3, c, n, f0, f1, f2, smoothing."""
         return np.array(
             [self.k1, self.k2, self.k3, self.c, self.n, self.f0, self.f1, self.f2, self.smoothing], dtype=np.float64
@@ -153,7 +153,7 @@ class EquivalentViscous(Law):
             energy = float(np.interp(place, np.log(sizes), energies))
         return cls(k1=k1, k2=k2, k3=k3, energy=energy, amplitude=float(amplitude), frequency=float(frequency))
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return the parameters of Tinker and Cutchins' kernel: the mid-line and linear damping, no friction."""
         return np.array([self.k1, self.k2, self.k3, self.damping_coefficient, 1.0, 0.0, 0.0, 0.0, 1.0])
 
@@ -178,7 +178,7 @@ class EquivalentViscous(Law):
         return self.energy / (math.pi * 2.0 * math.pi * self.frequency * self.amplitude**2)
 
 
-def _mid_line(loop: Loop) -> npt.NDArray[np.float64]:
+def _mid_line(loop: Loop) -> Array:
     """Return k1, k2, k3 of the polynomial through the tips of a closed loop that is nearest to its mid-line."""
     (x_up, up), (x_down, down) = loop.branch(rising=True), loop.branch(rising=False)
     middle = 0.5 * (up + np.interp(x_up, x_down[::-1], down[::-1]))

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law, require_positive
 
@@ -49,7 +49,7 @@ class Smoothed(Law):
     def _validate(self) -> None:
         require_positive(self, "width")
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return the width, the law's kernel and its parameters."""
         return np.concatenate([[self.width, float(self.law.kernel)], self.law.kernel_parameters()])
 

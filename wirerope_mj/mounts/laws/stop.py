@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import PPoly
 from scipy.optimize import brentq
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
 from wirerope_mj.mounts.laws.stop_kernels import elastic, seated
@@ -104,7 +104,7 @@ class Stop(Law):
                     )
                 before = value
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return what `wirerope_mj.mounts.laws.stop_kernels.stop` reads."""
         inverse = 1.0 if self.reversal is None else 1.0 / self.reversal
         gaps = [NEVER if gap is None else gap for gap in (self.gap_below, self.gap_above)]

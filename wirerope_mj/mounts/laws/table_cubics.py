@@ -4,13 +4,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import BPoly, PchipInterpolator, PPoly
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.path import follow_path
-
-Array = npt.NDArray[np.float64]
 
 
 def monotone(x: Array, values: Array) -> PPoly:

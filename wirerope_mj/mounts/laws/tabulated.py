@@ -7,14 +7,12 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 from scipy.interpolate import PPoly
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.table_cubics import cycle_area, held, level_cubics, monotone, packed
-
-Array = npt.NDArray[np.float64]
 
 _LISTS = ("deflection", "upper", "lower", "force", "amplitudes", "areas")
 

@@ -1,7 +1,8 @@
 """The slope of a sampled curve at its first point, where a loop has just turned round."""
 
 import numpy as np
-import numpy.typing as npt
+
+from wirerope_mj.foundation.arrays import Array
 
 _DEGREE = 3  # a parabola bends too little where a loop saturates in a tenth of its range, a quartic rings with noise
 _FEWEST = _DEGREE + 4  # samples: three more than coefficients, else a lucky residual looks like a good fit
@@ -11,7 +12,7 @@ _ABOVE_NOISE = 15.0  # a span of 15 standard deviations of the deflection's nois
 _SHORTER = 0.7  # of the best span: what a cubic misses falls with the third power of it, scatter rises by its inverse
 
 
-def tangent_at_start(deflection: npt.NDArray[np.float64], force: npt.NDArray[np.float64]) -> float:
+def tangent_at_start(deflection: Array, force: Array) -> float:
     """Return dF/dx at the first sample of a branch [N/m]; NaN if it has fewer than 7 samples or leads nowhere.
 
     A cubic in the distance from the first sample is fitted by least squares to the first 7, 9, 12, ... samples, up to half
@@ -48,7 +49,7 @@ def tangent_at_start(deflection: npt.NDArray[np.float64], force: npt.NDArray[np.
     return slope if deflection[-1] > deflection[0] else -slope
 
 
-def _slope(place: npt.NDArray[np.float64], force: npt.NDArray[np.float64], span: float) -> tuple[float, float]:
+def _slope(place: Array, force: Array, span: float) -> tuple[float, float]:
     """Return the standard error of the slope at place 0 and the slope itself [N/m]; `place` runs from 0 to 1."""
     powers = np.vander(place, _DEGREE + 1, increasing=True)
     coefficients, _, rank, _ = np.linalg.lstsq(powers, force, rcond=None)

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import brentq
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law, anywhere
 
@@ -75,7 +75,7 @@ class VaianaRosati(Law):
                 f"the upper limit curve must lie above the lower one, but at zero it lies {-gap:.6g} N below."
             )
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return the parameters of the upper curve, of the lower curve, and the mean of both at zero."""
         upper, lower, _, _ = self._limits(0.0)
         return np.array([*self._parameters, 0.5 * (upper + lower)])
@@ -152,7 +152,7 @@ class VaianaRosati(Law):
                 crossings.append(float(brentq(lambda x, s=sign: self._gap(s * x), inside, steps[first], xtol=1e-15)))
         return min(crossings, default=math.inf)
 
-    def _check_path(self, path: npt.NDArray[np.float64]) -> None:
+    def _check_path(self, path: Array) -> None:
         super()._check_path(path)
         limit, reach = self.finite_travel, float(np.abs(path).max())
         if reach > limit:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
 
@@ -26,7 +26,7 @@ class KelvinVoigt(Law):
         if anywhere((self.k == 0.0) & (self.c == 0.0)):
             raise ValueError("`k` and `c` must not both be 0: leave the axis out of the isolator instead.")
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return k, c."""
         return np.array([self.k, self.c])
 
@@ -73,7 +73,7 @@ class Zener(Law):
         require_not_negative(self, "k0")
         require_positive(self, "k1", "c")
 
-    def kernel_parameters(self) -> npt.NDArray[np.float64]:
+    def kernel_parameters(self) -> Array:
         """Return k0, k1, k1 / c."""
         return np.array([self.k0, self.k1, self.relaxation_rate])
 

@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import LoopCoupling
 from wirerope_mj.mounts.rope_loop.elastica import RopeLoop
 from wirerope_mj.mounts.rope_loop.shape import LoopShape
-
-Array = npt.NDArray[np.float64]
 
 ROLL_TERMS, AXIAL_TERMS = 3, 6
 """Numbers of powers (u^2, u^4, u^6 and w to w^6): the fewest that keep the largest error of a force below 2 % of the largest

@@ -3,14 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 from scipy.optimize import least_squares
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.rope_loop.coupling_energy import ELEMENTS
 from wirerope_mj.mounts.rope_loop.elastica import RopeLoop
 from wirerope_mj.mounts.rope_loop.shape import LoopShape, loop_shape
-
-Array = npt.NDArray[np.float64]
 
 TENSION = 0.5
 """Tension up to which the curves are followed, as a fraction of the rated compression: beyond, some loops come near to taut."""

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.rope_loop.half_loop import HalfLoop
 from wirerope_mj.mounts.rope_loop.shape import LoopShape
-
-Array = npt.NDArray[np.float64]
 
 LARGEST_REACH = 0.95
 """Distance of the clamped ends over the rope's length up to which a loop is solved: beyond, an inextensible rope is taut,

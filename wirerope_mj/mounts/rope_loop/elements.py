@@ -4,11 +4,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.rope_loop.shape import LoopShape
-
-Array = npt.NDArray[np.float64]
 
 DEGREE = 3
 """Of the polynomials. Energy and force then err by h^6, as tests/test_rope_loop.py measures by halving the elements."""

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.rope_loop.elements import Mesh, default_elements, mesh
 from wirerope_mj.mounts.rope_loop.shape import LoopShape
-
-Array = npt.NDArray[np.float64]
 
 _CONVERGED = 1e-10
 """Change of the directions [rad] after which one more step of Newton, which squares it, leaves rounding only."""

@@ -5,10 +5,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.rope_loop.elastica import RopeLoop
 from wirerope_mj.mounts.rope_loop.shape import LoopShape
-
-Array = npt.NDArray[np.float64]
 
 
 def loop_positions(loops: int, bar_length: float) -> Array:
@@ -18,7 +17,7 @@ def loop_positions(loops: int, bar_length: float) -> Array:
         ValueError: `loops` is below 1 or `bar_length` not a finite number > 0.
     """
     if loops < 1 or loops != int(loops):
-        raise ValueError(f"`loops` must be a whole number >= 1, got {loops!r}.")
+        raise ValueError(f"`loops` must be an integer >= 1, got {loops!r}.")
     if not 0.0 < bar_length < math.inf:
         raise ValueError(f"`bar_length` must be a finite number > 0, got {bar_length!r}.")
     return (np.arange(int(loops)) - 0.5 * (int(loops) - 1)) * bar_length / int(loops)

@@ -4,8 +4,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Loop
 
 _FEWEST_POINTS = 8
@@ -63,9 +63,7 @@ def measured(
     ]
 
 
-def _acquired(
-    signal: npt.NDArray[np.float64], points: int, noise: float, resolution: float, rng: np.random.Generator
-) -> npt.NDArray[np.float64]:
+def _acquired(signal: Array, points: int, noise: float, resolution: float, rng: np.random.Generator) -> Array:
     """Return one channel of a cycle as it is recorded, (points + 1,)."""
     intervals = signal.size - 1
     # Whole-number products first: an instant that is the loop's own is then hit exactly.

@@ -5,12 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.test_rig.passive import require_area, require_passive
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.tips import reach_of, tip_of
 from wirerope_mj.mounts.test_rig.turning import Trace
-
-Array = npt.NDArray[np.float64]
 
 POINTS = 200
 """Samples of a loop: chords then lose 2e-4 of its area, and a fit does not slow down with the rate of the acquisition."""

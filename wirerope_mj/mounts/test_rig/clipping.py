@@ -1,12 +1,10 @@
 """Forces that the load cell or its amplifier cut off."""
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.turning import rms_noise
-
-Array = npt.NDArray[np.float64]
 
 _WIDE = 0.05  # share of the stroke over which a force that still moves cannot stand at one value, even at 8 bits
 _NARROW = 0.005  # the same where no other value comes back as often: no converter's step, for it would be one of many

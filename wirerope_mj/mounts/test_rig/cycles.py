@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.laws import Loop
@@ -17,7 +18,6 @@ from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_like
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points
 
-Array = npt.NDArray[np.float64]
 Place = Callable[[int, int], str]
 
 KEPT = 3

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from wirerope_mj.foundation.atomic_files import written_whole
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.mounts.laws import Loop
 
 DEFLECTION_UNITS = {"m": 1.0, "mm": 1e-3}
@@ -58,7 +58,7 @@ def write_cyclic_test(
     ]
     for number, loop in enumerate(loops, start=1):
         lines.extend(_rows(number, loop, frequency, DEFLECTION_UNITS[deflection_unit], FORCE_UNITS[force_unit]))
-    with written_whole(target) as beside:
+    with atomic_file(target) as beside:
         beside.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
 
 

@@ -1,13 +1,11 @@
 """Noise in a loop's force: how much of it there is, and whether a stiffness or an area stands out of it."""
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import rms_noise
-
-Array = npt.NDArray[np.float64]
 
 _SURE = 4.0  # standard errors: noise alone goes beyond once in 16 000
 _OWN = 1.5  # variance of a series over that of its noise, below which noise is at least two thirds of what it shows

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import LARGEST, TIME_UNITS, Header, parse_header, parse_number, require_cells
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
@@ -229,7 +229,7 @@ def require_nominal(samples: Samples, amplitude: float, place: str) -> None:
         )
 
 
-def _legs(deflection: npt.NDArray[np.float64], threshold: float) -> int:
+def _legs(deflection: Array, threshold: float) -> int:
     """Return how often the deflection runs up or down by more than `threshold`: 2 or 3 in one cycle."""
     legs, direction = 0, 0
     turn = deflection[0]

@@ -3,11 +3,9 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Loop
-
-Array = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)

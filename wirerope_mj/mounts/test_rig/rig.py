@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import Law, Loop
 from wirerope_mj.mounts.laws.loop import closure_of
@@ -81,7 +82,7 @@ def _test_one(
     )
 
 
-def _quarters(points: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+def _quarters(points: int) -> tuple[Array, Array]:
     """Return sine and cosine over one period, (points + 1,) each.
 
     Every quarter mirrors the first, so that turning points, zeros and the two ends are exact: closure is then the law's,
@@ -94,7 +95,7 @@ def _quarters(points: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.floa
     return sine, np.concatenate([sine[quarter:], sine[1 : quarter + 1]])
 
 
-def _preloaded(law: Law, operating_point: float, frequency: float) -> npt.NDArray[np.float64]:
+def _preloaded(law: Law, operating_point: float, frequency: float) -> Array:
     """Return the law's states after a ramp from rest to rest, unloaded to the operating point, (n_states,)."""
     if operating_point == 0.0:
         return np.zeros(law.n_states)

@@ -6,9 +6,8 @@ triangle and a hold alike.
 """
 
 import numpy as np
-import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 REACH = 0.03
 """Share of a cycle on either side: a sine is a parabola there to 1e-4 of its amplitude."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 _SURE = 8.0  # standard deviations of noise: samples of one stroke differ by more once in 1e8 pairs
 _SMALLEST = 0.01  # of the range: what moves less is the rig's, not the test's

@@ -117,9 +117,7 @@ class Part:
         """
         if self.loops is None or not 0 < loops < self.loops:
             have = "an unknown number of" if self.loops is None else str(self.loops)
-            raise ValueError(
-                f"`loops` must be a whole number > 0 below those of {self.name} ({have} loops), got {loops}."
-            )
+            raise ValueError(f"`loops` must be an integer > 0 below those of {self.name} ({have} loops), got {loops}.")
         share = loops / self.loops
         modes = {mode: figures.scaled(share) for mode, figures in self.modes.items()}
         return replace(self, name=f"{self.name} ({loops} of {self.loops} loops)", loops=loops, modes=modes)

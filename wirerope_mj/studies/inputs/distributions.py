@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr, ndtri
 
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 SMALLEST, LARGEST = 2.0**-54, 1.0 - 2.0**-53
 """What stands for 0 and 1, at which a normal distribution is infinite: Sobol points may be 0, and sums be rounded to 1."""
@@ -117,7 +117,7 @@ class Uniform:
         _keep(self, group=_word("group", group))
         _check_bounds(self.low, self.high)
         if points is not None and (isinstance(points, bool) or points != int(points) or points < 2):
-            raise ValueError(f"`points` must be a whole number >= 2, got {points!r}.")
+            raise ValueError(f"`points` must be an integer >= 2, got {points!r}.")
 
     def values(self, shares: Array) -> Array:
         """Return the quantiles at shares of 0 to 1, (n,)."""
@@ -153,7 +153,7 @@ class Choice:
         plain = tuple(choice.item() if isinstance(choice, np.generic) else choice for choice in choices)
         _keep(self, choices=plain, relative=relative, each=each, group=_word("group", group))
         kinds = {_kind(choice) for choice in plain}
-        if len(kinds) > 1 or kinds - {"number", "truth value", "word"}:
+        if len(kinds) > 1 or kinds - {"number", "boolean", "word"}:
             raise ValueError(f"the values of a `Choice` must all be numbers, truth values or words, got {list(plain)}.")
 
     def values(self, shares: Array) -> npt.NDArray[Any]:
@@ -255,5 +255,5 @@ def _check_bounds(low: float, high: float) -> None:
 
 
 def _kind(value: Any) -> str:
-    kinds = (("truth value", bool), ("number", int | float), ("word", str))
+    kinds = (("boolean", bool), ("number", int | float), ("word", str))
     return next((word for word, kind in kinds if isinstance(value, kind)), "thing")

@@ -3,16 +3,14 @@
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.centres import body_axes, is_aligned
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Normal, Uniform
 from wirerope_mj.studies.inputs.nominal import SHIFTS, model_unit, nominal, nominal_text
 from wirerope_mj.studies.inputs.quantities import Column, Quantity
-
-Array = npt.NDArray[np.float64]
 
 FAR = 10.0
 """How far, as a factor, all values of a parameter lie from the model's if they were meant as factors on it, perhaps."""

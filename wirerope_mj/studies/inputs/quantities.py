@@ -220,7 +220,7 @@ def _of_motion(name: str, kind: str, distribution: Distribution, motions: Sequen
     values = distribution.choices if isinstance(distribution, Choice) else ()
     wrong = isinstance(distribution, Choice) and not all(type(value) in (int, float) for value in values)
     if wrong or (kind == "record" and (not values or not all(type(value) is int for value in values))):
-        what = "a Choice of whole numbers, places in `motions`" if kind == "record" else "a distribution of numbers"
+        what = "a Choice of integers, places in `motions`" if kind == "record" else "a distribution of numbers"
         raise ValueError(f"`vary`: {name!r} must be {what}, got {distribution}.")
     if kind == "record" and not set(values) <= set(range(len(motions))):
         there = "is one record, 0" if len(motions) == 1 else f"are the records 0 to {len(motions) - 1}"

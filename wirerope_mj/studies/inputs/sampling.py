@@ -10,12 +10,11 @@ import pyarrow as pa
 from scipy.special import ndtri
 from scipy.stats import qmc
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.inputs.distributions import LARGEST, SMALLEST, Choice, Specimens, Uniform
 from wirerope_mj.studies.inputs.quantities import Column, Quantity
-
-Array = npt.NDArray[np.float64]
 
 LISTED = ("grid", "list")
 """Samplings of values that are listed, and not drawn."""
@@ -44,7 +43,7 @@ def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: st
         values: Sequence[Any] = _listed(quantities, variants, sampling)
     else:
         if isinstance(variants, bool) or not isinstance(variants, int | np.integer) or variants < 1:
-            raise ValueError(f"`variants` must be a whole number >= 1, got {variants!r}.")
+            raise ValueError(f"`variants` must be an integer >= 1, got {variants!r}.")
         if sampling == sobol.SAMPLING:
             shares = sobol.shares(list(sobol.factors(quantities).values()), int(variants), seed)
         else:

@@ -3,12 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 from scipy.stats import qmc
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs.quantities import Quantity
-
-Array = npt.NDArray[np.float64]
 
 SAMPLING = "sobol-indices"
 """The word for it."""

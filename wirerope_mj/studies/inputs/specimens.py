@@ -5,15 +5,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 from scipy.stats import chi2
 
 from wirerope_mj.mounts.isolator import Isolator, Spread
 from wirerope_mj.studies.inputs.distributions import Specimens
 from wirerope_mj.studies.inputs.quantities import Quantity
 from wirerope_mj.studies.inputs.sampling import RANK, drawn
-
-Array = npt.NDArray[np.float64]
 
 
 def rank(spread: Spread) -> int:

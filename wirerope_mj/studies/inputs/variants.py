@@ -5,18 +5,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-import numpy.typing as npt
-
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.engine.system.centres import body_axes, centre_of_mass
 from wirerope_mj.engine.system.varied import changed
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion, Scaled, Turned
 from wirerope_mj.mounts.isolator import Isolator, Limits, Stiffening
 from wirerope_mj.mounts.laws import BoucWenBaberNoori, KelvinVoigt, Law, Masing, Parallel, Zener
 from wirerope_mj.studies.inputs.quantities import STIFFENING, WORLD, Column
-
-Array = npt.NDArray[np.float64]
 
 FAINT = 1e-6
 """Stiffness [N/m], damping [N s/m] and slip force [N] of what has failed: it carries nothing, and keeps its states' places."""
@@ -46,7 +42,7 @@ class Work:
     timestep: float
     sample_rate: float
     initial: str
-    corners: npt.NDArray[np.float64]
+    corners: Array
 
 
 class Maker:

@@ -1,12 +1,10 @@
 """Directions of a study's motion as points on the sphere: how much of it each stands for."""
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.engines.compute import DONE
-
-Array = npt.NDArray[np.float64]
 
 AZIMUTH, ELEVATION = "motion/azimuth", "motion/elevation"
 

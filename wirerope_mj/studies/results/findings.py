@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 from scipy.stats import beta
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.inputs.sampling import LISTED
@@ -18,7 +18,6 @@ from wirerope_mj.studies.inputs.sampling import LISTED
 if TYPE_CHECKING:
     from wirerope_mj.studies.result import StudyResult
 
-Array = npt.NDArray[np.float64]
 
 HEADLINES = ("travel", "acceleration", "fragility")
 """Measures that are looked at first, in this order."""

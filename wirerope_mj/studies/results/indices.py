@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.inputs.sobol import FEWEST, SAMPLING, factors
 from wirerope_mj.studies.results.findings import measures_of
@@ -15,7 +15,6 @@ from wirerope_mj.studies.results.findings import measures_of
 if TYPE_CHECKING:
     from wirerope_mj.studies.result import StudyResult
 
-Array = npt.NDArray[np.float64]
 
 CONFIDENCE = 0.95
 

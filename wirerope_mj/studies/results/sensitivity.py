@@ -11,9 +11,8 @@ import pyarrow as pa
 from scipy.stats import f as f_distribution
 from scipy.stats import rankdata
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.engines.compute import DONE
-
-Array = npt.NDArray[np.float64]
 
 CHANCE = 0.01
 """How likely any of the inputs may be called certain by accident, if none has an effect."""

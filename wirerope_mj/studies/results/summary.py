@@ -3,9 +3,9 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs.sampling import LISTED
 from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.result import StudyResult
@@ -78,7 +78,7 @@ def _of_measure(table: pa.Table, name: str, *, is_drawn: bool) -> dict[str, Any]
     return found
 
 
-def _quantiles(values: npt.NDArray[np.float64]) -> dict[str, Any]:
+def _quantiles(values: Array) -> dict[str, Any]:
     each = zip(_QUANTILES, quantiles(values, list(_QUANTILES.values())), strict=True)
     return {name: value for name, value in each if np.isfinite(value)}
 

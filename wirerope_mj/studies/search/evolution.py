@@ -5,11 +5,10 @@ from importlib.metadata import version
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs import distributions
 
-Array = npt.NDArray[np.float64]
 Design = dict[str, Any]
 
 UNKNOWN = 1e12

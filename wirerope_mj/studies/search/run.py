@@ -12,6 +12,7 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.simulation.progress import Update, share_bar
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.engines.compute import Chunk, Engine, Part
 from wirerope_mj.studies.engines.local import run_local
 from wirerope_mj.studies.folder import TABLE, computed_alone, finish, part_path, prepare, read_part, write_part
@@ -19,7 +20,7 @@ from wirerope_mj.studies.responses import RESPONSES, checked_keep
 from wirerope_mj.studies.result import load_study
 from wirerope_mj.studies.run import checked_engine, chunk_size
 from wirerope_mj.studies.search.evolution import Design, Evolution, check_installed
-from wirerope_mj.studies.search.front import Array, aims, excesses
+from wirerope_mj.studies.search.front import aims, excesses
 from wirerope_mj.studies.search.result import GENERATION, SearchResult
 from wirerope_mj.studies.search.summary import search_summary
 

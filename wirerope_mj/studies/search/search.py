@@ -60,7 +60,7 @@ class Search:
         if not isinstance(study, Study):
             raise ValueError(f"`study` must be a Study, got {study!r}.")
         if isinstance(generations, bool) or not isinstance(generations, int) or generations < 1:
-            raise ValueError(f"`generations` must be a whole number >= 1, got {generations!r}.")
+            raise ValueError(f"`generations` must be an integer >= 1, got {generations!r}.")
         self.study, self.generations = study, generations
         self.minimise = tuple([minimise] if isinstance(minimise, str) else minimise)
         self.limits = dict(limits or {})

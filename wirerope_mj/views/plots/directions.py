@@ -3,17 +3,15 @@
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.results.directions import AZIMUTH, ELEVATION
 from wirerope_mj.studies.results.findings import Measure, measure_of, values_of
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import RATED, WIDTH, report_style, short
-
-Array = npt.NDArray[np.float64]
 
 
 def directions_figure(table: pa.Table, measure: str) -> Figure:

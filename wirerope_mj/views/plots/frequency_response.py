@@ -13,9 +13,8 @@ from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 from wirerope_mj.dynamics.frequency_response.axes import log_ticks
 from wirerope_mj.dynamics.frequency_response.curve import Curve
 from wirerope_mj.dynamics.frequency_response.summary import Findings
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-
-Array = npt.NDArray[np.float64]
 
 COLOURS = ("#08519c", "#d95f0e", "#238b45", "#7a0177", "#b30000", "#525252", "#02818a", "#8c6d31")
 _MARKS = {"fold": "o", "period doubling": "s", "Neimark-Sacker": "D", "symmetry breaking": "X"}

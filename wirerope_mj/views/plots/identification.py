@@ -6,14 +6,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, ScalarFormatter
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.fitted import FittedLoop
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-
-Array = npt.NDArray[np.float64]
 
 _MEASURED, _FITTED = "#08519c", "#d95f0e"
 _MOST = 12  # panels of one figure: more cannot be read

@@ -9,7 +9,7 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from wirerope_mj.foundation.atomic_files import written_whole
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import Law, Loop, Stop, Tabulated
 from wirerope_mj.mounts.laws.stop import largest_gap
@@ -106,7 +106,7 @@ def amplitudes_of(isolator: Isolator, axis: str, shares: Sequence[float]) -> lis
 
 def _save(figure: Figure, path: Path) -> None:
     """Write a picture whole or not at all."""
-    with written_whole(path) as beside:
+    with atomic_file(path) as beside:
         figure.savefig(beside)
 
 

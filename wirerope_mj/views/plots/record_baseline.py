@@ -4,13 +4,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import BaseMotion, Record
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-
-Array = npt.NDArray[np.float64]
 
 _BINS = 2000
 """Stretches that a long acceleration is drawn in, each by its extremes: more than the picture has points across."""

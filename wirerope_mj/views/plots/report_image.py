@@ -9,13 +9,11 @@ from typing import Any
 
 import matplotlib
 import numpy as np
-import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from wirerope_mj.dynamics.frequency_response.axes import log_ticks
-
-Array = npt.NDArray[np.float64]
+from wirerope_mj.foundation.arrays import Array
 
 WIDTH = 7.0
 """Width of a figure [in]: that of the text on A4."""

@@ -4,10 +4,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import COLOURS, WIDTH, Array, dress, legend_above, line, report_style
+from wirerope_mj.views.plots.report_image import COLOURS, WIDTH, dress, legend_above, line, report_style
 
 _STILL = 1e-12  # m: an axis that moves less does not move
 _MOST_CORNERS = 100  # a record has a corner at every sample: its samples are enough

@@ -11,8 +11,9 @@ from matplotlib.patheffects import withStroke
 from scipy.spatial import ConvexHull, QhullError
 
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import COLOURS, WIDTH, Array, report_style, short
+from wirerope_mj.views.plots.report_image import COLOURS, WIDTH, report_style, short
 
 LONGEST_LABEL = 5
 """Letters of a mount's name that fit beside its place; where one is longer, all mounts are numbered."""

@@ -8,14 +8,13 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.results.findings import Measure, measure_of, row_of, values_of
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import COLOURS, RATED, WIDTH, report_style
 from wirerope_mj.views.plots.report_scene import draw_plan
 from wirerope_mj.views.plots.study_pictures import StudyPicture
-
-Array = npt.NDArray[np.float64]
 
 _SHOWN = 4  # designs from above
 _NEAREST = 8  # designs that are shown where none is within the limits

@@ -11,11 +11,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from wirerope_mj.dynamics.frequency_response.axes import log_ticks
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-
-Array = npt.NDArray[np.float64]
 
 COLOURS = ("#08519c", "#d95f0e", "#31a354", "#7a0177", "#02818a", "#8c6d31")
 """Of the payloads, in their order; the base is grey."""

@@ -6,11 +6,11 @@ from textwrap import wrap
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.findings import (
@@ -26,8 +26,6 @@ from wirerope_mj.studies.results.findings import (
 from wirerope_mj.studies.results.sensitivity import Influence
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import BASE, COLOURS, RATED, WIDTH, report_style, short
-
-Array = npt.NDArray[np.float64]
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 

@@ -4,11 +4,12 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.film import Film, Strip
-from wirerope_mj.views.recording.paths import TIMELINE, Array, nanoseconds
+from wirerope_mj.views.recording.paths import TIMELINE, nanoseconds
 
 POINT, FREQUENCY = "point", "frequency_mHz"
-"""Timelines over the branch: the number of the motion, and its frequency, a whole number of millihertz as rerun has no other
+"""Timelines over the branch: the number of the motion, and its frequency, whole millihertz as rerun has no other
 numbers for a timeline. Where a branch folds, the point tells its motions apart."""
 
 

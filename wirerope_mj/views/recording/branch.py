@@ -31,7 +31,7 @@ from wirerope_mj.views.recording.poses import frames_of
 from wirerope_mj.views.recording.response_curve import log_response
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.selection import select
-from wirerope_mj.views.recording.target import recorded_whole, target_of
+from wirerope_mj.views.recording.target import atomic_recording, target_of
 
 
 def record_branches(result: FrequencyResponse, findings: list[Findings], path: str | Path) -> Path:
@@ -49,7 +49,7 @@ def record_branches(result: FrequencyResponse, findings: list[Findings], path: s
     if not result.branches:
         raise ValueError("there is no branch to record; a sweep alone has no periodic motions.")
     target = target_of(path)
-    with recorded_whole(target) as rec:
+    with atomic_recording(target) as rec:
         _write(result, findings, rec)
     return target
 

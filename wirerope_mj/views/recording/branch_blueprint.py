@@ -3,6 +3,7 @@
 from typing import Any
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.along import POINT
 from wirerope_mj.views.recording.camera import whole_scene
 from wirerope_mj.views.recording.film import Film
@@ -10,7 +11,7 @@ from wirerope_mj.views.recording.frame import HEIGHT
 from wirerope_mj.views.recording.multipliers import PATH as MULTIPLIERS
 from wirerope_mj.views.recording.orbit_loops import SHAPE, loop_path, shown_loops
 from wirerope_mj.views.recording.orbit_text import ABOUT, MOTION
-from wirerope_mj.views.recording.paths import AXES, Array, entity
+from wirerope_mj.views.recording.paths import AXES, entity
 from wirerope_mj.views.recording.poses import Frame
 from wirerope_mj.views.recording.response_curve import PATH as RESPONSE
 from wirerope_mj.views.recording.response_curve import WIDTH

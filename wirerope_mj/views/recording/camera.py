@@ -6,7 +6,7 @@ import numpy as np
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Geom, Scene
-from wirerope_mj.views.recording.paths import Array
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.poses import conjugate, multiply, rotate
 
 _LOOK_FROM = np.array([0.46, -0.80, 0.38])

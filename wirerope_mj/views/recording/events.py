@@ -8,8 +8,9 @@ import numpy as np
 from wirerope_mj.assessment.criteria import closing_words
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.views.recording.paths import AXES, AXIAL, Array, at, entity
+from wirerope_mj.views.recording.paths import AXES, AXIAL, at, entity
 from wirerope_mj.views.recording.selection import Selection, travel_limits
 from wirerope_mj.views.recording.stops import CLOSED, changes, closed_at
 

@@ -10,8 +10,8 @@ from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.columns import ColumnPlan
 from wirerope_mj.engine.response.response import MemorySamples
-from wirerope_mj.foundation.arguments import unit_vector
-from wirerope_mj.views.recording.paths import Array
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import unit_vector
 
 MOST_POINTS = 60
 """Motions of a branch that are recorded: a step of one is small, and the file stays small too."""

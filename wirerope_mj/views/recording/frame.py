@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.views.recording.paths import Array
+from wirerope_mj.foundation.arrays import Array
 
 HEIGHT = 100.0
 """Height of a plot's frame, in units of its view."""

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.response import Peak, Response
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.views.recording.paths import AXES, Array, at, child, entity
+from wirerope_mj.views.recording.paths import AXES, at, child, entity
 from wirerope_mj.views.recording.selection import Selection, travel_limits
 from wirerope_mj.views.recording.thin import rows_of_line
 

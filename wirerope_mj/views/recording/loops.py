@@ -8,8 +8,9 @@ import numpy as np
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.frame import HEIGHT, Color, Plot, log_frame, ticks
-from wirerope_mj.views.recording.paths import AXES, Array, Rows, at, child, entity
+from wirerope_mj.views.recording.paths import AXES, Rows, at, child, entity
 from wirerope_mj.views.recording.selection import Selection, travel_limits
 from wirerope_mj.views.recording.thin import MOST_ROWS, rows_of_extremes, rows_of_line, rows_of_steps
 

@@ -18,7 +18,7 @@ from wirerope_mj.views.recording.paths import TIMELINE, entity, nanoseconds
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.selection import select
-from wirerope_mj.views.recording.target import recorded_whole, target_of
+from wirerope_mj.views.recording.target import atomic_recording, target_of
 from wirerope_mj.views.recording.views import scene_view
 
 MODE = "mode"
@@ -62,7 +62,7 @@ def record_modes(film: ModeFilm, path: str | Path, *, title: str = "", larger: S
         RecordError: the environment variable RERUN switches recordings off.
     """
     target = target_of(path)
-    with recorded_whole(target) as rec:
+    with atomic_recording(target) as rec:
         _write(film, rec, title or film.response.scene.name, larger)
     return target
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneBody, SceneMount
-from wirerope_mj.views.recording.paths import AXIAL, Array, Rows, at, child
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.views.recording.paths import AXIAL, Rows, at, child
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, quaternion_of, rotate
 from wirerope_mj.views.recording.selection import Selection
 from wirerope_mj.views.recording.shapes import block, coil

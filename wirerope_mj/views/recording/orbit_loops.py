@@ -5,10 +5,11 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.dynamics.frequency_response.samples import busiest_loops
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.along import AlongBranch, at_points
 from wirerope_mj.views.recording.film import Film, Strip
 from wirerope_mj.views.recording.frame import LARGE, Plot, log_frame, ticks
-from wirerope_mj.views.recording.paths import AXES, Array, at, child, entity
+from wirerope_mj.views.recording.paths import AXES, at, child, entity
 from wirerope_mj.views.recording.response_curve import level_color
 
 MOST_LOOPS = 4

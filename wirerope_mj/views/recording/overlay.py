@@ -32,7 +32,7 @@ from wirerope_mj.views.recording.overlay_text import Inputs, log_overlay_texts
 from wirerope_mj.views.recording.paths import Below, at, entity, root_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.state import log_state
-from wirerope_mj.views.recording.target import recorded_whole, target_of
+from wirerope_mj.views.recording.target import atomic_recording, target_of
 
 FILE = "overlay.rrd"
 
@@ -72,7 +72,7 @@ def write_overlay(
 ) -> Path:
     """Write what `overlay_of` made of the runs, and return the path; the rest is as for `record_overlay`."""
     target = target_of(path, file=FILE)
-    with recorded_whole(target) as rec:
+    with atomic_recording(target) as rec:
         _write(overlay, rec, inputs=inputs, tab=tab, scene=scene)
     return target
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.engine.response import Peak, Response
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.overlay_parts import Part, Run, has
-from wirerope_mj.views.recording.paths import Array
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.response.scene import SceneBody
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.camera import scene_extent, whole_scene
 from wirerope_mj.views.recording.overlay_parts import Run
 from wirerope_mj.views.recording.overlay_runs import Overlay
-from wirerope_mj.views.recording.paths import Array, Below, at, child, entity
+from wirerope_mj.views.recording.paths import Below, at, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, rotate
 from wirerope_mj.views.recording.scene import scene_rows
 from wirerope_mj.views.recording.shapes import draw_geoms

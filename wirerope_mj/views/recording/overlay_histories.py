@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.views.recording.histories import (
     DIRECTIONS,
@@ -24,7 +25,7 @@ from wirerope_mj.views.recording.histories import (
 from wirerope_mj.views.recording.overlay_apart import difference
 from wirerope_mj.views.recording.overlay_parts import Part, Run
 from wirerope_mj.views.recording.overlay_runs import Overlay
-from wirerope_mj.views.recording.paths import AXES, Array, child, entity
+from wirerope_mj.views.recording.paths import AXES, child, entity
 from wirerope_mj.views.recording.selection import travel_limits
 
 MOST_PARTS = 6

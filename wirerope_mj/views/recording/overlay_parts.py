@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from wirerope_mj.engine.response import Peak, Response
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.frame import Color
-from wirerope_mj.views.recording.paths import Array
 from wirerope_mj.views.recording.poses import Frame
 from wirerope_mj.views.recording.selection import Selection
 

@@ -7,7 +7,6 @@ import numpy.typing as npt
 
 from wirerope_mj.mounts.isolator import AXES as AXES
 
-Array = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.intp]
 
 APPLICATION = "wirerope_mj"

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.views.recording.paths import Array, child, entity
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.views.recording.paths import child, entity
 
 _SAME = 1e-6
 """Bodies are fixed to each other if they move less than this [m], per metre of arm for rotations; far below a pixel."""

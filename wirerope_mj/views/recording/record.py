@@ -14,7 +14,7 @@ from wirerope_mj.views.recording.poses import frames_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.selection import select
 from wirerope_mj.views.recording.state import log_state
-from wirerope_mj.views.recording.target import recorded_whole, target_of
+from wirerope_mj.views.recording.target import atomic_recording, target_of
 
 
 def record_rerun(
@@ -41,7 +41,7 @@ def record_rerun(
         RecordError: the environment variable RERUN switches recordings off.
     """
     target = target_of(path)
-    with recorded_whole(target) as rec:
+    with atomic_recording(target) as rec:
         _write(response, rec, title=title, scenario_text=scenario_text, verdicts=verdicts, tab=tab)
     return target
 

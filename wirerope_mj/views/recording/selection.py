@@ -6,8 +6,9 @@ import numpy as np
 
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import SceneMount
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import SIDES, travel_reached, travel_shares
-from wirerope_mj.views.recording.paths import AXES, AXIAL, Array
+from wirerope_mj.views.recording.paths import AXES, AXIAL
 
 MOST_LOOPS = 9
 """Loops of the governing axis that get a view of their own: three rows of three are the smallest that can be read."""

@@ -7,7 +7,8 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.response.scene import Geom
-from wirerope_mj.views.recording.paths import Array, child
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.views.recording.paths import child
 from wirerope_mj.views.recording.poses import rotate
 
 _COILS = 8

@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.views.recording.paths import TIMELINE, Array, at, entity, root_of
+from wirerope_mj.views.recording.paths import TIMELINE, at, entity, root_of
 
 ROOT = "state"
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.foundation.atomic_files import written_whole
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.views.recording.paths import APPLICATION, FILE
 
@@ -26,7 +26,7 @@ def target_of(path: str | Path, *, file: str = FILE) -> Path:
 
 
 @contextmanager
-def recorded_whole(target: Path) -> Iterator[Any]:
+def atomic_recording(target: Path) -> Iterator[Any]:
     """Write what the block logs as `target`, and leave nothing behind if the block fails.
 
     Yields:
@@ -43,7 +43,7 @@ def recorded_whole(target: Path) -> Iterator[Any]:
     was_strict = strict_mode()
     rr.set_strict_mode(True)  # otherwise a wrong call loses data with no more than a warning
     try:
-        with written_whole(target) as beside:
+        with atomic_file(target) as beside:
             with _ourselves_written(beside) as way, rr.RecordingStream(APPLICATION, recording_id=uuid.uuid4()) as rec:
                 rec.set_log_time_enabled(False)
                 rec.save(way)

@@ -3,7 +3,8 @@
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.views.recording.paths import Array, Rows
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.views.recording.paths import Rows
 
 MOST_ROWS = 20_000
 """Rows of a drawn series; a plot is a few thousand pixels wide, and the viewer slows down far above this."""
@@ -12,7 +13,7 @@ _LONGEST = 128
 """Longest stretch of rows that is replaced by its ends; it bounds the passes over the data."""
 
 _PART = 128 * _LONGEST
-"""Rows that are looked at together: it bounds the memory, and is a whole number of the longest stretches."""
+"""Rows that are looked at together: it bounds the memory, and is a multiple of the longest stretches."""
 
 
 def rows_of_line(time: Array, values: Array, tolerance: Array | float, *, limit: int = MOST_ROWS) -> Rows:

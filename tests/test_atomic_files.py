@@ -6,13 +6,13 @@ import sys
 
 import pytest
 
-from wirerope_mj.foundation.atomic_files import check_place, folder_written_whole, written_whole
+from wirerope_mj.foundation.atomic_files import atomic_file, atomic_folder, check_place
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.half_written import clear_half_written
 
 WRITER = """
 import os, pathlib, shutil, sys
-from wirerope_mj.foundation.atomic_files import folder_written_whole
+from wirerope_mj.foundation.atomic_files import atomic_folder
 
 folder, stage, rename = pathlib.Path(sys.argv[1]), sys.argv[2], os.rename
 
@@ -24,7 +24,7 @@ if stage == "between":  # the old folder has gone, and the new one is not there 
     os.rename = lambda a, b: rename(a, b) if a == folder else wait()
 if stage == "removing":
     shutil.rmtree = wait
-with folder_written_whole(folder, force=True, kind="run", marks=("mark",)) as beside:
+with atomic_folder(folder, force=True, kind="run", marks=("mark",)) as beside:
     (beside / "mark").write_text("new")
     if stage == "writing":
         wait()
@@ -69,7 +69,7 @@ def test_a_folder_that_was_never_finished_is_written_anew_after_a_kill(tmp_path)
     folder = tmp_path / "run"
     end(writer(folder, "writing"), signal.SIGKILL)
     assert [path.name[:5] for path in tmp_path.iterdir()] == [".run."]
-    with folder_written_whole(folder, force=False, kind="run", marks=("mark",)) as beside:
+    with atomic_folder(folder, force=False, kind="run", marks=("mark",)) as beside:
         (beside / "mark").write_text("new")
     assert [path.name for path in tmp_path.iterdir()] == ["run"]
     assert sorted(path.name for path in folder.iterdir()) == ["mark"]
@@ -77,7 +77,7 @@ def test_a_folder_that_was_never_finished_is_written_anew_after_a_kill(tmp_path)
 
 def test_what_fails_leaves_nothing(tmp_path):
     def fail():
-        with written_whole(tmp_path / "a.txt") as beside:
+        with atomic_file(tmp_path / "a.txt") as beside:
             beside.write_text("half")
             raise RuntimeError
 
@@ -91,7 +91,7 @@ def test_a_folder_that_cannot_be_written_is_one_sentence_without_the_hidden_name
         raise PermissionError(13, "Permission denied", ".a.7lt3qll7.part.txt")
 
     monkeypatch.setattr("tempfile.mkstemp", refuse)
-    place = written_whole(tmp_path / "a.txt")
+    place = atomic_file(tmp_path / "a.txt")
     with pytest.raises(RecordError, match=r"a\.txt: cannot write here \(Permission denied\)\. Choose another place\.$"):
         place.__enter__()
 

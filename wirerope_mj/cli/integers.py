@@ -1,0 +1,26 @@
+"""Options that are integers: 4.5 is refused, not cut to 4."""
+
+from collections.abc import Sequence
+from typing import Annotated, Any, get_origin
+
+from cyclopts import Parameter, Token
+
+
+def integers(hint: Any, tokens: Sequence[Token]) -> int | list[int]:
+    """Return the integer or numbers of an option."""
+    several = get_origin(hint) is list
+    found = []
+    for token in tokens:
+        try:
+            found.append(int(token.value))
+        except ValueError:
+            name = f"`{token.keyword}` " if several else ""  # the parser names options of one value itself
+            raise ValueError(f"{name}must be an integer, got {token.value}.") from None
+    return found if several else found[0]
+
+
+Integer = Annotated[int, Parameter(converter=integers)]
+"""An integer."""
+
+Integers = Annotated[list[int], Parameter(consume_multiple=True, negative=(), converter=integers)]
+"""One or several of them."""
