@@ -76,9 +76,9 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
     ("arguments", "message"),
     [
         ({"loops": []}, "`loops` must hold at least one loop"),
-        ({"frequency": 0.0}, "`frequency` must be finite and > 0, got 0.0"),
-        ({"deflection_unit": "inch"}, "`deflection_unit` must be one of m, mm, got 'inch'"),
-        ({"force_unit": "lbf"}, "`force_unit` must be one of N, kN, got 'lbf'"),
+        ({"frequency": 0.0}, r"`frequency` must be > 0 \[Hz\], got 0\.0"),
+        ({"deflection_unit": "inch"}, "`deflection_unit` must be one of 'm', 'mm', got 'inch'"),
+        ({"force_unit": "lbf"}, "`force_unit` must be one of 'N', 'kN', got 'lbf'"),
     ],
 )
 def test_bad_arguments_of_writing_are_named(tmp_path, arguments, message):

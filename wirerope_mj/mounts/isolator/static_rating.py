@@ -1,4 +1,4 @@
-"""What a rated static load speaks of: a mount that stands."""
+"""The rule that a rated static load holds for a mount that stands."""
 
 import math
 
@@ -7,7 +7,7 @@ import numpy.typing as npt
 
 
 def static_load_unjudged(force: npt.ArrayLike, rated: float | None) -> str:
-    """Return why a rated static load says nothing of the load of a mount, in words; empty where it judges it.
+    """Return why a rated static load says nothing of the load of a mount, as text; empty where it judges it.
 
     The rating holds for compression: a mount that hangs, or carries more across its axis than along it, is not judged.
 

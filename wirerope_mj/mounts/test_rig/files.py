@@ -1,9 +1,9 @@
 """Writing loops to the CSV file of a cyclic test."""
 
-import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.mounts.laws import Loop
 
@@ -22,7 +22,7 @@ def write_cyclic_test(
     deflection_unit: str = "m",
     force_unit: str = "N",
 ) -> None:
-    """Write loops as a CSV file with units in its header, whole or not at all.
+    """Write loops as a CSV file with units in its header, atomically.
 
     The columns are loop (1, 2, ...), time if a frequency is given, deflection and force: what a rig records. In m and N,
     numbers are written so that `read_cyclic_test` gives back the same bits; hysteretic states and the law's own work are not
@@ -40,14 +40,10 @@ def write_cyclic_test(
     """
     if not loops:
         raise ValueError("`loops` must hold at least one loop.")
-    if frequency is not None and not (math.isfinite(frequency) and frequency > 0.0):
-        raise ValueError(f"`frequency` must be finite and > 0, got {frequency}.")
-    for name, unit, known in (
-        ("deflection_unit", deflection_unit, DEFLECTION_UNITS),
-        ("force_unit", force_unit, FORCE_UNITS),
-    ):
-        if unit not in known:
-            raise ValueError(f"`{name}` must be one of {', '.join(known)}, got {unit!r}.")
+    if frequency is not None:
+        positive("frequency", frequency, unit="Hz")
+    one_of("deflection_unit", deflection_unit, DEFLECTION_UNITS)
+    one_of("force_unit", force_unit, FORCE_UNITS)
     target = Path(path)
     if target.is_dir() or not target.resolve().parent.is_dir():
         raise ValueError(f"`path` must be a file in a folder that exists, got {str(path)!r}.")
