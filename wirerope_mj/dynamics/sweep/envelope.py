@@ -34,8 +34,8 @@ class Envelope:
 class MountEnvelope:
     """Extreme deflections of a mount over frequency, along roll, shear and axial [m], (n, 3); static sag included."""
 
-    lowest: Array
-    highest: Array
+    minimum: Array
+    maximum: Array
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -106,7 +106,7 @@ class FrequencySweep(Summarised):
     @property
     def deflection(self) -> Array:
         """Largest absolute deflection of every mount along roll, shear and axial [m], (n_mounts, n, 3)."""
-        return np.stack([np.maximum(mount.highest, -mount.lowest) for mount in self.mounts.values()])
+        return np.stack([np.maximum(mount.maximum, -mount.minimum) for mount in self.mounts.values()])
 
     @property
     def direction(self) -> str | tuple[float, float, float]:
