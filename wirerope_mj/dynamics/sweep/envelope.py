@@ -9,7 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import direction_text
 from wirerope_mj.foundation.state import State
+from wirerope_mj.foundation.summary import Summarised, quantity, span
 from wirerope_mj.motions import Sweep, motion_from_dict
 
 AXES = ("x", "y", "z")
@@ -36,8 +38,8 @@ class MountEnvelope:
     maximum: Array
 
 
-@dataclass(frozen=True, kw_only=True)
-class FrequencySweep:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class FrequencySweep(Summarised):
     """Envelopes over frequency of a system shaken by a sweep, cycle by cycle, or by one steady sine after another.
 
     Attributes:
@@ -77,6 +79,19 @@ class FrequencySweep:
     initial_state: State = field(repr=False)
     final_state: State = field(repr=False)
     warnings: tuple[str, ...]
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        peak = int(np.argmax(self.amplitude))
+        return "FrequencySweep", {
+            "frequencies": f"{span((self.frequency[0], self.frequency[-1]), 'Hz')}, {self.frequency.size} of them",
+            "base": f"along {direction_text(self.direction)}, {quantity(float(self.base_amplitude.max()), 'm/s^2')}",
+            f"largest {self.response_direction} of {self.payload}": (
+                f"{quantity(self.amplitude[peak], 'm/s^2')} at {self.frequency[peak]:.4g} Hz"
+            ),
+            "transmissibility there": f"{self.transmissibility[peak]:.4g}",
+            "step": f"{1e6 * self.timestep:.4g} us",
+            **({"warnings": "; ".join(self.warnings)} if self.warnings else {}),
+        }
 
     @property
     def amplitude(self) -> Array:
