@@ -120,11 +120,11 @@ def _table(title: str, first: str, numbers: Sequence[str]) -> Table:
 
 
 def _range(row: MountPeak, axis: int) -> str:
-    return f"{1e3 * row.lowest[axis]:+.1f} {1e3 * row.highest[axis]:+.1f}"
+    return f"{1e3 * row.minimum[axis]:+.1f} {1e3 * row.maximum[axis]:+.1f}"
 
 
 def _largest(row: MountPeak, axis: int) -> str:
-    return f"{1e3 * max(row.highest[axis], -row.lowest[axis]):.1f}"
+    return f"{1e3 * max(row.maximum[axis], -row.minimum[axis]):.1f}"
 
 
 def _percent(share: float | None) -> str:
