@@ -30,7 +30,7 @@ class Series:
         file: its name below `models/isolators/vendors`.
         source: the documents.
         damping: damping ratio that a fit aims at [-], within `damping_range`.
-        damping_range: what the vendor states of the series [-].
+        damping_range: of the series, as the vendor states it [-].
     """
 
     file: str
@@ -57,8 +57,8 @@ SERIES = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Figures:
-    """What a table states of one loading mode; None = not stated.
+class ModeValues:
+    """Values of one loading mode; None = not stated.
 
     Attributes:
         static_load: largest static load [N].
@@ -72,11 +72,11 @@ class Figures:
     vibration: float | None = None
     shock: float | None = None
 
-    def scaled(self, share: float) -> "Figures":
-        """Return the figures with a share of the loops: load and stiffnesses in proportion, the same travel."""
+    def scaled(self, fraction: float) -> "ModeValues":
+        """Return the values with a fraction of the loops: load and stiffnesses in proportion, the same travel."""
 
         def times(value: float | None) -> float | None:
-            return None if value is None else share * value
+            return None if value is None else fraction * value
 
         return replace(
             self, static_load=times(self.static_load), vibration=times(self.vibration), shock=times(self.shock)
@@ -84,7 +84,7 @@ class Figures:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class VendorPart:
     """One row of a vendor's table, in SI units.
 
     Attributes:
@@ -95,7 +95,7 @@ class Part:
         height: unloaded [m].
         width: across the bars [m].
         bar: thickness of one bar [m].
-        modes: figures by loading mode.
+        modes: values by loading mode.
     """
 
     name: str
@@ -105,9 +105,9 @@ class Part:
     height: float | None
     width: float | None
     bar: float | None
-    modes: Mapping[str, Figures]
+    modes: Mapping[str, ModeValues]
 
-    def with_loops(self, loops: int) -> "Part":
+    def with_loops(self, loops: int) -> "VendorPart":
         """Return the part with fewer loops: load and stiffness in proportion (the vendor's own rule).
 
         Raises:
@@ -116,19 +116,18 @@ class Part:
         if self.loops is None or not 0 < loops < self.loops:
             have = "an unknown number of" if self.loops is None else str(self.loops)
             raise ValueError(f"`loops` must be an integer > 0 below those of {self.name} ({have} loops), got {loops}.")
-        share = loops / self.loops
-        modes = {mode: figures.scaled(share) for mode, figures in self.modes.items()}
+        modes = {mode: values.scaled(loops / self.loops) for mode, values in self.modes.items()}
         return replace(self, name=f"{self.name} ({loops} of {self.loops} loops)", loops=loops, modes=modes)
 
 
 @cache
-def vendor_parts() -> tuple[Part, ...]:
+def vendor_parts() -> tuple[VendorPart, ...]:
     """Return the parts of all tables that ship, in their order."""
     folder = catalogue_folder() / "vendors"
     return tuple(part for series in SERIES for part in read_table(folder / series.file, series))
 
 
-def read_table(path: Path, series: Series) -> list[Part]:
+def read_table(path: Path, series: Series) -> list[VendorPart]:
     """Return the parts of a CSV table whose header carries the units, such as `compression travel [mm]`.
 
     Lines that begin with # are comments. ModelError names file, line, column and rule.
@@ -141,7 +140,9 @@ def read_table(path: Path, series: Series) -> list[Part]:
         raise ModelError(str(error)) from None
 
 
-def _part(location: str, cells: Sequence[str], names: Sequence[str], factors: Sequence[float], series: Series) -> Part:
+def _part(
+    location: str, cells: Sequence[str], names: Sequence[str], factors: Sequence[float], series: Series
+) -> VendorPart:
     """Return the part of one row."""
     values = {
         name: _stated(location, name, cell, factor)
@@ -149,7 +150,7 @@ def _part(location: str, cells: Sequence[str], names: Sequence[str], factors: Se
         if name != "part"
     }
     loops = values["loops"]
-    return Part(
+    return VendorPart(
         name=cells[names.index("part")],
         series=series,
         loops=None if loops is None else round(loops),
@@ -158,7 +159,7 @@ def _part(location: str, cells: Sequence[str], names: Sequence[str], factors: Se
         width=values["width"],
         bar=values.get("bar"),
         modes={
-            mode: Figures(
+            mode: ModeValues(
                 **{key: values.get(f"{mode} {key}") for key in ("static_load", "travel", "vibration", "shock")}
             )
             for mode in MODES
