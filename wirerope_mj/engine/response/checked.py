@@ -13,7 +13,7 @@ import numpy as np
 
 from wirerope_mj.engine.response.columns import ColumnPlan
 from wirerope_mj.engine.response.contacts import ContactPeak
-from wirerope_mj.engine.response.response import Numerics
+from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import PayloadLimit
