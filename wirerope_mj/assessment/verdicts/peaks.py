@@ -25,15 +25,15 @@ class MountPeak:
     Attributes:
         name: of the mount.
         isolator: name of the device.
-        lowest, highest: extreme deflections along roll, shear, axial [m].
+        minimum, maximum: extreme deflections along roll, shear, axial [m].
         force: extreme force along roll, shear, axial, with its sign [N].
         shares: peak over rated travel by "compression", "tension", "shear", "roll"; None = not judged.
     """
 
     name: str
     isolator: str
-    lowest: tuple[float, float, float]
-    highest: tuple[float, float, float]
+    minimum: tuple[float, float, float]
+    maximum: tuple[float, float, float]
     force: tuple[float, float, float]
     shares: dict[str, float | None]
 
@@ -83,8 +83,8 @@ def mount_peaks(response: Response) -> list[MountPeak]:
             MountPeak(
                 name=mount.name,
                 isolator=mount.isolator,
-                lowest=(float(low[0]), float(low[1]), float(low[2])),
-                highest=(float(high[0]), float(high[1]), float(high[2])),
+                minimum=(float(low[0]), float(low[1]), float(low[2])),
+                maximum=(float(high[0]), float(high[1]), float(high[2])),
                 force=(force[0], force[1], force[2]),
                 shares={name: shares.get(name) for name in RATINGS},
             )

@@ -29,8 +29,8 @@ def summary(response: Response, verdicts: Sequence[Verdict]) -> dict[str, Any]:
                 "verdict": row.verdict,
                 "share_of_travel": row.shares,
                 "rated_travel_m": travel[row.name],
-                "lowest_deflection_m": dict(zip(AXES, row.lowest, strict=True)),
-                "highest_deflection_m": dict(zip(AXES, row.highest, strict=True)),
+                "lowest_deflection_m": dict(zip(AXES, row.minimum, strict=True)),
+                "highest_deflection_m": dict(zip(AXES, row.maximum, strict=True)),
                 "extreme_force_N": dict(zip(AXES, row.force, strict=True)),
             }
             for row in mount_peaks(response)

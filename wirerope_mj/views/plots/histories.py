@@ -84,7 +84,7 @@ def _line(panel: Any, time: Any, values: Any, label: str, colour: str) -> None:
 def _governing(row: MountPeak) -> int:
     """Return the axis in which the mount uses most of its travel; where nothing is judged, in which it moves most."""
     if row.share is None:
-        return int(np.argmax(np.subtract(row.highest, row.lowest)))
+        return int(np.argmax(np.subtract(row.maximum, row.minimum)))
     rating = max(row.shares, key=lambda name: row.shares[name] or 0.0)
     return AXES.index(rating) if rating in AXES else AXES.index("axial")
 

@@ -251,7 +251,7 @@ def _peaks(rows: list[MountPeak]) -> Table:
     for row in rows:
         cells = [row.name]
         for axis in (2, 1, 0):
-            cells += [shown(row.lowest[axis], "m"), shown(row.highest[axis], "m")]
+            cells += [shown(row.minimum[axis], "m"), shown(row.maximum[axis], "m")]
         cells += [shown(row.force[axis], "N") for axis in (2, 1, 0)]
         body.append(tuple(cells))
     deflections = [f"{AXES[axis]} [mm], {end}" for axis in (2, 1, 0) for end in ("lowest", "highest")]
