@@ -122,11 +122,11 @@ def test_a_cycle_holds_what_the_whole_history_has_in_it():
         inside = cycle == number
         # Steps at other instants, samples beside the crest, (w h)^2 / 8 = 3e-4 at 40 Hz and 2e-4 s, and kinks between steps.
         np.testing.assert_allclose(r.envelopes["mass"].acceleration[number, 2], values[inside, 2].max(), rtol=5e-4)
-        np.testing.assert_allclose(r.mounts["m1"].lowest[number, 2], deflections[inside, 2].min(), rtol=2e-3)
-        np.testing.assert_allclose(r.mounts["m1"].highest[number, 2], deflections[inside, 2].max(), rtol=2e-3)
+        np.testing.assert_allclose(r.mounts["m1"].minimum[number, 2], deflections[inside, 2].min(), rtol=2e-3)
+        np.testing.assert_allclose(r.mounts["m1"].maximum[number, 2], deflections[inside, 2].max(), rtol=2e-3)
     middles = (instants[:-1] + instants[1:]) / 2
     np.testing.assert_array_equal(r.frequency, sweep.frequency(middles))
-    np.testing.assert_array_equal(r.deflection[0], np.maximum(r.mounts["m1"].highest, -r.mounts["m1"].lowest))
+    np.testing.assert_array_equal(r.deflection[0], np.maximum(r.mounts["m1"].maximum, -r.mounts["m1"].minimum))
 
 
 def test_a_sweep_begins_on_the_response_and_goes_on_from_the_end_of_another(system):
@@ -230,7 +230,7 @@ def test_the_hysteretic_share_of_the_load_leaks_away_from_a_virgin_start_only():
     assert sag["relaxed"] > 1.5 * sag["virgin"]
     for history in sag:
         r = wr.frequency_sweep(system, up(60.0, 10.0, 20.0), history=history, settled=None, timestep=5e-4, **MOUNT)
-        mean = -(r.mounts["m1"].lowest[:, 2] + r.mounts["m1"].highest[:, 2]) / 2
+        mean = -(r.mounts["m1"].minimum[:, 2] + r.mounts["m1"].maximum[:, 2]) / 2
         if history == "virgin":
             assert mean[0] < 1.5 * sag["virgin"]
             assert mean[-1] > mean[0] + 0.2 * (sag["relaxed"] - sag["virgin"])  # it sinks towards the other
@@ -314,7 +314,7 @@ def test_a_rated_travel_that_is_exceeded_is_a_warning_that_says_where():
     system = limited(linear(), compression=1e-3, tension=1.0)
     r = wr.frequency_sweep(system, up(60.0, 6.0, 18.0), timestep=1e-3, **MOUNT)
     (words,) = r.warnings
-    lowest = r.mounts["m1"].lowest[:, 2]
+    lowest = r.mounts["m1"].minimum[:, 2]
     assert -lowest.min() > 1e-3
     where = f"{r.frequency[np.argmin(lowest)]:.5g} Hz"
     assert words == f"mount 'm1' goes {-lowest.min():.4g} m in compression at {where}, beyond its rated 0.001 m."

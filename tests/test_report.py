@@ -427,7 +427,7 @@ def test_a_response_without_mounts_has_no_sections_about_them(finished):
     titles = [section.title for section in content.sections if section.blocks]
     shown = ["Model and mounts", "Base motion", "What reaches the payload", "Stops and contacts"]
     assert titles == [*shown, "Numerics, options and versions"]
-    assert content.verdict.text == "Nothing is judged: no limit is stated for anything in this run."
+    assert content.verdict.content == "Nothing is judged: no limit is stated for anything in this run."
     Page(report_html(content))
 
 

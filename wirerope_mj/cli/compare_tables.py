@@ -21,7 +21,7 @@ from wirerope_mj.assessment.comparison import (
     mount_rows,
     travel_rows,
 )
-from wirerope_mj.cli.tables import console
+from wirerope_mj.cli.screen import console
 
 _MOST_MOUNTS = 8
 """Mounts that are printed: those that use most of their rated travel in any run."""

@@ -10,8 +10,8 @@ from rich.markup import escape
 from rich.table import Table
 
 from wirerope_mj.cli.models import model_path
+from wirerope_mj.cli.screen import console
 from wirerope_mj.cli.statics_tables import plain_table, stability_words
-from wirerope_mj.cli.tables import console
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.dynamics.modes.carried import carried
 from wirerope_mj.engine.statics import History

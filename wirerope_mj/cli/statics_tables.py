@@ -8,7 +8,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from wirerope_mj.assessment.criteria import Verdict
-from wirerope_mj.cli.tables import console
+from wirerope_mj.cli.screen import console
 from wirerope_mj.dynamics.modes import Stability
 from wirerope_mj.engine.statics import Sag, StaticTable
 

@@ -3,13 +3,10 @@
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from rich import box
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
-from rich.text import Text
 
 from wirerope_mj.assessment.criteria import (
     COMBINED,
@@ -24,33 +21,15 @@ from wirerope_mj.assessment.criteria import (
     verdict_lines,
 )
 from wirerope_mj.cli.contact_table import contact_table
+from wirerope_mj.cli.screen import console
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.runs.headline import read_headline
 from wirerope_mj.runs.scenario import Scenario
 
-WIDTH = 120
-"""Width of tables where there is no terminal to fit them into [characters]."""
-
-_ROOMY = 100  # characters below which columns move together
 _NEAR = 0.9  # utilisation from which it is coloured as a warning
-
-
-class _Screen(Console):
-    """A console on which no text can move the cursor, colour what follows or become a picture."""
-
-    def render_str(self, text: str, **options: Any) -> Text:
-        """Return text for the screen, its invisible characters spelled out; all that is printed passes here."""
-        return super().render_str(plain_lines(text), **options)
-
-
-def console() -> Console:
-    """Return where tables are printed: as wide as the terminal, or as `WIDTH`."""
-    screen = _Screen(highlight=False, emoji=False)
-    return screen if screen.is_terminal else _Screen(highlight=False, emoji=False, width=WIDTH)
 
 
 def print_questions(kind: str, questions: Mapping[str, str]) -> None:
@@ -139,7 +118,7 @@ def _mounts(response: Response, verdicts: Sequence[Verdict]) -> Table:
 def _table(title: str, first: str, numbers: Sequence[str]) -> Table:
     """Return a table of one column of names and columns of numbers; brackets in headings are no markup."""
     table = Table(box=box.SIMPLE_HEAD, title=escape(title), title_style="bold", title_justify="left", show_edge=False)
-    table.padding = (0, 1, 0, 0) if console().width >= _ROOMY else 0
+    table.padding = (0, 1, 0, 0) if console().width >= 100 else 0
     table.add_column(escape(first), no_wrap=True)
     for name in numbers:
         table.add_column(escape(name), justify="right", no_wrap=True)

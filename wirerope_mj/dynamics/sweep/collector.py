@@ -40,13 +40,13 @@ class Collector:
         self._steps, self._largest_step = self._steps + steps, max(self._largest_step, largest_step)
 
     def add(
-        self, frequency: Array, lowest: Array, highest: Array, *, cycles: int, remaining: float, settled: bool
+        self, frequency: Array, minimum: Array, maximum: Array, *, cycles: int, remaining: float, settled: bool
     ) -> None:
         """Take extremes of all channels, (n, n_channels, 3), at frequencies [Hz], (n,), and what is alike for all of them."""
         on = self._channels
-        self._watch.add(frequency, lowest[:, on.mounts], highest[:, on.mounts])
-        largest = np.maximum(highest, -lowest)
-        deflections = np.stack([lowest[:, on.mounts], highest[:, on.mounts]], axis=2)  # (n, n_mounts, 2, 3)
+        self._watch.add(frequency, minimum[:, on.mounts], maximum[:, on.mounts])
+        largest = np.maximum(maximum, -minimum)
+        deflections = np.stack([minimum[:, on.mounts], maximum[:, on.mounts]], axis=2)  # (n, n_mounts, 2, 3)
         base = largest[:, on.base, self._along] / self._share
         alike = np.broadcast_to([cycles, remaining, settled], (frequency.size, 3))
         rows = [largest[:, on.bodies].reshape(frequency.size, -1), deflections.reshape(frequency.size, -1)]

@@ -131,7 +131,7 @@ def _follow(
             ends = instants[first : first + CHUNK + 1]
             seen = stepped.run(ends)
             frequency = sweep.frequency((ends[:-1] + ends[1:]) / 2.0)
-            collector.add(frequency, seen.lowest, seen.highest, cycles=1, remaining=math.nan, settled=False)
+            collector.add(frequency, seen.minimum, seen.maximum, cycles=1, remaining=math.nan, settled=False)
             update(float(ends[-1] / instants[-1]), float(frequency[-1]))
         collector.count(stepped.steps, stepped.largest_step)
         return stepped.finish()

@@ -9,7 +9,9 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import direction_text
 from wirerope_mj.foundation.state import State
+from wirerope_mj.foundation.summary import Summarised, quantity, span
 from wirerope_mj.motions import Sweep, motion_from_dict
 
 AXES = ("x", "y", "z")
@@ -32,12 +34,12 @@ class Envelope:
 class MountEnvelope:
     """Extreme deflections of a mount over frequency, along roll, shear and axial [m], (n, 3); static sag included."""
 
-    lowest: Array
-    highest: Array
+    minimum: Array
+    maximum: Array
 
 
-@dataclass(frozen=True, kw_only=True)
-class FrequencySweep:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class FrequencySweep(Summarised):
     """Envelopes over frequency of a system shaken by a sweep, cycle by cycle, or by one steady sine after another.
 
     Attributes:
@@ -78,6 +80,19 @@ class FrequencySweep:
     final_state: State = field(repr=False)
     warnings: tuple[str, ...]
 
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        peak = int(np.argmax(self.amplitude))
+        return "FrequencySweep", {
+            "frequencies": f"{span((self.frequency[0], self.frequency[-1]), 'Hz')}, {self.frequency.size} of them",
+            "base": f"along {direction_text(self.direction)}, {quantity(float(self.base_amplitude.max()), 'm/s^2')}",
+            f"largest {self.response_direction} of {self.payload}": (
+                f"{quantity(self.amplitude[peak], 'm/s^2')} at {self.frequency[peak]:.4g} Hz"
+            ),
+            "transmissibility there": f"{self.transmissibility[peak]:.4g}",
+            "step": f"{1e6 * self.timestep:.4g} us",
+            **({"warnings": "; ".join(self.warnings)} if self.warnings else {}),
+        }
+
     @property
     def amplitude(self) -> Array:
         """Largest absolute acceleration of the payload along the response direction [m/s^2], (n,)."""
@@ -91,7 +106,7 @@ class FrequencySweep:
     @property
     def deflection(self) -> Array:
         """Largest absolute deflection of every mount along roll, shear and axial [m], (n_mounts, n, 3)."""
-        return np.stack([np.maximum(mount.highest, -mount.lowest) for mount in self.mounts.values()])
+        return np.stack([np.maximum(mount.maximum, -mount.minimum) for mount in self.mounts.values()])
 
     @property
     def direction(self) -> str | tuple[float, float, float]:

@@ -140,7 +140,7 @@ def _keep(collector: Collector, frequency: float, at: Steady) -> None:
     """Take a frequency into the table."""
     collector.count(at.steps, at.largest_step)
     collector.add(
-        np.array([frequency]), at.lowest[np.newaxis], at.highest[np.newaxis], cycles=at.cycles, remaining=at.remaining,
+        np.array([frequency]), at.minimum[np.newaxis], at.maximum[np.newaxis], cycles=at.cycles, remaining=at.remaining,
         settled=at.settled,
     )  # fmt: skip
 

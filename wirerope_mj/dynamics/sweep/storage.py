@@ -118,7 +118,7 @@ def _decoded(content: dict[str, Any]) -> State:
 
 def _rows(sweep: FrequencySweep) -> Array:
     bodies = [envelope.acceleration for envelope in sweep.envelopes.values()]
-    mounts = [part for mount in sweep.mounts.values() for part in (mount.lowest, mount.highest)]
+    mounts = [part for mount in sweep.mounts.values() for part in (mount.minimum, mount.maximum)]
     return np.column_stack([*(getattr(sweep, name) for name in _FIRST), *bodies, *mounts])
 
 
@@ -135,7 +135,7 @@ def _built(rows: Array, content: dict[str, Any]) -> FrequencySweep:
         remaining=first["remaining"],
         settled=first["settled"] != 0.0,
         envelopes={name: Envelope(acceleration=a, transmissibility=a / base) for name, a in accelerations.items()},
-        mounts={name: MountEnvelope(lowest=next(vectors), highest=next(vectors)) for name in content["mounts"]},
+        mounts={name: MountEnvelope(minimum=next(vectors), maximum=next(vectors)) for name in content["mounts"]},
         payload=content["payload"],
         response_direction=content["response_direction"],
         excitation=content["excitation"],

@@ -23,8 +23,8 @@ def summary(sweep: FrequencySweep) -> dict[str, Any]:
     }
     mounts = {
         name: {
-            "lowest_deflection_m": mount.lowest.min(axis=0).tolist(),
-            "highest_m": mount.highest.max(axis=0).tolist(),
+            "lowest_deflection_m": mount.minimum.min(axis=0).tolist(),
+            "highest_m": mount.maximum.max(axis=0).tolist(),
         }
         for name, mount in sweep.mounts.items()
     }

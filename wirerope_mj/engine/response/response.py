@@ -1,5 +1,6 @@
 """What a simulation answers: time histories of bodies, points and mounts, and their peaks."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +13,7 @@ from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
+from wirerope_mj.foundation.summary import Summarised, quantity
 
 BLOCK_ROWS = 1 << 16
 """Rows of samples that are handed on at once where a long response must not stand in memory as a whole."""
@@ -168,8 +170,8 @@ class Numerics:
     limited_by: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Response:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Response(Summarised):
     """Response of a system to a base motion.
 
     Attributes:
@@ -201,6 +203,27 @@ class Response:
     final_state: State
     samples: Samples
     path: Path | None = None
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        peaks, last = self.peaks, float(self.time[-1])
+        heading = (
+            f"Response: {last:.4g} s in {self.time.size} samples, {len(self.bodies)} bodies, {len(self.mounts)} mounts"
+        )
+        lines = {
+            name: f"peak {quantity(body.acceleration.value, 'm/s^2')} at {body.acceleration.time:.4f} s"
+            for name, body in peaks.bodies.items()
+        }
+        if peaks.mounts:
+            farthest = max(peaks.mounts, key=lambda name: peaks.mounts[name].deflection.value)
+            strongest = max(peaks.mounts, key=lambda name: peaks.mounts[name].force.value)
+            lines[f"largest deflection, {farthest}"] = quantity(peaks.mounts[farthest].deflection.value, "m")
+            lines[f"largest force, {strongest}"] = quantity(peaks.mounts[strongest].force.value, "N")
+        if peaks.struck:
+            lines["struck"] = ", ".join(peaks.struck)
+        known = math.isfinite(self.estimated_error)
+        error = f"estimated error {self.estimated_error:.1e} of the peaks" if known else "given, no error estimated"
+        lines["step"] = f"{1e6 * self.timestep:.4g} us, {error}"
+        return heading, lines
 
     @property
     def timestep(self) -> float:

@@ -32,7 +32,7 @@ class Series:
         file: its name below `models/isolators/vendors`.
         source: the documents.
         damping: damping ratio that a fit aims at [-], within `damping_range`.
-        damping_range: what the vendor states of the series [-].
+        damping_range: of the series, as the vendor states it [-].
     """
 
     file: str
@@ -59,8 +59,8 @@ SERIES = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Figures:
-    """What a table states of one loading mode; None = not stated.
+class ModeValues:
+    """Values of one loading mode; None = not stated.
 
     Attributes:
         static_load: largest static load [N].
@@ -74,11 +74,11 @@ class Figures:
     vibration: float | None = None
     shock: float | None = None
 
-    def scaled(self, share: float) -> "Figures":
-        """Return the figures with a share of the loops: load and stiffnesses in proportion, the same travel."""
+    def scaled(self, fraction: float) -> "ModeValues":
+        """Return the values with a fraction of the loops: load and stiffnesses in proportion, the same travel."""
 
         def times(value: float | None) -> float | None:
-            return None if value is None else share * value
+            return None if value is None else fraction * value
 
         return replace(
             self, static_load=times(self.static_load), vibration=times(self.vibration), shock=times(self.shock)
@@ -86,7 +86,7 @@ class Figures:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Part:
+class VendorPart:
     """One row of a vendor's table, in SI units.
 
     Attributes:
@@ -97,7 +97,7 @@ class Part:
         height: unloaded [m].
         width: across the bars [m].
         bar: thickness of one bar [m].
-        modes: figures by loading mode.
+        modes: values by loading mode.
     """
 
     name: str
@@ -107,9 +107,9 @@ class Part:
     height: float | None
     width: float | None
     bar: float | None
-    modes: Mapping[str, Figures]
+    modes: Mapping[str, ModeValues]
 
-    def with_loops(self, loops: int) -> "Part":
+    def with_loops(self, loops: int) -> "VendorPart":
         """Return the part with fewer loops: load and stiffness in proportion (the vendor's own rule).
 
         Raises:
@@ -118,19 +118,18 @@ class Part:
         if self.loops is None or not 0 < loops < self.loops:
             have = "an unknown number of" if self.loops is None else str(self.loops)
             raise ValueError(f"`loops` must be an integer > 0 below those of {self.name} ({have} loops), got {loops}.")
-        share = loops / self.loops
-        modes = {mode: figures.scaled(share) for mode, figures in self.modes.items()}
+        modes = {mode: values.scaled(loops / self.loops) for mode, values in self.modes.items()}
         return replace(self, name=f"{self.name} ({loops} of {self.loops} loops)", loops=loops, modes=modes)
 
 
 @cache
-def vendor_parts() -> tuple[Part, ...]:
+def vendor_parts() -> tuple[VendorPart, ...]:
     """Return the parts of all tables that ship, in their order."""
     folder = catalogue_folder() / "vendors"
     return tuple(part for series in SERIES for part in read_table(folder / series.file, series))
 
 
-def read_table(path: Path, series: Series) -> list[Part]:
+def read_table(path: Path, series: Series) -> list[VendorPart]:
     """Return the parts of a CSV table whose header carries the units, such as `compression travel [mm]`.
 
     Lines that begin with # are comments. ModelError names file, line, column and rule.
@@ -159,7 +158,7 @@ def _column(path: Path, text: str) -> tuple[str, float]:
     return name, _UNITS[unit.removesuffix("]")]
 
 
-def _part(path: Path, line: int, cells: list[str], columns: list[tuple[str, float]], series: Series) -> Part:
+def _part(path: Path, line: int, cells: list[str], columns: list[tuple[str, float]], series: Series) -> VendorPart:
     """Return the part of one line."""
     if len(cells) != len(columns):
         raise ModelError(f"{path}, line {line}: {len(cells)} fields under {len(columns)} columns.")
@@ -168,11 +167,13 @@ def _part(path: Path, line: int, cells: list[str], columns: list[tuple[str, floa
         if column != "part":
             values[column] = _number(f"{path}, line {line}, column {column!r}", cell, unit)
     modes = {
-        mode: Figures(**{key: values.get(f"{mode} {key}") for key in ("static_load", "travel", "vibration", "shock")})
+        mode: ModeValues(
+            **{key: values.get(f"{mode} {key}") for key in ("static_load", "travel", "vibration", "shock")}
+        )
         for mode in MODES
     }
     loops = values["loops"]
-    return Part(
+    return VendorPart(
         name=cells[[name for name, _ in columns].index("part")],
         series=series,
         loops=None if loops is None else round(loops),

@@ -30,7 +30,7 @@ def _table(run: FinishedRun) -> Table:
         rows.append(
             (
                 contact.called(verdict.subject),
-                Mark(text=verdict.verdict, tone=TONE[verdict.verdict]),
+                Mark(content=verdict.verdict, tone=TONE[verdict.verdict]),
                 times[0],
                 str(contact.touches),
                 fixed(1e3 * contact.duration, 1),

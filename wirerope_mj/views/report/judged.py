@@ -19,7 +19,7 @@ def headline(verdicts: Sequence[Verdict]) -> Mark:
     """Return the answer in one sentence, coloured by the worst that it says."""
     words = {row.verdict for row in verdicts}
     tone = next((TONE[word] for word in (EXCEEDED, STRUCK, WITHIN) if word in words), "unjudged")
-    return Mark(text=verdicts_headline(verdicts), tone=tone)
+    return Mark(content=verdicts_headline(verdicts), tone=tone)
 
 
 def answer(verdicts: Sequence[Verdict]) -> tuple[Block, ...]:
@@ -117,7 +117,7 @@ def _known(row: Verdict) -> Verdict:
 def _cells(row: Verdict) -> tuple[Cell, ...]:
     """Return verdict, subject, value, limit, unit and margin."""
     return (
-        Mark(text=row.verdict, tone=TONE[row.verdict]),
+        Mark(content=row.verdict, tone=TONE[row.verdict]),
         row.subject,
         shown(_known(row).value, row.unit),
         shown(row.limit, row.unit),
