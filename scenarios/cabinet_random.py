@@ -32,7 +32,7 @@ def scenario(
     if not 0.0 < low_hz < corner_hz < high_hz:
         raise ValueError(f"0 < `low_hz` < `corner_hz` < `high_hz` must hold, got {low_hz}, {corner_hz} and {high_hz}.")
     shape = [(low_hz, 1.0), (corner_hz, 1.0), (high_hz, (corner_hz / high_hz) ** 2)]
-    scale = (level_g * wr.STANDARD_GRAVITY / wr.psd_rms(shape)) ** 2
+    scale = (level_g * wr.STANDARD_GRAVITY / wr.motions.psd_rms(shape)) ** 2
     psd = [(frequency, scale * level) for frequency, level in shape]
     # The vibration must have time to rise and fall, whatever part of it is simulated.
     motion = wr.RandomVibration(psd=psd, duration=max(duration, 2.0 / low_hz), seed=seed, direction=direction)

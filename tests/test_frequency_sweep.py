@@ -122,11 +122,11 @@ def test_a_cycle_holds_what_the_whole_history_has_in_it():
         inside = cycle == number
         # Steps at other instants, samples beside the crest, (w h)^2 / 8 = 3e-4 at 40 Hz and 2e-4 s, and kinks between steps.
         np.testing.assert_allclose(r.envelopes["mass"].acceleration[number, 2], values[inside, 2].max(), rtol=5e-4)
-        np.testing.assert_allclose(r.mounts["m1"].lowest[number, 2], deflections[inside, 2].min(), rtol=2e-3)
-        np.testing.assert_allclose(r.mounts["m1"].highest[number, 2], deflections[inside, 2].max(), rtol=2e-3)
+        np.testing.assert_allclose(r.mounts["m1"].minimum[number, 2], deflections[inside, 2].min(), rtol=2e-3)
+        np.testing.assert_allclose(r.mounts["m1"].maximum[number, 2], deflections[inside, 2].max(), rtol=2e-3)
     middles = (instants[:-1] + instants[1:]) / 2
     np.testing.assert_array_equal(r.frequency, sweep.frequency(middles))
-    np.testing.assert_array_equal(r.deflection[0], np.maximum(r.mounts["m1"].highest, -r.mounts["m1"].lowest))
+    np.testing.assert_array_equal(r.deflection[0], np.maximum(r.mounts["m1"].maximum, -r.mounts["m1"].minimum))
 
 
 def test_a_sweep_begins_on_the_response_and_goes_on_from_the_end_of_another(system):
@@ -230,7 +230,7 @@ def test_the_hysteretic_share_of_the_load_leaks_away_from_a_virgin_start_only():
     assert sag["relaxed"] > 1.5 * sag["virgin"]
     for history in sag:
         r = wr.frequency_sweep(system, up(60.0, 10.0, 20.0), history=history, settled=None, timestep=5e-4, **MOUNT)
-        mean = -(r.mounts["m1"].lowest[:, 2] + r.mounts["m1"].highest[:, 2]) / 2
+        mean = -(r.mounts["m1"].minimum[:, 2] + r.mounts["m1"].maximum[:, 2]) / 2
         if history == "virgin":
             assert mean[0] < 1.5 * sag["virgin"]
             assert mean[-1] > mean[0] + 0.2 * (sag["relaxed"] - sag["virgin"])  # it sinks towards the other
@@ -288,7 +288,7 @@ def test_a_sweep_comes_back_from_its_file_and_is_replaced_whole(short, tmp_path)
 
 
 def test_a_sweep_that_streams_to_disk_is_the_same(system, short, tmp_path, monkeypatch):
-    monkeypatch.setattr("wirerope_mj.dynamics.sweep.storage.STREAM_ROWS", 10)  # several blocks
+    monkeypatch.setattr("wirerope_mj.dynamics.sweep.collector.STREAM_ROWS", 10)  # several blocks
     monkeypatch.setattr("wirerope_mj.dynamics.sweep.continuous.CHUNK", 4)
     options = {"timestep": 1e-3, "settled": None, **MOUNT}
     same(wr.frequency_sweep(system, up(60.0, 6.0, 18.0), out=tmp_path, **options), short)
@@ -314,7 +314,7 @@ def test_a_rated_travel_that_is_exceeded_is_a_warning_that_says_where():
     system = limited(linear(), compression=1e-3, tension=1.0)
     r = wr.frequency_sweep(system, up(60.0, 6.0, 18.0), timestep=1e-3, **MOUNT)
     (words,) = r.warnings
-    lowest = r.mounts["m1"].lowest[:, 2]
+    lowest = r.mounts["m1"].minimum[:, 2]
     assert -lowest.min() > 1e-3
     where = f"{r.frequency[np.argmin(lowest)]:.5g} Hz"
     assert words == f"mount 'm1' goes {-lowest.min():.4g} m in compression at {where}, beyond its rated 0.001 m."
@@ -345,8 +345,12 @@ def test_what_leaves_its_law_is_an_error_that_names_the_frequency_and_leaves_no_
     [
         ({"payload": "rack"}, r"`payload` must be a payload of the system, got 'rack'\. Payloads: \['mass'\]"),
         ({"payload": "deck"}, r"`payload` must be a payload of the system, got 'deck'"),
-        ({"direction": "w"}, '`direction` must be "x", "y" or "z", got \'w\''),
-        ({"direction": (1.0, 1.0, 0.0)}, "`direction` must lie along x, y or z, for which envelopes are kept"),
+        ({"response_direction": "w"}, "`response_direction` must be one of 'x', 'y', 'z', got 'w'"),
+        ({"direction": "z"}, "`direction` is the base's axis, .*; give `response_direction`"),
+        (
+            {"response_direction": (1.0, 1.0, 0.0)},
+            "`response_direction` must lie along x, y or z",
+        ),
         (
             {"sweep": wr.Sine(frequency=1.0, acceleration=1.0, direction="z")},
             "`sweep` must be a wirerope_mj.Sweep, got Sine",
@@ -379,7 +383,9 @@ def test_a_base_that_cannot_follow_and_a_step_that_is_too_large_are_named(system
 
 def test_a_vector_along_an_axis_is_that_axis_and_progress_goes_to_standard_error(system, short, capsys):
     options = {"timestep": 1e-3, "settled": None, "payload": "mass"}
-    same(wr.frequency_sweep(system, up(60.0, 6.0, 18.0), direction=(0, 0, -2), progress=True, **options), short)
+    same(
+        wr.frequency_sweep(system, up(60.0, 6.0, 18.0), response_direction=(0, 0, -2), progress=True, **options), short
+    )
     captured = capsys.readouterr()
     assert captured.out == ""
     wr.stepped_sine(
@@ -390,7 +396,7 @@ def test_a_vector_along_an_axis_is_that_axis_and_progress_goes_to_standard_error
 def test_the_floor_has_an_envelope_for_every_body_and_mount():
     floor = wr.load_system(models_folder() / "floating_floor.xml")
     sweep = wr.Sweep(start=9.0, stop=12.0, rate=60.0, velocity=5e-3, direction=(1.0, 0.0, 1.0))
-    r = wr.frequency_sweep(floor, sweep, payload="floor", direction="x", settled=None, timestep=1e-3)
+    r = wr.frequency_sweep(floor, sweep, payload="floor", response_direction="x", settled=None, timestep=1e-3)
     n = r.frequency.size
     assert n == 4  # 3 Hz / (ln 2 1/s) = 4.3 cycles
     assert list(r.envelopes)[: len(floor.payloads)] == floor.payloads

@@ -126,7 +126,7 @@ def test_long_tables_repeat_their_heading_on_every_page():
     rows = tuple((f"m{place}", f"{place}") for place in range(200))
     long = Table(caption="Mounts", head=("mount", "headed"), align="lr", rows=rows)
     content = ReportContent(
-        title="Long", facts=(), question=("?",), verdict=Mark(text="", tone=""), answer=(),
+        title="Long", facts=(), question=("?",), verdict=Mark(content="", tone=""), answer=(),
         sections=(Section(title="Table", blocks=(long,)),),
     )  # fmt: skip
     document = weasyprint.HTML(string=report_html(content)).render()

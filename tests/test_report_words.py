@@ -29,7 +29,7 @@ def test_the_answer_names_the_smallest_margins_and_the_exceeded():
         "Elsewhere the smallest margins are: travel in roll of m1, 20.0 mm of 40.0 mm (margin 100 %)." in paragraph.text
     )
     assert judged.unjudged(rows) == ("acceleration of m1: nobody knows.",)
-    assert judged.headline(rows) == Mark(text="Exceeded: 1 of 2 limits; 1 figure is not judged.", tone="exceeded")
+    assert judged.headline(rows) == Mark(content="Exceeded: 1 of 2 limits; 1 figure is not judged.", tone="exceeded")
 
 
 def test_the_worst_of_what_is_not_judged_is_the_largest():
@@ -58,7 +58,7 @@ def test_nothing_judged_is_never_passed():
     rows = [verdict(limit=None), verdict(value=math.nan)]
     assert judged.headline(rows).tone == "unjudged"
     assert "within" not in str(judged.answer(rows)).lower().replace("'within'", "")
-    assert judged.headline([verdict()]) == Mark(text="Within its limit.", tone="within")
+    assert judged.headline([verdict()]) == Mark(content="Within its limit.", tone="within")
 
 
 def test_figures_are_shown_in_the_units_of_the_trade():

@@ -46,8 +46,8 @@ def test_steady_sines_are_the_closed_form_along_every_axis(three, axis):
     relative = LEVEL / (2 * np.pi * THREE[axis][0]) ** 2 / np.hypot(1 - ratio**2, 2 * damping * ratio)
     place = "xyz".index(axis)
     sag = wr.STANDARD_GRAVITY / (2 * np.pi * THREE["z"][0]) ** 2 if axis == "z" else 0.0
-    np.testing.assert_allclose(r.mounts["m1"].highest[:, place], relative - sag, atol=3e-4 * relative.max())
-    np.testing.assert_allclose(r.mounts["m1"].lowest[:, place], -relative - sag, atol=3e-4 * relative.max())
+    np.testing.assert_allclose(r.mounts["m1"].maximum[:, place], relative - sag, atol=3e-4 * relative.max())
+    np.testing.assert_allclose(r.mounts["m1"].minimum[:, place], -relative - sag, atol=3e-4 * relative.max())
 
 
 def test_an_oblique_base_shakes_all_axes_at_once(three):
@@ -113,7 +113,7 @@ def test_steady_sines_are_the_reference_motions_of_a_bouc_wen_mass_without_a_spr
     deflection = r.mounts["m1"]
     # Where the mass rests in the end is free without a spring: the half range alone is determined. RK4 across the kinks at
     # 200 to 600 steps per cycle errs by 1e-5, as the step squared.
-    np.testing.assert_allclose((deflection.highest - deflection.lowest)[:, 2] / 2, half_range, rtol=3e-5)
+    np.testing.assert_allclose((deflection.maximum - deflection.minimum)[:, 2] / 2, half_range, rtol=3e-5)
     np.testing.assert_allclose(r.amplitude, z_max, rtol=3e-5)
 
 

@@ -133,7 +133,7 @@ def assert_scaled(law, factor, points):
 
 @pytest.mark.parametrize("factor", [0.0, -1.0, math.inf, math.nan])
 def test_a_law_is_scaled_by_a_number_above_zero(factor):
-    with pytest.raises(ValueError, match="`factor` must be finite and > 0"):
+    with pytest.raises(ValueError, match="`factor` must be (a finite number|> 0)"):
         ROPE.scaled(factor)
 
 

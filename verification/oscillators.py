@@ -127,13 +127,13 @@ def _psd_rms() -> Comparison:
     fall = 0.04 * (1000.0 / 2000.0) ** (6.0 / (10.0 * math.log10(2.0)))
     rise = 0.04 * (20.0 / 80.0) ** (3.0 / (10.0 * math.log10(2.0)))
     last = 0.04 * (350.0 / 2000.0) ** (3.0 / (10.0 * math.log10(2.0)))
-    integrity = wr.psd_from_g([(20.0, 0.04), (1000.0, 0.04), (2000.0, fall)])
-    navmat = wr.psd_from_g([(20.0, rise), (80.0, 0.04), (350.0, 0.04), (2000.0, last)])
+    integrity = wr.motions.psd_from_g([(20.0, 0.04), (1000.0, 0.04), (2000.0, fall)])
+    navmat = wr.motions.psd_from_g([(20.0, rise), (80.0, 0.04), (350.0, 0.04), (2000.0, last)])
     g = wr.STANDARD_GRAVITY
     return printed(
         {
-            "MIL-STD-810H 514.8, general minimum integrity [g]": ("7.7", wr.psd_rms(integrity) / g),
-            "NAVMAT P-9492 [g]": ("6.06", wr.psd_rms(navmat) / g),
+            "MIL-STD-810H 514.8, general minimum integrity [g]": ("7.7", wr.motions.psd_rms(integrity) / g),
+            "NAVMAT P-9492 [g]": ("6.06", wr.motions.psd_rms(navmat) / g),
         }
     )
 

@@ -3,9 +3,14 @@
 Laws and isolators, MuJoCo models whose mounts have hysteresis, base motions, simulation, and the view of a run in rerun.
 """
 
+from wirerope_mj import motions as motions
 from wirerope_mj.assessment.criteria import Verdict as Verdict
 from wirerope_mj.assessment.criteria import judge as judge
+from wirerope_mj.assessment.criteria import judge_random as judge_random
 from wirerope_mj.assessment.selection import select_isolators as select_isolators
+from wirerope_mj.dynamics.frequency_response import FrequencyResponse as FrequencyResponse
+from wirerope_mj.dynamics.frequency_response import frequency_response as frequency_response
+from wirerope_mj.dynamics.modes import Modes as Modes
 from wirerope_mj.dynamics.modes import modes as modes
 from wirerope_mj.dynamics.periodic import Branch as Branch
 from wirerope_mj.dynamics.periodic import PeriodicOrbit as PeriodicOrbit
@@ -27,6 +32,7 @@ from wirerope_mj.engine.simulation import BatchFailure as BatchFailure
 from wirerope_mj.engine.simulation import BatchResult as BatchResult
 from wirerope_mj.engine.simulation import simulate as simulate
 from wirerope_mj.engine.simulation import simulate_batch as simulate_batch
+from wirerope_mj.engine.statics import Equilibrium as Equilibrium
 from wirerope_mj.engine.statics import equilibrium as equilibrium
 from wirerope_mj.engine.statics import static_table as static_table
 from wirerope_mj.engine.system import Changes as Changes
@@ -46,7 +52,6 @@ from wirerope_mj.foundation.errors import StudyWarning as StudyWarning
 from wirerope_mj.foundation.errors import WireRopeError as WireRopeError
 from wirerope_mj.foundation.state import State as State
 from wirerope_mj.foundation.units import STANDARD_GRAVITY as STANDARD_GRAVITY
-from wirerope_mj.motions import EN1998_TYPE_1 as EN1998_TYPE_1
 from wirerope_mj.motions import DecayingSine as DecayingSine
 from wirerope_mj.motions import DesignSpectrum as DesignSpectrum
 from wirerope_mj.motions import DoubleHalfSine as DoubleHalfSine
@@ -64,17 +69,16 @@ from wirerope_mj.motions import Turned as Turned
 from wirerope_mj.motions import VelocityStep as VelocityStep
 from wirerope_mj.motions import VibrationLines as VibrationLines
 from wirerope_mj.motions import ac156_spectrum as ac156_spectrum
-from wirerope_mj.motions import banded_lines as banded_lines
 from wirerope_mj.motions import en1998_spectrum as en1998_spectrum
 from wirerope_mj.motions import load_record as load_record
 from wirerope_mj.motions import match_spectrum as match_spectrum
-from wirerope_mj.motions import psd_from_g as psd_from_g
-from wirerope_mj.motions import psd_level as psd_level
-from wirerope_mj.motions import psd_rms as psd_rms
 from wirerope_mj.motions.spectra import PowerSpectralDensity as PowerSpectralDensity
 from wirerope_mj.motions.spectra import ShockResponseSpectrum as ShockResponseSpectrum
 from wirerope_mj.motions.spectra import power_spectral_density as power_spectral_density
 from wirerope_mj.motions.spectra import shock_response_spectrum as shock_response_spectrum
+from wirerope_mj.mounts.identification import compare_laws as compare_laws
+from wirerope_mj.mounts.identification import identify_specimens as identify_specimens
+from wirerope_mj.mounts.identification import joint_spread as joint_spread
 from wirerope_mj.mounts.identification.identify import Identification as Identification
 from wirerope_mj.mounts.identification.identify import identify as identify
 from wirerope_mj.mounts.isolator import Geometry as Geometry
@@ -108,10 +112,12 @@ from wirerope_mj.mounts.test_rig import cyclic_test as cyclic_test
 from wirerope_mj.mounts.test_rig import read_cycles as read_cycles
 from wirerope_mj.mounts.test_rig import read_cyclic_test as read_cyclic_test
 from wirerope_mj.mounts.test_rig import write_cyclic_test as write_cyclic_test
+from wirerope_mj.runs import replay as replay
 from wirerope_mj.runs import run_scenario as run_scenario
 from wirerope_mj.runs.from_scenario import study_of as study_of
 from wirerope_mj.runs.report import write_report as write_report
 from wirerope_mj.runs.scenario import Scenario as Scenario
+from wirerope_mj.runs.scenario import load_scenario as load_scenario
 from wirerope_mj.studies import Choice as Choice
 from wirerope_mj.studies import Isotropic as Isotropic
 from wirerope_mj.studies import Normal as Normal

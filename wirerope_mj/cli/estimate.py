@@ -7,7 +7,7 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from wirerope_mj.cli.tables import console
+from wirerope_mj.cli.screen import console
 from wirerope_mj.foundation.atomic_files import check_place
 from wirerope_mj.mounts.estimate import LoopEstimate, estimate_loop, estimated_isolator
 

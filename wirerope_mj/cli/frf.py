@@ -9,7 +9,7 @@ from rich.markup import escape
 
 from wirerope_mj.cli.frf_tables import print_response
 from wirerope_mj.cli.models import model_path
-from wirerope_mj.cli.tables import console
+from wirerope_mj.cli.screen import console
 from wirerope_mj.dynamics.frequency_response import Question, frequency_response
 from wirerope_mj.dynamics.frequency_response.summary import findings_of
 from wirerope_mj.engine.system import load_system

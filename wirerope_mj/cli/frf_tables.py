@@ -7,7 +7,7 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from wirerope_mj.cli.tables import console
+from wirerope_mj.cli.screen import console
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.findings import ResonancePeak
 from wirerope_mj.dynamics.frequency_response.summary import Findings

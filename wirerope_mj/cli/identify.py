@@ -22,7 +22,7 @@ from wirerope_mj.cli.identify_report import (
     sentences,
     stage_rows,
 )
-from wirerope_mj.cli.tables import console
+from wirerope_mj.cli.screen import console
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.identification.fitted import FittedLoop, fitted_loops

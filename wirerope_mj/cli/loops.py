@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from wirerope_mj.cli.isolators import check_place, describe
-from wirerope_mj.cli.tables import console
+from wirerope_mj.cli.screen import console
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.mounts.isolator import Isolator, Limits, Travel, find_isolator, load_isolator, read_law

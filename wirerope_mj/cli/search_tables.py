@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 from rich.markup import escape
 
+from wirerope_mj.cli.screen import console
 from wirerope_mj.cli.study_tables import empty, print_failed, print_files, shown_number
-from wirerope_mj.cli.tables import console
 from wirerope_mj.studies.results.findings import measure_of
 from wirerope_mj.studies.results.sentences import travel_sentences
 from wirerope_mj.studies.search.result import GENERATION, SearchResult

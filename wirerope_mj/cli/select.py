@@ -10,7 +10,8 @@ from rich.table import Table
 
 from wirerope_mj.assessment.selection import Candidate, Selection, SimulatedShock, Worksheet, simulate_candidate
 from wirerope_mj.assessment.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY, Shock
-from wirerope_mj.cli.tables import _table, console
+from wirerope_mj.cli.screen import console
+from wirerope_mj.cli.tables import _table
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep

@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any, Literal
 
 from wirerope_mj.cli.file_options import own_option, run_with_options
+from wirerope_mj.cli.screen import console
 from wirerope_mj.cli.study_run import compute_and_print
-from wirerope_mj.cli.tables import console, print_questions
+from wirerope_mj.cli.tables import print_questions
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.runs.from_scenario import VARIANTS, study_of, what_can_vary
 from wirerope_mj.runs.option_file import defines

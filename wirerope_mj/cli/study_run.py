@@ -9,9 +9,9 @@ from typing import Any
 
 from rich.markup import escape
 
+from wirerope_mj.cli.screen import console
 from wirerope_mj.cli.search_tables import print_search
 from wirerope_mj.cli.study_tables import print_study, print_varied
-from wirerope_mj.cli.tables import console
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.studies.folder import STUDY, dead
 from wirerope_mj.studies.measures import measure_names

@@ -9,7 +9,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from wirerope_mj.cli.tables import console
+from wirerope_mj.cli.screen import console
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.answer import QUANTILES, Answer

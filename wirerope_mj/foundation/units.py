@@ -1,17 +1,68 @@
-"""Unit conversions that more than one room needs; the library itself speaks SI."""
+"""Units of files and of what people read, and what one of each is in SI; the library itself speaks SI."""
+
+import math
+from typing import overload
+
+from wirerope_mj.foundation.arrays import Array
 
 STANDARD_GRAVITY = 9.80665
 """Standard acceleration of free fall [m/s^2] (ISO 80000-3), the g of shock levels."""
 
+TIME_UNITS = {"s": 1.0, "ms": 1e-3}
+
 LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
-"""Units of deflections that data sheets use, and what one of them is in metres."""
 
 FORCE_UNITS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "lbf": 4.4482216152605}
-"""Units of forces that data sheets use, and what one of them is in newtons."""
+
+ACCELERATION_UNITS = {
+    "m/s^2": 1.0,
+    "m/s2": 1.0,
+    "m/s²": 1.0,
+    "g": STANDARD_GRAVITY,
+    "mm/s^2": 1e-3,
+    "mm/s2": 1e-3,
+    "cm/s^2": 1e-2,
+    "cm/s2": 1e-2,
+    "gal": 1e-2,
+    "in/s^2": 0.0254,
+    "ft/s^2": 0.3048,
+}
 
 _SHOWN = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "m/s^2": ("g", 1.0 / STANDARD_GRAVITY)}
+
+_PER_SI = {
+    "mm": 1e3, "ms": 1e3, "mrad": 1e3, "kN": 1e-3, "kN/m": 1e-3, "N/mm": 1e-3, "MB": 1e-6, "%": 100.0,
+}  # fmt: skip
+"""How many of a displayed unit one SI unit is; the g is a divisor, so that whole numbers of g stay whole."""
 
 
 def shown_in(unit: str) -> tuple[str, float]:
     """Return the unit in which an engineer reads values of an SI unit, and the factor into it; else the unit itself and 1."""
     return _SHOWN.get(unit, (unit, 1.0))
+
+
+def in_si(value: float, factor: float) -> float:
+    """Return a value of a data sheet times its unit, to twelve digits: 6.8 mm are 0.0068 m, not 0.006799999999999999 m."""
+    return float(f"{value * factor:.12g}")
+
+
+@overload
+def in_unit(value: float, unit: str) -> float: ...
+
+
+@overload
+def in_unit(value: Array, unit: str) -> Array: ...
+
+
+def in_unit(value: float | Array, unit: str) -> float | Array:
+    """Return SI values in the unit that is displayed: "mm", "ms", "mrad", "kN", "kN/m", "N/mm", "g", "%"; else as they are."""
+    return value / STANDARD_GRAVITY if unit == "g" else _PER_SI.get(unit, 1.0) * value
+
+
+def significant(value: float, digits: int = 3) -> str:
+    """Return a number to some significant digits without an exponent, whole digits never cut: 0.00123, 1.23, 123, 12345."""
+    if value == 0.0 or abs(value) < 1e-9:  # nothing that is shown in mm, kN or g is that small and not rounding
+        return "0"
+    rounded = abs(float(f"{value:.{digits - 1}e}"))  # 9.9999 is 10.0, not 10.00
+    decimals = max(digits - 1 - math.floor(math.log10(rounded)), 0)
+    return f"{value:z.{min(decimals, 6)}f}"

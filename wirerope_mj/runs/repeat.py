@@ -10,6 +10,7 @@ from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.simulate import versions
 from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.runs.checksums import Alterations, alterations
 from wirerope_mj.runs.differences import (
     Difference,
@@ -28,8 +29,8 @@ AGREES = 1e-9
 """Largest difference relative to a column's peak that another processor's rounding explains; a wrong input is far above."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Replay:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Replay(Summarised):
     """Whether a run computed again gives the same numbers, and which files of its folder were altered.
 
     Attributes:
@@ -47,6 +48,21 @@ class Replay:
     column: str
     response: Response | None
     alterations: Alterations | None = None
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        state = "bit-identical" if self.identical else "in agreement" if self.agrees else "DIFFERENT"
+        lines = {} if self.identical else {"largest difference": f"{self.largest_difference:.1e} in {self.column}"}
+        files = (
+            "not known"
+            if self.alterations is None
+            else "as written"
+            if self.intact
+            else "altered since they were written"
+        )
+        return f"Replay: every stored number is {state}" if self.identical else f"Replay: {state}", {
+            **lines,
+            "files": files,
+        }
 
     @property
     def agrees(self) -> bool:

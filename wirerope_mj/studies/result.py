@@ -15,6 +15,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.system.model_files import read_changes
 from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions.copies import check_records
 from wirerope_mj.motions.restore import motion_from_dict
 from wirerope_mj.studies.engines.compute import FAILED
@@ -42,8 +43,8 @@ NOT_COMPUTED = (
 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class StudyResult:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class StudyResult(Summarised):
     """The result of a study.
 
     Columns of the table: `variant` (int64), inputs (one for every sampled number, by its name in `vary`, or with the
@@ -61,6 +62,14 @@ class StudyResult:
     inputs: dict[str, Any] = field(repr=False)
     variants: int
     complete: bool
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        name = self.inputs.get("name", "study")
+        state = "complete" if self.complete else "not complete"
+        return f"{type(self).__name__} of {name}: {self.variants} variants, {state}", {
+            "folder": str(self.folder),
+            "message": self.message,
+        }
 
     @cached_property
     def table(self) -> pa.Table:

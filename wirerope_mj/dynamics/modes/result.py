@@ -10,6 +10,7 @@ from scipy.optimize import linear_sum_assignment
 from wirerope_mj.dynamics.modes.tipping import Stability
 from wirerope_mj.engine.statics import Equilibrium, History
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.summary import Summarised, quantity
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,8 +30,8 @@ class PayloadShape:
     rotation: Array
 
 
-@dataclass(frozen=True, kw_only=True)
-class Modes:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Modes(Summarised):
     """Modes of a system about the position where it rests, from the lowest on.
 
     Shapes are scaled so that the largest deflection of any mount is 1 m (without such, the largest coordinate 1): times the
@@ -72,6 +73,14 @@ class Modes:
     mass: Array
     stiffness: Array
     equilibrium: Equilibrium
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        lines = {
+            f"{frequency:.4g} Hz": f"{text}, damping {100.0 * damping:.3g} %"
+            for frequency, text, damping in zip(self.frequencies, self.words, self.damping_ratio, strict=True)
+        }
+        about = "small amplitudes" if self.amplitude is None else f"an amplitude of {quantity(self.amplitude, 'm')}"
+        return f"Modes about the {self.history} equilibrium, {about}", lines
 
     def places_in(self, other: "Modes") -> list[int]:
         """Return for each of these modes the place of the one that it is in `other`: all of the same system."""

@@ -11,8 +11,9 @@ from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import Direction
+from wirerope_mj.foundation.directions import Direction, direction_text
 from wirerope_mj.foundation.state import State
+from wirerope_mj.foundation.summary import Summarised, quantity, span
 
 Parameter = Literal["frequency", "acceleration"]
 Kind = Literal["fold", "period doubling", "Neimark-Sacker", "symmetry breaking"]
@@ -69,8 +70,8 @@ class Jump:
     landing: float
 
 
-@dataclass(frozen=True, kw_only=True)
-class Branch:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Branch(Summarised):
     """Periodic motions of a system along the frequency or the level of its base's sine, in the order they were followed.
 
     Attributes:
@@ -122,6 +123,18 @@ class Branch:
     gaps: tuple[tuple[float, float], ...]
     model_steps: int
     message: str
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        unit = "Hz" if self.parameter == "frequency" else "m/s^2"
+        return "Branch", {
+            self.parameter: f"{span((self.followed[0], self.followed[-1]), unit)}, {self.frequency.size} motions",
+            f"largest {direction_text(self.response_direction)} of {self.payload}": (
+                f"{quantity(self.amplitude[self.peak], 'm/s^2')} at {self.frequency[self.peak]:.4g} Hz"
+            ),
+            "stable": f"{int(self.stable.sum())} of {self.stable.size}",
+            "folds": ", ".join(f"{fold.frequency:.4g} Hz" for fold in self.folds) or "none",
+            "message": self.message,
+        }
 
     @property
     def followed(self) -> Array:

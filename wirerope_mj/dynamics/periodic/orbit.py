@@ -3,18 +3,21 @@
 from dataclasses import dataclass, field
 from functools import cached_property
 
+import numpy as np
+
 from wirerope_mj.dynamics.periodic.multipliers import Multipliers
 from wirerope_mj.dynamics.periodic.smoothing import smoothed
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.directions import Direction
+from wirerope_mj.foundation.directions import Direction, direction_text
 from wirerope_mj.foundation.state import State
+from wirerope_mj.foundation.summary import Summarised, quantity
 from wirerope_mj.motions import Sine
 
 
-@dataclass(frozen=True, kw_only=True)
-class PeriodicOrbit:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class PeriodicOrbit(Summarised):
     """A motion that repeats itself after a whole number of the base's periods.
 
     Attributes:
@@ -51,6 +54,16 @@ class PeriodicOrbit:
     iterations: int
     model_steps: int
     message: str
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        largest = float(np.abs(self.floquet_multipliers).max(initial=0.0))
+        return "PeriodicOrbit", {
+            "base": f"{quantity(self.acceleration, 'm/s^2')} at {self.frequency:.4g} Hz along {direction_text(self.direction)}",
+            "periods": str(self.periods),
+            "stability": f"{'stable' if self.stable else 'unstable'}, largest multiplier {largest:.4g}",
+            "residual": f"{self.residual:.1e} after {self.iterations} iterations",
+            "message": self.message,
+        }
 
     @property
     def duration(self) -> float:

@@ -25,6 +25,7 @@ from wirerope_mj.dynamics.single_mass.fourier import Balance, Solution, newton
 from wirerope_mj.dynamics.single_mass.linearisation import linearised_orbits
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.foundation.summary import Summarised, quantity, span
 from wirerope_mj.mounts.laws import Law, Smoothed
 
 _FINE = 8192
@@ -34,8 +35,8 @@ _SMALLEST_LEVEL = 1e-3
 """Share of the acceleration at which the way up from small excitations begins, where every law is close to a spring."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class HarmonicOrbit:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class HarmonicOrbit(Summarised):
     """A periodic motion by harmonic balance; phase 0 of the sine at the first sample, the last one period later.
 
     Attributes:
@@ -79,6 +80,15 @@ class HarmonicOrbit:
     residual: float
     truncation: float
     iterations: int
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        return f"HarmonicOrbit of {self.mass:.4g} kg on {type(self.law).__name__}", {
+            "base": f"{quantity(self.acceleration, 'm/s^2')} at {self.frequency:.4g} Hz",
+            "amplitude": f"{quantity(self.amplitude, 'm/s^2')}, transmissibility {self.transmissibility:.4g}",
+            "deflection": span((self.smallest_deflection, self.largest_deflection), "m"),
+            "dissipated energy": f"{self.dissipated_energy:.4g} J",
+            "residual": f"{self.residual:.1e}, truncation {self.truncation:.1e}",
+        }
 
     @property
     def harmonics(self) -> Array:

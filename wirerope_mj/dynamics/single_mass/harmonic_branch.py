@@ -10,6 +10,7 @@ from wirerope_mj.dynamics.single_mass.balance import HarmonicOrbit, checked_harm
 from wirerope_mj.dynamics.single_mass.fourier import Balance, Solution, newton
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.foundation.summary import Summarised, quantity, span
 from wirerope_mj.mounts.laws import Law
 
 _FIRST, _SMALLEST = 0.02, 1e-6
@@ -31,8 +32,8 @@ class HarmonicFold:
     index: int
 
 
-@dataclass(frozen=True, kw_only=True)
-class HarmonicBranch:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class HarmonicBranch(Summarised):
     """Periodic motions followed over frequency by harmonic balance.
 
     Attributes:
@@ -62,6 +63,16 @@ class HarmonicBranch:
     samples: int
     folds: tuple[HarmonicFold, ...]
     message: str
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        peak = int(np.argmax(self.amplitude))
+        return f"HarmonicBranch of {self.mass:.4g} kg on {type(self.law).__name__}", {
+            "frequency": f"{span((self.frequency[0], self.frequency[-1]), 'Hz')}, {self.frequency.size} motions",
+            "base": quantity(self.acceleration, "m/s^2"),
+            "largest amplitude": f"{quantity(self.amplitude[peak], 'm/s^2')} at {self.frequency[peak]:.4g} Hz",
+            "folds": ", ".join(f"{fold.frequency:.4g} Hz" for fold in self.folds) or "none",
+            "message": self.message,
+        }
 
     @property
     def transmissibility(self) -> Array:

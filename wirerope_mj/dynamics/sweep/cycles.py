@@ -29,15 +29,15 @@ within 1e-3."""
 
 @dataclass(frozen=True, kw_only=True)
 class Extremes:
-    """Lowest and highest value of every tracked vector's components in every cycle, (n_cycles, n_channels, 3)."""
+    """Minimum and maximum of every tracked vector's components in every cycle, (n_cycles, n_channels, 3)."""
 
-    lowest: Array
-    highest: Array
+    minimum: Array
+    maximum: Array
 
     @property
     def largest(self) -> Array:
         """Largest absolute values, (n_cycles, n_channels, 3)."""
-        return np.maximum(self.highest, -self.lowest)
+        return np.maximum(self.maximum, -self.minimum)
 
 
 class Cycles:
@@ -72,7 +72,7 @@ class Cycles:
         stepper = self._stepper
         grid, ends = cycle_grid(instants, self._timestep)
         stepper.enter(grid)
-        lowest, highest = np.empty((2, ends.size, self._memory.shape[0], 3))
+        minimum, maximum = np.empty((2, ends.size, self._memory.shape[0], 3))
         cycle, user = 0, stepper.user
         for base in self._tables.pieces(grid):
             stepper.begin(base)
@@ -84,13 +84,13 @@ class Cycles:
             if base.number == ends[cycle]:
                 mujoco.mj_forward(stepper.model, stepper.data)
                 low, high = (self._memory[:, place : place + 3] for place in (at.LOW, at.HIGH))
-                lowest[cycle], highest[cycle] = low, high
+                minimum[cycle], maximum[cycle] = low, high
                 low[:], high[:], user[at.OBSERVING] = np.inf, -np.inf, 0.0
                 cycle += 1
-        found = Extremes(lowest=lowest, highest=highest)
+        found = Extremes(minimum=minimum, maximum=maximum)
         middles = (instants[:-1] + instants[1:]) / 2.0
         on = self._mounts
-        self._lawful.require(frequencies_at(self._motion, middles), found.lowest[:, on], found.highest[:, on])
+        self._lawful.require(frequencies_at(self._motion, middles), found.minimum[:, on], found.maximum[:, on])
         self._check()
         self.steps += int(grid.steps.sum())
         self.largest_step = max(self.largest_step, grid.largest_step)

@@ -34,7 +34,7 @@ class Steady:
     """How a system moves after many cycles of a sine.
 
     Attributes:
-        lowest, highest: extremes of every channel in the last cycle, or in the last quarter of them if it has not settled,
+        minimum, maximum: extremes of every channel in the last cycle, or in the last quarter of them if it has not settled,
             (n_channels, 3).
         state: at the end of the last cycle.
         cycles: number of cycles.
@@ -44,8 +44,8 @@ class Steady:
         settled: whether that is as small as was asked for.
     """
 
-    lowest: Array
-    highest: Array
+    minimum: Array
+    maximum: Array
     state: State
     cycles: int
     steps: int
@@ -82,8 +82,8 @@ def settle(
     done = agreeing == IN_A_ROW
     judged = 1 if done else max(cycles // 4, 1)
     return Steady(
-        lowest=np.concatenate([chunk.lowest for chunk in chunks])[-judged:].min(axis=0),
-        highest=np.concatenate([chunk.highest for chunk in chunks])[-judged:].max(axis=0),
+        minimum=np.concatenate([chunk.minimum for chunk in chunks])[-judged:].min(axis=0),
+        maximum=np.concatenate([chunk.maximum for chunk in chunks])[-judged:].max(axis=0),
         state=state,
         cycles=cycles,
         steps=stepped.steps,

@@ -23,15 +23,15 @@ class Lawful:
         ends = [[(math.inf, math.inf) if law is None else law.travel_ends for law in laws] for laws in axes]
         self._ends = np.array(ends).reshape(-1, 3, 2)
 
-    def require(self, frequency: Array, lowest: Array, highest: Array) -> None:
+    def require(self, frequency: Array, minimum: Array, maximum: Array) -> None:
         """Raise SimulationError at the first cycle in which a mount went to where its law does not hold.
 
         Args:
             frequency: of the cycles [Hz], (n,).
-            lowest: deflections in them [m], (n, n_mounts, 3).
-            highest: the same.
+            minimum: deflections in them [m], (n, n_mounts, 3).
+            maximum: the same.
         """
-        reached = np.stack([-lowest, highest], axis=-1)
+        reached = np.stack([-minimum, maximum], axis=-1)
         beyond = reached > self._ends + ROUNDING
         if not beyond.any():
             return
@@ -56,9 +56,9 @@ class TravelWatch:
         self._largest = np.full((len(system.mounts), len(RATINGS)), -math.inf)
         self._at = np.zeros(self._largest.shape)
 
-    def add(self, frequency: Array, lowest: Array, highest: Array) -> None:
+    def add(self, frequency: Array, minimum: Array, maximum: Array) -> None:
         """Take extreme deflections [m], (n, n_mounts, 3), at frequencies [Hz], (n,)."""
-        reached = np.stack(list(travel_reached(lowest, highest).values()), axis=-1)
+        reached = np.stack(list(travel_reached(minimum, maximum).values()), axis=-1)
         row = np.argmax(reached, axis=0)
         largest = np.take_along_axis(reached, row[np.newaxis], axis=0)[0]
         grown = largest > self._largest

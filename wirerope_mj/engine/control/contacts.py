@@ -1,4 +1,4 @@
-"""What is remembered of contacts at every step: first touch, largest normal force, deepest penetration of each pair of geoms.
+"""Memory of contacts, updated at every step: first touch, largest normal force, deepest penetration of each pair of geoms.
 
 A pair takes a row of the tracker's memory when it first touches; pairs beyond the last row share that one. A step without
 contacts costs one comparison.
@@ -23,27 +23,13 @@ def normal_force(force, address, kind, dimension):
 
 
 @inlined
-def contact_rows(lay, i, w):
-    """Return where the memory of contacts begins in userdata."""
-    return (
-        w
-        + at.STAGES
-        + 3 * (2 * at.MAX_STEPS + 1)
-        + 6 * int(lay[i + at.N_MOUNTS])
-        + int(lay[i + at.N_STATES])
-        + 6 * int(lay[i + at.N_TREE])
-        + at.CHANNEL_MEMORY * int(lay[i + at.N_CHANNELS])
-    )
-
-
-@inlined
 def begin_contacts(lay, i, u, w, n_contacts):
     """Prepare the memory for the contacts of a step: empty at the first one, without forces of this step at the others."""
     n_rows = int(lay[i + at.N_CONTACTS])
     first = u[w + at.HISTORY] == 0.0
     if n_rows == 0 or (n_contacts == 0 and not first):
         return
-    m = contact_rows(lay, i, w)
+    m = w + int(lay[i + at.USER_CONTACTS])
     for row in range(n_rows):
         if first:
             for c in range(at.CONTACT_MEMORY):
@@ -73,9 +59,8 @@ def track_contact(lay, i, u, w, time, one, other, distance, force):
     """Update the memory of a pair of geoms with one of its contact points: distance [m], negative inside, and force [N]."""
     if distance >= 0.0 and force <= 0.0:  # within a margin, but not pressed
         return
-    touch(
-        u, w, contact_row(u, contact_rows(lay, i, w), int(lay[i + at.N_CONTACTS]), one, other), time, -distance, force
-    )
+    row = contact_row(u, w + int(lay[i + at.USER_CONTACTS]), int(lay[i + at.N_CONTACTS]), one, other)
+    touch(u, w, row, time, -distance, force)
 
 
 @njit

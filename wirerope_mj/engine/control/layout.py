@@ -1,4 +1,4 @@
-"""Where the mounts of a system stand inside a MuJoCo model, so that one callback serves every model and thread.
+"""Layout of a system's mounts inside a MuJoCo model, so that one callback serves every model and thread.
 
 The last actuator of a system's model is its state actuator: `dyntype="user"`, one activation per internal state of every
 mount axis, no force of its own. Its `dynprm` says where the rest is:
@@ -21,12 +21,13 @@ PARAMETERS = "wirerope/parameters"
 # header of the layout
 N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
 MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONTACTS, N_STOPS = range(7, 18)
-HEADER = 18
+USER_MOUNTS, USER_RATES, USER_ACCELERATIONS, USER_CHANNELS, USER_CONTACTS, USER_STOPS = range(18, 24)  # see `UserData`
+HEADER = 24
 
 # columns of the tables
 # payload site, base site, payload body, base body, payload root, base root, base takes the reaction, and what follows
 MOUNT_COLUMNS = 16
-COUPLING = 7  # place of the parameters of coupled axes (-1: none)
+COUPLING = 7  # index of the parameters of coupled axes (-1: none)
 TURNING, MODELLED = 8, 11  # rotational stiffnesses about the base site's axes (3); orientation as modelled (4)
 PARTNER = 15  # axis that roll is coupled to: 1 shear, 2 axial
 AXIS_COLUMNS = 4  # law number (-1: none), first parameter, first state, number of states; three rows per mount
@@ -34,7 +35,7 @@ DRIVEN_COLUMNS = 5  # dof, effective mass, row of the map from base acceleration
 BODY_COLUMNS = 2  # body, root
 POINT_COLUMNS = 7  # site, body, root, base body, point from the base body's centre of mass as modelled (3)
 TREE_COLUMNS = 3  # parent, first dof, number of dofs; one row per body of the model
-CHANNEL_COLUMNS = 1  # place of a 3-vector among the system's sensor values
+CHANNEL_COLUMNS = 1  # index of a 3-vector among the system's sensor values
 
 # userdata, relative to the system's first entry
 STAGE_POINTS, STAGE_START, STAGE_RATE, EVENT, HISTORY, TIME_1, TIME_2, OBSERVING = range(8)
@@ -47,9 +48,9 @@ SMOOTH, CORNER, JUMP = 0.0, 1.0, 2.0
 
 # sensor values
 KINEMATICS = 19  # position 3, orientation 4, velocity 3, angular velocity 3, acceleration 3, angular acceleration 3
-ACCELERATION = 13  # place of the acceleration among them
+ACCELERATION = 13  # index of the acceleration among them
 POINT_VALUES = 22  # kinematics, displacement relative to the base 3
-RELATIVE = 19  # place of the relative displacement among them
+RELATIVE = 19  # index of the relative displacement among them
 MOUNT_VALUES = 6  # deflection 3, force 3; the axis' internal states follow
 
 # memory of one channel of the peak tracker
@@ -67,7 +68,7 @@ SEVERAL = -2.0  # in place of geoms: the row is shared by all pairs for which th
 
 @dataclass(frozen=True, kw_only=True)
 class UserData:
-    """Places inside the system's part of userdata, relative to its first entry."""
+    """Addresses inside the system's part of userdata, relative to its first entry; the layout's header holds them, too."""
 
     n_mounts: int
     n_states: int

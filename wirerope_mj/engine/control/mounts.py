@@ -16,7 +16,7 @@ from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, evaluate, hold_sli
 from wirerope_mj.mounts.laws.plane_kernels import biaxial_rates, loop_force
 
 AXIAL = 2
-"""Place of the axial axis."""
+"""Index of the axial axis."""
 
 
 @inlined
@@ -72,15 +72,15 @@ def couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, ux, u
     Returns what the elastic energy of a loop adds to the mount's force [N], world axes. `axis` is the row behind the mount's
     axes, `u[record:]` its deflection and force, (ux, uy, uz) the rate of the deflection.
     """
-    place, other, r = q + index(lay[m + at.COUPLING]), index(lay[m + at.PARTNER]), 9 * index(lay[m + 1])
-    first = axis - 3 * at.AXIS_COLUMNS + 2
-    j, k = index(lay[first]), index(lay[first + at.AXIS_COLUMNS * other])
+    first, other, r = q + index(lay[m + at.COUPLING]), index(lay[m + at.PARTNER]), 9 * index(lay[m + 1])
+    state = axis - 3 * at.AXIS_COLUMNS + 2
+    j, k = index(lay[state]), index(lay[state + at.AXIS_COLUMNS * other])
     roll = site_xmat[r] * ux + site_xmat[r + 3] * uy + site_xmat[r + 6] * uz
     along = site_xmat[r + other] * ux + site_xmat[r + 3 + other] * uy + site_xmat[r + 6 + other] * uz
-    biaxial_rates(par, place, roll, along, act, a + j, a + k, u, rates + j, rates + k)
+    biaxial_rates(par, first, roll, along, act, a + j, a + k, u, rates + j, rates + k)
     if other != AXIAL:
         return 0.0, 0.0, 0.0
-    fu, fw = loop_force(par, place + 6, u[record], u[record + AXIAL])
+    fu, fw = loop_force(par, first + 6, u[record], u[record + AXIAL])
     u[record + 3] += fu
     u[record + 3 + AXIAL] += fw
     return (
@@ -109,8 +109,7 @@ def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat,
     `lay[i:]` is the layout, `par[q:]` the laws' parameters, `u[w:]` the system's userdata, `act[a:]` its states.
     """
     n_mounts = index(lay[i + at.N_MOUNTS])
-    record = w + at.STAGES + 3 * (2 * at.MAX_STEPS + 1)
-    rates = record + 6 * n_mounts
+    record, rates = w + index(lay[i + at.USER_MOUNTS]), w + index(lay[i + at.USER_RATES])
     m = i + index(lay[i + at.MOUNTS])
     for mount in range(n_mounts):
         for side in range(2, 4):
@@ -169,7 +168,7 @@ def copy_rates(lay, i, u, w, act_dot, a):
 
     MuJoCo takes the returned value where an actuator has one activation, and what is written to `act_dot` where it has more.
     """
-    rates = w + at.STAGES + 3 * (2 * at.MAX_STEPS + 1) + 6 * index(lay[i + at.N_MOUNTS])
+    rates = w + index(lay[i + at.USER_RATES])
     n_states = index(lay[i + at.N_STATES])
     if n_states == 0:
         return 0.0

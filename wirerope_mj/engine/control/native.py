@@ -30,24 +30,24 @@ class Callbacks(NamedTuple):
 
 @inlined
 def _find_system(m, system):  # type: ignore[no-untyped-def]
-    """Return whether the model at address `m` has a state actuator, which one, and where its parts stand.
+    """Return whether the model at address `m` has a state actuator, which one, and what its entries lead to.
 
-    The parts: layout and parameters as arrays, the first entries in userdata and in act. Arrays begin where the system's
-    entries do, so that the kernels get 0 for their places: a constant, which the compiler sees is not negative.
+    That is: layout and parameters as arrays, the first entries in userdata and in act. Arrays begin where the system's
+    entries do, so that the kernels get 0 for their addresses: a constant, which the compiler sees is not negative.
     """
     last = int64_array(m + system[0])[0] - 1
     prm = member(m, system[1], 10 * last)
-    found = last >= 0 and prm[0] == at.MAGIC
+    is_system = last >= 0 and prm[0] == at.MAGIC
     layout, parameters, userdata, activation = (
-        (int(prm[1]), int(prm[2]), int(prm[3]), int(prm[4])) if found else (0, 0, 0, 0)
+        (int(prm[1]), int(prm[2]), int(prm[3]), int(prm[4])) if is_system else (0, 0, 0, 0)
     )
-    return found, last, member(m, system[2], layout), member(m, system[2], parameters), userdata, activation
+    return is_system, last, member(m, system[2], layout), member(m, system[2], parameters), userdata, activation
 
 
 @inlined
 def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
-    found, _, lay, par, userdata, activation = _find_system(m, system)
-    if not found:
+    is_system, _, lay, par, userdata, activation = _find_system(m, system)
+    if not is_system:
         return
     u = member(d, field[0], userdata)
     drive_base(
@@ -70,40 +70,40 @@ def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
 
 @inlined
 def _act_dyn(m, d, actuator, system, userdata, act_dot):  # type: ignore[no-untyped-def]
-    found, last, lay, _, w, a = _find_system(m, system)
-    if found and last == actuator:
+    is_system, last, lay, _, w, a = _find_system(m, system)
+    if is_system and last == actuator:
         return copy_rates(lay, 0, member(d, userdata, w), 0, member(d, act_dot, a), 0)
     return 0.0
 
 
 @njit
-def _contacts(d, lay, u, time, place, part):  # type: ignore[no-untyped-def]
-    """Remember the contacts of this step; `place` and `part` are offsets in mjData and in mjContact, whose size is last."""
-    number = int32_array(d + place[0])[0]
+def _contacts(d, lay, u, time, in_data, in_contact):  # type: ignore[no-untyped-def]
+    """Remember the contacts of this step; offsets in mjData and in mjContact, whose size is last."""
+    number = int32_array(d + in_data[0])[0]
     begin_contacts(lay, 0, u, 0, number)
     if number == 0 or lay[at.N_CONTACTS] == 0.0:
         return
-    contact, force, kinds = int64_array(d + place[1])[0], member(d, place[2], 0), int32_member(d, place[3])
+    contact, force, kinds = int64_array(d + in_data[1])[0], member(d, in_data[2], 0), int32_member(d, in_data[3])
     for _ in range(number):
-        address = int32_array(contact + part[3])[0]
+        address = int32_array(contact + in_contact[3])[0]
         if address >= 0:  # otherwise MuJoCo left it out
-            geoms = int32_array(contact + part[1])
-            pressed = normal_force(force, address, kinds[address], int32_array(contact + part[2])[0])
+            geoms = int32_array(contact + in_contact[1])
+            pressed = normal_force(force, address, kinds[address], int32_array(contact + in_contact[2])[0])
             track_contact(
-                lay, 0, u, 0, time, float(geoms[0]), float(geoms[1]), float64_array(contact + part[0])[0], pressed
+                lay, 0, u, 0, time, float(geoms[0]), float(geoms[1]), float64_array(contact + in_contact[0])[0], pressed
             )
-        contact += part[4]
+        contact += in_contact[4]
 
 
 @inlined
-def _sensor(m, d, system, field, time, place, part):  # type: ignore[no-untyped-def]
-    found, _, lay, par, userdata, activation = _find_system(m, system)
-    if not found:
+def _sensor(m, d, system, field, time, in_data, in_contact):  # type: ignore[no-untyped-def]
+    is_system, _, lay, par, userdata, activation = _find_system(m, system)
+    if not is_system:
         return
     u, act, now = member(d, field[0], userdata), member(d, field[1], activation), float64_array(d + time)[0]
     remove_overshoot(lay, 0, par, 0, act, 0)
     if u[at.OBSERVING] != 0.0:
-        _contacts(d, lay, u, now, place, part)
+        _contacts(d, lay, u, now, in_data, in_contact)
         track_stops(
             lay, 0, par, 0, u, 0, act, 0, now,
             member(d, field[3]),
@@ -150,9 +150,9 @@ def native_callbacks() -> Callbacks:
     control_fields = tuple(data[name] for name in CONTROL_FIELDS)
     sensor_fields = tuple(data[name] for name in SENSOR_FIELDS)
     time, userdata, act_dot = data["time"], data["userdata"], data["act_dot"]
-    place = tuple(data[name] for name in ("ncon", "contact", "efc_force", "efc_type"))
+    in_data = tuple(data[name] for name in ("ncon", "contact", "efc_force", "efc_type"))
     contact = offsets("mjContact")
-    part = (*(contact[name] for name in ("dist", "geom", "dim", "efc_address")), size_of("mjContact"))
+    in_contact = (*(contact[name] for name in ("dist", "geom", "dim", "efc_address")), size_of("mjContact"))
 
     @numba.cfunc(types.void(types.intp, types.intp))
     def control(m, d):  # type: ignore[no-untyped-def]
@@ -165,7 +165,7 @@ def native_callbacks() -> Callbacks:
     @numba.cfunc(types.void(types.intp, types.intp, types.int32))
     def sensor(m, d, stage):  # type: ignore[no-untyped-def]
         if stage == ACCELERATION_STAGE:
-            _sensor(m, d, system, sensor_fields, time, place, part)
+            _sensor(m, d, system, sensor_fields, time, in_data, in_contact)
 
     pointer, integer = ctypes.c_void_p, ctypes.c_int
     return Callbacks(

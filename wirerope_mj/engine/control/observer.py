@@ -1,4 +1,4 @@
-"""What is measured at the start of every step: kinematics of bodies and points, mounts, and the peaks of all of them.
+"""Measurements at the start of every step: kinematics of bodies and points, mounts, and the peaks of all of them.
 
 MuJoCo calls the sensor callback once per Runge-Kutta step, in the forward pass at the step's start, when positions,
 velocities and accelerations belong to the same instant. The peaks are refined by the parabola through the three steps
@@ -91,9 +91,9 @@ def track_component(u, m, c, history, t0, t1, t2, y2):
 
 
 @inlined
-def norm_at(u, m, place):
+def norm_at(u, m, first):
     """Return the norm of one of the channel's remembered vectors."""
-    return math.sqrt(u[m + place] ** 2 + u[m + place + 1] ** 2 + u[m + place + 2] ** 2)
+    return math.sqrt(u[m + first] ** 2 + u[m + first + 1] ** 2 + u[m + first + 2] ** 2)
 
 
 @inlined
@@ -128,14 +128,7 @@ def track_peaks(lay, i, u, w, time, s, first):
     t0, t1 = u[w + at.TIME_2], u[w + at.TIME_1]
     n_channels = index(lay[i + at.N_CHANNELS])
     channel = i + index(lay[i + at.CHANNELS])
-    m = (
-        w
-        + at.STAGES
-        + 3 * (2 * at.MAX_STEPS + 1)
-        + 6 * index(lay[i + at.N_MOUNTS])
-        + index(lay[i + at.N_STATES])
-        + 6 * index(lay[i + at.N_TREE])
-    )
+    m = w + index(lay[i + at.USER_CHANNELS])
     for _ in range(n_channels):
         j = first + index(lay[channel])
         for c in range(3):
@@ -156,9 +149,7 @@ def observe(
     lay, i, u, w, act, a, time, s, site_xpos, site_xquat, xipos, xquat, subtree_com, cvel, cdof, cdof_dot, qvel, qacc
 ):
     """Write the system's sensor values of this instant and, while a simulation observes, update the peaks."""
-    n_mounts, n_states = index(lay[i + at.N_MOUNTS]), index(lay[i + at.N_STATES])
-    record = w + at.STAGES + 3 * (2 * at.MAX_STEPS + 1)
-    cacc = record + 6 * n_mounts + n_states
+    record, cacc = w + index(lay[i + at.USER_MOUNTS]), w + index(lay[i + at.USER_ACCELERATIONS])
     body_accelerations(lay, i, u, cacc, cdof, cdof_dot, qvel, qacc)
     first = index(lay[i + at.SENSOR])
     o = first
@@ -178,7 +169,7 @@ def observe(
         o += at.POINT_VALUES
         row += at.POINT_COLUMNS
     axis = i + index(lay[i + at.AXES])
-    for _ in range(n_mounts):
+    for _ in range(index(lay[i + at.N_MOUNTS])):
         for c in range(at.MOUNT_VALUES):
             s[o + c] = u[record + c]
         o += at.MOUNT_VALUES

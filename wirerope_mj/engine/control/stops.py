@@ -1,11 +1,11 @@
-"""What is remembered of stops among the mounts' laws at every step: first touch, largest force and deepest point of each.
+"""Memory of the stops among the mounts' laws, updated at every step: first touch, largest force and deepest point of each.
 
 Every `Stop`, alone on an axis or in parallel with other laws, has a row of its own behind those of contacts, in the order of
 mounts, axes and laws. A system without stops costs one comparison.
 """
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.contacts import contact_rows, touch
+from wirerope_mj.engine.control.contacts import touch
 from wirerope_mj.engine.control.mounts import point_velocity
 from wirerope_mj.foundation.jit import index, njit
 from wirerope_mj.mounts.laws.kernels import PARALLEL, STOP
@@ -28,22 +28,22 @@ def track_stops(lay, i, par, q, u, w, act, a, time, site_xpos, site_xmat, subtre
     n_stops = index(lay[i + at.N_STOPS])
     if n_stops == 0:
         return
-    row = contact_rows(lay, i, w) + at.CONTACT_MEMORY * index(lay[i + at.N_CONTACTS])
+    row = w + index(lay[i + at.USER_STOPS])
     if u[w + at.HISTORY] == 0.0:
         for k in range(at.CONTACT_MEMORY * n_stops):
             u[row + k] = 0.0
-    record = w + at.STAGES + 3 * (2 * at.MAX_STEPS + 1)
+    record = w + index(lay[i + at.USER_MOUNTS])
     m = i + index(lay[i + at.MOUNTS])
     axis = i + index(lay[i + at.AXES])
     for _ in range(index(lay[i + at.N_MOUNTS])):
         for c in range(3):
             law, first = lay[axis], q + index(lay[axis + 1])
-            n_parts = int(par[first]) if law == PARALLEL else 1 if law == STOP else 0
-            for part in range(n_parts):
+            n_components = int(par[first]) if law == PARALLEL else 1 if law == STOP else 0
+            for component in range(n_components):
                 p, z, kind = first, a + index(lay[axis + 2]), law
                 if law == PARALLEL:
-                    place = first + 1 + 3 * part
-                    kind, p, z = par[place], first + int(par[place + 1]), z + int(par[place + 2])
+                    entry = first + 1 + 3 * component
+                    kind, p, z = par[entry], first + int(par[entry + 1]), z + int(par[entry + 2])
                 if kind != STOP:
                     continue
                 x = u[record + c]

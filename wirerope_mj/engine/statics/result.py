@@ -5,6 +5,7 @@ from typing import Literal
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
+from wirerope_mj.foundation.summary import Summarised, quantity
 
 History = Literal["virgin", "relaxed"]
 
@@ -17,8 +18,8 @@ class MountLoad:
     force: Array
 
 
-@dataclass(frozen=True, kw_only=True)
-class Equilibrium:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Equilibrium(Summarised):
     """Where a system rests.
 
     Attributes:
@@ -36,3 +37,10 @@ class Equilibrium:
     history: History
     residual: float
     free: tuple[str, ...] = ()
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        lines = {
+            name: f"axial {quantity(mount.deflection[2], 'm')}, {quantity(mount.force[2], 'N')}"
+            for name, mount in self.mounts.items()
+        }
+        return f"Equilibrium, {self.history}: largest acceleration left {self.residual:.1e} m/s^2", lines

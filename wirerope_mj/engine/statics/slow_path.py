@@ -13,7 +13,7 @@ from wirerope_mj.mounts.laws.path import SCRATCH, advance
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL
 
 LINE = 12
-"""Place of a line's start and direction among the parameters of the biaxial kernel, whose rates all couplings have."""
+"""Index of a line's start and direction among the parameters of the biaxial kernel, whose rates all couplings have."""
 
 
 @njit
@@ -97,6 +97,6 @@ class SlowPath:
         self.rest_states, self.rest_deflection = self.states_at(data), self._deflections(data)
 
     def _deflections(self, data: mujoco.MjData) -> Array:
-        found = np.empty_like(self.rest_deflection)
-        deflect(self.tables.layout, data.site_xpos, data.site_xmat, found)
-        return found
+        deflections = np.empty_like(self.rest_deflection)
+        deflect(self.tables.layout, data.site_xpos, data.site_xmat, deflections)
+        return deflections

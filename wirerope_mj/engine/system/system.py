@@ -18,6 +18,7 @@ from wirerope_mj.foundation.errors import ModelError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.mounts.isolator import Isolator
 
 
@@ -50,8 +51,8 @@ class Mount:
     states: tuple[slice, slice, slice]
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
-class System:
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class System(Summarised):
     """A compiled model with mounts.
 
     `model` is ready to step while the callbacks are installed (`wirerope_mj.engine.control.installed`). Sensors `body/NAME`,
@@ -81,6 +82,20 @@ class System:
     limits: tuple[PayloadLimit, ...]
     assembly: Assembly = field(repr=False)
     changes: tuple[Changes, ...] = ()
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        mass = float(self.model.body_mass.sum())
+        by_isolator: dict[str, list[str]] = {}
+        for name, mount in self.mounts.items():
+            by_isolator.setdefault(mount.isolator.name, []).append(name)
+        lines = {
+            "payloads": ", ".join(self.payloads),
+            "base": self.base or "fixed in the world",
+            "mass": f"{mass:.4g} kg",
+        }
+        lines |= {isolator: ", ".join(names) for isolator, names in by_isolator.items()}
+        source = self.path.name if self.path else "MJCF text"
+        return f"System of {source}: {len(self.mounts)} mounts, {self.model.nv} degrees of freedom", lines
 
 
 def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None = None) -> System:

@@ -108,17 +108,20 @@ def make_tables(
     header[at.N_SLIPPING] = _slipping(axes)
     header[at.N_CONTACTS] = n_contacts = contact_rows(model)
     header[at.N_STOPS] = n_stops = sum(len(isolator.stops) for isolator in isolators.values())
+    user = at.UserData(
+        n_mounts=len(declared),
+        n_states=n_states,
+        n_tree=int(model.nbody),
+        n_channels=len(channels),
+        n_contacts=n_contacts,
+        n_stops=n_stops,
+    )
+    addresses = (user.mounts, user.rates, user.accelerations, user.channels, user.contacts, user.stops)
+    header[at.USER_MOUNTS : at.USER_STOPS + 1] = addresses
     return Tables(
         layout=np.concatenate([header, *flat]),
         parameters=np.concatenate([*parameters, []]),
-        user=at.UserData(
-            n_mounts=len(declared),
-            n_states=n_states,
-            n_tree=int(model.nbody),
-            n_channels=len(channels),
-            n_contacts=n_contacts,
-            n_stops=n_stops,
-        ),
+        user=user,
         drive=drive,
         channels=np.array(channels, dtype=np.int64),
         base_channels=_base_channels(model, on),

@@ -8,6 +8,7 @@ import numpy.typing as npt
 from scipy import signal
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.summary import Summarised, quantity
 from wirerope_mj.motions.spectra.arguments import check_samples
 
 SEGMENTS = 15
@@ -24,8 +25,8 @@ LEAST_SAMPLES = 8
 """Samples a segment must have: fewer leave a window with hardly a frequency between its main lobe and half the rate."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class PowerSpectralDensity:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class PowerSpectralDensity(Summarised):
     """Mean square per frequency of a stationary acceleration, one-sided, (n_f,), or (n_f, k) for k of them side by side.
 
     Attributes:
@@ -44,6 +45,15 @@ class PowerSpectralDensity:
     duration: float
     segments: int
     degrees_of_freedom: float
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        rms = ", ".join(quantity(float(value), "m/s^2") for value in np.atleast_1d(self.rms))
+        return "PowerSpectralDensity", {
+            "frequencies": f"0 to {self.frequency[-1]:.4g} Hz, {self.resolution:.4g} Hz apart",
+            "rms": rms,
+            "segments": f"{self.segments} of {self.duration:.4g} s",
+            "standard error": f"{100.0 * self.standard_error:.3g} % of each density",
+        }
 
     @property
     def standard_error(self) -> float:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordWarning
+from wirerope_mj.foundation.summary import Summarised, quantity, span
 from wirerope_mj.motions.spectra.arguments import check_samples, octave_grid
 from wirerope_mj.motions.spectra.ramp import FARTHEST, HIGHEST, LOWEST, ramp_extremes
 
@@ -24,8 +25,8 @@ LOWEST_FREQUENCY = 1.0
 """Where the default frequencies begin [Hz], below what equipment on isolators answers with."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ShockResponseSpectrum:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class ShockResponseSpectrum(Summarised):
     """Peaks of oscillators on a base that moves with an acceleration, over their undamped frequency.
 
     All are magnitudes, (n_f,) for one acceleration, (n_f, k) for k of them side by side.
@@ -48,6 +49,14 @@ class ShockResponseSpectrum:
     maximax: Array
     relative_displacement: Array
     q: float
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        peak = np.unravel_index(int(np.argmax(self.maximax)), self.maximax.shape)
+        return f"ShockResponseSpectrum, Q = {self.q:.4g}", {
+            "frequencies": f"{span((self.frequencies[0], self.frequencies[-1]), 'Hz')}, {self.frequencies.size} of them",
+            "largest acceleration": f"{quantity(self.maximax[peak], 'm/s^2')} at {self.frequencies[peak[0]]:.4g} Hz",
+            "largest pseudo-velocity": f"{self.pseudo_velocity.max():.4g} m/s",
+        }
 
     @property
     def pseudo_velocity(self) -> Array:

@@ -3,15 +3,16 @@
 from dataclasses import dataclass
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.certainty import Certainty, Parameter
+from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.stages import Stage
+from wirerope_mj.mounts.identification.uncertainty import Certainty, Parameter
 from wirerope_mj.mounts.identification.validity import validity_of
 from wirerope_mj.mounts.laws import Law
 
 
-@dataclass(frozen=True, kw_only=True)
-class Identification:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Identification(Summarised):
     """A law found from cyclic tests.
 
     Attributes:
@@ -41,6 +42,15 @@ class Identification:
     evaluations: int
     started: str
     loops: tuple[MeasuredLoop, ...]
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        ended = "converged" if self.converged else "NOT CONVERGED"
+        lines = {
+            p.name: f"{p.value:.6g} {p.unit}" + (" (given)" if p.fixed else f" +- {p.standard_error:.2g}")
+            for p in self.parameters.values()
+        }
+        error = f"error {100.0 * self.residual:.3g} % of half the force range over {len(self.loops)} loops"
+        return f"Identification of {type(self.law).__name__}: {ended}, {error}", lines
 
     @property
     def validity(self) -> str:

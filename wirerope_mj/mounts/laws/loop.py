@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.summary import Summarised, span
 from wirerope_mj.mounts.laws.tangent import tangent_at_start
 
 
@@ -17,8 +18,8 @@ class ReversalTangents(NamedTuple):
     after_smallest: float
 
 
-@dataclass(frozen=True, kw_only=True)
-class Loop:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Loop(Summarised):
     """Force over deflection along a path, or over one cycle of a cyclic test.
 
     Attributes:
@@ -39,6 +40,15 @@ class Loop:
     cycles: int = 0
     closure: float = float("nan")
     internal_states: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        return f"Loop of {self.deflection.size} samples", {
+            "deflection": span((self.deflection.min(), self.deflection.max()), "m"),
+            "force": span((self.force.min(), self.force.max()), "N"),
+            "secant stiffness": f"{1e-3 * self.secant_stiffness:.4g} kN/m",
+            "dissipated energy": f"{self.dissipated_energy:.4g} J",
+            "damping ratio": f"{100.0 * self.damping_ratio:.3g} %",
+        }
 
     @classmethod
     def from_samples(cls, deflection: npt.ArrayLike, force: npt.ArrayLike, *, cycles: int = 0) -> "Loop":

@@ -24,7 +24,7 @@ _LINE = 1e-9
 """Distance from the line between the front's ends that is rounding."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class SearchResult(StudyResult):
     """The result of a search: that of a study whose variants are all designs, in the order in which they were made.
 

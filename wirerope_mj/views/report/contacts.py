@@ -1,7 +1,6 @@
 """The part of a report about stops and other contacts."""
 
-from wirerope_mj.assessment.criteria import contact_verdicts
-from wirerope_mj.assessment.verdicts import contact_lines
+from wirerope_mj.assessment.criteria import contact_lines, contact_verdicts
 from wirerope_mj.views.report.content import Block, Mark, Paragraph, Section, Table
 from wirerope_mj.views.report.display import ABSENT, fixed, shown
 from wirerope_mj.views.report.judged import TONE
@@ -31,7 +30,7 @@ def _table(run: FinishedRun) -> Table:
         rows.append(
             (
                 contact.called(verdict.subject),
-                Mark(text=verdict.verdict, tone=TONE[verdict.verdict]),
+                Mark(content=verdict.verdict, tone=TONE[verdict.verdict]),
                 times[0],
                 str(contact.touches),
                 fixed(1e3 * contact.duration, 1),

@@ -2,30 +2,14 @@
 
 from dataclasses import dataclass
 
+from wirerope_mj.foundation.tables import Cell, Column, Mark
+from wirerope_mj.foundation.tables import Table as OneTable
 from wirerope_mj.views.plots.report_image import Image
-
-TONES = ("", "within", "exceeded", "unjudged", "quiet", "strong")
-"""How a cell or a paragraph is set; the words say the same, so that nothing is told by colour alone."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Mark:
-    """Text in a cell that is set apart by one of `TONES`."""
-
-    text: str
-    tone: str
-
-    def __post_init__(self) -> None:
-        if self.tone not in TONES:
-            raise ValueError(f"`tone` must be one of {', '.join(map(repr, TONES))}, got {self.tone!r}.")
-
-
-Cell = str | Mark
 
 
 @dataclass(frozen=True, kw_only=True)
 class Paragraph:
-    """Running text; `tone` is one of `TONES`."""
+    """Running text, set by its tone, one of `foundation.tables.TONES`."""
 
     text: str
     tone: str = ""
@@ -40,7 +24,7 @@ class Listing:
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
-    """Rows under a heading.
+    """A table of texts, until every report uses `foundation.tables`.
 
     Attributes:
         caption: what it shows, above it.
@@ -59,9 +43,13 @@ class Table:
     def __post_init__(self) -> None:
         if len(self.align) != len(self.head) or not set(self.align) <= set("lrt"):
             raise ValueError(f"`align` must be {len(self.head)} letters of l, r and t, got {self.align!r}.")
-        for row in self.rows:
-            if len(row) != len(self.head):
-                raise ValueError(f"`rows` must have {len(self.head)} cells each, got {row!r}.")
+        self.table()
+
+    def table(self) -> OneTable:
+        """Return it as the one type of tables."""
+        sides = {"l": "left", "r": "right", "t": "text"}
+        columns = [Column(head, align=sides[letter]) for head, letter in zip(self.head, self.align, strict=True)]  # type: ignore[arg-type]
+        return OneTable(title=self.caption, columns=columns, rows=self.rows, note=self.note)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +61,7 @@ class Picture:
     alt: str
 
 
-Block = Paragraph | Listing | Table | Picture
+Block = Paragraph | Listing | Table | OneTable | Picture
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ from wirerope_mj.foundation.units import shown_in
 ABSENT = "–"
 """What stands where there is no figure."""
 
-_MINUS = "\N{MINUS SIGN}"
+MINUS = "\N{MINUS SIGN}"
 
 
 def shown_unit(unit: str) -> str:
@@ -44,7 +44,7 @@ def fixed(value: float, places: int) -> str:
     if not math.isfinite(value):
         return ABSENT
     text = f"{value:.{places}f}"
-    return text.lstrip("-") if float(text) == 0.0 else text.replace("-", _MINUS)
+    return text.lstrip("-") if float(text) == 0.0 else text.replace("-", MINUS)
 
 
 def percent(share: float | None, *, places: int = 0) -> str:

@@ -4,9 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from wirerope_mj.assessment.criteria import CLEAR, EXCEEDED, NOT_JUDGED, STRUCK, TOUCHING, WITHIN, Verdict
-from wirerope_mj.assessment.criteria.travel import COMBINED
-from wirerope_mj.assessment.verdicts import headline as verdicts_headline
+from wirerope_mj.assessment.criteria import CLEAR, COMBINED, EXCEEDED, NOT_JUDGED, STRUCK, TOUCHING, WITHIN, Verdict
+from wirerope_mj.assessment.criteria import headline as verdicts_headline
 from wirerope_mj.views.report.content import Block, Cell, Listing, Mark, Paragraph, Table
 from wirerope_mj.views.report.display import ABSENT, fixed, listed, shown, shown_unit, with_unit
 
@@ -20,7 +19,7 @@ def headline(verdicts: Sequence[Verdict]) -> Mark:
     """Return the answer in one sentence, coloured by the worst that it says."""
     words = {row.verdict for row in verdicts}
     tone = next((TONE[word] for word in (EXCEEDED, STRUCK, WITHIN) if word in words), "unjudged")
-    return Mark(text=verdicts_headline(verdicts), tone=tone)
+    return Mark(content=verdicts_headline(verdicts), tone=tone)
 
 
 def answer(verdicts: Sequence[Verdict]) -> tuple[Block, ...]:
@@ -97,7 +96,7 @@ def full_table(verdicts: Sequence[Verdict]) -> Table | None:
 
 def ordered(verdicts: Sequence[Verdict]) -> list[Verdict]:
     """Return the verdicts: what is exceeded or struck first, then the smallest margin, those not judged last."""
-    return sorted(verdicts, key=lambda row: (_ORDER.index(row.verdict), -(row.share or 0.0)))
+    return sorted(verdicts, key=lambda row: (_ORDER.index(row.verdict), -(row.utilisation or 0.0)))
 
 
 def margin(row: Verdict) -> str:
@@ -118,7 +117,7 @@ def _known(row: Verdict) -> Verdict:
 def _cells(row: Verdict) -> tuple[Cell, ...]:
     """Return verdict, subject, value, limit, unit and margin."""
     return (
-        Mark(text=row.verdict, tone=TONE[row.verdict]),
+        Mark(content=row.verdict, tone=TONE[row.verdict]),
         row.subject,
         shown(_known(row).value, row.unit),
         shown(row.limit, row.unit),

@@ -9,8 +9,10 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from wirerope_mj.foundation.plain_text import plain_lines
+from wirerope_mj.foundation.tables import Table as OneTable
 from wirerope_mj.views.plots.report_image import Image
 from wirerope_mj.views.report.content import Listing, Paragraph, ReportContent, Table
+from wirerope_mj.views.report.display import ABSENT, MINUS
 
 _FOLDER = Path(__file__).parent
 _LONG = (
@@ -32,8 +34,15 @@ def _environment() -> Environment:
     environment = Environment(
         loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True, finalize=_shown
     )
-    environment.filters |= {"data_uri": _data_uri, "breakable": _breakable}
-    for name, kind in (("paragraph", Paragraph), ("listing", Listing), ("table", Table)):
+    environment.filters |= {
+        "data_uri": _data_uri,
+        "breakable": _breakable,
+        "letter": lambda column: column.align[0],
+        "heading": lambda column: column.title().replace("\n", " "),
+        "cells": lambda table: table.marks(absent=ABSENT, minus=MINUS),
+        "one": lambda table: table.table() if isinstance(table, Table) else table,
+    }
+    for name, kind in (("paragraph", Paragraph), ("listing", Listing), ("table", Table | OneTable)):
         environment.tests[name] = lambda item, kind=kind: isinstance(item, kind)
     return environment
 

@@ -100,7 +100,7 @@ def _share(share: float | None) -> Cell:
     if share is None:
         return ABSENT
     text = fixed(100.0 * share, 0)
-    return Mark(text=f"{text}, exceeded", tone="exceeded") if share > 1.0 else text
+    return Mark(content=f"{text}, exceeded", tone="exceeded") if share > 1.0 else text
 
 
 def modes_section(run: FinishedRun) -> Section:

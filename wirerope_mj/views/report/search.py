@@ -44,8 +44,8 @@ def search_content(result: SearchResult) -> ReportContent:
 
 def _verdict(result: SearchResult) -> Mark:
     if not result.front.num_rows:
-        return Mark(text="No design within the limits was found", tone="exceeded")
-    return Mark(text=f"{several(result.front.num_rows, 'design')} on the front, within the limits", tone="within")
+        return Mark(content="No design within the limits was found", tone="exceeded")
+    return Mark(content=f"{several(result.front.num_rows, 'design')} on the front, within the limits", tone="within")
 
 
 def _sought(result: SearchResult) -> Listing:

@@ -77,13 +77,13 @@ def motion_words(result: StudyResult) -> str:
 def _verdict(answer: Answer) -> Mark:
     judged = [(figures.beyond, figures.share) for figures in answer.figures if figures.beyond is not None]
     if not judged:
-        return Mark(text="Not judged: no limit is stated", tone="unjudged")
+        return Mark(content="Not judged: no limit is stated", tone="unjudged")
     most, share = max(judged, key=lambda one: one[0].count)
     failed = f"; {several(most.failed, 'more variant')} failed" if most.failed else ""
     if most.count:
         of = "" if share is None else f" ({percent(share)}{answer.share_words})"
-        return Mark(text=f"A limit is exceeded in {most.count} of {most.n} variants{of}{failed}", tone="exceeded")
-    return Mark(text=f"Within the limits in all {most.n} variants{failed}", tone="unjudged" if failed else "within")
+        return Mark(content=f"A limit is exceeded in {most.count} of {most.n} variants{of}{failed}", tone="exceeded")
+    return Mark(content=f"Within the limits in all {most.n} variants{failed}", tone="unjudged" if failed else "within")
 
 
 def failed_blocks(result: StudyResult) -> tuple[Block, ...]:
@@ -121,7 +121,7 @@ def _measures(answer: Answer) -> Table:
             cells += [ABSENT, ABSENT]
         else:
             tone = "exceeded" if one.beyond.count else "within"
-            cells += [number(one.limit), Mark(text=one.beyond_words, tone=tone)]
+            cells += [number(one.limit), Mark(content=one.beyond_words, tone=tone)]
         rows.append(tuple(cells))
     shares = [f"{100.0 * q:.0f} %" for q in QUANTILES] if answer.drawn else []
     head = ("measure", *shares, "largest", "in variant", "limit", "beyond it")
@@ -170,7 +170,7 @@ def _influences(answer: Answer) -> tuple[Block, ...]:
     rows = []
     for one in found[:_INFLUENCES]:
         rank = ABSENT if math.isnan(one.rank) else fixed(one.rank, 2)
-        certain = Mark(text="certain", tone="strong") if one.certain else Mark(text="may be chance", tone="quiet")
+        certain = Mark(content="certain", tone="strong") if one.certain else Mark(content="may be chance", tone="quiet")
         rows.append((one.name, f"{fixed(max(100.0 * one.share, 0.0), 1)} %", certain, rank))
     table = Table(
         caption=f"What each input explains of the variance of: {measure_of(answer.by).words}",

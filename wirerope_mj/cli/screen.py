@@ -1,0 +1,55 @@
+"""The screen: its console, on which no text can move the cursor, and tables on it."""
+
+from typing import Any
+
+from rich import box
+from rich.console import Console
+from rich.table import Table as RichTable
+from rich.text import Text
+
+from wirerope_mj.foundation.plain_text import plain_lines
+from wirerope_mj.foundation.tables import Table
+
+WIDTH = 120
+"""Width of tables where there is no terminal to fit them into [characters]."""
+
+_ROOMY = 100  # characters below which columns move together
+_STYLES = {"exceeded": "bold red", "near": "yellow", "quiet": "dim", "strong": "bold"}
+
+
+class _Screen(Console):
+    """A console on which no text can move the cursor, colour what follows or become a picture."""
+
+    def render_str(self, text: str, **options: Any) -> Text:
+        """Return text for the screen, its invisible characters spelled out; all that is printed passes here."""
+        return super().render_str(plain_lines(text), **options)
+
+
+def console() -> Console:
+    """Return where tables are printed: as wide as the terminal, or as `WIDTH`."""
+    screen = _Screen(highlight=False, emoji=False)
+    return screen if screen.is_terminal else _Screen(highlight=False, emoji=False, width=WIDTH)
+
+
+def print_table(table: Table) -> None:
+    """Print a table with its title and note; in a narrow terminal its columns move together."""
+    screen = console()
+    whole = Text(plain_lines(table.title), style="bold", no_wrap=True, overflow="ignore")  # may be wider than its table
+    shown = RichTable(box=box.SIMPLE_HEAD, title=whole, title_justify="left", title_style="none", show_edge=False)
+    shown.padding = (0, 1, 0, 0) if screen.width >= _ROOMY else 0
+    for column in table.columns:
+        shown.add_column(
+            _text(column.title("\n")),
+            justify="right" if column.align == "right" else "left",
+            no_wrap=column.align != "text",
+            overflow="fold",
+        )
+    for row in table.marks():
+        shown.add_row(*(_text(text, tone) for text, tone in row))
+    screen.print(shown)
+    if table.note:
+        screen.print(f"  {plain_lines(table.note)}", soft_wrap=True, markup=False)
+
+
+def _text(text: str, tone: str = "") -> Text:
+    return Text(plain_lines(text), style=_STYLES.get(tone, ""))

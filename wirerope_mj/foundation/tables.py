@@ -1,0 +1,94 @@
+"""A table, the same for the screen, the page of a report and the text of a recording, each of which renders it in its wing."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.foundation.units import in_unit, significant
+
+TONES = ("", "within", "near", "exceeded", "unjudged", "quiet", "strong")
+"""How a cell or a paragraph is set; the text says the same, so that nothing depends on colour alone."""
+
+Alignment = Literal["right", "left", "text"]
+"""Numbers to the right, names to the left on one line, text to the left on as many lines as it needs."""
+
+Content = str | float | None
+"""Text as it is displayed, or an SI value, which the column displays in its unit; None and NaN become a dash."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """Content of a cell that is set apart by one of `TONES`."""
+
+    content: Content
+    tone: str
+
+    def __post_init__(self) -> None:
+        one_of("tone", self.tone, TONES)
+
+
+Cell = Content | Mark
+
+
+@dataclass(frozen=True)
+class Column:
+    """Heading of a column, and how its cells are set.
+
+    Attributes:
+        heading: without the unit; may hold a line break for narrow screens.
+        unit: in which the values of its cells are displayed, in brackets after the heading; "" for none.
+        form: of its values: a format specification, or a number of significant digits without an exponent.
+        align: "right", "left" or "text".
+    """
+
+    heading: str = ""
+    unit: str = ""
+    form: str | int = 3
+    align: Alignment = "right"
+
+    def title(self, separator: str = " ") -> str:
+        """Return heading and unit."""
+        return f"{self.heading}{separator}[{self.unit}]" if self.unit else self.heading
+
+    def text(self, value: float | None, absent: str = "-") -> str:
+        """Return an SI value in the column's unit and form, or `absent` if it is None, infinite or NaN."""
+        if value is None or not math.isfinite(value):
+            return absent
+        shown = in_unit(value, self.unit)
+        return significant(shown, self.form) if isinstance(self.form, int) else format(shown, self.form)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """Rows under headings; every row has as many cells as there are columns.
+
+    Attributes:
+        title: what it shows, above it.
+        columns: headings, units and alignment.
+        rows: cells: text, SI values, or either with a tone.
+        note: what must be known to read it, below it.
+    """
+
+    title: str
+    columns: Sequence[Column]
+    rows: Sequence[Sequence[Cell]]
+    note: str = ""
+
+    def __post_init__(self) -> None:
+        for row in self.rows:
+            if len(row) != len(self.columns):
+                raise ValueError(f"`rows` must have {len(self.columns)} cells each, got {row!r}.")
+
+    def marks(self, *, absent: str = "-", minus: str = "-") -> list[list[tuple[str, str]]]:
+        """Return text and tone of every cell, with these signs for absent values and in negative ones."""
+        return [[_mark(*pair, absent, minus) for pair in zip(self.columns, row, strict=True)] for row in self.rows]
+
+
+def _mark(column: Column, cell: Cell, absent: str, minus: str) -> tuple[str, str]:
+    content, tone = (cell.content, cell.tone) if isinstance(cell, Mark) else (cell, "")
+    if isinstance(content, str):
+        return content, tone
+    text = column.text(content, absent)
+    return (text if text == absent else text.replace("-", minus)), tone
