@@ -17,10 +17,10 @@ def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: st
     """Return points (frequency [Hz], level) as plain floats; frequencies rise, and both are positive.
 
     Args:
-        name: Name of the argument.
-        points: The points.
-        quantity: What the level is, for the messages.
-        least: How many points there must be.
+        name: name of the argument.
+        points: the points.
+        quantity: what the level is, for the messages.
+        least: how many points there must be.
     """
     plain: list[tuple[float, float]] = []
     for number, point in enumerate(points, start=1):
@@ -52,8 +52,8 @@ def psd_level(psd: Sequence[Sequence[float]], frequencies: ArrayLike) -> Array:
     """Return the level of a power spectral density at the frequencies [Hz], in the unit of its points.
 
     Args:
-        psd: Points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
-        frequencies: Frequencies [Hz], any shape.
+        psd: points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
+        frequencies: frequencies [Hz], any shape.
     """
     f, levels = np.array(checked_points("psd", psd, quantity="level")).T
     asked = np.asarray(frequencies, dtype=float)
@@ -68,8 +68,8 @@ def psd_power(psd: Sequence[Sequence[float]], up_to: ArrayLike) -> Array:
     Between two points, S = S1 (f/f1)^m, it is S1 f1 ((f/f1)^(m+1) - 1)/(m+1), or S1 f1 ln(f/f1) for m = -1.
 
     Args:
-        psd: Points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
-        up_to: Frequencies [Hz], any shape.
+        psd: points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
+        up_to: frequencies [Hz], any shape.
     """
     f, levels = np.array(checked_points("psd", psd, quantity="level")).T
     slopes = np.diff(np.log(levels)) / np.diff(np.log(f))
@@ -88,7 +88,7 @@ def psd_rms(psd: Sequence[Sequence[float]]) -> float:
     """Return the rms value of a stationary signal of that power spectral density, in the root of its unit times Hz.
 
     Args:
-        psd: Points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
+        psd: points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
     """
     points = checked_points("psd", psd, quantity="level")
     return math.sqrt(float(psd_power(points, points[-1][0])))

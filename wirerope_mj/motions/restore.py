@@ -41,12 +41,12 @@ def motion_from_dict(stored: Mapping[str, Any], *, folder: str | Path | None = N
     """Return the motion that `BaseMotion.to_dict` stored; its numbers are the same to the last bit.
 
     Args:
-        stored: The parameters, as `to_dict` wrote them.
-        folder: Where relative paths of records start; None: the current folder.
+        stored: the parameters, as `to_dict` wrote them.
+        folder: where relative paths of records start; None: the current folder.
 
     Raises:
-        ModelError: The kind of motion is unknown, or a parameter is missing or unknown.
-        RecordError: The file of a record is missing or not a record.
+        ModelError: the kind of motion is unknown, or a parameter is missing or unknown.
+        RecordError: the file of a record is missing or not a record.
         ValueError: A parameter is out of its range.
     """
     parameters = dict(stored)

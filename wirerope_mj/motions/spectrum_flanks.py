@@ -12,9 +12,9 @@ def too_steep(frequencies: Array, target: Array, damping: float) -> str:
     |1 + 2 i zeta r| / |1 - r^2 + 2 i zeta r| of the two, r = sine's over oscillator's frequency, are the measure.
 
     Args:
-        frequencies: Of the oscillators [Hz], rising, shape (n,).
-        target: Asked for there [m/s^2], shape (n,).
-        damping: Damping ratio of the oscillators.
+        frequencies: of the oscillators [Hz], rising, (n,).
+        target: asked for there [m/s^2], (n,).
+        damping: damping ratio of the oscillators.
     """
     ratio = frequencies[:, np.newaxis] / frequencies  # of sine i over oscillator j
     answers = np.abs((1 + 2j * damping * ratio) / (1 - ratio**2 + 2j * damping * ratio))

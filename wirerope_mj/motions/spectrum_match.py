@@ -47,12 +47,12 @@ class SpectrumMatch:
     """A motion and how well its response spectrum meets the target.
 
     Attributes:
-        motion: The motion: lines between a rise from rest and a fall back to it.
-        frequencies: Frequencies of the comparison [Hz], shape (n,), at least twelve to an octave.
-        target: Absolute acceleration asked for [m/s^2], shape (n,).
-        achieved: Absolute acceleration of the motion's response spectrum [m/s^2], shape (n,).
-        damping: Damping ratio of the oscillators.
-        iterations: Corrections that were made.
+        motion: the motion: lines between a rise from rest and a fall back to it.
+        frequencies: frequencies of the comparison [Hz], (n,), at least twelve to an octave.
+        target: absolute acceleration asked for [m/s^2], (n,).
+        achieved: absolute acceleration of the motion's response spectrum [m/s^2], (n,).
+        damping: damping ratio of the oscillators.
+        iterations: corrections that were made.
     """
 
     motion: VibrationLines
@@ -64,7 +64,7 @@ class SpectrumMatch:
 
     @property
     def mismatch(self) -> Array:
-        """Achieved over target, less one, shape (n,)."""
+        """Achieved over target, less one, (n,)."""
         return self.achieved / self.target - 1
 
     @property
@@ -99,20 +99,20 @@ def match_spectrum(
     ends there. Let the target go on to the highest frequency that matters.
 
     Args:
-        target: Points (frequency [Hz], absolute acceleration [m/s^2]), straight on logarithmic axes between them.
-        duration: Length of the motion with rise and fall [s].
-        seed: Integer number that chooses the phases to begin with.
+        target: points (frequency [Hz], absolute acceleration [m/s^2]), straight on logarithmic axes between them.
+        duration: length of the motion with rise and fall [s].
+        seed: integer number that chooses the phases to begin with.
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        damping: Damping ratio of the spectrum's oscillators, 0.01 or more.
-        tolerance: Largest relative mismatch at the frequencies of the comparison.
-        rise: Length of the rise [s], at least a period of the lowest frequency; None: ten such periods, or a tenth of
+        damping: damping ratio of the spectrum's oscillators, 0.01 or more.
+        tolerance: largest relative mismatch at the frequencies of the comparison.
+        rise: length of the rise [s], at least a period of the lowest frequency; None: ten such periods, or a tenth of
             the duration if that is shorter.
-        fall: The same for the fall.
-        start: Instant at which the motion begins [s].
+        fall: the same for the fall.
+        start: instant at which the motion begins [s].
 
     Raises:
-        ValueError: An argument is out of its range.
-        ConvergenceError: The tolerance was not reached.
+        ValueError: an argument is out of its range.
+        ConvergenceError: the tolerance was not reached.
     """
     points = checked_points("target", target, quantity="acceleration [m/s^2]")
     if not LEAST_DAMPING <= finite("damping", damping) < 1:
@@ -151,7 +151,7 @@ def match_spectrum(
 
 
 def _comparison(points: Points, damping: float) -> tuple[Array, Array]:
-    """Return the frequencies of the comparison [Hz] and the target there [m/s^2], shape (n,)."""
+    """Return the frequencies of the comparison [Hz] and the target there [m/s^2], (n,)."""
     f, levels = np.array(points).T
     per_octave = max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * damping))
     count = math.ceil(per_octave * math.log2(f[-1] / f[0]) - 1e-9) + 1
@@ -207,11 +207,11 @@ class _Search:
         )
 
     def acceleration(self, q: Array) -> Array:
-        """Return the base's acceleration for the amplitudes (2 n,), shape (n_t,)."""
+        """Return the base's acceleration for the amplitudes (2 n,), (n_t,)."""
         return np.einsum("j,jt->t", q, self.lines)
 
     def spectrum(self, q: Array) -> Array:
-        """Return the response spectrum of the amplitudes (2 n,), shape (n,)."""
+        """Return the response spectrum of the amplitudes (2 n,), (n,)."""
         quality = 1 / (2 * self.damping)
         return shock_response_spectrum(self.time, self.acceleration(q), self.frequencies, q=quality).maximax
 

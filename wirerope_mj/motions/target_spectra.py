@@ -45,11 +45,11 @@ def en1998_spectrum(
     `EN1998_TYPE_1["B"]` and the like hold soil factor and corner periods of the ground types.
 
     Args:
-        frequencies: Frequencies [Hz], any shape, 0.25 Hz or more.
-        ground_acceleration: Design ground acceleration on rock, ag [m/s^2].
+        frequencies: frequencies [Hz], any shape, 0.25 Hz or more.
+        ground_acceleration: design ground acceleration on rock, ag [m/s^2].
         soil_factor: S.
         corner_periods: TB, TC and TD [s].
-        damping: Damping ratio of the oscillators.
+        damping: damping ratio of the oscillators.
     """
     level = positive("ground_acceleration", ground_acceleration) * positive("soil_factor", soil_factor)
     tb, tc, td = (positive("corner_periods", period) for period in corner_periods)
@@ -72,10 +72,10 @@ def ac156_spectrum(frequencies: ArrayLike, *, s_ds: float, height_ratio: float, 
     beyond 33.3 Hz.
 
     Args:
-        frequencies: Frequencies [Hz], any shape, 1.3 Hz or more.
-        s_ds: Design spectral acceleration at short periods S_DS, for instance in [m/s^2].
-        height_ratio: Height of the attachment over that of the building z/h, from 0 to 1.
-        vertical: Whether the vertical spectrum is asked for.
+        frequencies: frequencies [Hz], any shape, 1.3 Hz or more.
+        s_ds: design spectral acceleration at short periods S_DS, for instance in [m/s^2].
+        height_ratio: height of the attachment over that of the building z/h, from 0 to 1.
+        vertical: whether the vertical spectrum is asked for.
     """
     s_ds = positive("s_ds", s_ds)
     if not 0 <= height_ratio <= 1:
