@@ -10,10 +10,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite, not_negative, positive
+from wirerope_mj.foundation.arguments import finite, nonzero, not_negative, positive, the_one_given
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
-from wirerope_mj.motions.harmonic import the_one_level
 from wirerope_mj.motions.motion import StartedMotion, unique_times
 
 LEFT_AT_END = 1e-3
@@ -79,9 +78,9 @@ class DecayingSine(StartedMotion):
                 f"`damping` must lie above 0 and below 1, for the deck must come to rest, got {damping!r}."
             )
         object.__setattr__(self, "damping", float(damping))
-        quantity, level = the_one_level({"velocity": velocity, "acceleration": acceleration})
+        quantity, level = the_one_given({"velocity": velocity, "acceleration": acceleration})
         object.__setattr__(self, "quantity", quantity)
-        object.__setattr__(self, "level", level)
+        object.__setattr__(self, "level", nonzero(quantity, level))
         object.__setattr__(self, "direction", checked_direction(direction))
         object.__setattr__(self, "impact_duration", not_negative("impact_duration", impact_duration))
         object.__setattr__(self, "start", finite("start", start))

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite
+from wirerope_mj.foundation.arguments import between
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.double_pulse import DoublePulse
 from wirerope_mj.motions.motion import unique_times
@@ -56,9 +56,7 @@ class DoubleTriangle(DoublePulse):
         r2: float = 0.4,
     ) -> None:
         for name, value in (("r1", r1), ("r2", r2)):
-            if not 0 <= finite(name, value) <= 1:
-                raise ValueError(f"`{name}` must lie between 0 and 1, got {value!r}.")
-            object.__setattr__(self, name, float(value))
+            object.__setattr__(self, name, between(name, value, 0.0, 1.0))
         super().__init__(peak=peak, velocity=velocity, displacement=displacement, direction=direction, start=start)
 
     @property

@@ -11,8 +11,8 @@ from wirerope_mj.motions.motion import unique_times
 USUAL_PERIODS = 10.0
 """Periods of the lowest frequency in a rise that is not given: it disturbs that frequency by 1/(2 * 10) at most."""
 
-USUAL_SHARE = 0.1
-"""Share of the duration that a rise that is not given may take, if that leaves one period of the lowest frequency."""
+USUAL_FRACTION = 0.1
+"""Fraction of the duration that a rise that is not given may take, if that leaves one period of the lowest frequency."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +62,7 @@ def usual_ramp(name: str, given: float | None, *, lowest: float, duration: float
     """
     period = 1 / lowest
     if given is None:
-        return max(min(USUAL_PERIODS * period, USUAL_SHARE * duration), period)
+        return max(min(USUAL_PERIODS * period, USUAL_FRACTION * duration), period)
     if positive(name, given) < period * (1 - 1e-9):
         raise ValueError(
             f"`{name}` must be at least one period of the lowest frequency, {period:.6g} s, for the base to start and end "

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import as_times, nonzero, positive
+from wirerope_mj.foundation.arguments import as_times, nonzero, positive, the_one_given
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
@@ -151,10 +151,11 @@ class Sweep(StraightMotion):
         if self.start == self.stop:
             raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")
         object.__setattr__(self, "rate", positive("rate", rate))
-        levels = {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
-        quantity, amplitude = the_one_level(levels)
+        quantity, amplitude = the_one_given(
+            {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
+        )
         object.__setattr__(self, "quantity", quantity)
-        object.__setattr__(self, "amplitude", amplitude)
+        object.__setattr__(self, "amplitude", nonzero(quantity, amplitude))
         object.__setattr__(self, "direction", checked_direction(direction))
         object.__setattr__(self, "duration", self.course.duration)
 
@@ -199,14 +200,3 @@ class Sweep(StraightMotion):
 
     def _along(self, t: Array, order: int) -> Array:
         return self.amplitude * FORMS[self.quantity][order](self.course, t)
-
-
-def the_one_level(levels: Mapping[str, float | None]) -> tuple[str, float]:
-    """Return name and value of the one amplitude that is given; none, several or zero are a ValueError."""
-    given = {name: value for name, value in levels.items() if value is not None}
-    if len(given) != 1:
-        got = " and ".join(f"`{name}`" for name in given) or "none"
-        *others, last = (f"`{name}`" for name in levels)
-        raise ValueError(f"exactly one of {', '.join(others)} and {last} must be given, got {got}.")
-    ((name, value),) = given.items()
-    return name, nonzero(name, value)

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite, positive
+from wirerope_mj.foundation.arguments import between, finite, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
@@ -63,9 +63,7 @@ class ShockTableImpact(StartedMotion):
         gravity: float = STANDARD_GRAVITY,
     ) -> None:
         object.__setattr__(self, "drop_height", positive("drop_height", drop_height))
-        if not 0 <= finite("rebound", rebound) <= 1:
-            raise ValueError(f"`rebound` must lie between 0 and 1, got {rebound!r}.")
-        object.__setattr__(self, "rebound", float(rebound))
+        object.__setattr__(self, "rebound", between("rebound", rebound, 0.0, 1.0))
         length = None if pulse_duration is None else positive("pulse_duration", pulse_duration)
         object.__setattr__(self, "pulse_duration", length)
         object.__setattr__(self, "direction", checked_direction(direction))

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arguments import between, positive
 from wirerope_mj.foundation.arrays import Array
 
 EN1998_TYPE_1 = {
@@ -78,17 +78,16 @@ def ac156_spectrum(frequencies: ArrayLike, *, s_ds: float, height_ratio: float, 
         vertical: whether the vertical spectrum is asked for.
     """
     s_ds = positive("s_ds", s_ds)
-    if not 0 <= height_ratio <= 1:
-        raise ValueError(f"`height_ratio` must lie between 0 and 1, got {height_ratio!r}.")
-    asked = _above(frequencies, AC156_FREQUENCIES[0], "the plateau of AC156 begins at 1.3 Hz")
+    between("height_ratio", height_ratio, 0.0, 1.0)
+    checked = _above(frequencies, AC156_FREQUENCIES[0], "the plateau of AC156 begins at 1.3 Hz")
     raised = 1 + 2 * height_ratio
     flexible, rigid = (0.67, 0.27) if vertical else (min(raised, 1.6), min(0.4 * raised, 1.2))
     corners = np.log(AC156_FREQUENCIES)
-    return s_ds * np.exp(np.interp(np.log(asked), corners, np.log([flexible, flexible, rigid])))
+    return s_ds * np.exp(np.interp(np.log(checked), corners, np.log([flexible, flexible, rigid])))
 
 
 def _above(frequencies: ArrayLike, least: float, reason: str) -> Array:
-    asked = np.asarray(frequencies, dtype=float)
-    if not np.all(np.isfinite(asked)) or np.any(asked < least * (1 - 1e-9)):
-        raise ValueError(f"`frequencies` must be at least {least:g} Hz: {reason}; got {np.min(asked):g} Hz.")
-    return asked
+    checked = np.asarray(frequencies, dtype=float)
+    if not np.all(np.isfinite(checked)) or np.any(checked < least * (1 - 1e-9)):
+        raise ValueError(f"`frequencies` must be at least {least:g} Hz: {reason}; got {np.min(checked):g} Hz.")
+    return checked

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite, integer, positive
+from wirerope_mj.foundation.arguments import finite, integer, positive, the_one_given
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
@@ -73,9 +73,10 @@ class VibrationLines(StartedMotion):
         fall: float | None = None,
         start: float = 0.0,
     ) -> None:
-        quantity, lines = _the_one_quantity(
+        quantity, points = the_one_given(
             {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
         )
+        lines = checked_points(quantity, points, quantity=f"amplitude [{_UNIT[quantity]}]", least=1)
         object.__setattr__(self, "quantity", quantity)
         object.__setattr__(self, "lines", lines)
         object.__setattr__(self, "direction", checked_direction(direction))
@@ -204,16 +205,6 @@ def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Poin
         steps = math.floor((high - low) / step * (1 + 1e-9))
         lines += [(low + number * step, amplitude) for number in range(steps + 1)]
     return checked_points("bands", lines, quantity="amplitude", least=1)
-
-
-def _the_one_quantity(given: Mapping[str, Sequence[Sequence[float]] | None]) -> tuple[str, Points]:
-    """Return name and lines of the one quantity that is given; none or several are a ValueError."""
-    there = [name for name, lines in given.items() if lines is not None]
-    if len(there) != 1:
-        got = " and ".join(f"`{name}`" for name in there) or "none"
-        raise ValueError(f"exactly one of `acceleration`, `velocity` and `displacement` must be given, got {got}.")
-    (name,) = there
-    return name, checked_points(name, given[name] or (), quantity=f"amplitude [{_UNIT[name]}]", least=1)
 
 
 def _checked_phases(phases: Sequence[float], count: int) -> tuple[float, ...]:
