@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import tomli_w
 
-from wirerope_mj.assessment.verdicts import summary, verdict_lines
+from wirerope_mj.assessment.criteria import summary, verdict_lines
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import System, load_system
@@ -175,7 +175,7 @@ def _write_pictures(scenario: Scenario, response: Response, judged: "JudgedRun",
     from wirerope_mj.views.report.display import title_of
 
     title, text = title_of(scenario.name), _scenario_markdown(scenario)
-    verdicts = [judged.headline, *verdict_lines(response)]
+    verdicts = [judged.headline, *verdict_lines(response, judged.verdicts)]
     record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=verdicts)
     save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
     if response.scene.isolating:
