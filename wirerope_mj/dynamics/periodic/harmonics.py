@@ -1,4 +1,4 @@
-"""What a periodic motion is made of: the base's frequency, its multiples and its fractions."""
+"""Harmonics of a periodic motion: at the base's frequency, its multiples and its fractions."""
 
 from dataclasses import dataclass
 from fractions import Fraction
@@ -28,7 +28,7 @@ class HarmonicContent:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What each harmonic is called."""
+        """Name of each harmonic."""
         return tuple(_name(order) for order in self.order)
 
     def of(self, order: int | Fraction) -> float:

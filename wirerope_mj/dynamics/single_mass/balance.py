@@ -32,7 +32,7 @@ _FINE = 8192
 """Samples of the cycle whose extremes are read: a smooth one between two of them is missed by 7e-8 of itself."""
 
 _SMALLEST_LEVEL = 1e-3
-"""Share of the acceleration at which the way up from small excitations begins, where every law is close to a spring."""
+"""Fraction of the acceleration at which raising it from small excitations begins, where every law is close to a spring."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -119,8 +119,8 @@ def harmonic_balance(
     """Return a periodic motion of one mass on one isolator axis under a sine of base acceleration, a sin(w t).
 
     It starts from equivalent linearisation, the smallest of its solutions first; if Newton's method fails from all of them, the
-    acceleration is raised step by step from where the law is a spring. A law without an elastic part holds no place: its
-    mean deflection is zero.
+    acceleration is raised step by step from where the law is a spring. A law without an elastic part has no preferred position:
+    its mean deflection is zero.
 
     Args:
         law: of the axis; none that wears. Masing's sliders enter the first cycle unloaded, at zero deflection.

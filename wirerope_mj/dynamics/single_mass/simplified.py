@@ -53,7 +53,7 @@ def simplified_peak(
 
     Raises:
         ValueError: `mass` is not positive, or the spectrum is not a finite displacement > 0.
-        ConvergenceError: the amplitudes do not settle.
+        ConvergenceError: the amplitudes do not converge.
     """
     require_steady(law)
     if not (np.isfinite(mass) and mass > 0.0):
@@ -79,7 +79,7 @@ def simplified_peak(
             )
         deflection = float(np.sqrt(deflection * wanted))
     raise ConvergenceError(
-        f"the peak deflection does not settle: {deflection:.6g} m after {_ITERATIONS} iterations, and the spectrum says "
+        f"the peak deflection does not converge: {deflection:.6g} m after {_ITERATIONS} iterations, and the spectrum gives "
         f"{wanted:.6g} m there. Is the spectrum continuous?"
     )
 
