@@ -282,7 +282,7 @@ BASE = {"start": 0.1, "stop": 0.2, "acceleration": 0.3, "direction": "z", "paylo
         ({"start": -1.0}, "`start` must be > 0"),
         ({"stop": 0.0}, "`stop` must be > 0"),
         ({"stop": 0.1}, "`stop` must differ from `start`.* periodic_orbit"),
-        ({"payload": "table"}, "`payload` must be one of mass; got 'table'"),
+        ({"payload": "table"}, "`payload` must be one of 'mass', got 'table'"),
         ({"direction": "w"}, "`direction` must be"),
         ({"response_direction": "w"}, "`response_direction` must be"),
         ({"frequency": 1.0}, "give either `acceleration`"),

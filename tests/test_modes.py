@@ -404,7 +404,7 @@ def test_a_body_on_two_mounts_in_line_without_weight_is_free():
 
 @pytest.mark.parametrize("amplitude", [0.0, -1e-3, np.nan, np.inf])
 def test_amplitudes_that_are_none_are_refused(amplitude):
-    with pytest.raises(ValueError, match="`amplitude` must be finite and > 0"):
+    with pytest.raises(ValueError, match=r"`amplitude` must be (> 0|a finite number)"):
         modes(sdof(LAW, gravity=G), amplitude=amplitude)
 
 

@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 
-import numpy as np
 from rich.markup import escape
 from rich.table import Table
 
@@ -14,17 +13,15 @@ from wirerope_mj.cli.screen import console
 from wirerope_mj.cli.statics_tables import plain_table, stability_words
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.dynamics.modes.carried import carried
+from wirerope_mj.dynamics.modes.travel import travel_utilisation
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.atomic_files import check_place
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 from wirerope_mj.runs.folder import check_target
 from wirerope_mj.runs.modes import KIND, MARKS, write_modes
-
-APART = 0.01
-"""Relative difference of the frequencies about rest and about where the weight is carried, from which on it is said."""
 
 
 def modes_command(
@@ -32,8 +29,7 @@ def modes_command(
 ) -> int:
     """Find the modes of a model, write them, print them; return the exit code."""
     for size in amplitudes_mm:
-        if not (math.isfinite(size) and size > 0.0):
-            raise ValueError(f"`--amplitude-mm` must be finite and > 0, got {size}.")
+        positive("--amplitude-mm", size)
     path = model_path(model)
     target = out or Path("runs") / f"{path.stem}-modes-{datetime.now():%Y%m%d-%H%M%S}"
     alone = target.suffix == ".rrd"
@@ -79,18 +75,12 @@ def print_modes(name: str, small: Modes, large: Sequence[Modes]) -> None:
 
 def about_small(system: System, small: Modes) -> Iterator[str]:
     """Yield the meaning of the frequencies of small amplitude, compared with those of the tangents at rest."""
-    slack = 1e-6  # of a frequency: laws whose tangents are all one differ by the rounding of their differences
-    pair = np.nan_to_num(
-        np.stack([small.loading, small.unloading])
-    )  # one that tips over has a frequency below all others
-    outside = (small.frequencies > (1.0 + slack) * pair.max(axis=0)) | (
-        small.frequencies < (1.0 - slack) * pair.min(axis=0)
-    )
+    outside = small.outside_tangents
     text = "Small cycles: their limit as the amplitude vanishes, in which the hysteretic force has faded"
-    if not outside.any():
+    if not outside.size:
         yield f"{text}; between the tangents at rest on further loading and on unloading."
     else:
-        which = ", ".join(str(row + 1) for row in np.flatnonzero(outside))
+        which = ", ".join(str(row + 1) for row in outside)
         yield (
             f"{text}. In mode {which} it is not between the tangents at rest on further loading and on unloading: with "
             "gamma > beta, and with an elastic part that bends, both can lie to one side of it."
@@ -106,14 +96,12 @@ def about_small(system: System, small: Modes) -> Iterator[str]:
 def beyond_rating(system: System, large: Sequence[Modes]) -> Iterator[str]:
     """Yield for each amplitude a sentence on the mounts that it takes beyond a rated travel in some mode, sag included."""
     for result in large:
-        utilisations = {
-            name: utilisation for name in system.mounts if (utilisation := _share_of_travel(system, result, name)) > 1.0
-        }
-        if utilisations:
-            worst = max(utilisations, key=lambda name: utilisations[name])
+        beyond = {name: used for name in system.mounts if (used := travel_utilisation(system, result, name)) > 1.0}
+        if beyond:
+            worst = max(beyond, key=lambda name: beyond[name])
             yield (
-                f"{1e3 * (result.amplitude or 0.0):g} mm takes mounts beyond their rated travel: {', '.join(utilisations)} "
-                f"({worst} up to {100.0 * utilisations[worst]:.0f} % of it, sag included). Nobody vouches for the law there."
+                f"{1e3 * (result.amplitude or 0.0):g} mm takes mounts beyond their rated travel: {', '.join(beyond)} "
+                f"({worst} up to {100.0 * beyond[worst]:.0f} % of it, sag included). Nobody vouches for the law there."
             )
 
 
@@ -121,32 +109,18 @@ def about_rest(system: System, small: Modes, large: Sequence[Modes]) -> Iterator
     """Yield for each amplitude a sentence on the modes that lie elsewhere where the cycles' mean force carries the weight."""
     for result in large:
         there = carried(system, result)
-        with np.errstate(invalid="ignore"):
-            off = ~(np.abs(there.frequencies / result.frequencies - 1.0) <= APART) & np.isfinite(result.frequencies)
-        if not off.any():
+        if not there.apart.size:
             continue
         rows = {index: row + 1 for row, index in enumerate(small.indices_in(result))}
         text = ", ".join(
             f"mode {rows[int(at)]} at {there.frequencies[at]:.3f} instead of {result.frequencies[at]:.3f} Hz "
             f"({there.mounts[at]} {1e3 * there.shift[at]:.2g} mm from rest)"
-            for at in np.flatnonzero(off)
+            for at in there.apart
         )
         yield (
             f"{1e3 * (result.amplitude or 0.0):g} mm about the {result.history} position does not carry on average what rests "
             f"on the mounts. In lasting vibration they move to where it does: {text}."
         )
-
-
-def _share_of_travel(system: System, result: Modes, name: str) -> float:
-    """Return the largest share of a rated travel that a mount uses in any mode of an amplitude [-]; 0 if none is rated."""
-    rest, largest = result.equilibrium.mounts[name].deflection, 0.0
-    amplitudes = (result.amplitude or 0.0) * abs(result.mounts[name])  # (n_modes, 3)
-    for axis, key in enumerate(AXES):
-        amplitude = float(amplitudes[:, axis].max(initial=0.0))
-        reached = (amplitude - float(rest[axis]), amplitude + float(rest[axis]))  # below and above zero
-        for limit, size in zip(system.mounts[name].isolator.rated_travel(key), reached, strict=True):
-            largest = max(largest, 0.0 if limit is None else size / limit)
-    return largest
 
 
 def _table(name: str, small: Modes, large: Sequence[Modes]) -> Table:

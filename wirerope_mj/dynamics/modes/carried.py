@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import brentq
 
 from wirerope_mj.dynamics.modes.axis import closed_cycle, mean_force
@@ -21,6 +22,9 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import Law
 
+APART = 0.01
+"""Relative difference of the frequencies about rest and about where the weight is carried, from which on they are apart."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Carried:
@@ -30,11 +34,13 @@ class Carried:
         frequencies: [Hz], (n_modes,); NaN where the mode tips over or no such deflection was found.
         shift: largest distance of such a deflection from rest [m], (n_modes,).
         mounts: name of the mount that moves by it, (n_modes).
+        apart: indices of the modes whose frequency is not that about rest.
     """
 
     frequencies: Array
     shift: Array
     mounts: tuple[str, ...]
+    apart: npt.NDArray[np.int64]
 
 
 def carried(system: System, modes: Modes) -> Carried:
@@ -67,7 +73,9 @@ def carried(system: System, modes: Modes) -> Carried:
         frequencies[mode] = math.sqrt(eigenvalue) / (2.0 * np.pi) if eigenvalue >= 0.0 else math.nan
         shifts[mode] = largest
         names.append(name)
-    return Carried(frequencies=frequencies, shift=shifts, mounts=tuple(names))
+    with np.errstate(invalid="ignore"):
+        apart = ~(np.abs(frequencies / modes.frequencies - 1.0) <= APART) & np.isfinite(modes.frequencies)
+    return Carried(frequencies=frequencies, shift=shifts, mounts=tuple(names), apart=np.flatnonzero(apart))
 
 
 def _of_the_laws(isolator: Isolator, load: MountLoad) -> Array:

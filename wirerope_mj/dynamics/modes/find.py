@@ -14,6 +14,7 @@ from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.dynamics.modes.tipping import stability_of
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 
@@ -46,8 +47,8 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         ValueError: the amplitude is not a finite number > 0, or a law has no closed cycle of that size.
         ConvergenceError: there is no such equilibrium.
     """
-    if amplitude is not None and not (math.isfinite(amplitude) and amplitude > 0.0):
-        raise ValueError(f"`amplitude` must be finite and > 0, got {amplitude}.")
+    if amplitude is not None:
+        positive("amplitude", amplitude, unit="m")
     static = equilibrium(system, history=history)
     rest = linearise(system, static)
     springs = _Springs(rest)

@@ -82,6 +82,14 @@ class Modes(Summarised):
         about = "small amplitudes" if self.amplitude is None else f"an amplitude of {quantity(self.amplitude, 'm')}"
         return f"Modes about the {self.history} equilibrium, {about}", lines
 
+    @property
+    def outside_tangents(self) -> npt.NDArray[np.int64]:
+        """Indices of the modes whose frequency does not lie between those of the tangents on loading and on unloading."""
+        slack = 1e-6  # laws whose tangents are all one differ by the rounding of their differences
+        tangents = np.nan_to_num(np.stack([self.loading, self.unloading]))  # NaN, a mode that tips over, is below all
+        low, high = (1.0 - slack) * tangents.min(axis=0), (1.0 + slack) * tangents.max(axis=0)
+        return np.flatnonzero((self.frequencies > high) | (self.frequencies < low))
+
     def indices_in(self, other: "Modes") -> list[int]:
         """Return for each of these modes the index of the one that it is in `other`: all of the same system."""
         ours, theirs = (_unit(modes.shapes[self.free], self.mass) for modes in (self, other))

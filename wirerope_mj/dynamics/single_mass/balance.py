@@ -23,6 +23,7 @@ from wirerope_mj.dynamics.single_mass.cycle import largest, steady_cycle
 from wirerope_mj.dynamics.single_mass.equivalent import require_oscillator
 from wirerope_mj.dynamics.single_mass.fourier import Balance, Solution, newton
 from wirerope_mj.dynamics.single_mass.linearisation import linearised_orbits
+from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised, quantity, span
@@ -167,8 +168,7 @@ def harmonic_balance(
 
 def checked_harmonics(harmonics: int, samples: int) -> int:
     """Return `harmonics`, or raise ValueError if there are none or too few samples for them."""
-    if harmonics < 1:
-        raise ValueError(f"`harmonics` must be >= 1, got {harmonics}.")
+    integer("harmonics", harmonics, least=1)
     if samples < 8 * harmonics or samples % 2:
         raise ValueError(f"`samples` must be even and at least 8 for each of {harmonics} harmonics, got {samples}.")
     return harmonics

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from wirerope_mj.dynamics.single_mass.balance import HarmonicOrbit, checked_harmonics, harmonic_balance, orbit_of
 from wirerope_mj.dynamics.single_mass.fourier import Balance, Solution, newton
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised, quantity, span
@@ -131,8 +132,8 @@ def follow_harmonic_balance(
         ValueError: an argument is out of its range.
         ConvergenceError: no motion at `start`, or the branch cannot be followed on from a frequency that is named.
     """
-    if not (np.isfinite([start, stop]).all() and start > 0.0 and stop > 0.0 and start != stop):
-        raise ValueError(f"`start` and `stop` must be two frequencies > 0, got {start} and {stop}.")
+    if positive("start", start, unit="Hz") == positive("stop", stop, unit="Hz"):
+        raise ValueError(f"`stop` must differ from `start`, got {start} Hz for both; use `harmonic_balance` instead.")
     if not _SMALLEST < largest_step <= 1.0:
         raise ValueError(f"`largest_step` must be in ({_SMALLEST:g}, 1], got {largest_step}.")
     first = harmonic_balance(

@@ -49,8 +49,8 @@ def frequency_sweep(
     The system first follows a steady sine of the sweep's level at its start frequency until its amplitudes have settled, so
     that the envelope begins on the response and not on the transient of switching on. Then it follows the sweep through its
     complete cycles; what is left of the last one is not run, so that the final state stands at phase 0 and a sweep in the
-    other direction may start from it. A sweep lags behind the steady response by about rate ln 2 / 60 times the decay time of the transients,
-    relative to the frequency: repeat it at half the rate, or in the other direction, to see by how much.
+    other direction may start from it. A sweep lags behind the steady response by about rate ln 2 / 60 times the decay time of
+    the transients, relative to the frequency: repeat it at half the rate, or in the other direction, to see by how much.
 
     Args:
         system: the system.
