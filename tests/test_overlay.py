@@ -20,8 +20,8 @@ from wirerope_mj.assessment.comparison import (
     travel_rows,
 )
 from wirerope_mj.cli import main
+from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
-from wirerope_mj.engine.response.response import MemorySamples
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.views.recording import read_state, record_overlay, record_rerun

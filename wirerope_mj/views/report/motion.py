@@ -203,7 +203,7 @@ def _densities(run: FinishedRun) -> list[Block]:
 def _rms_rows(run: FinishedRun, name: str) -> Iterator[tuple[str, ...]]:
     """Yield the root mean square of a body along every axis: of its density, or else of the samples it was made of."""
     one = next(iter(run.densities.values()))[name]
-    _, _, last = steady_stretch(run.motion.to_dict())
+    _, _, last = steady_stretch(run.response.motion)
     rows = slice(*np.searchsorted(run.response.time, [min(last, run.response.time[-1]) - one.duration, last]))
     for axis in range(3):
         found = run.densities.get("xyz"[axis], {}).get(name)

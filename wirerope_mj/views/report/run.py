@@ -41,7 +41,7 @@ class FinishedRun:
         duration: simulated time [s].
         sample_rate: of the response [Hz].
         motion: of the base.
-        doubts: what is said of its measured records when they are read, a sentence each.
+        record_warnings: warnings of its measured records.
         response: what came out.
         isolators: of every mount, by the mount's name.
         gravity: of the model [m/s^2].
@@ -62,7 +62,7 @@ class FinishedRun:
     duration: float
     sample_rate: float
     motion: BaseMotion
-    doubts: tuple[str, ...]
+    record_warnings: tuple[str, ...]
     response: Response
     isolators: Mapping[str, Isolator]
     gravity: float
