@@ -106,7 +106,8 @@ def test_file_is_what_its_data_sheet_gives(name):
 
 def nearly(isolator):
     """Return the leaves of an isolator to eight digits: files hold nine, and the ninth depends on the processor."""
-    return pytest.approx(leaves(isolator.to_dict()), rel=2e-8)
+    expected = leaves(isolator.to_dict())
+    return {key: pytest.approx(x, rel=2e-8) if isinstance(x, float) else x for key, x in expected.items()}
 
 
 def leaves(content, path=""):
