@@ -117,6 +117,7 @@ from wirerope_mj.mounts.laws import Zener as Zener
 from wirerope_mj.mounts.test_rig import cyclic_test as cyclic_test
 from wirerope_mj.mounts.test_rig import read_cycles as read_cycles
 from wirerope_mj.mounts.test_rig import read_cyclic_test as read_cyclic_test
+from wirerope_mj.mounts.test_rig import steady_loops as steady_loops
 from wirerope_mj.mounts.test_rig import write_cyclic_test as write_cyclic_test
 from wirerope_mj.runs import replay as replay
 from wirerope_mj.runs import run_scenario as run_scenario
