@@ -129,7 +129,7 @@ class Isolator:
 
     @property
     def is_stop(self) -> bool:
-        """Whether all laws are stops and nothing is rated: listed with contacts, and not among the isolators."""
+        """True if all laws are stops and nothing is rated: listed with contacts, and not among the isolators."""
         laws = [part for law in self.axes.values() for part in _parts(law)]
         return all(isinstance(law, Stop) for law in laws) and self.limits == Limits()
 

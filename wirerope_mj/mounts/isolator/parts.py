@@ -155,7 +155,7 @@ class Rotation:
 
 @dataclass(frozen=True, kw_only=True)
 class Provenance:
-    """Where the parameters come from.
+    """Origin of the parameters.
 
     Attributes:
         kind: "catalogue", "identified", "published", "estimated" or "illustrative".

@@ -22,13 +22,13 @@ TOLERANCE_IN_THE_PLANE = 1e-11
 """The same for coupled axes: a component that passes through zero beside a large other one is no kink to land on."""
 
 FIRST_STEP = 0.2
-"""Share of the yield deflection that a step within the tolerance covers where z is neither zero nor at its bound."""
+"""Fraction of the yield deflection that a step within the tolerance covers where z is neither zero nor at its bound."""
 
 _SMALLEST = 1e-9
-"""Share of a segment below which a failing step can only be a kink, whose contribution is below rounding."""
+"""Fraction of a segment below which a failing step can only be a kink, whose contribution is below rounding."""
 
 _AT_ZERO = 1e-13
-"""Share of what z gains over the segment's length that counts as zero."""
+"""Fraction of what z gains over the segment's length that counts as zero."""
 
 _LANDINGS = 8
 """Newton steps in which a step's end is moved onto a change of sign of z; they converge quadratically, four suffice."""
@@ -66,7 +66,7 @@ def longest_step(law, p, i, e):
 def slope_at(law, p, i, x, direction, z, j, n, k, stage):
     """Write the slopes of the n states and of the work over the length to `k[stage * (n + 1):]`."""
     row = stage * (n + 1)
-    # Not `evaluate`: of a few laws the compiler makes one piece with the loop, which then takes half the time.
+    # Not `evaluate`: of a few laws the compiler makes one function with the loop, which then takes half the time.
     if law == BABER_NOORI:
         k[row + n] = direction * baber_noori(p, i, x, direction, z, j, k, row)
     elif law == BIAXIAL:
@@ -122,7 +122,7 @@ def mean_slope(k, m, c):
 
 
 @njit
-def doubt(k, m, c):
+def error_slope(k, m, c):
     """Return the difference of that slope from the one to fourth order."""
     return (
         71 / 57600 * k[c]
@@ -151,11 +151,11 @@ def integrate(law, p, i, x0, direction, length, z, j, n_states, slopes, trial):
         stages(law, p, i, x0 + direction * done, direction, step, z, j, n_states, slopes, trial)
         for stage in range(7):  # of the whole segment: where the force is zero, rounding is not
             power = max(power, abs(slopes[stage * m + n_states]))
-        error = abs(doubt(slopes, m, n_states)) / (tolerance * power + 1e-300)
+        error = abs(error_slope(slopes, m, n_states)) / (tolerance * power + 1e-300)
         for c in range(n_states):
             scale = max(abs(z[j + c]), abs(trial[c]), abs(slopes[c]) * step)
-            share = abs(step * doubt(slopes, m, c)) / (tolerance * scale + 1e-300)
-            error = max(error, share) if share >= 0.0 else math.inf  # max() would lose a NaN
+            ratio = abs(step * error_slope(slopes, m, c)) / (tolerance * scale + 1e-300)
+            error = max(error, ratio) if ratio >= 0.0 else math.inf  # max() would lose a NaN
         if not error < math.inf:  # the trial left the finite numbers: shorter, unless the path itself does
             if step < _SMALLEST * length:
                 return np.nan

@@ -15,7 +15,7 @@ from wirerope_mj.mounts.laws.law import anywhere, require_not_negative
 BABER_NOORI = 8
 
 WORN_OUT = 1e-3
-"""Share of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1."""
+"""Fraction of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,7 +22,7 @@ _SETTLED = 40.0
 """Such lengths after which the state stands at its bound but for rounding: exp(-40) = 4e-18."""
 
 _MOST_PANELS = 4096
-"""What else bends the force, exponentials of the deflection, overflows before a thousand of its lengths."""
+"""Cap on them: what else bends the force, exponentials of the deflection, overflows before a thousand of its lengths."""
 
 
 @njit

@@ -1,4 +1,4 @@
-"""What all laws with a Bouc-Wen hysteretic force have in common."""
+"""Bouc-Wen's hysteretic force, common to all laws with it: its rate, its parameters and their normalised form."""
 
 import math
 from collections.abc import Mapping
@@ -126,8 +126,8 @@ class Hysteresis(Law):
         """
         if not anywhere((self._total < 0.0) & (self.n > 1.0)):
             return math.inf
-        share = math.pi / self.n
-        return (self.alpha / -self._total) ** (1.0 / self.n) / self.alpha * share / math.sin(share)
+        angle = math.pi / self.n
+        return (self.alpha / -self._total) ** (1.0 / self.n) / self.alpha * angle / math.sin(angle)
 
     @property
     def largest_force(self) -> float:
@@ -136,7 +136,7 @@ class Hysteresis(Law):
 
     @property
     def _without_elastic_part(self) -> bool:
-        """Whether z is all of the force."""
+        """True if z is all of the force."""
         return getattr(self, "k", 1.0) == 0.0
 
 

@@ -29,12 +29,12 @@ class Law(ABC):
     kernel: ClassVar[int]
     """Its number in `wirerope_mj.mounts.laws.kernels`."""
     rate_independent: ClassVar[bool] = True
-    """Whether the force depends on the path of deflections alone, and not on how fast it is run through."""
+    """True if the force depends on the path of deflections alone, and not on how fast it is run through."""
     smoothable: ClassVar[bool] = False
-    """Whether its kernel is one of those that `Smoothed` takes: one state, its rate a slope for each direction times xdot."""
+    """True if its kernel is one of those that `Smoothed` takes: one state, its rate a slope for each direction times xdot."""
     travel_rule: ClassVar[str] = "its force becomes infinite"
     needs_rating: ClassVar[bool] = True
-    """Whether a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into."""
+    """True if a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into."""
     options: ClassVar[Mapping[str, type]] = {}
     """Parameters that are no numbers but choices, and their types."""
     lists: ClassVar[tuple[str, ...]] = ()
@@ -66,7 +66,7 @@ class Law(ABC):
 
     @property
     def remembers_slow_paths(self) -> bool:
-        """Whether internal states depend on the path of deflections however slowly it is run through."""
+        """True if internal states depend on the path of deflections however slowly it is run through."""
         return self.rate_independent
 
     @property
@@ -120,7 +120,7 @@ class Law(ABC):
 
     @property
     def largest_force(self) -> float:
-        """What a law without an elastic part carries at most [N]; infinite for every other."""
+        """Largest force of a law without an elastic part [N]; infinite for every other."""
         return math.inf
 
     @property

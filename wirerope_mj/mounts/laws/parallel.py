@@ -62,12 +62,12 @@ class Parallel(Law):
 
     @property
     def rate_independent(self) -> bool:  # type: ignore[override]
-        """Whether all of them are."""
+        """True if all of them are."""
         return all(law.rate_independent for law in self.laws)
 
     @property
     def remembers_slow_paths(self) -> bool:
-        """Whether any of them does."""
+        """True if any of them does."""
         return any(law.remembers_slow_paths for law in self.laws)
 
     @property
@@ -96,7 +96,7 @@ class Parallel(Law):
 
     @property
     def travel_ends(self) -> tuple[float, float]:
-        """How far below and above zero all of them hold [m]."""
+        """Deflections below and above zero up to which all of them hold [m]."""
         ends = np.array([law.travel_ends for law in self.laws]).min(axis=0)
         return float(ends[0]), float(ends[1])
 
@@ -107,7 +107,7 @@ class Parallel(Law):
 
     @property
     def needs_rating(self) -> bool:  # type: ignore[override]
-        """Whether one of them that ends somewhere asks for a rated travel."""
+        """True if one of them that ends somewhere asks for a rated travel."""
         return any(law.needs_rating for law in self.laws if law.finite_travel < np.inf)
 
     def certainly_valid(self, columns: Mapping[str, Any]) -> bool:

@@ -24,7 +24,7 @@ ODD = (BOUC_WEN, SYMMETRIC_BOUC_WEN)
 
 @dataclass(frozen=True, kw_only=True)
 class PlaneTrace:
-    """What a law in the plane does along a path.
+    """Forces, states and work of a law in the plane along a path.
 
     Attributes:
         deflection: path [m], (n_t, 2), roll and shear, or roll and axial.

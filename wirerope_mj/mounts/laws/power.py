@@ -30,7 +30,7 @@ _NEAR_BELOW_1 = 1.0 / 3.0
 """|q| up to which Pfaff's series is: |w| is at most 1/2 there, so that 50 terms reach rounding, 15 with n = 0.1."""
 
 ROUNDING = 1e-16
-"""Share of the state below which a term does not count."""
+"""Fraction of the state below which a term does not count."""
 
 _STEPS = 10_000
 

@@ -28,7 +28,7 @@ class TinkerCutchins(Law):
     Source: Tinker and Cutchins (1992), thesis 2.5.2; how the friction
     varies is our choice, the published polynomial was not reachable.
 
-    Coulomb friction is undefined at rest, so it is smoothed: the force at the rate xdot is the share tanh(xdot / smoothing) of
+    Coulomb friction is undefined at rest, so it is smoothed: at the rate xdot the force is tanh(xdot / smoothing) times
     it. The price is creep: a load F below the friction f0 is not held but sinks with smoothing * atanh(F / f0), and a static
     equilibrium rests on the springs alone. Choose `smoothing` near a hundredth of the rates that matter. The same velocity
     rounds |xdot|^n at rest if n < 1.
@@ -116,7 +116,7 @@ class EquivalentViscous(Law):
         """Return the law of an amplitude between those of closed loops about zero.
 
         The mid-line (F_up + F_down) / 2 of each loop is fitted by k1 x + k2 x^2 + k3 x^3 through its tips. Between two
-        loops k_p A^(p-1), shares
+        loops k_p A^(p-1), parts
         of the secant stiffness, are interpolated over log A, and the energy by a power law W = a A^p.
 
         Args:
@@ -141,15 +141,17 @@ class EquivalentViscous(Law):
             raise ValueError(
                 f"`amplitude` must lie within those of the loops, {sizes[0]:.6g} to {sizes[-1]:.6g} m, got {amplitude}."
             )
-        shares = np.array([_mid_line(loop) for loop in ordered]) * sizes[:, None] ** np.arange(3)
-        place = np.log(amplitude)
-        k1, k2, k3 = (float(np.interp(place, np.log(sizes), share)) / amplitude**p for p, share in enumerate(shares.T))
+        terms = np.array([_mid_line(loop) for loop in ordered]) * sizes[:, None] ** np.arange(3)
+        log_amplitude = np.log(amplitude)
+        k1, k2, k3 = (
+            float(np.interp(log_amplitude, np.log(sizes), term)) / amplitude**p for p, term in enumerate(terms.T)
+        )
         # An elastic loop has an area of rounding.
         energies = np.maximum([loop.dissipated_energy for loop in ordered], 0.0)
         if (energies > 0.0).all():
-            energy = float(np.exp(np.interp(place, np.log(sizes), np.log(energies))))
+            energy = float(np.exp(np.interp(log_amplitude, np.log(sizes), np.log(energies))))
         else:
-            energy = float(np.interp(place, np.log(sizes), energies))
+            energy = float(np.interp(log_amplitude, np.log(sizes), energies))
         return cls(k1=k1, k2=k2, k3=k3, energy=energy, amplitude=float(amplitude), frequency=float(frequency))
 
     def kernel_parameters(self) -> Array:

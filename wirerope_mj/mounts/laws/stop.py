@@ -129,7 +129,7 @@ class Stop(Law):
 
     @property
     def rate_independent(self) -> bool:  # type: ignore[override]
-        """Whether the force does not depend on the rate: without viscous loss."""
+        """True if the force does not depend on the rate: without viscous loss."""
         return self.c == 0.0
 
     @property

@@ -18,7 +18,7 @@ TABULATED = 12
 
 @dataclass(frozen=True, kw_only=True)
 class Tabulated(Law):
-    """A law from points of curves: a piecewise cubic and a share, another one, of an exponential hysteretic force.
+    """A law from points of curves: a piecewise cubic and a fraction, another one, of an exponential hysteretic force.
 
         F = M(x) + g(x) z,    zdot = (z_max xdot - |xdot| z) / x_y
 
@@ -137,18 +137,20 @@ class Tabulated(Law):
                 self._mirrored(0.5 * (upper - lower), odd=False),
             )
             z_max = float(half.max())
-            share = monotone(x, half / z_max if z_max > 0.0 else half)
+            fraction = monotone(x, half / z_max if z_max > 0.0 else half)
         else:
             widths = self._widths()
             z_max = max(widths, default=0.0)
-            share = level_cubics(self.amplitudes, widths, z_max)
+            fraction = level_cubics(self.amplitudes, widths, z_max)
             mean = self._mirrored(np.array(self.force), odd=True)
             if self.curve == "virgin" and z_max > 0.0:
-                mean = mean + z_max * share(held(x, share)) * np.sign(x) * np.expm1(-np.abs(x) / self.yield_deflection)
+                mean = mean + z_max * fraction(held(x, fraction)) * np.sign(x) * np.expm1(
+                    -np.abs(x) / self.yield_deflection
+                )
         curve = monotone(x, mean)
         if not self.symmetric:
             curve.c[-1] -= curve(0.0)
-        return curve, share, z_max
+        return curve, fraction, z_max
 
     def _mirrored(self, values: Array, *, odd: bool) -> Array:
         """Return values at the points together with those at the mirrored ones, if the law is symmetric."""
@@ -209,13 +211,15 @@ class Tabulated(Law):
     @property
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, M'(0) + g(0) z_max / x_y [N/m]."""
-        curve, share, z_max = self._curves
-        friction = float(share(held(np.zeros(1), share))[0]) * z_max / self.yield_deflection if z_max > 0.0 else 0.0
+        curve, fraction, z_max = self._curves
+        friction = (
+            float(fraction(held(np.zeros(1), fraction))[0]) * z_max / self.yield_deflection if z_max > 0.0 else 0.0
+        )
         return float(curve(0.0, 1)) + friction
 
     @property
     def travel_ends(self) -> tuple[float, float]:
-        """How far below and above zero the table reaches [m]; infinite if it is extrapolated."""
+        """Deflections below and above zero up to which the table reaches [m]; infinite if it is extrapolated."""
         if self.extrapolate:
             return math.inf, math.inf
         above = self.deflection[-1]

@@ -214,8 +214,8 @@ def limit_work(p, i, x):
     if u > 0.1:
         return work + 4.0 * p[i + 5] / p[i + 6] * (u + math.log1p(math.exp(-2.0 * u)) - math.log(2.0))  # ln cosh u
     w = u * u  # the same by its series, over u^2 / 2
-    share = 1.0 - w * (1 / 6 - w * (2 / 45 - w * (17 / 1260 - w * 62 / 14175)))
-    return work + 0.5 * p[i + 5] * p[i + 6] * (x - p[i + 7]) ** 2 * share
+    ratio = 1.0 - w * (1 / 6 - w * (2 / 45 - w * (17 / 1260 - w * 62 / 14175)))
+    return work + 0.5 * p[i + 5] * p[i + 6] * (x - p[i + 7]) ** 2 * ratio
 
 
 @njit
