@@ -296,7 +296,7 @@ def test_the_rotation_is_kept_in_a_file(tmp_path):
     short = text.replace("roll = 11.0\nshear = 7.0\n", "")
     (tmp_path / "i.toml").write_text(short, encoding="utf-8")
     assert wr.load_isolator(tmp_path / "i.toml").rotation == wr.Rotation(axial=3.0)
-    for wrong, words in (("axial = -3.0", "`axial` must be a finite number >= 0"), ("yaw = 3.0", "`yaw` is not known")):
+    for wrong, words in (("axial = -3.0", "`axial` must be >= 0"), ("yaw = 3.0", "`yaw` is not known")):
         (tmp_path / "i.toml").write_text(short.replace("axial = 3.0", wrong), encoding="utf-8")
         with pytest.raises(ModelError, match=words):
             wr.load_isolator(tmp_path / "i.toml")

@@ -21,11 +21,10 @@ from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import integer, positive
+from wirerope_mj.foundation.arguments import integer, nonzero, positive, the_one_given
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine, Sweep
-from wirerope_mj.motions.harmonic import the_one_level
 
 KIND = "stepped sine"
 
@@ -84,7 +83,8 @@ def stepped_sine(
         SimulationError: the step is too large, or a mount left the range of its law; says at which frequency.
         ConvergenceError: there is no equilibrium to start from.
     """
-    quantity, level = the_one_level({"acceleration": acceleration, "velocity": velocity, "displacement": displacement})
+    quantity, level = the_one_given({"acceleration": acceleration, "velocity": velocity, "displacement": displacement})
+    level = nonzero(quantity, level)
     base = checked_direction(direction)
     sines = [
         Sine(frequency=f, acceleration=acceleration_of(quantity, level, f), direction=base)
