@@ -237,10 +237,13 @@ class GrowingBranch:
             "steps",
         )
         kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
+        values: dict[str, Any] = {
+            name: np.array([getattr(row, name) for row in rows]) for name in (*columns, "residual")
+        }
+        values |= {name: getattr(options, name) for name in kept}
         return Branch(
             system=self.system,
-            **{name: np.array([getattr(row, name) for row in rows]) for name in (*columns, "residual")},
-            **{name: getattr(options, name) for name in kept},
+            **values,
             tangents=np.array([row.tangent for row in rows]),
             floquet_multipliers=multipliers,
             bifurcations=tuple(self.events),
