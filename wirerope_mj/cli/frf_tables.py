@@ -63,15 +63,13 @@ def _rows(summary: LevelSummary) -> list[Row]:
     level, rows = summary.level, [_peak_row(peak, first=n == 0) for n, peak in enumerate(summary.peaks)]
     if level.branch is not None:
         rows += _event_rows(level.branch)
-    for direction, sweep in level.sweeps.items():
-        seen = summary.comparisons[direction]
+    for direction, seen in summary.comparisons.items():
         rows.append(
-            (f"peak of the sweep {direction}", seen.peak_frequency, seen.peak, seen.peak / level.acceleration, "")
+            (f"peak of the sweep {direction}", seen.peak_frequency, seen.peak, level.transmissibility(seen.peak), "")
         )
-        for fold, at in seen.jumps:
-            a = float(sweep.amplitude[abs(sweep.frequency - at).argmin()])
-            note = f"{100.0 * (at / fold - 1.0):+.2f} % from the fold"
-            rows.append((f"jump of the sweep {direction}", at, a, a / level.acceleration, note))
+        for jump in seen.jumps:
+            ratio, note = level.transmissibility(jump.amplitude), f"{100.0 * jump.past_fold:+.2f} % from the fold"
+            rows.append((f"jump of the sweep {direction}", jump.frequency, jump.amplitude, ratio, note))
     return rows
 
 
@@ -88,13 +86,12 @@ def _event_rows(branch: Branch) -> list[Row]:
     rows: list[Row] = []
     jumps = {jump.parameter: jump for jump in branch.jumps}
     for event in branch.bifurcations:
-        size = abs(event.acceleration)
         jump = jumps.get(event.frequency) if event.kind == "fold" else None
         notes = [f"{event.before} -> {event.after} multipliers outside the unit circle"]
         if jump is not None:
             landing = "nowhere on this branch" if math.isnan(jump.landing) else f"{jump.landing:.4g} m/s^2"
             notes.append(f"a sweep {'up' if jump.rising else 'down'} jumps to {landing}")
-        rows.append((event.kind, event.frequency, event.amplitude, event.amplitude / size, "; ".join(notes)))
+        rows.append((event.kind, event.frequency, event.amplitude, event.transmissibility, "; ".join(notes)))
     return rows
 
 

@@ -15,6 +15,26 @@ AWAY = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
+class SweepJump:
+    """A jump of a sweep near a fold.
+
+    Attributes:
+        fold: frequency of the fold [Hz].
+        frequency: at which the sweep changes most steeply near it [Hz].
+        amplitude: of the sweep there [m/s^2].
+    """
+
+    fold: float
+    frequency: float
+    amplitude: float
+
+    @property
+    def past_fold(self) -> float:
+        """Distance from the fold relative to its frequency, with sign [-]."""
+        return self.frequency / self.fold - 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
 class Comparison:
     """A sweep's envelope against the stable motions of a branch, away from jumps.
 
@@ -23,7 +43,7 @@ class Comparison:
         at: frequency of it [Hz].
         median: of the differences.
         peak_frequency, peak: of the envelope [Hz], [m/s^2].
-        jumps: fold and where the sweep changes most steeply near it [Hz], for every fold at which this sweep jumps.
+        jumps: of the sweep, one for every fold that it passes in the direction in which it jumps.
     """
 
     largest: float
@@ -31,7 +51,7 @@ class Comparison:
     median: float
     peak_frequency: float
     peak: float
-    jumps: tuple[tuple[float, float], ...]
+    jumps: tuple[SweepJump, ...]
 
 
 def compare(sweep: FrequencySweep, branch: Branch | None, curve: BranchCurve | None) -> Comparison:
@@ -62,13 +82,13 @@ def _differences(f: Array, a: Array, branch: Branch, curve: BranchCurve) -> Arra
     return np.where(np.isfinite(differences), differences, np.nan)
 
 
-def _jumps(sweep: FrequencySweep, branch: Branch) -> tuple[tuple[float, float], ...]:
-    """Return the folds at which a sweep in this direction jumps, each with the frequency of its steepest change near it."""
+def _jumps(sweep: FrequencySweep, branch: Branch) -> tuple[SweepJump, ...]:
+    """Return the jumps of a sweep near the folds of a branch."""
     f, a = sweep.frequency, sweep.amplitude
     rising, jumps = bool(f[-1] > f[0]), []
     for jump in branch.jumps:
         near = np.flatnonzero(np.abs(f[:-1] / jump.parameter - 1.0) < AWAY)
         if jump.rising == rising and near.size:
             steepest = near[np.argmax(np.abs(np.diff(np.log(a)))[near])]
-            jumps.append((jump.parameter, float(f[steepest])))
+            jumps.append(SweepJump(fold=jump.parameter, frequency=float(f[steepest]), amplitude=float(a[steepest])))
     return tuple(jumps)

@@ -56,12 +56,12 @@ def curve_of(branch: Branch) -> BranchCurve:
     that the payload's largest acceleration has where another crest becomes the highest.
     """
     f, a = np.log(branch.frequency), np.log(branch.amplitude)
-    steps = np.hypot(np.diff(f) / _range(f), np.diff(a) / _range(a))
+    steps = relative_steps(f, a)
     kept = np.concatenate([[True], steps > 1e-9])  # a point that was located may coincide with the next
     f, a, point = f[kept], a[kept], np.flatnonzero(kept).astype(np.float64)
     if f.size < 3:
         return BranchCurve(frequency=np.exp(f), amplitude=np.exp(a), stable=branch.stable[kept], point=point)
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(f) / _range(f), np.diff(a) / _range(a)))])
+    along = np.concatenate([[0.0], np.cumsum(relative_steps(f, a))])
     fraction = np.arange(BETWEEN) / BETWEEN
     fine = np.append((along[:-1, None] + np.diff(along)[:, None] * fraction).ravel(), along[-1])
     position = np.interp(fine, along, point)
@@ -74,5 +74,6 @@ def curve_of(branch: Branch) -> BranchCurve:
     )
 
 
-def _range(values: Array) -> float:
-    return float(np.ptp(values)) or 1.0
+def relative_steps(f: Array, a: Array) -> Array:
+    """Return the distances between successive points, both coordinates relative to their ranges, (n - 1,)."""
+    return np.hypot(np.diff(f) / (float(np.ptp(f)) or 1.0), np.diff(a) / (float(np.ptp(a)) or 1.0))

@@ -67,7 +67,11 @@ class ResponseOptions:
         if not levels or len(set(levels)) < len(levels):
             raise ValueError(f"`acceleration` must be one or several different levels, got {list(levels)}.")
         direction = checked_direction(self.direction)
-        along = direction if self.response_direction is None else checked_direction(self.response_direction)
+        along = (
+            direction
+            if self.response_direction is None
+            else checked_direction(self.response_direction, "response_direction")
+        )
         if self.method != "continuation" and np.count_nonzero(unit_vector(along)) > 1:
             raise ValueError(
                 f"`response_direction` must lie along x, y or z for sweeps, whose envelopes are kept along these axes; got "

@@ -31,6 +31,10 @@ class Level:
         """The sweeps by their direction, "up" and "down"."""
         return {direction: sweep for direction, sweep in (("up", self.up), ("down", self.down)) if sweep is not None}
 
+    def transmissibility(self, amplitude: float) -> float:
+        """Return an amplitude [m/s^2] over that of the base's acceleration [-]."""
+        return amplitude / self.acceleration
+
     @property
     def complete(self) -> bool:
         """Whether the branch, if there is one, reached the end of the range."""

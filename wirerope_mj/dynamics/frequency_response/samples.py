@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.dynamics.frequency_response.curve import BranchCurve
+from wirerope_mj.dynamics.frequency_response.curve import BranchCurve, relative_steps
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.engine.response import Response
 
@@ -34,8 +34,7 @@ def along_branch(branch: Branch, curve: BranchCurve, count: int) -> Points:
     with fewer points has some of them several times.
     """
     f, a = np.log(curve.frequency), np.log(curve.amplitude)
-    steps = np.hypot(np.diff(f) / (np.ptp(f) or 1.0), np.diff(a) / (np.ptp(a) or 1.0))
-    along = np.concatenate([[0.0], np.cumsum(steps)])
+    along = np.concatenate([[0.0], np.cumsum(relative_steps(f, a))])
     positions = np.interp(np.linspace(0.0, along[-1], count), along, curve.point)
     points = np.round(positions).astype(np.int64)
     points[np.abs(points - branch.peak).argmin()] = branch.peak

@@ -69,6 +69,7 @@ def _level(summary: LevelSummary) -> dict[str, Any]:
         }  # fmt: skip
     for direction, sweep in level.sweeps.items():
         content[f"sweep_{direction}"] = asdict(summary.comparisons[direction]) | {
+            "jumps": [[jump.fold, jump.frequency] for jump in summary.comparisons[direction].jumps],
             "cycles": int(sweep.frequency.size),
             "model_steps": sweep.model_steps,
             "warnings": list(sweep.warnings),

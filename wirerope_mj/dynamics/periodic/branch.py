@@ -44,6 +44,11 @@ class Bifurcation:
     after: int
 
     @property
+    def transmissibility(self) -> float:
+        """Amplitude over the base's acceleration [-]."""
+        return self.amplitude / abs(self.acceleration)
+
+    @property
     def description(self) -> str:
         """One sentence for a reader."""
         if self.after == self.before:

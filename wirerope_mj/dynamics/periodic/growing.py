@@ -184,18 +184,9 @@ class GrowingBranch:
         kind, multiplier, point, arclength = event
         index = len(self.rows) if arclength > 0.0 else len(self.rows) - 1
         self._add(point, index)
-        row = self.rows[index]
+        row = {name: getattr(self.rows[index], name) for name in ("frequency", "acceleration", "amplitude")}
         self.events.append(
-            Bifurcation(
-                kind=kind,
-                frequency=row.frequency,
-                acceleration=row.acceleration,
-                amplitude=row.amplitude,
-                index=index,
-                multiplier=multiplier,
-                before=unstable(a),
-                after=unstable(b),
-            )
+            Bifurcation(kind=kind, **row, index=index, multiplier=multiplier, before=unstable(a), after=unstable(b))
         )
         self._forget_ripple()
 
@@ -235,26 +226,27 @@ class GrowingBranch:
         multipliers = np.full((len(rows), max(row.multipliers.size for row in rows)), np.nan + 0.0j)
         for i, row in enumerate(rows):
             multipliers[i, : row.multipliers.size] = row.multipliers
+        columns = (
+            "frequency",
+            "acceleration",
+            "amplitude",
+            "stable",
+            "neutral",
+            "smoothing_width",
+            "unknowns",
+            "steps",
+        )
+        kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
+        values: dict[str, Any] = {
+            name: np.array([getattr(row, name) for row in rows]) for name in (*columns, "residual")
+        }
+        values |= {name: getattr(options, name) for name in kept}
         return Branch(
             system=self.system,
-            parameter=options.parameter,
-            frequency=np.array([row.frequency for row in rows]),
-            acceleration=np.array([row.acceleration for row in rows]),
-            amplitude=np.array([row.amplitude for row in rows]),
-            stable=np.array([row.stable for row in rows]),
-            floquet_multipliers=multipliers,
-            neutral=np.array([row.neutral for row in rows]),
-            bifurcations=tuple(self.events),
-            payload=options.payload,
-            direction=options.direction,
-            response_direction=options.response_direction,
-            periods=options.periods,
-            smoothing_width=np.array([row.smoothing_width for row in rows]),
-            unknowns=np.array([row.unknowns for row in rows]),
-            steps=np.array([row.steps for row in rows]),
+            **values,
             tangents=np.array([row.tangent for row in rows]),
-            residual=np.array([row.residual for row in rows]),
-            history=options.history,
+            floquet_multipliers=multipliers,
+            bifurcations=tuple(self.events),
             complete=self.complete,
             gaps=tuple(self.gaps),
             model_steps=self.search.flow.steps + self._earlier_steps,

@@ -77,7 +77,9 @@ def branch_options(
         other=other,
         direction=moved,
         payload=payload,
-        response_direction=moved if response_direction is None else _response_direction(response_direction),
+        response_direction=moved
+        if response_direction is None
+        else checked_direction(response_direction, "response_direction"),
         periods=periods,
         history=history,
         most_points=most_points,
@@ -99,10 +101,3 @@ def _range(numbers: dict[str, float]) -> dict[str, float]:
             f"{values['largest_step']!r}."
         )
     return values
-
-
-def _response_direction(direction: str | Sequence[float]) -> Direction:
-    try:
-        return checked_direction(direction)
-    except ValueError as error:
-        raise ValueError(str(error).replace("`direction`", "`response_direction`")) from None

@@ -46,7 +46,7 @@ def response_axis(response_direction: str | Sequence[float] | None, base: Direct
     direction = base if response_direction is None else response_direction
     if isinstance(direction, str):
         return one_of(name, direction, AXES)
-    unit = np.abs(unit_vector(checked_direction(direction)))
+    unit = np.abs(unit_vector(checked_direction(direction, name)))
     along = int(np.argmax(unit))
     if unit[along] < 1.0 - 1e-12:
         raise ValueError(f"`{name}` must lie along x, y or z, for which envelopes are kept, got {list(direction)}.")
