@@ -1,4 +1,4 @@
-"""What a run prints: peaks against limits, and where the files are."""
+"""Output of a run: peaks against limits, and where the files are."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -60,7 +60,7 @@ def peak_differences(stored: Response, again: Response) -> Iterator[Difference]:
 
 
 _INSTANTS = {1: 0, **{8 + axis: 5 + axis for axis in range(3)}, **{14 + axis: 11 + axis for axis in range(3)}}
-"""Which numbers of a peak are instants, and where the number stands that is reached then, as `Peak.to_list` orders them."""
+"""Positions of the instants in `Peak.to_list`, and of the values that are reached then."""
 
 
 def other_differences(stored: Response, again: Response) -> Iterator[Difference]:
@@ -124,10 +124,10 @@ def _flat(value: Any, where: str = "") -> dict[str, Any]:
         items = [(_label(item, number), item) for number, item in enumerate(value)]
     else:
         return {where: value}
-    found = {} if items or not where else {where: len(items)}
+    flat = {} if items or not where else {where: len(items)}
     for key, item in items:
-        found |= _flat(item, f"{where}.{key}" if where else key)
-    return found
+        flat |= _flat(item, f"{where}.{key}" if where else key)
+    return flat
 
 
 def _label(item: Any, number: int) -> str:

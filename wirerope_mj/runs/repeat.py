@@ -32,7 +32,7 @@ AGREES = 1e-9
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Replay(Summarised):
-    """Whether a run computed again gives the same numbers, and which files of its folder were altered.
+    """Comparison of a run with itself computed again, and the files of its folder that were altered.
 
     Attributes:
         identical: every stored number has the same bits: samples, peaks, states, scene, events, step, and those of

@@ -36,7 +36,7 @@ STREAM_SAMPLES = 10_000
 """Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
 
 SAMPLE_RATE = 1000.0
-"""What `simulate` takes where the scenario says nothing [Hz]."""
+"""Sampling rate of `simulate` where the scenario gives none [Hz]."""
 
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk")
 _ARGUMENTS = ("duration", "initial", "timestep", "accuracy", "sample_rate", "corners", "callback")
