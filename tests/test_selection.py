@@ -282,8 +282,12 @@ def test_a_table_that_breaks_a_rule_is_refused_with_its_place(tmp_path, text, me
 )
 def test_a_fitted_row_is_the_isolator_that_ships(name, shipped):
     fitted, catalogue = fit_part(PARTS[name]), wr.load_isolator(catalogue_folder() / f"{shipped}.toml")
-    assert fitted.axes == catalogue.axes
-    assert fitted.loop == catalogue.loop
+    # A file states nine digits, and the last of them hangs on the processor that the fit ran on.
+    for axis, law in catalogue.axes.items():
+        assert fitted.axes[axis].to_dict() == pytest.approx(law.to_dict(), rel=1e-8)
+    fitted_loop, loop = fitted.loop.to_dict(), catalogue.loop.to_dict()
+    np.testing.assert_allclose(fitted_loop.pop("coefficients"), loop.pop("coefficients"), rtol=1e-8)
+    assert fitted_loop == pytest.approx(loop, rel=1e-8)
     assert fitted.limits == catalogue.limits
     assert fitted.provenance.kind == "catalogue"
 
