@@ -80,7 +80,7 @@ class Request:
 
     @property
     def given(self) -> list[str]:
-        """What is given to the fit."""
+        """Conditions that are given to the fit."""
         texts = [*self.fix, *([self.constraint] if self.constraint is not None else [])]
         return [*texts, f"the law of {self.beside.name} beside it"] if self.beside is not None else texts
 

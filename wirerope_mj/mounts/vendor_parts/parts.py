@@ -147,7 +147,7 @@ def read_table(path: Path, series: Series) -> list[VendorPart]:
 
 
 def _column(path: Path, text: str) -> tuple[str, float]:
-    """Return what a column holds, and what its unit is in SI."""
+    """Return the name of a column, and its unit in SI."""
     name, _, unit = text.strip().partition(" [")
     if name == "part":
         return name, 1.0
@@ -185,7 +185,7 @@ def _part(path: Path, line: int, cells: list[str], columns: list[tuple[str, floa
     )
 
 
-def _number(place: str, cell: str, unit: float) -> float | None:
+def _number(location: str, cell: str, unit: float) -> float | None:
     """Return a field in SI; an empty one is not stated."""
     if not cell.strip():
         return None
@@ -194,5 +194,5 @@ def _number(place: str, cell: str, unit: float) -> float | None:
     except ValueError:
         value = math.nan
     if not 0.0 < value < math.inf:
-        raise ModelError(f"{place}: must be a finite number > 0 or empty, got {cell!r}.")
+        raise ModelError(f"{location}: must be a finite number > 0 or empty, got {cell!r}.")
     return float(f"{value * unit:.12g}")  # 45.2 mm are 0.0452 m, not 0.045200000000000004 m
