@@ -60,15 +60,8 @@ def synthetic(arguments: argparse.Namespace) -> None:
     with ProcessPoolExecutor(arguments.processes) as pool:
         for name in arguments.laws:
             begin = time.perf_counter()
-            rows = list(
-                pool.map(
-                    synthetic_specimen,
-                    repeat(CALLED[name]),
-                    range(arguments.truths),
-                    repeat(arguments.starts),
-                    timeout=None,
-                )
-            )
+            truths, starts = range(arguments.truths), repeat(arguments.starts)
+            rows = list(pool.map(synthetic_specimen, repeat(CALLED[name]), truths, starts, timeout=None))
             print(specimen_row(name, rows) + f"{time.perf_counter() - begin:8.0f}", flush=True)
             for row in rows:
                 if not all(row.together):

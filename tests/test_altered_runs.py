@@ -196,11 +196,11 @@ def test_a_scenario_that_was_edited_is_refused_by_file_and_key(run, table, value
             "`scene.bodies.1.geoms.0.size` must be 3 numbers",
         ),
         (lambda c: c["scene"]["mounts"][0].update(colour=1), "`scene.mounts.0` has an unknown 'colour'"),
-        (lambda c: c["scene"]["mounts"][0]["travel"].update(up=1.0), "`scene.mounts.0.travel` may hold compression"),
+        (lambda c: c["scene"]["mounts"][0]["travel"].update(up=1.0), "`scene.mounts.0.travel` has an unknown 'up'"),
         (lambda c: c["events"].append([1.0]), r"`events.\d` must be a list of 2"),
         (lambda c: c.update(motion=[]), "`motion` must be a table"),
         (lambda c: c["states"][0].__setitem__(1, "AAAA"), r"`states.0.1` must be float64 numbers"),
-        (lambda c: c["numerics"].update(timestep="x"), "`numerics.timestep` must be a number > 0"),
+        (lambda c: c["numerics"].update(timestep="x"), "`numerics.timestep` must be a finite number"),
         (lambda c: c["bodies"].reverse(), "its columns are not those of its bodies, points and mounts: their order"),
     ],
 )

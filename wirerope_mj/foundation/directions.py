@@ -31,7 +31,7 @@ def checked_direction(direction: str | Sequence[float] | Array) -> Direction:
 
 
 def unit_vector(direction: Direction) -> Array:
-    """Return the unit vector of a checked direction, shape (3,)."""
+    """Return the unit vector of a checked direction, (3,)."""
     vector = np.array(_AXES[direction] if isinstance(direction, str) else direction)
     vector /= np.max(np.abs(vector))  # so that neither tiny nor huge vectors overflow in the norm
     return vector / np.linalg.norm(vector)

@@ -77,7 +77,7 @@ def _check(content: dict[str, Any]) -> None:
             if not isinstance(content[table].get(key, ""), str):
                 raise ValueError(f"`{table}.{key}` must be a string, got {content[table][key]!r}.")
     _check_simulate(content["simulate"])
-    check_motion(content["motion"], "motion")
+    check_motion("motion", content["motion"])
 
 
 def _check_simulate(simulate: dict[str, Any]) -> None:

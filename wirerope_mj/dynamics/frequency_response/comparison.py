@@ -1,11 +1,11 @@
-"""A sweep beside a branch: how far apart they are away from jumps, and where the sweep jumps."""
+"""Comparison of a sweep with a branch: their difference away from jumps, and the jumps of the sweep."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from wirerope_mj.dynamics.frequency_response.curve import Curve
+from wirerope_mj.dynamics.frequency_response.curve import BranchCurve
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.arrays import Array
@@ -34,8 +34,8 @@ class Comparison:
     jumps: tuple[tuple[float, float], ...]
 
 
-def compare(sweep: FrequencySweep, branch: Branch | None, curve: Curve | None) -> Comparison:
-    """Return what a sweep shows beside a branch, if there is one."""
+def compare(sweep: FrequencySweep, branch: Branch | None, curve: BranchCurve | None) -> Comparison:
+    """Return the comparison of a sweep with a branch, if there is one."""
     f, a = sweep.frequency, sweep.amplitude
     top = int(np.argmax(a))
     difference = np.full(f.size, np.nan) if branch is None or curve is None else _differences(f, a, branch, curve)
@@ -51,24 +51,24 @@ def compare(sweep: FrequencySweep, branch: Branch | None, curve: Curve | None) -
     )
 
 
-def _differences(f: Array, a: Array, branch: Branch, curve: Curve) -> Array:
+def _differences(f: Array, a: Array, branch: Branch, curve: BranchCurve) -> Array:
     """Return the relative difference to the nearest stable motion, NaN near folds and where there is none, (n,)."""
-    found = np.full(f.size, np.inf)
+    differences = np.full(f.size, np.inf)
     for amplitude, stable in curve.amplitudes_at(f):
         here = np.where(stable, np.abs(a / amplitude - 1.0), np.nan)
-        found = np.fmin(found, here)
+        differences = np.fmin(differences, here)
     for fold in branch.folds:
-        found[np.abs(f / fold.frequency - 1.0) < AWAY] = np.nan
-    return np.where(np.isfinite(found), found, np.nan)
+        differences[np.abs(f / fold.frequency - 1.0) < AWAY] = np.nan
+    return np.where(np.isfinite(differences), differences, np.nan)
 
 
 def _jumps(sweep: FrequencySweep, branch: Branch) -> tuple[tuple[float, float], ...]:
-    """Return every fold at which a sweep of this way jumps, and the frequency at which it changes most steeply near it."""
+    """Return the folds at which a sweep in this direction jumps, each with the frequency of its steepest change near it."""
     f, a = sweep.frequency, sweep.amplitude
-    rising, found = bool(f[-1] > f[0]), []
+    rising, jumps = bool(f[-1] > f[0]), []
     for jump in branch.jumps:
         near = np.flatnonzero(np.abs(f[:-1] / jump.parameter - 1.0) < AWAY)
         if jump.rising == rising and near.size:
             steepest = near[np.argmax(np.abs(np.diff(np.log(a)))[near])]
-            found.append((jump.parameter, float(f[steepest])))
-    return tuple(found)
+            jumps.append((jump.parameter, float(f[steepest])))
+    return tuple(jumps)

@@ -1,6 +1,7 @@
 """Torque of a mount against being turned, beside its force, from a potential of the relative orientation.
 
-With e = (e0, e) the unit quaternion that turns the payload's site, in the base site's axes, from the modelled geometry, and K = diag(roll, shear, axial):
+With e = (e0, e) the unit quaternion that turns the payload's site, in the base site's axes, from the modelled geometry, and
+K = diag(roll, shear, axial):
 
     U = 2 e.K e        torque on the payload = -2 (e0 K e + e x K e)
 

@@ -1,7 +1,7 @@
 """Peaks of a response: every step is looked at, and an extreme is refined by the parabola through three steps."""
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -21,6 +21,8 @@ class Peak:
         minimum_time, maximum_time: their instants [s], (3,).
     """
 
+    SIZE: ClassVar[int] = 17
+
     value: float
     time: float
     vector: Array
@@ -30,16 +32,8 @@ class Peak:
     maximum_time: Array
 
     def to_list(self) -> list[float]:
-        """Return the peak as 17 numbers."""
-        parts = [
-            np.array([self.value, self.time]),
-            self.vector,
-            self.minimum,
-            self.minimum_time,
-            self.maximum,
-            self.maximum_time,
-        ]
-        return np.concatenate(parts).tolist()
+        """Return the peak as `SIZE` numbers."""
+        return np.hstack(list(vars(self).values())).tolist()
 
     @classmethod
     def from_list(cls, numbers: Any) -> "Peak":
@@ -74,6 +68,9 @@ class MountPeaks:
     force: Peak
 
 
+KINDS = {"bodies": BodyPeaks, "points": PointPeaks, "mounts": MountPeaks}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Peaks:
     """Peaks by name of body, point, mount, and of what may touch.
@@ -92,8 +89,10 @@ class Peaks:
     @property
     def struck(self) -> list[str]:
         """Names of the pairs and stops of `contacts` that came together during the run, the first to touch first."""
-        found = {name: contact.first_touch or 0.0 for name, contact in (self.contacts or {}).items() if contact.struck}
-        return sorted(found, key=lambda name: found[name])
+        touches = {
+            name: contact.first_touch or 0.0 for name, contact in (self.contacts or {}).items() if contact.struck
+        }
+        return sorted(touches, key=lambda name: touches[name])
 
     def same_as(self, other: "Peaks") -> bool:
         """Return whether all peaks have the same bits; contacts are left out if only one of the two recorded them."""
@@ -105,28 +104,25 @@ class Peaks:
     def to_dict(self) -> dict[str, Any]:
         """Return the peaks as plain values."""
         contacts = self.contacts
-        found: dict[str, Any] = {
+        return {
             room: {
-                name: {key: getattr(entry, key).to_list() for key in entry.__dataclass_fields__}
+                name: {key: peak.to_list() for key, peak in vars(entry).items()}
                 for name, entry in getattr(self, room).items()
             }
-            for room in ("bodies", "points", "mounts")
-        }
-        found["contacts"] = None if contacts is None else {name: pair.to_dict() for name, pair in contacts.items()}
-        return found
+            for room in KINDS
+        } | {"contacts": None if contacts is None else {name: pair.to_dict() for name, pair in contacts.items()}}
 
     @classmethod
     def from_dict(cls, content: dict[str, Any]) -> "Peaks":
         """Return the peaks that `to_dict` wrote."""
         contacts = content.get("contacts")  # older responses have none
-        kinds = {"bodies": BodyPeaks, "points": PointPeaks, "mounts": MountPeaks}
         return cls(
             **{
                 room: {
                     name: kind(**{key: Peak.from_list(numbers) for key, numbers in entry.items()})
                     for name, entry in content[room].items()
                 }
-                for room, kind in kinds.items()
+                for room, kind in KINDS.items()
             },
             contacts=None if contacts is None else {n: ContactPeak.from_dict(pair) for n, pair in contacts.items()},
         )

@@ -28,10 +28,10 @@ def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path:
     """
     catalogue = catalogue_folder()
     wanted = Path(f"{name}" if f"{name}".endswith(".toml") else f"{name}.toml")
-    places = [Path(beside or ".") / wanted, catalogue / wanted.name]
-    for place in places:
-        if place.is_file():
-            return place
-    looked = " and ".join(dict.fromkeys(str(place) for place in places))
+    candidates = [Path(beside or ".") / wanted, catalogue / wanted.name]
+    for candidate in candidates:
+        if candidate.is_file():
+            return candidate
+    looked = " and ".join(dict.fromkeys(str(candidate) for candidate in candidates))
     existing = ", ".join(sorted(path.stem for path in catalogue.glob("*.toml"))) or "nothing"
     raise ModelError(f"there is no isolator {str(name)!r}: looked for {looked}. The catalogue holds {existing}.")

@@ -1,4 +1,4 @@
-"""Travel: how far a deflection goes in each way that an isolator is rated for, and what share of the rating that is."""
+"""Travel: how far a deflection goes in each direction that an isolator is rated for, and its utilisation of the rating."""
 
 from collections.abc import Mapping
 
@@ -27,23 +27,23 @@ def travel_reached(lowest: Array, highest: Array) -> dict[str, Array]:
     return {rating: np.maximum(travel_in(rating, lowest), travel_in(rating, highest)) for rating in RATINGS}
 
 
-def travel_shares(reached: Mapping[str, npt.ArrayLike], rated: Mapping[str, float]) -> dict[str, float]:
-    """Return the shares of the travels that are rated, by rating; those that are not, are not judged and not in it."""
+def travel_utilisation(reached: Mapping[str, npt.ArrayLike], rated: Mapping[str, float]) -> dict[str, float]:
+    """Return travel over rated travel by rating; what is not rated is not judged and not in it."""
     return {rating: float(reached[rating]) / rated[rating] for rating in RATINGS if rating in rated}  # type: ignore[arg-type]
 
 
-def beyond_law(axes: Mapping[str, Law | None], lowest: Array, highest: Array, *, share: float = 1.0) -> str:
-    """Return what a message says of the first axis that went beyond a share of what its law holds for, "" if none did.
+def beyond_law(axes: Mapping[str, Law | None], lowest: Array, highest: Array, *, fraction: float = 1.0) -> str:
+    """Return a message of the first axis that went beyond a fraction of what its law holds for, "" if none did.
 
     Args:
         axes: laws by axis.
         lowest: deflections [m], (3,).
         highest: the same.
-        share: of the deflections up to which a law holds.
+        fraction: of the deflections up to which a law holds.
     """
     for (axis, law), low, high in zip(axes.items(), lowest, highest, strict=True):
         for way, reached, end in zip((-1.0, 1.0), (-low, high), law.travel_ends if law else (), strict=False):
-            if law is not None and reached > share * end + ROUNDING:
+            if law is not None and reached > fraction * end + ROUNDING:
                 return (
                     f"at {way * reached:.4g} m on its {axis} axis, whose law holds up to {end:.4g} m, where "
                     f"{law.travel_rule}"

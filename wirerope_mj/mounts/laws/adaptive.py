@@ -1,4 +1,4 @@
-"""Laws without a closed form, Baber and Noori's and the coupled axes, integrated along a straight line of deflections.
+"""Laws without a closed form, such as Baber and Noori's and the coupled axes, integrated along a straight line of deflections.
 
 States and work follow the adaptive Dormand-Prince pair 5(4) (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations
 I, table II.5.2). Steps end where a hysteretic force changes its sign, so that no kink of a law lies inside one. The pair is
@@ -10,8 +10,9 @@ import math
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.kernels import BABER_NOORI, BIAXIAL, LOOP, baber_noori, biaxial
-from wirerope_mj.mounts.laws.loop_kernels import loop_plane
+from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, baber_noori
+from wirerope_mj.mounts.laws.kernels import evaluate_rarer
+from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, LOOP, biaxial, loop_plane
 
 TOLERANCE = 1e-9
 """Relative error allowed in one step. The pair's estimate is that of its lower order: traces are a tenth to a hundredth of it
@@ -44,7 +45,7 @@ def switch(law, p, i, z, j):
 @njit
 def first_step(law, p, i, length):
     """Return a step that is likely to be accepted: a fifth of the yield deflection, or the whole length."""
-    if law in (BIAXIAL, LOOP):
+    if law != BABER_NOORI:
         return length
     return min(length, FIRST_STEP * (p[i] / (p[i + 1] + p[i + 2])) ** (1.0 / p[i + 3]) / p[i])
 
@@ -70,8 +71,10 @@ def slope_at(law, p, i, x, direction, z, j, n, k, stage):
         k[row + n] = direction * baber_noori(p, i, x, direction, z, j, k, row)
     elif law == BIAXIAL:
         k[row + n] = direction * biaxial(p, i, x, direction, z, j, k, row)
-    else:
+    elif law == LOOP:
         k[row + n] = direction * loop_plane(p, i, x, direction, z, j, k, row)
+    else:
+        k[row + n] = direction * evaluate_rarer(law, p, i, x, direction, z, j, k, row)
 
 
 @njit

@@ -17,7 +17,7 @@ import math
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.kernels import ASYMMETRIC_BOUC_WEN, evaluate
+from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, bouc_wen_force
 from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
 
 ORDER = 16
@@ -173,7 +173,7 @@ def advance_power(law, p, i, x0, x1, z, j, scratch, trial):
                 root = first + (last - first) * NODES[node]
                 away = root**root_of
                 trial[0] = s * way * at_length(alpha, b, n, away)
-                force = evaluate(law, p, i, x + s * way * (away - begin), 0.0, trial, 0, unused, 0)
+                force = bouc_wen_force(law, p, i, x + s * way * (away - begin), 0.0, trial, 0, unused, 0)
                 work += s * way * root_of * (last - first) * away / root * WEIGHTS[node] * force
             if step < left:
                 u = at_length(alpha, b, n, end)
@@ -185,7 +185,7 @@ def advance_power(law, p, i, x0, x1, z, j, scratch, trial):
             for node in range(8):
                 part = step * NODES[node]
                 trial[0] = s * way * summed(alpha, u, c, part)
-                work += s * step * WEIGHTS[node] * evaluate(law, p, i, x + s * part, 0.0, trial, 0, unused, 0)
+                work += s * step * WEIGHTS[node] * bouc_wen_force(law, p, i, x + s * part, 0.0, trial, 0, unused, 0)
             u = summed(alpha, u, c, step)
         x, length = x + s * step, length - step
     return np.nan

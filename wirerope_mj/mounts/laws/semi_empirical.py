@@ -8,9 +8,11 @@ from typing import ClassVar, Self
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.law import Law, require_not_negative, require_positive
 from wirerope_mj.mounts.laws.loop import Loop
+
+TINKER_CUTCHINS = 5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +35,8 @@ class TinkerCutchins(Law):
     """
 
     name: ClassVar[str] = "tinker-cutchins"
-    kernel: ClassVar[int] = kernels.TINKER_CUTCHINS
+    kernel: ClassVar[int] = TINKER_CUTCHINS
+    rate_independent: ClassVar[bool] = False
 
     k1: float
     k2: float = 0.0
@@ -54,11 +57,6 @@ class TinkerCutchins(Law):
         return np.array(
             [self.k1, self.k2, self.k3, self.c, self.n, self.f0, self.f1, self.f2, self.smoothing], dtype=np.float64
         )
-
-    @property
-    def rate_independent(self) -> bool:
-        """False."""
-        return False
 
     @property
     def force_powers(self) -> Mapping[str, float]:
@@ -95,7 +93,8 @@ class EquivalentViscous(Law):
     """
 
     name: ClassVar[str] = "equivalent-viscous"
-    kernel: ClassVar[int] = kernels.TINKER_CUTCHINS
+    kernel: ClassVar[int] = TINKER_CUTCHINS
+    rate_independent: ClassVar[bool] = False
 
     k1: float
     k2: float = 0.0
@@ -158,11 +157,6 @@ class EquivalentViscous(Law):
         return np.array([self.k1, self.k2, self.k3, self.damping_coefficient, 1.0, 0.0, 0.0, 0.0, 1.0])
 
     @property
-    def rate_independent(self) -> bool:
-        """False."""
-        return False
-
-    @property
     def force_powers(self) -> Mapping[str, float]:
         """Power of force in the unit of each parameter."""
         return dict.fromkeys(("k1", "k2", "k3", "energy"), 1.0)
@@ -188,3 +182,17 @@ def _mid_line(loop: Loop) -> Array:
     bend = x**3 - amplitude**2 * x
     k3 = float(bend @ (middle - odd * x - even * x**2) / (bend @ bend))
     return np.array([odd - k3 * amplitude**2, even, k3])
+
+
+@njit
+def tinker_cutchins(p, i, x, v, z, j, zdot, k):
+    """Return k1 x + k2 x^2 + k3 x^3 + c |v|^n sgn(v) + Fc(x) tanh(v/s) [N]; p = k1, k2, k3, c, n, f0, f1, f2, s."""
+    n, s = p[i + 4], p[i + 8]
+    if n == 1.0:
+        damping = p[i + 3] * v
+    elif n > 1.0:
+        damping = p[i + 3] * abs(v) ** (n - 1.0) * v
+    else:  # |v|^n has an infinite slope at rest: smoothed over the same velocity as the friction
+        damping = p[i + 3] * (v * v + s * s) ** (0.5 * (n - 1.0)) * v
+    friction = (p[i + 5] + p[i + 6] * abs(x) + p[i + 7] * x * x) * math.tanh(v / s)
+    return x * (p[i] + x * (p[i + 1] + x * p[i + 2])) + damping + friction

@@ -1,10 +1,10 @@
-"""A smoothed law in time along a cubic path, by Dormand and Prince's adaptive pair of fifth and fourth order."""
+"""A rate-dependent law with one state in time along a cubic path, by Dormand and Prince's adaptive pair 5(4)."""
 
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.cubic import position, speed
-from wirerope_mj.mounts.laws.kernels import smoothed
+from wirerope_mj.mounts.laws.kernels import evaluate_one
 
 TOLERANCE = 1e-11
 """Error of a step as a share of the state, or of what it would gain over the piece; hundreds of steps stay below 1e-8."""
@@ -31,19 +31,19 @@ _DOUBT = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 
 
 
 @njit
-def slope_at(p, i, cubic, t, z, scratch):
+def slope_at(law, p, i, cubic, t, z, scratch):
     """Return zdot [N/s] and the power [W] at the instant t in the state z."""
     scratch[0], v = z, speed(cubic, t)
-    force = smoothed(p, i, position(cubic, t), v, scratch, 0, scratch, 1)
+    force = evaluate_one(law, p, i, position(cubic, t), v, scratch, 0, scratch, 1)
     return scratch[1], force * v
 
 
 @njit
-def follow_smoothed(p, i, cubic, start, end, z, j):
+def integrate_in_time(law, p, i, cubic, start, end, z, j):
     """Carry the state `z[j]` in place from `start` to `end` and return the work done on the law [J]; NaN if it is lost."""
     k, scratch = np.empty((7, 2)), np.empty(2)
     t, step, work, now = start, _WIDEST * (end - start), 0.0, z[j]
-    k[0] = slope_at(p, i, cubic, t, now, scratch)
+    k[0] = slope_at(law, p, i, cubic, t, now, scratch)
     while t < end:
         step = min(step, end - t)
         after, gain, error = now, 0.0, step * _DOUBT[0] * k[0, 0]
@@ -52,7 +52,7 @@ def follow_smoothed(p, i, cubic, start, end, z, j):
             for before in range(stage):
                 after += step * _STAGES[stage, before] * k[before, 0]
                 gain += step * _STAGES[stage, before] * k[before, 1]
-            k[stage] = slope_at(p, i, cubic, t + _PLACES[stage] * step, after, scratch)
+            k[stage] = slope_at(law, p, i, cubic, t + _PLACES[stage] * step, after, scratch)
             error += step * _DOUBT[stage] * k[stage, 0]
         size = max(abs(now), abs(after), abs(k[0, 0]) * (end - start), abs(k[6, 0]) * (end - start))
         share = abs(error) / (TOLERANCE * size + 1e-300)

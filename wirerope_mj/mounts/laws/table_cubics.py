@@ -7,8 +7,7 @@ import numpy as np
 from scipy.interpolate import BPoly, PchipInterpolator, PPoly
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
-from wirerope_mj.mounts.laws.path import follow_path
+from wirerope_mj.mounts.laws.table_kernels import advance_table
 
 
 def monotone(x: Array, values: Array) -> PPoly:
@@ -57,5 +56,7 @@ def cycle_area(knots: Sequence[float], widths: Array, amplitude: float, x_y: flo
     elastic = PPoly(np.zeros((1, 1)), np.array([-1.0, 1.0]))
     # Unit bound of z: g takes the widths themselves.
     p = packed(elastic, level_cubics(knots, widths, 1.0), 1.0, x_y)
-    path = np.array([-amplitude, amplitude, -amplitude])
-    return float(follow_path(kernels.TABULATED, p, path, np.array([-math.tanh(amplitude / x_y)]), 1)[2][-1])
+    z, work = np.array([-math.tanh(amplitude / x_y)]), 0.0
+    for end in (amplitude, -amplitude):  # as `path.advance` does, by way of zero
+        work += advance_table(p, 0, -end, 0.0, z, 0) + advance_table(p, 0, 0.0, end, z, 0)
+    return float(work)

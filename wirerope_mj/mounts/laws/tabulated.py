@@ -10,11 +10,10 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.table_cubics import cycle_area, held, level_cubics, monotone, packed
 
-_LISTS = ("deflection", "upper", "lower", "force", "amplitudes", "areas")
+TABULATED = 12
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,9 +52,11 @@ class Tabulated(Law):
     """
 
     name: ClassVar[str] = "tabulated"
-    kernel: ClassVar[int] = kernels.TABULATED
+    kernel: ClassVar[int] = TABULATED
+    smoothable: ClassVar[bool] = True
     travel_rule: ClassVar[str] = "its table ends (`extrapolate = true` goes on with its end slope)"
     needs_rating: ClassVar[bool] = False
+    lists: ClassVar[tuple[str, ...]] = ("deflection", "upper", "lower", "force", "amplitudes", "areas")
     options: ClassVar[Mapping[str, type]] = {"curve": str, "symmetric": bool, "extrapolate": bool}
 
     deflection: Sequence[float]
@@ -68,15 +69,6 @@ class Tabulated(Law):
     yield_deflection: float = 0.0
     symmetric: bool = False
     extrapolate: bool = False
-
-    def __post_init__(self) -> None:
-        for key in _LISTS:
-            values = getattr(self, key)
-            if isinstance(values, str) or not isinstance(values, Sequence | np.ndarray):
-                raise ValueError(f"`{key}` must be a list of numbers, got {values!r}.")
-            numbers = (v.item() if isinstance(v, np.generic) else v for v in values)
-            object.__setattr__(self, key, tuple(float(v) if type(v) is int else v for v in numbers))
-        super().__post_init__()
 
     def _validate(self) -> None:
         x = np.array(self.deflection)
@@ -189,7 +181,7 @@ class Tabulated(Law):
     def _parameters(self) -> Array:
         return packed(*self._curves, self.yield_deflection or 1.0)  # without hysteresis any length will do
 
-    def surely_holds(self, columns: Mapping[str, Any]) -> bool:
+    def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
         """Return False: a table is tried entry by entry."""
         return False
 
@@ -222,11 +214,6 @@ class Tabulated(Law):
         return float(curve(0.0, 1)) + friction
 
     @property
-    def damping_coefficient(self) -> float:
-        """Zero: the force does not depend on the rate [N s/m]."""
-        return 0.0
-
-    @property
     def travel_ends(self) -> tuple[float, float]:
         """How far below and above zero the table reaches [m]; infinite if it is extrapolated."""
         if self.extrapolate:
@@ -239,8 +226,9 @@ class Tabulated(Law):
         """Shorter of both sides of the table [m]."""
         return min(self.travel_ends)
 
-    def _check_path(self, path: Array) -> None:
-        super()._check_path(path)
+    def check_path(self, path: Array) -> None:
+        """Raise ValueError also if a path leaves the table."""
+        super().check_path(path)
         below, above = self.travel_ends
         outside = (path < -below - ROUNDING) | (path > above + ROUNDING)
         if outside.any():
