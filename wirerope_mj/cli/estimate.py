@@ -8,7 +8,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from wirerope_mj.cli.screen import console
-from wirerope_mj.foundation.atomic_files import check_place
+from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.mounts.estimate import LoopEstimate, estimate_loop, estimated_isolator
 
 _MODES = {"compression": "compression", "45": "45 degrees", "shear": "shear, roll"}
@@ -32,7 +32,7 @@ def estimate_command(
     if out is not None:
         if out.suffix != ".toml":
             raise ValueError(f"`--out` must end with .toml, got {str(out)!r}.")
-        check_place(out)
+        check_writable(out)
     estimate = estimate_loop(
         height=1e-3 * height,
         width=1e-3 * width,

@@ -8,7 +8,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from wirerope_mj.cli.screen import console
-from wirerope_mj.foundation.atomic_files import check_place as check_writable
+from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.isolator import AXES, Isolator, find_isolator, load_isolator
