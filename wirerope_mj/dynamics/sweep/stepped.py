@@ -29,7 +29,7 @@ from wirerope_mj.motions import Sine, Sweep
 KIND = "stepped sine"
 
 PILOT = 60.0
-"""Duration of the sweep over the frequencies along which a step is chosen [s]: long beside the pilots' windows."""
+"""Duration of the sweep over the frequencies along which a step is chosen [s]: long compared with the pilots' windows."""
 
 
 def stepped_sine(
@@ -73,7 +73,7 @@ def stepped_sine(
         initial: a state to start from instead.
         timestep: largest step [s]; None chooses it before the run for `accuracy`.
         accuracy: error of samples and peaks allowed in pilots over the frequencies, relative to the peaks.
-        out: folder to which the table is written, and a summary beside it, atomically.
+        out: folder to which the table is written, and an adjacent summary, atomically.
         progress: whether a progress bar is shown on standard error.
 
     Raises:
