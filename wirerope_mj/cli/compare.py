@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from wirerope_mj.foundation.atomic_files import check_place
+from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain
 
@@ -91,5 +91,5 @@ def _target(out: Path | None, *, force: bool) -> Path:
     if target.exists() and not force:
         raise RecordError(f"{target}: there is a recording already. Replace it with --force, or choose another place.")
     if out is not None:
-        check_place(out)
+        check_writable(out)
     return target
