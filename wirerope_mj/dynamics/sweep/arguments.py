@@ -1,4 +1,4 @@
-"""What the ways of sweeping ask of their arguments, and what they prepare alike."""
+"""Arguments of sweeps and stepped sines: payload, response axis, start and step."""
 
 import math
 from collections.abc import Sequence
@@ -15,15 +15,15 @@ from wirerope_mj.engine.simulation.stepper import STATE
 from wirerope_mj.engine.simulation.timestep import GIVEN, ChosenStep, choose_timestep
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.directions import checked_direction, unit_vector
+from wirerope_mj.foundation.arguments import one_of, positive
+from wirerope_mj.foundation.directions import Direction, checked_direction, unit_vector
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine, Sweep
 
 STEPS_PER_CYCLE, REFERENCE = 128, 1e-4
 """Fewest steps of a cycle, and the accuracy they are for: a peak is refined by a parabola, which misses it where a law without
-an elastic part turns and its slope jumps. Pilots of two such steps err alike and do not see it."""
+an elastic part turns and its slope jumps. Pilots of two such steps have the same error and do not see it."""
 
 SAMPLES_PER_CYCLE = 8
 """Samples by which steps are judged before the run, in a cycle of the highest frequency; peaks are judged from every step."""
@@ -40,13 +40,13 @@ def require_payload(system: System, payload: str) -> None:
         )
 
 
-def axis_of(name: str, direction: str | Sequence[float]) -> str:
-    """Return "x", "y" or "z" for a direction along one of them; `name` is the argument's."""
+def response_axis(response_direction: str | Sequence[float] | None, base: Direction) -> str:
+    """Return "x", "y" or "z" for a response direction along one of them; without one, for the base's."""
+    name = "direction" if response_direction is None else "response_direction"
+    direction = base if response_direction is None else response_direction
     if isinstance(direction, str):
-        if direction not in AXES:
-            raise ValueError(f'`{name}` must be "x", "y" or "z", got {direction!r}.')
-        return direction
-    unit = np.abs(unit_vector(checked_direction(direction)))
+        return one_of(name, direction, AXES)
+    unit = np.abs(unit_vector(checked_direction(direction, name)))
     along = int(np.argmax(unit))
     if unit[along] < 1.0 - 1e-12:
         raise ValueError(f"`{name}` must lie along x, y or z, for which envelopes are kept, got {list(direction)}.")
@@ -66,7 +66,7 @@ def starting_state(system: System, *, history: History, initial: State | None) -
 def chosen_step(
     system: System, motion: Sine | Sweep, start: State, *, duration: float, timestep: float | None, accuracy: float
 ) -> ChosenStep:
-    """Return the step that was asked for, or one that keeps the accuracy in pilots along the motion."""
+    """Return the given step, or one that keeps the accuracy in pilots along the motion."""
     if timestep is None:
         rate = SAMPLES_PER_CYCLE / motion.shortest_time
         chosen = choose_timestep(

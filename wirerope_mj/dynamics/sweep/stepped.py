@@ -8,9 +8,9 @@ import numpy.typing as npt
 
 from wirerope_mj.dynamics.sweep.arguments import (
     acceleration_of,
-    axis_of,
     chosen_step,
     require_payload,
+    response_axis,
     starting_state,
 )
 from wirerope_mj.dynamics.sweep.collector import Collector
@@ -21,16 +21,15 @@ from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import integer, positive
+from wirerope_mj.foundation.arguments import integer, nonzero, positive, the_one_given
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine, Sweep
-from wirerope_mj.motions.harmonic import the_one_level
 
 KIND = "stepped sine"
 
 PILOT = 60.0
-"""Duration of the sweep over the frequencies along which a step is chosen [s]: long beside the pilots' windows."""
+"""Duration of the sweep over the frequencies along which a step is chosen [s]: long compared with the pilots' windows."""
 
 
 def stepped_sine(
@@ -74,7 +73,7 @@ def stepped_sine(
         initial: a state to start from instead.
         timestep: largest step [s]; None chooses it before the run for `accuracy`.
         accuracy: error of samples and peaks allowed in pilots over the frequencies, relative to the peaks.
-        out: folder to which the table is written, and a summary beside it, whole or not at all.
+        out: folder to which the table is written, and an adjacent summary, atomically.
         progress: whether a progress bar is shown on standard error.
 
     Raises:
@@ -84,7 +83,8 @@ def stepped_sine(
         SimulationError: the step is too large, or a mount left the range of its law; says at which frequency.
         ConvergenceError: there is no equilibrium to start from.
     """
-    quantity, level = the_one_level({"acceleration": acceleration, "velocity": velocity, "displacement": displacement})
+    quantity, level = the_one_given({"acceleration": acceleration, "velocity": velocity, "displacement": displacement})
+    level = nonzero(quantity, level)
     base = checked_direction(direction)
     sines = [
         Sine(frequency=f, acceleration=acceleration_of(quantity, level, f), direction=base)
@@ -92,9 +92,7 @@ def stepped_sine(
     ]
     check_direction(system, sines[0])
     require_payload(system, payload)
-    along = axis_of(
-        *(("direction", direction) if response_direction is None else ("response_direction", response_direction))
-    )
+    along = response_axis(response_direction, base)
     tolerance, most = positive("settled", settled), integer("largest_cycles", largest_cycles, least=1)
     start = starting_state(system, history=history, initial=initial)
     pilot = _pilot(sines, quantity, level, base)
@@ -115,7 +113,7 @@ def stepped_sine(
             update((number + 1) / len(sines), sine.frequency)
         return collector.finish(
             payload=payload, response_direction=along, excitation=excitation, error=step.error, initial_state=start,
-            final_state=state, warnings=_words(unsettled, most, tolerance),
+            final_state=state, warnings=_warnings(unsettled, most, tolerance),
         )  # fmt: skip
 
 
@@ -145,7 +143,7 @@ def _keep(collector: Collector, frequency: float, at: Steady) -> None:
     )  # fmt: skip
 
 
-def _words(unsettled: list[str], most: int, tolerance: float) -> tuple[str, ...]:
+def _warnings(unsettled: list[str], most: int, tolerance: float) -> tuple[str, ...]:
     if not unsettled:
         return ()
     return (

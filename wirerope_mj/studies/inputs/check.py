@@ -80,7 +80,7 @@ def _law_valid(system: System, mount: str, axis: str, parameters: dict[str, Any]
     coupled = AXES.index(axis) in isolator.coupled_axes  # the two must then suit each other, too
     if coupled and (isolator.coupling != "loop" or parameters.keys() & _SHARED_IN_A_LOOP):
         return False
-    return law is not None and law.surely_holds(law.completed(parameters))
+    return law is not None and law.certainly_valid(law.completed(parameters))
 
 
 def _motions_valid(system: System, columns: Sequence[InputColumn], block: pa.Table, check: Check) -> bool:
