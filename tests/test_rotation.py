@@ -162,7 +162,7 @@ def test_rocking_of_six_mounts_rises_by_the_hand_calculation(turned_sites):
 
     def rocking(turns):
         found = wr.modes(frame(turns, turned_sites=turned_sites))
-        return found.frequencies[[word.startswith("rocking about x") for word in found.words]]
+        return found.frequencies[[word.startswith("rocking about x") for word in found.descriptions]]
 
     (before,), (after,) = rocking(None), rocking(turns)
     k, ixx = 5e4, 20.0

@@ -1,4 +1,4 @@
-"""What stands beside a study's table: its pictures, and its worst variants as runs."""
+"""Pictures of a study and its worst variants as runs, beside its table."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -88,7 +88,7 @@ def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
 
 
 def _inputs(result: StudyResult, number: int) -> dict[str, str]:
-    """Return the inputs of a variant as words."""
+    """Return the inputs of a variant as text."""
     row = result.study.row(number)
     return {
         name: f"{row[name]:.5g}" if isinstance(row[name], float) else str(row[name])

@@ -20,7 +20,7 @@ from wirerope_mj.foundation.atomic_files import (
     atomic_file,
     atomic_folder,
     check_folder,
-    full_disk_said,
+    full_disk_named,
     worked_on_alone,
 )
 from wirerope_mj.foundation.errors import DiskFullError, RecordError
@@ -110,7 +110,7 @@ def computed_alone(folder: Path, identity: str) -> Iterator[None]:
         if read_inputs(folder)["id"] != identity:
             raise RecordError(f"{folder}: another process has put another study here just now. Choose another folder.")
         try:
-            with full_disk_said(folder):
+            with full_disk_named(folder):
                 yield
         except DiskFullError as error:
             if not _begun(folder):

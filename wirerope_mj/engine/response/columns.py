@@ -8,7 +8,7 @@ from wirerope_mj.engine.response.histories import (
     BodyResponse,
     MountResponse,
     PointResponse,
-    Samples,
+    SampledColumns,
 )
 from wirerope_mj.mounts.isolator import AXES
 
@@ -27,7 +27,7 @@ BASE = ("displacement", "velocity", "acceleration")
 
 @dataclass(frozen=True, kw_only=True)
 class ColumnPlan:
-    """What the columns of a response are, in the order of the system's sensor values.
+    """Meaning of the columns of a response, in the order of the system's sensor values.
 
     Attributes:
         bodies, points: names.
@@ -56,7 +56,7 @@ class ColumnPlan:
         return 1 + 3 * len(BASE)
 
     def parts(
-        self, samples: Samples
+        self, samples: SampledColumns
     ) -> tuple[BaseResponse, dict[str, BodyResponse], dict[str, PointResponse], dict[str, MountResponse]]:
         """Return base, bodies, points and mounts of a response whose columns are `samples`."""
         moved = samples.columns(1, self.first_sensor)

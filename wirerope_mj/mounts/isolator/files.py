@@ -9,11 +9,12 @@ from wirerope_mj.mounts.isolator.device import Isolator
 
 
 def load_isolator(path: str | Path) -> Isolator:
-    """Return the isolator in a file.
+    """Return the isolator in a file, or that of a name in the catalogue: "enidine_wr16_400".
 
     Raises:
         ModelError: the file is missing, is not TOML, or breaks a rule; the message names file, axis, key and rule.
     """
+    path = Path(path) if Path(path).suffix or Path(path).exists() else find_isolator(path)
     return Isolator.from_dict(read_toml(path, "isolator file"), where=str(path), folder=Path(path).parent)
 
 
