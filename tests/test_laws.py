@@ -10,6 +10,8 @@ from scipy.optimize import brentq
 from scipy.special import hyp2f1
 
 from wirerope_mj.mounts.laws import LAWS, AsymmetricBoucWen, BoucWen, KelvinVoigt, Ozdemir, SymmetricBoucWen, kernels
+from wirerope_mj.mounts.laws.stop_kernels import N_POINTS, POINTS
+from wirerope_mj.mounts.laws.table_kernels import ROW
 from wirerope_mj.mounts.test_rig import cyclic_test
 
 # Steady loops of amplitude A for alpha = 1: beta, gamma, n, A, peak z, work per cycle. The digits are those of an
@@ -247,3 +249,9 @@ def test_a_path_through_the_origin_is_not_stalled_by_rounding():
     start = -1.1363570306954784e-08
     path = law.trace([start, 8.863642964040963e-08], initial_states=[4e4 * start])
     assert path.force[-1] == pytest.approx(6e4 * path.deflection[-1], rel=1e-6)
+
+
+def test_a_stop_of_points_states_the_depth_of_every_knot():
+    p = LAWS["stop"](gap_above=2e-3, depths=(1e-3, 2e-3), forces=(100.0, 300.0)).kernel_parameters()
+    knots = int(p[N_POINTS])
+    assert p.size == POINTS + knots + ROW * (knots + 1) + knots
