@@ -29,7 +29,7 @@ LAWS: tuple[type[Law], ...] = (
 
 @dataclass(frozen=True, kw_only=True)
 class Twin:
-    """What became of one truth.
+    """Outcome for one truth.
 
     Attributes:
         law: its name.

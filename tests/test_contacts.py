@@ -13,8 +13,8 @@ from test_equilibrium import floor_on_stops
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, contact_verdicts
 from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control.state import STATE
 from wirerope_mj.engine.simulation.contacts import OTHERS
-from wirerope_mj.engine.simulation.stepper import STATE
 from wirerope_mj.engine.system import contact_pairs
 from wirerope_mj.foundation.resources import models_folder, scenarios_folder
 

@@ -11,7 +11,7 @@ from rich.table import Table
 
 from wirerope_mj.cli.models import model_path
 from wirerope_mj.cli.screen import console
-from wirerope_mj.cli.statics_tables import plain_table, stability_words
+from wirerope_mj.cli.statics_tables import plain_table, stability_text
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.dynamics.modes.carried import carried
 from wirerope_mj.engine.statics import History
@@ -71,7 +71,7 @@ def print_modes(name: str, small: Modes, large: Sequence[Modes]) -> None:
     screen.print()
     screen.print(_table(name, small, large))
     screen.print()
-    screen.print(f"  {stability_words(small.stability)}", soft_wrap=True, markup=False)
+    screen.print(f"  {stability_text(small.stability)}", soft_wrap=True, markup=False)
     screen.print(
         "  Damping in brackets. x, y, z: share of the moving mass that takes part.", soft_wrap=True, markup=False
     )

@@ -1,4 +1,4 @@
-"""`wirerope statics`: where a model rests under its weight."""
+"""`wirerope statics`: equilibrium of a model under its weight."""
 
 from pathlib import Path
 
@@ -9,14 +9,14 @@ MISSING = 1
 
 
 def statics(model: str, *, json: Path | None = None) -> int:
-    """Print where a model rests under its weight: sag and load of every mount, tilt of the payloads, verdicts on static loads.
+    """Print a model's equilibrium: sag and load of every mount, tilt of the payloads, verdicts on static loads.
 
     Virgin is the position after the weight was laid on slowly, relaxed the one after long vibration, when the hysteretic
-    share of the load has leaked away; both stand side by side. Exits 1 if only one of them exists, and says why.
+    part of the load has leaked away; both stand side by side. Exits 1 if only one of them exists, and says why.
 
     Args:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
-        json: file for the same figures in SI units.
+        json: file for the same values in SI units.
     """
     from wirerope_mj.assessment.criteria.static_load import static_load_verdicts
     from wirerope_mj.cli.models import model_path
@@ -37,7 +37,7 @@ def statics(model: str, *, json: Path | None = None) -> int:
     if json is not None:
         content = table.to_dict() | {
             "verdicts": [verdict.to_dict() for verdict in verdicts],
-            "stability": {history: figures.to_dict() for history, figures in stability.items()},
+            "stability": {history: values.to_dict() for history, values in stability.items()},
         }
         write_json(content, json)
         print(plain(f"  written to {json}"))

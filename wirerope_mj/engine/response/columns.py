@@ -9,7 +9,7 @@ from wirerope_mj.engine.response.response import (
     MountResponse,
     PointResponse,
     Response,
-    Samples,
+    SampleColumns,
 )
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import AXES
@@ -29,7 +29,7 @@ BASE = ("displacement", "velocity", "acceleration")
 
 @dataclass(frozen=True, kw_only=True)
 class ColumnPlan:
-    """What the columns of a response are, in the order of the system's sensor values.
+    """Columns of a response, in the order of the system's sensor values.
 
     Attributes:
         bodies, points: names.
@@ -58,7 +58,7 @@ class ColumnPlan:
         return 1 + 3 * len(BASE)
 
     def parts(
-        self, samples: Samples
+        self, samples: SampleColumns
     ) -> tuple[BaseResponse, dict[str, BodyResponse], dict[str, PointResponse], dict[str, MountResponse]]:
         """Return base, bodies, points and mounts of a response whose columns are `samples`."""
         moved = samples.columns(1, self.first_sensor)
@@ -83,5 +83,5 @@ def column_of(response: Response, name: str) -> Array:
 
     Nothing else of the samples is read or kept, so that of a long response in a file only this column is in memory.
     """
-    place = response.samples.names.index(name)
-    return response.samples.columns(place, place + 1)[:, 0]
+    index = response.samples.names.index(name)
+    return response.samples.columns(index, index + 1)[:, 0]

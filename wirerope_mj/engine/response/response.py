@@ -1,4 +1,4 @@
-"""What a simulation answers: time histories of bodies, points and mounts, and their peaks."""
+"""Response of a simulation: time histories of bodies, points and mounts, and their peaks."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -19,7 +19,7 @@ BLOCK_ROWS = 1 << 16
 """Rows of samples that are handed on at once where a long response must not stand in memory as a whole."""
 
 
-class Samples(Protocol):
+class SampleColumns(Protocol):
     """Sampled columns, in memory or in a file."""
 
     @property
@@ -55,78 +55,54 @@ class MemorySamples:
 
 @dataclass(frozen=True)
 class _Columns:
-    samples: Samples
+    samples: SampleColumns
     first: int
 
     def _part(self, offset: int, size: int) -> Array:
         return self.samples.columns(self.first + offset, self.first + offset + size)
 
 
+def _columns(offset: int, size: int, text: str) -> "cached_property[Array]":
+    """Return a property of `size` of a part's columns from `offset` on; `text` is its docstring."""
+    values = cached_property(lambda part: part._part(offset, size))
+    values.__doc__ = text
+    return values
+
+
 class BodyResponse(_Columns):
     """Motion of a body at its own centre of mass, world frame."""
 
-    @cached_property
-    def position(self) -> Array:
-        """Position [m], (n_t, 3)."""
-        return self._part(0, 3)
-
-    @cached_property
-    def orientation(self) -> Array:
-        """Orientation, quaternion w first, (n_t, 4)."""
-        return self._part(3, 4)
-
-    @cached_property
-    def velocity(self) -> Array:
-        """Velocity [m/s], (n_t, 3)."""
-        return self._part(7, 3)
-
-    @cached_property
-    def angular_velocity(self) -> Array:
-        """Angular velocity [rad/s], (n_t, 3)."""
-        return self._part(10, 3)
-
-    @cached_property
-    def acceleration(self) -> Array:
-        """Coordinate acceleration, 0 at rest under gravity [m/s^2], (n_t, 3)."""
-        return self._part(13, 3)
-
-    @cached_property
-    def angular_acceleration(self) -> Array:
-        """Angular acceleration [rad/s^2], (n_t, 3)."""
-        return self._part(16, 3)
+    position = _columns(0, 3, "Position [m], (n_t, 3).")
+    orientation = _columns(3, 4, "Orientation, quaternion w first, (n_t, 4).")
+    velocity = _columns(7, 3, "Velocity [m/s], (n_t, 3).")
+    angular_velocity = _columns(10, 3, "Angular velocity [rad/s], (n_t, 3).")
+    acceleration = _columns(13, 3, "Coordinate acceleration, 0 at rest under gravity [m/s^2], (n_t, 3).")
+    angular_acceleration = _columns(16, 3, "Angular acceleration [rad/s^2], (n_t, 3).")
 
 
 class PointResponse(BodyResponse):
     """Motion of a site, world frame."""
 
-    @cached_property
-    def relative_displacement(self) -> Array:
-        """Displacement from the modelled geometry relative to the base [m], (n_t, 3)."""
-        return self._part(19, 3)
+    relative_displacement = _columns(
+        19, 3, "Displacement from the modelled geometry relative to the base [m], (n_t, 3)."
+    )
 
 
 @dataclass(frozen=True)
 class MountResponse(_Columns):
     """Deflection, force and internal states of a mount in its axes roll, shear, axial."""
 
-    hysteretic: list[list[int]]  # places of the hysteretic forces of roll, shear, axial among the states
+    hysteretic: list[list[int]]  # indices of the hysteretic forces of roll, shear, axial among the states
     state_names: tuple[str, ...]
 
-    @cached_property
-    def deflection(self) -> Array:
-        """Payload site minus base site, axial positive in tension [m], (n_t, 3)."""
-        return self._part(0, 3)
-
-    @cached_property
-    def force(self) -> Array:
-        """Restoring force, positive in tension [N], (n_t, 3)."""
-        return self._part(3, 3)
+    deflection = _columns(0, 3, "Payload site minus base site, axial positive in tension [m], (n_t, 3).")
+    force = _columns(3, 3, "Restoring force, positive in tension [N], (n_t, 3).")
 
     @cached_property
     def hysteretic_state(self) -> Array:
         """Hysteretic state z [N], (n_t, 3): the sum of an axis' hysteretic forces, zero for an axis without one."""
         states = self._part(6, len(self.state_names))
-        return np.stack([states[:, places].sum(axis=1) for places in self.hysteretic], axis=1)
+        return np.stack([states[:, indices].sum(axis=1) for indices in self.hysteretic], axis=1)
 
     @cached_property
     def internal_states(self) -> dict[str, Array]:
@@ -149,7 +125,7 @@ class BaseResponse:
 
 @dataclass(frozen=True, kw_only=True)
 class Numerics:
-    """How a response was computed.
+    """Numerical settings with which a response was computed.
 
     Attributes:
         timestep: largest step [s].
@@ -158,7 +134,7 @@ class Numerics:
         steps: number of steps.
         callback: "native" or "python".
         versions: of the packages that computed it.
-        limited_by: what keeps the step from being longer, in words; "" for older responses, which do not say it.
+        limited_by: what keeps the step from being longer; "" for older responses, which do not say it.
     """
 
     timestep: float
@@ -183,7 +159,7 @@ class Response(Summarised):
         peaks: peaks over every step, not only over the samples.
         scene: what can be drawn.
         motion: the base motion as plain values, as `BaseMotion.to_dict` wrote it.
-        events: instants [s] and words for what the motion does.
+        events: instants [s] and descriptions of what the motion does.
         numerics: how it was computed.
         initial_state, final_state: states from which a simulation may start again.
         path: the Parquet file that holds the samples, None if they are in memory.
@@ -201,7 +177,7 @@ class Response(Summarised):
     numerics: Numerics
     initial_state: State
     final_state: State
-    samples: Samples
+    samples: SampleColumns
     path: Path | None = None
 
     def _summary(self) -> tuple[str, dict[str, str]]:

@@ -40,13 +40,13 @@ def share_bar(
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    def words(share: float, value: float) -> str:
+    def text(share: float, value: float) -> str:
         count = f"{math.floor(share * total + 1e-6)} of {total} {parts}, " if total else ""  # but for rounding
         return f"{count}{value:.4g} {unit},"
 
     console, began = Console(stderr=True), perf_counter()
     if not (console.is_terminal or console.is_jupyter):
-        yield _lines(word, words, began, begun)
+        yield _lines(word, text, began, begun)
         return
     columns = (
         TextColumn(word),
@@ -56,17 +56,17 @@ def share_bar(
         TextColumn("elapsed, {task.fields[left]} left"),
     )
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("", total=1.0, now=words(begun, 0.0), left="-:--:--")
+        task = progress.add_task("", total=1.0, now=text(begun, 0.0), left="-:--:--")
         progress.update(task, completed=begun)
 
         def update(share: float, value: float) -> None:
             left = time_left(share, perf_counter() - began, begun=begun)
-            progress.update(task, completed=share, now=words(share, value), left=left)
+            progress.update(task, completed=share, now=text(share, value), left=left)
 
         yield update
 
 
-def _lines(word: str, words: Callable[[float, float], str], began: float, begun: float) -> Update:
+def _lines(word: str, text: Callable[[float, float], str], began: float, begun: float) -> Update:
     """Return what prints a line now and then."""
     last, shown = began, begun
 
@@ -76,7 +76,7 @@ def _lines(word: str, words: Callable[[float, float], str], began: float, begun:
         if now - last >= PATIENCE and share - shown >= PACE:
             last, shown = now, share
             left = time_left(share, now - began, begun=begun)
-            print(f"{word}: {words(share, value)} {left} left", file=sys.stderr, flush=True)
+            print(f"{word}: {text(share, value)} {left} left", file=sys.stderr, flush=True)
 
     return update
 

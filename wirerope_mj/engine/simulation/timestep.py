@@ -31,13 +31,13 @@ SAMPLES, STABILITY, DURATION = "the sample interval", "the stability of the stif
 CORNERS = "the corners of the motion, such as the samples of a record"
 ACCURACY, GIVEN = "the accuracy asked for", "the timestep asked for"
 CONTACTS = "contacts, where finer steps bring too little"
-"""What a step is limited by."""
+"""Limits of a step."""
 
 RICHARDSON = 4.0 / 3.0
 """Error of the coarser of two runs from their difference at order 2, the order that reversals of the mounts leave to RK4."""
 
 SMALL = 1e-3
-"""Quantities smaller than this share of the largest of their kind are judged against that share."""
+"""Quantities smaller than this fraction of the largest of their kind are judged against that fraction."""
 
 STILL = {"acceleration": 1e-6}
 """Peaks below which a quantity rests [m/s^2]: what an equilibrium's rounding leaves is 1e-10, and no step makes it smaller."""
@@ -49,12 +49,12 @@ WINDOWS = 6
 """Pilots of a motion too long to be tried whole."""
 
 WINDOWED = 0.5
-"""Share of the accuracy that windows must keep: between them the error was seen to be up to 1.7 times theirs."""
+"""Fraction of the accuracy that windows must keep: between them the error was seen to be up to 1.7 times theirs."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChosenStep:
-    """A step [s], the error estimated for it, relative to the peaks, and what keeps it from being longer, in words."""
+    """A step [s], the error estimated for it, relative to the peaks, and what keeps it from being longer."""
 
     timestep: float
     error: float
@@ -168,9 +168,9 @@ def _windows(system: System, motion: BaseMotion, start: State, duration: float) 
     if over - begin <= (WINDOWS - 1) * length:
         return [(begin, min(over + length, end) - begin)]
     # Geometric spacing follows a logarithmic sweep; the last window ends with the motion.
-    places = begin + (over - length - begin) * np.geomspace(1.0, 2.0**WINDOWS, WINDOWS) / 2.0**WINDOWS
-    places[0] = begin
-    return [(float(place), length) for place in places]
+    starts = begin + (over - length - begin) * np.geomspace(1.0, 2.0**WINDOWS, WINDOWS) / 2.0**WINDOWS
+    starts[0] = begin
+    return [(float(instant), length) for instant in starts]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -188,11 +188,11 @@ def _pilot(
     grid = time_grid(start=begin, duration=length, sample_rate=sample_rate, timestep=step, motion=motion)
     # What is fixed to the base follows the motion, whatever the step.
     judged = np.setdiff1d(np.arange(system.assembly.tables.channels.size), system.assembly.tables.base_channels)
-    places = system.assembly.tables.channels[judged]
-    history = np.empty((grid.sample_times.size, places.size, 3))
+    channels = system.assembly.tables.channels[judged]
+    history = np.empty((grid.sample_times.size, channels.size, 3))
 
     def sink(sample: int, values: Array) -> None:
-        history[sample] = values[places[:, None] + np.arange(3)]
+        history[sample] = values[channels[:, None] + np.arange(3)]
 
     at_begin = State(values=start.values.copy(), time=begin)
     if begin != start.time:

@@ -9,6 +9,7 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.engine.system.scratch import Scratch
 from wirerope_mj.engine.system.tables import DRIVE_ARMATURE, Subjects, Tables, make_tables
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
 SOLVER_TOLERANCE = 1e-15
@@ -38,6 +39,10 @@ class Assembly:
     activation: int
     sensor: int
     scratch: Scratch = field(default_factory=Scratch, repr=False, compare=False)
+
+    def user(self, data: mujoco.MjData) -> Array:
+        """Return the system's part of userdata, a view."""
+        return np.asarray(data.userdata[self.userdata : self.userdata + self.tables.user.size])
 
     @property
     def driven_dofs(self) -> list[int]:
@@ -110,7 +115,7 @@ def _set_options(spec: mujoco.MjSpec) -> None:
     spec.option.disableflags &= ~(disable.mjDSBL_SENSOR | disable.mjDSBL_ACTUATION | disable.mjDSBL_SPRING)
 
 
-def _add_state_actuator(spec: mujoco.MjSpec, model: mujoco.MjModel, tables: Tables, places: list[int]) -> None:
+def _add_state_actuator(spec: mujoco.MjSpec, model: mujoco.MjModel, tables: Tables, addresses: list[int]) -> None:
     """Add the actuator whose activations are the internal states; any joint carries it, a slide is the cheapest."""
     if model.njnt == 0:
         raise ModelError("the model has no joint: nothing in it can move.")
@@ -127,7 +132,7 @@ def _add_state_actuator(spec: mujoco.MjSpec, model: mujoco.MjModel, tables: Tabl
         target=joint.name,
         gainprm=[0.0] * 10,
         biasprm=[0.0] * 10,
-        dynprm=[at.MAGIC, *map(float, places), 0.0, 0.0, 0.0, 0.0, 0.0],
+        dynprm=[at.MAGIC, *map(float, addresses), 0.0, 0.0, 0.0, 0.0, 0.0],
     )
 
 

@@ -20,7 +20,7 @@ DRIVE_ARMATURE = 1e10
 
 @dataclass(frozen=True, kw_only=True)
 class Subjects:
-    """What of a compiled model takes part: ids of the base (0: the world), its driven slides, observed bodies and points."""
+    """Parts of a compiled model that matter: ids of the base (0: the world), its driven slides, observed bodies and points."""
 
     base: int
     driven: tuple[int, ...]
@@ -35,9 +35,9 @@ class Tables:
     Attributes:
         layout: header and tables, as `wirerope_mj.engine.control.layout` describes them, (n,).
         parameters: parameters of all laws, (n_p,).
-        user: places in userdata.
+        user: addresses in userdata.
         drive: slide accelerations from base acceleration, (n_driven, 3).
-        channels: places of the tracked 3-vectors among the system's sensor values, (n_channels,).
+        channels: indices of the tracked 3-vectors among the system's sensor values, (n_channels,).
         base_channels: numbers of the channels with the acceleration of what is fixed to the driven base.
         states: per mount where the states of roll, shear and axial stand among the internal states.
     """
@@ -207,13 +207,13 @@ def _axis_rows(
 
 def _couplings(isolators: Iterable[Isolator], parameters: list[Array]) -> list[int]:
     """Append the parameters of couplings to those of the laws and return where each mount's begin, -1 without one."""
-    places = []
+    starts = []
     for isolator in isolators:
         coupled = isolator.coupled
-        places.append(-1 if coupled is None else sum(part.size for part in parameters))
+        starts.append(-1 if coupled is None else sum(part.size for part in parameters))
         if coupled is not None:
             parameters.append(coupled.mount_parameters())
-    return places
+    return starts
 
 
 def _drive_rows(model: mujoco.MjModel, data: mujoco.MjData, driven: tuple[int, ...]) -> Array:
@@ -233,16 +233,16 @@ def _point_rows(model: mujoco.MjModel, data: mujoco.MjData, on: Subjects) -> lis
 
 
 def _channels(on: Subjects, states: dict[str, tuple[slice, slice, slice]]) -> list[int]:
-    """Return the places of body accelerations, point accelerations and displacements, mount deflections and forces."""
-    places = [at.KINEMATICS * i + at.ACCELERATION for i in range(len(on.bodies))]
+    """Return the indices of body accelerations, point accelerations and displacements, mount deflections and forces."""
+    indices = [at.KINEMATICS * i + at.ACCELERATION for i in range(len(on.bodies))]
     first = at.KINEMATICS * len(on.bodies)
     for i in range(len(on.points)):
-        places += [first + at.POINT_VALUES * i + part for part in (at.ACCELERATION, at.RELATIVE)]
+        indices += [first + at.POINT_VALUES * i + part for part in (at.ACCELERATION, at.RELATIVE)]
     first += at.POINT_VALUES * len(on.points)
     for roll, _, axial in states.values():
-        places += [first, first + 3]
+        indices += [first, first + 3]
         first += at.MOUNT_VALUES + axial.stop - roll.start
-    return places
+    return indices
 
 
 def _base_channels(model: mujoco.MjModel, on: Subjects) -> tuple[int, ...]:
