@@ -12,16 +12,16 @@ from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.mounts.identification.datasheet import fit_datasheet
-from wirerope_mj.mounts.identification.figures import relaxed_force, secant
-from wirerope_mj.mounts.identification.secants import Curve, Secant, fit_damped, fit_secants
-from wirerope_mj.mounts.identification.sheet import two_stiffnesses
-from wirerope_mj.mounts.identification.sheet_table import compare
-from wirerope_mj.mounts.identification.vendor import read_datasheet
 from wirerope_mj.mounts.isolator import load_isolator
 from wirerope_mj.mounts.laws.kernels import asymmetric_bouc_wen
 from wirerope_mj.mounts.rope_loop import RopeLoop, loop_shape
 from wirerope_mj.mounts.test_rig import cyclic_test
+from wirerope_mj.mounts.vendor_parts.comparison import compare
+from wirerope_mj.mounts.vendor_parts.law_values import relaxed_force, secant
+from wirerope_mj.mounts.vendor_parts.secants import ElasticShape, Secant, fit_damped, fit_secants
+from wirerope_mj.mounts.vendor_parts.sheet import two_stiffnesses
+from wirerope_mj.mounts.vendor_parts.sheet_file import read_datasheet
+from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
 
 FILES = {path.stem: path for path in sorted(catalogue_folder().glob("*.toml"))}
 SHEETS = {path.stem: path for path in sorted((catalogue_folder() / "datasheets").glob("*.toml"))}
@@ -264,7 +264,7 @@ def test_shaker_resonance_moves_left_as_the_level_rises():
 @pytest.mark.parametrize("shock", [200e3, 400e3])
 def test_any_pair_of_stiffnesses_is_fitted(shock, asymmetry):
     stated = tuple(figure.secant for figure in two_stiffnesses(0.04, 600e3, shock))
-    law = fit_damped(stated, Curve(asymmetry=asymmetry, cubic=150.0), damping=0.08, amplitude=1e-3)
+    law = fit_damped(stated, ElasticShape(asymmetry=asymmetry, cubic=150.0), damping=0.08, amplitude=1e-3)
     assert cyclic_test(law, 0.0028)[0].secant_stiffness == pytest.approx(600e3, rel=EXACT)
     assert -force_at(law, -0.04) / 0.04 == pytest.approx(shock, rel=EXACT)
     assert cyclic_test(law, 1e-3)[0].damping_ratio == pytest.approx(0.08, rel=EXACT)
@@ -275,7 +275,7 @@ def test_of_more_than_two_secants_the_largest_error_is_the_least():
         Secant(deflection=x, stiffness=k, steady=steady)
         for x, k, steady in ((0.0025, 258e3, True), (0.0125, 163e3, True), (0.0208, 239e3, False))
     )
-    law = fit_secants(stated, Curve(asymmetry=None, cubic=500.0), 7e-4)
+    law = fit_secants(stated, ElasticShape(asymmetry=None, cubic=500.0), 7e-4)
     errors = np.array([secant(law, one) / one.stiffness - 1.0 for one in stated])
     # Two scales and three figures: at the least largest error all three are equal in size and change their signs.
     assert np.abs(errors) == pytest.approx(np.abs(errors).max(), rel=1e-4)
@@ -285,13 +285,13 @@ def test_of_more_than_two_secants_the_largest_error_is_the_least():
 def test_damping_out_of_reach_is_said_with_what_can_be_reached():
     stated = tuple(figure.secant for figure in two_stiffnesses(0.04, 600e3, 300e3))
     with pytest.raises(ConvergenceError, match=r"damping ratio of 0\.6 .* damping ratios reach 0\.\d+ to 0\.\d+"):
-        fit_damped(stated, Curve(asymmetry=12.0, cubic=150.0), damping=0.6, amplitude=1e-3)
+        fit_damped(stated, ElasticShape(asymmetry=12.0, cubic=150.0), damping=0.6, amplitude=1e-3)
 
 
 def test_secants_without_a_passive_law_are_said_with_what_they_ask_for():
     stated = tuple(figure.secant for figure in two_stiffnesses(0.04, 300e3, 600e3))
     with pytest.raises(ConvergenceError, match=r"no passive law has the secants 300 N/mm .*ask for -\d+"):
-        fit_secants(stated, Curve(asymmetry=None, cubic=100.0), 1e-3)
+        fit_secants(stated, ElasticShape(asymmetry=None, cubic=100.0), 1e-3)
 
 
 def test_command_writes_the_file_and_prints_the_table(tmp_path, capsys):

@@ -5,8 +5,8 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.cli.app import main
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.mounts.identification.datasheet import fit_datasheet
-from wirerope_mj.mounts.identification.sheet_table import compare
+from wirerope_mj.mounts.vendor_parts.comparison import compare
+from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
 
 SHEET = """name = "Socitec CB1390-20"
 source = "Socitec CB1390 vendor data sheet, page 2"

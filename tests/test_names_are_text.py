@@ -26,7 +26,7 @@ from hostile_names import (
 from markdown_it import MarkdownIt
 
 import wirerope_mj as wr
-from wirerope_mj.cli import main, tables
+from wirerope_mj.cli import main, screen
 from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines, plain, plain_lines
@@ -36,16 +36,16 @@ from wirerope_mj.views.plots.report_image import short
 
 def printed(*arguments, code=0) -> str:
     """Return what a command prints on both streams, on a screen so wide that no name is cut."""
-    screen = io.StringIO()
-    with redirect_stdout(screen), redirect_stderr(screen):
-        assert main([str(argument) for argument in arguments]) == code, screen.getvalue()
-    return screen.getvalue()
+    stream = io.StringIO()
+    with redirect_stdout(stream), redirect_stderr(stream):
+        assert main([str(argument) for argument in arguments]) == code, stream.getvalue()
+    return stream.getvalue()
 
 
 @pytest.fixture(scope="module", autouse=True)
 def wide():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(tables, "WIDTH", 800)
+        patch.setattr(screen, "WIDTH", 800)
         yield
 
 
@@ -198,9 +198,9 @@ def test_the_terminal_shows_names_as_text(place, run, study):
 
 
 def test_a_terminal_is_coloured_by_us_alone(monkeypatch):
-    screen = tables._Screen(force_terminal=True, width=80, file=io.StringIO(), highlight=False, emoji=False)
-    screen.print(f"[bold]ours[/] {ESCAPE}{TITLE} :warning:")
-    text = screen.file.getvalue()
+    shown = screen._Screen(force_terminal=True, width=80, file=io.StringIO(), highlight=False, emoji=False)
+    shown.print(f"[bold]ours[/] {ESCAPE}{TITLE} :warning:")
+    text = shown.file.getvalue()
     assert "\x1b[1mours\x1b[0m" in text
     assert r"\x1b[31mred\x1b]0;owned\x07 :warning:" in text
     assert text.count("\x1b") == 2

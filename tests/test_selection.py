@@ -13,7 +13,7 @@ from wirerope_mj.assessment.selection.worksheet import Worksheet
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.vendor_parts import fit_part, vendor_parts
-from wirerope_mj.mounts.vendor_parts.parts import Figures, Series, read_table
+from wirerope_mj.mounts.vendor_parts.parts import ModeValues, Series, read_table
 
 PARTS = {part.name: part for part in vendor_parts()}
 G = 9.81  # the vendors' sheets: the standard gravity gives 490.3 N and 1.715 m/s, not their 490.5 N and 1.716 m/s
@@ -116,7 +116,7 @@ def test_every_row_of_the_tables_is_there_with_its_ratings():
 
 def test_units_of_the_tables():
     wr12, cb = PARTS["WR12-400"], PARTS["CB1400-15"]
-    assert wr12.modes["45"] == Figures(static_load=890.0, travel=0.0559, vibration=159e3, shock=65e3)
+    assert wr12.modes["45"] == ModeValues(static_load=890.0, travel=0.0559, vibration=159e3, shock=65e3)
     assert (wr12.rope, wr12.height, wr12.width, wr12.loops) == (0.0095, 0.076, 0.105, 8)
     assert cb.modes["compression"].static_load == 4160.0
     assert cb.modes["shear"].travel == pytest.approx(1.60 * 0.0254, rel=1e-11)
@@ -257,15 +257,15 @@ def test_more_loops_than_the_part_has_are_refused():
     ("text", "message"),
     [
         (
-            "part,rope [mm],loops [-],width [mm],height [mm],compression shock [kN]\n",
-            "column 'compression shock \\[kN\\]'",
+            "part,rope [mm],loops [-],width [mm],height [mm],compression shock [kg]\n",
+            'column "compression shock" has the unknown unit "kg"',
         ),
-        ("part,rope [mm],loops [-],width [mm],height [mm]\nA,1,2\n", "line 2: 3 fields under 5 columns"),
+        ("part,rope [mm],loops [-],width [mm],height [mm]\nA,1,2\n", "line 2: 3 cells where the header has 5 columns"),
         (
             "part,rope [mm],loops [-],width [mm],height [mm]\nA,1,8,-3,4\n",
-            "line 2, column 'width'.*> 0 or empty, got '-3'",
+            'line 2: "-3" in column "width" must be > 0, or empty',
         ),
-        ("# nothing\n", "the table is empty"),
+        ("# nothing\n", "the file is empty"),
     ],
 )
 def test_a_table_that_breaks_a_rule_is_refused_with_its_place(tmp_path, text, message):
@@ -290,7 +290,7 @@ def test_a_fitted_row_is_the_isolator_that_ships(name, shipped):
 
 def test_a_row_without_shear_makes_an_isolator_without_shear():
     row = PARTS["WR16-400"]
-    fitted = fit_part(replace(row, modes={**row.modes, "shear": Figures()}))
+    fitted = fit_part(replace(row, modes={**row.modes, "shear": ModeValues()}))
     assert fitted.shear is None
     assert fitted.coupling is None
     assert fitted.limits.travel.shear is None
@@ -339,6 +339,6 @@ def test_simulated_modes_take_the_axes_that_they_name():
 def test_a_part_without_shear_cannot_be_simulated_there_and_says_so():
     sheet = Worksheet(mass=100.0, mounts=1, shock=wr.VelocityStep(velocity=0.5, direction="z"))
     row = PARTS["WR16-400"]
-    candidate = judge(replace(row, modes={**row.modes, "shear": Figures()}), sheet)
+    candidate = judge(replace(row, modes={**row.modes, "shear": ModeValues()}), sheet)
     with pytest.raises(ModelError, match="WR16-400: the table does not state travel and stiffnesses in shear"):
         simulate_candidate(candidate, replace(sheet, direction="shear"))

@@ -19,7 +19,7 @@ from wirerope_mj.cli.compare import compare
 from wirerope_mj.cli.frf_options import frf
 from wirerope_mj.cli.identify_options import identify_records
 from wirerope_mj.cli.integers import Integer
-from wirerope_mj.cli.isolators import print_isolator, print_isolators
+from wirerope_mj.cli.isolators import fit_isolator, print_isolator, print_isolators
 from wirerope_mj.cli.loops_options import loops
 from wirerope_mj.cli.modes import modes
 from wirerope_mj.cli.option_errors import option_message
@@ -195,19 +195,13 @@ def isolators(name: str | None = None, *, out: Path | None = None) -> int:
 
 @isolators_app.command
 def fit(datasheet: Path, out: Path) -> int:
-    """Fit an isolator from a vendor's data sheet and print every figure beside what the fit gives.
+    """Fit an isolator from a vendor's data sheet and print every value of the sheet beside that of the fit.
 
     Args:
-        datasheet: TOML file with the vendor's figures, or with `curve = "shock"` or `"static"` and force-deflection curves.
+        datasheet: TOML file with the vendor's values, or with `curve = "shock"` or `"static"` and force-deflection curves.
         out: isolator file to write.
     """
-    from wirerope_mj.mounts.identification.datasheet import fit_datasheet
-    from wirerope_mj.mounts.identification.sheet_table import compare, print_table
-
-    isolator = fit_datasheet(datasheet)
-    isolator.save(out)
-    print_table(compare(datasheet, isolator))
-    print(plain(f"written: {out}"))
+    fit_isolator(datasheet, out)
     return 0
 
 

@@ -9,11 +9,14 @@ from rich.table import Table
 
 from wirerope_mj.cli.screen import console
 from wirerope_mj.foundation.atomic_files import check_place as check_writable
+from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.isolator import AXES, Isolator, find_isolator, load_isolator
 from wirerope_mj.mounts.laws import Law, Parallel
 from wirerope_mj.mounts.laws.stop import largest_gap
 from wirerope_mj.mounts.test_rig import cyclic_test
+from wirerope_mj.mounts.vendor_parts.comparison import compare
+from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
 
 _SHARES = (0.25, 0.5, 1.0)
 _FREQUENCY = 5.0
@@ -72,6 +75,18 @@ def print_isolator(name: str, out: Path | None) -> None:
 
         save_loops(isolator, out, frequency=_FREQUENCY)
         screen.print(f"written: {escape(str(out))}", soft_wrap=True)
+
+
+def fit_isolator(datasheet: Path, out: Path) -> None:
+    """Write the isolator of a data sheet and print every value of the sheet beside that of the fit."""
+    isolator = fit_datasheet(datasheet)
+    isolator.save(out)
+    print(f"{'axis':<13}{'value':<26}{'unit':<6}{'vendor':>12}{'fitted':>12}{'error':>10}")
+    for row in compare(datasheet, isolator):
+        vendor = "" if row.vendor is None else f"{row.vendor:.6g}"
+        error = "" if row.error is None else f"{round(100.0 * row.error, 2) + 0.0:+.2f} %"
+        print(f"{row.axis:<13}{row.name:<26}{row.unit:<6}{vendor:>12}{row.fitted:>12.6g}{error:>10}")
+    print(plain(f"written: {out}"))
 
 
 def _joint_lines(isolator: Isolator) -> list[str]:

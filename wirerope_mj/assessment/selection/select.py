@@ -14,7 +14,7 @@ from wirerope_mj.assessment.selection.worksheet import (
     Worksheet,
 )
 from wirerope_mj.motions import VelocityStep
-from wirerope_mj.mounts.vendor_parts.parts import Figures, Part, vendor_parts
+from wirerope_mj.mounts.vendor_parts.parts import ModeValues, VendorPart, vendor_parts
 
 UNSTATED = "the vendor states none"
 
@@ -37,7 +37,7 @@ class Candidate:
         verdicts: static load, vibration frequency, rated travel, room, acceleration, in this order.
     """
 
-    part: Part
+    part: VendorPart
     load_share: float | None
     frequency: float
     shock_frequency: float
@@ -79,7 +79,7 @@ class Rejected:
         undecided: whether nothing but the velocity rule speaks against it, for a pulse that is far too long for that rule.
     """
 
-    part: Part
+    part: VendorPart
     reasons: tuple[str, ...]
     margin: float
     undecided: bool = False
@@ -118,7 +118,7 @@ def select_isolators(
     isolation_ratio: float = ISOLATION_RATIO,
     gravity: float = WORKSHEET_GRAVITY,
     loops: Sequence[int] = (),
-    parts: Sequence[Part] | None = None,
+    parts: Sequence[VendorPart] | None = None,
 ) -> Selection:
     """Return the catalogue parts that carry the load and keep their limits, by the vendors' worksheet.
 
@@ -180,7 +180,7 @@ def _rank(found: Candidate, worksheet: Worksheet) -> float:
     return found.acceleration if worksheet.fragility is None else -found.margin
 
 
-def judge(part: Part, worksheet: Worksheet) -> Candidate | Rejected:
+def judge(part: VendorPart, worksheet: Worksheet) -> Candidate | Rejected:
     """Return what the worksheet says of one part."""
     carried, struck = part.modes[worksheet.loading], part.modes[worksheet.direction]
     if carried.vibration is None or struck.shock is None:
@@ -212,7 +212,7 @@ def judge(part: Part, worksheet: Worksheet) -> Candidate | Rejected:
     return Rejected(part=part, reasons=reasons, margin=min(margins, default=math.nan), undecided=not decided)
 
 
-def _verdicts(name: str, worksheet: Worksheet, carried: Figures, struck: Figures) -> tuple[Verdict, ...]:
+def _verdicts(name: str, worksheet: Worksheet, carried: ModeValues, struck: ModeValues) -> tuple[Verdict, ...]:
     """Return the verdicts on a part whose stiffnesses are known."""
     assert carried.vibration is not None
     assert struck.shock is not None
@@ -265,7 +265,7 @@ def _shock(pulse: Shock | None, velocity: float | None, drop: float | None, rebo
     return VelocityStep(velocity=speed, direction="z")
 
 
-def _variants(parts: Sequence[Part], loops: Sequence[int]) -> list[Part]:
+def _variants(parts: Sequence[VendorPart], loops: Sequence[int]) -> list[VendorPart]:
     """Return the parts, and after each those with fewer loops."""
     for number in loops:
         if isinstance(number, bool) or not isinstance(number, int) or number < 1:

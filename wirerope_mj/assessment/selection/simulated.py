@@ -14,8 +14,8 @@ from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import VelocityStep
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.vendor_parts.fitted import fit_part
-from wirerope_mj.mounts.vendor_parts.parts import Part
+from wirerope_mj.mounts.vendor_parts.part_fit import fit_part
+from wirerope_mj.mounts.vendor_parts.parts import VendorPart
 
 _START = 0.01
 """Instant of the shock [s]: a moment of rest before it shows the sag."""
@@ -131,7 +131,7 @@ def _judged(candidate: Candidate, isolator: Isolator, worksheet: Worksheet, resp
 
 
 def _verdicts(
-    part: Part, rated: float | None, worksheet: Worksheet, deflection: float, travel: float, acceleration: float
+    part: VendorPart, rated: float | None, worksheet: Worksheet, deflection: float, travel: float, acceleration: float
 ) -> tuple[Verdict, ...]:
     def verdict(criterion: str, value: float, limit: float | None, unit: str, missing: str) -> Verdict:
         note = missing if limit is None else ""

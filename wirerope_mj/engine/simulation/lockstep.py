@@ -73,9 +73,7 @@ class Lockstep:
     def go(self, grid: TimeGrid, sink: Sink | None = None) -> None:
         """Step through a grid, the mounts of the model acting; its motion says nothing here, its corners everything.
 
-        Args:
-            grid: segments of equal steps.
-            sink: called with every sample's number and the systems' sensor values, (n_systems, n_sensors), which it must copy.
+        `sink` takes every sample's number and the systems' sensor values, (n_systems, n_sensors), and must copy them.
         """
         if sink is not None:
             self._sink, self._sensors = sink, self._batch.bind("sensordata")[:, self.systems[0].assembly.sensor :]

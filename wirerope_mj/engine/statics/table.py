@@ -14,7 +14,7 @@ from wirerope_mj.engine.statics.result import HISTORIES, Equilibrium, History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
-from wirerope_mj.mounts.isolator.static_rating import static_load_unjudged
+from wirerope_mj.mounts.isolator.static_rating import static_utilisation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,11 +41,9 @@ class MountSag:
     stop: bool = False
 
     @property
-    def share(self) -> float | None:
+    def utilisation(self) -> float | None:
         """Axial load over the rated static load; None = not judged: not rated, or no load in compression along the axis."""
-        if self.static_load is None or static_load_unjudged(self.force, self.static_load):
-            return None
-        return self.compression / self.static_load
+        return static_utilisation(self.force, self.static_load)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -215,7 +213,7 @@ def _plain(sag: Sag) -> dict[str, Any]:
                 "force_N": mount.force.tolist(),
                 "carries_N": mount.carries,
                 "share_of_weight": mount.split if np.isfinite(mount.split) else None,
-                "share_of_static_load": mount.share,
+                "share_of_static_load": mount.utilisation,
             }
             for name, mount in sag.mounts.items()
         },

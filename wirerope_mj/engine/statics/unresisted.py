@@ -23,12 +23,7 @@ def unresisted(
     """Return a message for each motion of a body on mounts that no mount, joint, stop or weight brings back.
 
     Mounts count as resisting in all three directions here: an axis without a law is the isolator's own property.
-
-    Args:
-        system: the system.
-        data: MuJoCo's data in the equilibrium.
-        free: velocity coordinates that can move, (n,).
-        accelerations: of these after a small step of them, (n,) each.
+    `free` are the velocity coordinates that can move, (n,); `accelerations` returns theirs after a small step of them.
     """
     model = data.model
     jacobians = [_deflections(model, data, sites)[:, free] for sites in system.assembly.tables.sites]

@@ -51,13 +51,7 @@ class Assembly:
 
 
 def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> Assembly:
-    """Add what the callback needs to `spec` and compile it.
-
-    Args:
-        spec: parsed and once compiled MJCF; changed in place.
-        declared: mounts, with the site ids of the MJCF as it stands.
-        base: body id of the base, 0 if it is the world.
-    """
+    """Add what the callback needs to `spec`, in place, and compile it; `base` is a body id, 0 for the world."""
     _name_moving_bodies(spec)
     plain = spec.compile()
     subjects = Subjects(

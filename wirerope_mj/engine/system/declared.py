@@ -58,14 +58,7 @@ def check_visible(model: mujoco.MjModel) -> None:
 def declared_mounts(
     spec: mujoco.MjSpec, model: mujoco.MjModel, *, folder: Path | None, isolators: Mapping[str, Isolator]
 ) -> list[DeclaredMount]:
-    """Return the mounts in the order of their tuples.
-
-    Args:
-        spec: the parsed MJCF, for the texts that name isolators.
-        model: what it compiles to.
-        folder: where the model file stands; isolator files are looked up there first.
-        isolators: isolators in memory, by what follows `isolator/` in the text's name; they go before files.
-    """
+    """Return the mounts in the order of their tuples; isolators in memory go before files, which `folder` is searched for first."""
     files = {text.name: text.data for text in spec.texts}
     loaded: dict[str, Isolator] = {}
     mounts: list[DeclaredMount] = []

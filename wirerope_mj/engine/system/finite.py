@@ -24,12 +24,7 @@ and a body on a joint of its own with 1e-11 of the mass that it carries still pa
 
 
 def check_written(text: str, path: Path | None) -> None:
-    """Raise ModelError if a number of a model as written is NaN, which MuJoCo takes for one that is not given.
-
-    Args:
-        text: the MJCF.
-        path: the file in which it stands, None if it was given as text.
-    """
+    """Raise ModelError if a number of a model as written is NaN, which MuJoCo takes for one that is not given."""
     if "nan" not in text.lower() and "<include" not in text:
         return
     try:

@@ -66,15 +66,9 @@ def make_tables(
     sensor: int,
     drive: Array | None = None,
 ) -> Tables:
-    """Return the tables of a model.
+    """Return the tables of a model, whose modelled geometry is computed in `data`.
 
-    Args:
-        model: the model.
-        data: its data, in which the modelled geometry is computed.
-        declared: mounts.
-        on: what takes part.
-        sensor: address of the system's first sensor value.
-        drive: map from base acceleration to slide accelerations where it is known, (n_driven, 3).
+    `sensor` is the address of the system's first sensor value, `drive` as in `Tables` where it is known.
     """
     isolators = {mount.name: mount.isolator.conditioned for mount in declared}
     axes, parameters, states = _axis_rows(isolators)

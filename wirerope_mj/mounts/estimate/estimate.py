@@ -11,7 +11,7 @@ from wirerope_mj.mounts.estimate.trends import (
     SAME_ROPE,
     SMALLEST_ROPE,
     LeftOut,
-    LoopFigures,
+    LoopValues,
     all_trends,
     left_out_errors,
     other_vendor_errors,
@@ -61,7 +61,7 @@ class LoopEstimate:
     loops: int
     bar_assumed: bool
     bar_length: float | None
-    figures: LoopFigures
+    figures: LoopValues
     bands: dict[str, Band]
     left_out: LeftOut
     vibration_bending_stiffness: float

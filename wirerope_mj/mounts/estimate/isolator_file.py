@@ -7,10 +7,10 @@ import numpy as np
 from wirerope_mj.mounts.estimate.estimate import LoopEstimate
 from wirerope_mj.mounts.estimate.trends import left_out_errors
 from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE
-from wirerope_mj.mounts.identification.secants import NiLaw
 from wirerope_mj.mounts.isolator import Isolator, Provenance, Rotation, Spread
-from wirerope_mj.mounts.vendor_parts.fitted import fit_part
-from wirerope_mj.mounts.vendor_parts.parts import Figures, Part, Series
+from wirerope_mj.mounts.vendor_parts.part_fit import fit_part
+from wirerope_mj.mounts.vendor_parts.parts import ModeValues, Series, VendorPart
+from wirerope_mj.mounts.vendor_parts.secants import NiLaw
 
 _FORCES = ("alpha", "k1", "k2", "k3")
 """Parameters of the fitted laws that grow with the force; those of their shape (beta with n = 1, b, c) do not."""
@@ -26,7 +26,7 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     """
     figures = estimate.figures
     modes = {
-        mode: Figures(
+        mode: ModeValues(
             static_load=_rounded(figures.static_load) if mode == "compression" else None,
             travel=_rounded(figures.travel[mode]),
             vibration=_rounded(figures.vibration[mode]),
@@ -35,7 +35,7 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
         for mode in figures.travel
     }
     title = name or f"estimated, {estimate.loops} loops of {1e3 * estimate.rope:g} mm rope"
-    part = Part(
+    part = VendorPart(
         name=title,
         series=Series(file="", source=_source(estimate), damping=ENIDINE.damping, damping_range=ENIDINE.damping_range),
         loops=estimate.loops,

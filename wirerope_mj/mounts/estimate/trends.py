@@ -23,7 +23,7 @@ SAME_ROPE = 0.02
 
 
 @dataclass(frozen=True, kw_only=True)
-class LoopFigures:
+class LoopValues:
     """Estimated figures of an isolator, in SI units; modes as in the vendor's table, shear standing for roll as well.
 
     Attributes:
@@ -63,7 +63,7 @@ class Trends:
     vibration_power: tuple[float, float]
     ratios: dict[str, float]
 
-    def predict(self, *, height: float, width: float, rope: float, bar: float, loops: float) -> LoopFigures:
+    def predict(self, *, height: float, width: float, rope: float, bar: float, loops: float) -> LoopValues:
         """Return the figures of an isolator from its geometry [m]; ValueError if it leaves no loop or no travel."""
         gap = height - 2.0 * bar
         if gap <= 0.0:
@@ -76,7 +76,7 @@ class Trends:
         slope, offset = self.vibration_power
         vibration = shock * float(np.exp(offset + slope * np.log(height - bar)))
         ratios = self.ratios
-        return LoopFigures(
+        return LoopValues(
             bending_stiffness=stiffness,
             travel={
                 "compression": travel,
@@ -152,7 +152,7 @@ def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
         predicted = find_trends(others).predict(
             height=row.height, width=row.width, rope=row.rope, bar=row.bar, loops=row.loops
         )
-        stated = LoopFigures(
+        stated = LoopValues(
             bending_stiffness=1.0,
             travel=dict(row.travel),
             vibration=dict(row.vibration),

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from wirerope_mj.mounts.rope_loop import LoopShape, loop_shape
-from wirerope_mj.mounts.vendor_parts.parts import MODES, SERIES, Figures, Part, Series, vendor_parts
+from wirerope_mj.mounts.vendor_parts.parts import MODES, SERIES, ModeValues, Series, VendorPart, vendor_parts
 
 ENIDINE: Series = next(series for series in SERIES if series.file == "enidine_wr.csv")
 
@@ -52,13 +52,13 @@ def vendor_loops() -> tuple[VendorLoop, ...]:
     return tuple(loop for loop in loops if loop is not None)
 
 
-def _loop(part: Part) -> VendorLoop | None:
+def _loop(part: VendorPart) -> VendorLoop | None:
     """Return a part's loops, None where the table leaves something out."""
     rope, loops, width, height, bar = part.rope, part.loops, part.width, part.height, part.bar
     if rope is None or loops is None or width is None or height is None or bar is None:
         return None
 
-    def by_mode(figure: Callable[[Figures], float | None]) -> dict[str, float]:
+    def by_mode(figure: Callable[[ModeValues], float | None]) -> dict[str, float]:
         values = {mode: figure(part.modes[mode]) for mode in MODES}
         return {mode: value for mode, value in values.items() if value is not None}
 

@@ -1,4 +1,4 @@
-"""From figures and measurements to laws, engine-free."""
+"""From cyclic tests to laws, engine-free."""
 
 from wirerope_mj.mounts.identification.choice import LawComparison as LawComparison
 from wirerope_mj.mounts.identification.choice import LawRow as LawRow

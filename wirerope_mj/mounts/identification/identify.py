@@ -7,7 +7,6 @@ from typing import Literal
 import numpy as np
 
 from wirerope_mj.mounts.identification.arguments import require_finite, require_kind, require_loops, require_options
-from wirerope_mj.mounts.identification.certainty import certainty_of
 from wirerope_mj.mounts.identification.coordinates import FAMILIES, Coordinate, Family, masing_family
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, scales_of
 from wirerope_mj.mounts.identification.profiles import Survey, survey
@@ -18,6 +17,7 @@ from wirerope_mj.mounts.identification.stages import Method, Stage, run_stages
 from wirerope_mj.mounts.identification.start import grid_starts
 from wirerope_mj.mounts.identification.stops import STOP, beside_known, closing
 from wirerope_mj.mounts.identification.sufficient import require_amplitudes, require_dissipation, require_movement
+from wirerope_mj.mounts.identification.uncertainty import certainty_of
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Masing, Stop
 
 Constraint = Literal["beta>gamma", "beta=gamma", "beta<gamma"]

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.certainty import OPEN, Certainty, Parameter, certainty_of, spread_of
 from wirerope_mj.mounts.identification.residuals import Residual
 from wirerope_mj.mounts.identification.search import Found, Search, run_search
+from wirerope_mj.mounts.identification.uncertainty import OPEN, Certainty, Parameter, certainty_of, spread_of
 
 ERRORS = 3.0
 """Standard errors by which a value is moved: the sum of squares then rises by their square, in variances."""

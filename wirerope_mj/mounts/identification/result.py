@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
-from wirerope_mj.mounts.identification.certainty import Certainty, Parameter
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.stages import Stage
+from wirerope_mj.mounts.identification.uncertainty import Certainty, Parameter
 from wirerope_mj.mounts.identification.validity import validity_of
 from wirerope_mj.mounts.laws import Law
 

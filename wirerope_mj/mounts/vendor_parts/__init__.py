@@ -1,5 +1,5 @@
-"""Tables of the makers' parts as they are printed, and an isolator fitted to a row of them."""
+"""Vendors' tables of parts and data sheets, and isolators fitted to them."""
 
-from wirerope_mj.mounts.vendor_parts.fitted import fit_part as fit_part
-from wirerope_mj.mounts.vendor_parts.parts import Part as Part
+from wirerope_mj.mounts.vendor_parts.part_fit import fit_part as fit_part
+from wirerope_mj.mounts.vendor_parts.parts import VendorPart as VendorPart
 from wirerope_mj.mounts.vendor_parts.parts import vendor_parts as vendor_parts

@@ -1,23 +1,23 @@
 """An isolator fitted from one row of a vendor's table, as those of the catalogue are fitted from data sheets."""
 
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.mounts.identification.datasheet import fit_sheet
-from wirerope_mj.mounts.identification.secants import DAMPING_AMPLITUDE
-from wirerope_mj.mounts.identification.sheet import AxisFigures, DataSheet, two_stiffnesses
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.vendor_parts.parts import Figures, Part
+from wirerope_mj.mounts.vendor_parts.parts import VendorPart
+from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, two_stiffnesses
+from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_sheet
 
 BAR = 1.7
 """Thickness of a bar in diameters of the rope where the table does not state it: the mean of Enidine's from 9.5 mm of rope on,
 1.54 to 1.80."""
 
 
-def fit_part(part: Part) -> Isolator:
+def fit_part(part: VendorPart) -> Isolator:
     """Return the isolator that has the stiffnesses of a part's row in compression and, if stated, in shear and roll.
 
     Raises:
         ModelError: the row lacks travel or stiffnesses in compression, or the envelope.
-        ConvergenceError: no law has all its figures.
+        ConvergenceError: no law has all its values.
     """
     compression = _axis(part, "compression", part.series.damping)
     if compression is None:
@@ -48,10 +48,10 @@ def fit_part(part: Part) -> Isolator:
     )
 
 
-def _axis(part: Part, mode: str, damping: float | None) -> AxisFigures | None:
-    """Return the figures of one mode; None where they are not stated."""
-    figures: Figures = part.modes[mode]
-    if figures.travel is None or figures.vibration is None or figures.shock is None:
+def _axis(part: VendorPart, mode: str, damping: float | None) -> AxisValues | None:
+    """Return the values of one mode; None where they are not stated."""
+    values = part.modes[mode]
+    if values.travel is None or values.vibration is None or values.shock is None:
         return None
-    stated = two_stiffnesses(figures.travel, figures.vibration, figures.shock)
-    return AxisFigures(travel=figures.travel, stated=stated, damping=damping)
+    stated = two_stiffnesses(values.travel, values.vibration, values.shock)
+    return AxisValues(travel=values.travel, stated=stated, damping=damping)

@@ -16,13 +16,13 @@ from scipy.optimize import brentq, linprog
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
-from wirerope_mj.mounts.identification.figures import damping_ratio
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, SymmetricBoucWen
+from wirerope_mj.mounts.vendor_parts.law_values import damping_ratio
 
 NiLaw = AsymmetricBoucWen | SymmetricBoucWen
 
 VIBRATION_AMPLITUDE = 0.07
-"""Amplitude of a vibration stiffness where the vendor states none, as a fraction of the rated travel. It is where VMC's figures
+"""Amplitude of a vibration stiffness where the vendor states none, as a fraction of the rated travel. It is where VMC's values
 of the CB1400-15 stand: with the sag and the shock response of a rack on ten of them its vibration stiffness in compression and
 that in shear are both the secant at 2.5 mm of 35.6 mm."""
 
@@ -49,14 +49,14 @@ class Secant:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Curve:
+class ElasticShape:
     """Shape of the elastic part: exponent lambda of F2 [1/m] (None: a law that is odd) and kappa = k3 / k1 [1/m^2]."""
 
     asymmetry: float | None
     cubic: float
 
 
-def fit_secants(secants: tuple[Secant, ...], curve: Curve, yielding: float) -> NiLaw:
+def fit_secants(secants: tuple[Secant, ...], curve: ElasticShape, yielding: float) -> NiLaw:
     """Return the law whose secants are the stated ones; of more than two the largest relative error is as small as can be.
 
     Args:
@@ -87,7 +87,7 @@ def fit_secants(secants: tuple[Secant, ...], curve: Curve, yielding: float) -> N
     return AsymmetricBoucWen(**values, b=math.e, c=float(f"{curve.asymmetry:.9g}"))
 
 
-def fit_damped(secants: tuple[Secant, ...], curve: Curve, *, damping: float, amplitude: float) -> NiLaw:
+def fit_damped(secants: tuple[Secant, ...], curve: ElasticShape, *, damping: float, amplitude: float) -> NiLaw:
     """Return the law with these secants and this damping ratio of the steady loop of an amplitude [m].
 
     Raises:
@@ -107,8 +107,8 @@ def fit_damped(secants: tuple[Secant, ...], curve: Curve, *, damping: float, amp
     for index in range(len(tried) - 1):
         if reached[index] >= 0.0 > reached[index + 1]:
             # To 1e-13 of a yield deflection of millimetres.
-            found = float(brentq(surplus, tried[index], tried[index + 1], xtol=1e-16, rtol=1e-13))
-            return fit_secants(secants, curve, found)
+            yielding = float(brentq(surplus, tried[index], tried[index + 1], xtol=1e-16, rtol=1e-13))
+            return fit_secants(secants, curve, yielding)
     known = [damping + value for value in reached if math.isfinite(value)]
     if not known:
         fit_secants(secants, curve, float(tried[len(tried) // 2]))  # says why there is no law at all
@@ -127,13 +127,13 @@ def _nearest(rows: Array) -> tuple[float, float]:
     distance = -np.ones((len(rows), 1))
     sides = np.block([[rows / sizes, distance], [-rows / sizes, distance]])
     bounds = np.concatenate([np.ones(len(rows)), -np.ones(len(rows))])
-    found = linprog([0.0, 0.0, 1.0], A_ub=sides, b_ub=bounds, bounds=[(None, None)] * 3)
-    friction, spring = (found.x[:2] / sizes).tolist()
+    best = linprog([0.0, 0.0, 1.0], A_ub=sides, b_ub=bounds, bounds=[(None, None)] * 3)
+    friction, spring = (best.x[:2] / sizes).tolist()
     return friction, spring
 
 
-def _row(secant: Secant, curve: Curve, yielding: float) -> tuple[float, float]:
-    """Return what 1 N of friction and 1 N/m of the spring give, as fractions of a stated secant."""
+def _row(secant: Secant, curve: ElasticShape, yielding: float) -> tuple[float, float]:
+    """Return the secants of 1 N of friction and of 1 N/m of the spring, as fractions of a stated secant."""
     a, exponent = secant.deflection, curve.asymmetry or 0.0
     if secant.steady:
         factor, friction = math.cosh(exponent * a), math.tanh(a / yielding)

@@ -1,4 +1,4 @@
-"""An isolator from a vendor's force-deflection curves, and every value of the sheet beside what it gives."""
+"""An isolator from a vendor's force-deflection curves, and every value of the sheet beside the law's."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -8,13 +8,14 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError
-from wirerope_mj.mounts.identification import figures
-from wirerope_mj.mounts.identification.curve_sheet import KINDS, CurveSheet, Side, read_curve_sheet
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Travel
 from wirerope_mj.mounts.laws import Tabulated
+from wirerope_mj.mounts.vendor_parts import law_values
+from wirerope_mj.mounts.vendor_parts.curve_sheet import KINDS, CurveSheet, Side, read_curve_sheet
+from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue
 
-_WAYS = {"compression": -1.0, "tension": 1.0, "shear": 1.0, "roll": 1.0}
-"""Which way along its axis the deflections of a table are."""
+_SIGNS = {"compression": -1.0, "tension": 1.0, "shear": 1.0, "roll": 1.0}
+"""Of the deflections of a table along its axis."""
 
 _CLOSE = 1e-10
 """Relative error of a damping ratio at which the search for its area ends."""
@@ -51,32 +52,30 @@ def fit_curves(content: Mapping[str, Any], path: Path) -> Isolator:
         )  # fmt: skip
     except ValueError as error:
         raise ModelError(f"{path}: {error}") from None
-    return replace(isolator, provenance=replace(provenance, fitted_to=provenance.fitted_to + _others(sheet, isolator)))
+    return replace(
+        isolator, provenance=replace(provenance, fitted_to=provenance.fitted_to + _not_fitted(sheet, isolator))
+    )
 
 
-def curve_figures(sheet: CurveSheet, isolator: Isolator) -> list[tuple[str, str, str, float, float]]:
-    """Return side, name, unit, the sheet's value and the law's of every point, area and damping ratio."""
+def curve_values(sheet: CurveSheet, isolator: Isolator) -> list[ComparedValue]:
+    """Return every point, area and damping ratio of the sheet beside the law's."""
     rows = []
+
+    def add(name: str, text: str, unit: str, stated: float, fitted: float) -> None:
+        rows.append(ComparedValue(axis=name, name=text, unit=unit, vendor=stated, fitted=fitted))
+
     for name, side in sheet.sides.items():
-        law, way = isolator.axes["axial" if name in ("compression", "tension") else name], _WAYS[name]
+        law, sign = isolator.axes["axial" if name in ("compression", "tension") else name], _SIGNS[name]
         assert isinstance(law, Tabulated)
         for kind, points in side.curves.items():
             for x, force in points:
-                if x <= law.travel_ends[int(way > 0.0)]:
-                    rows.append(
-                        (
-                            name,
-                            f"{kind} force at {1e3 * x:.4g} mm",
-                            "N",
-                            force,
-                            way * figures.virgin_force(law, way * x),
-                        )
-                    )
-        rows += [(name, f"area at {1e3 * a:.4g} mm", "J", area, figures.loop_area(law, a)) for a, area in side.areas]
-        rows += [
-            (name, f"damping ratio at {1e3 * a:.4g} mm", "-", ratio, figures.damping_ratio(law, a))
-            for a, ratio in side.damping
-        ]
+                if x <= law.travel_ends[int(sign > 0.0)]:
+                    fitted = sign * law_values.virgin_force(law, sign * x)
+                    add(name, f"{kind} force at {1e3 * x:.4g} mm", "N", force, fitted)
+        for a, area in side.areas:
+            add(name, f"area at {1e3 * a:.4g} mm", "J", area, law_values.loop_area(law, a))
+        for a, ratio in side.damping:
+            add(name, f"damping ratio at {1e3 * a:.4g} mm", "-", ratio, law_values.damping_ratio(law, a))
     return rows
 
 
@@ -108,7 +107,7 @@ def _law(sheet: CurveSheet, side: Side, other: Side | None) -> Tabulated:
     ]
     for _ in range(50):
         law = Tabulated(**values, areas=areas)
-        ratios = [zeta / figures.damping_ratio(law, a) for a, zeta in side.damping]
+        ratios = [zeta / law_values.damping_ratio(law, a) for a, zeta in side.damping]
         if max(abs(ratio - 1.0) for ratio in ratios) < _CLOSE:
             return replace(law, areas=tuple(float(f"{area:.12g}") for area in areas))
         areas = [area * ratio for area, ratio in zip(areas, ratios, strict=True)]
@@ -116,20 +115,23 @@ def _law(sheet: CurveSheet, side: Side, other: Side | None) -> Tabulated:
 
 
 def _fitted_to(sheet: CurveSheet) -> str:
-    """Return the sentence that says what the laws reproduce."""
-    said = []
+    """Return the text on what the laws reproduce."""
+    sides = []
     for name, side in sheet.sides.items():
         end, force = side.curves[sheet.curve][-1]
         text = f"{name}: the {sheet.curve} curve, {force:.5g} N at its end, {1e3 * end:.4g} mm"
         text += "".join(f", area {area:.5g} J at {1e3 * a:.4g} mm" for a, area in side.areas)
         text += "".join(f", damping ratio {zeta:.4g} at {1e3 * a:.4g} mm" for a, zeta in side.damping)
-        said.append(text)
-    return "; ".join(said)
+        sides.append(text)
+    return "; ".join(sides)
 
 
-def _others(sheet: CurveSheet, isolator: Isolator) -> str:
-    """Return the sentence that compares the laws with the curves that they do not follow, "" if there are none."""
+def _not_fitted(sheet: CurveSheet, isolator: Isolator) -> str:
+    """Return the text on the curves that the laws do not follow, "" if there are none."""
     other = next(kind for kind in KINDS if kind != sheet.curve)
-    rows = [row for row in curve_figures(sheet, isolator) if row[1].startswith(other)]
-    said = [f"{side} {name} {stated:.5g} N, here {fitted:.5g} N" for side, name, _, stated, fitted in rows]
-    return f". Not fitted: {'; '.join(said)}" if said else ""
+    rows = [
+        f"{row.axis} {row.name} {row.vendor:.5g} N, here {row.fitted:.5g} N"
+        for row in curve_values(sheet, isolator)
+        if row.name.startswith(other)
+    ]
+    return f". Not fitted: {'; '.join(rows)}" if rows else ""

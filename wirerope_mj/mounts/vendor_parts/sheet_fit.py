@@ -1,8 +1,8 @@
 """An isolator from a vendor's data sheet.
 
-What a sheet holds is described in `mounts.identification.vendor`, one of force-deflection curves in `curve_sheet` beside
-it; those of the catalogue lie in `models/isolators/datasheets`, and `wirerope isolators fit` fits one. The shape of the elastic
-force comes from the rope loop's geometry, its size and the friction from the vendor's figures.
+The entries of a sheet are described in `sheet_file`, those of a sheet of force-deflection curves in `curve_sheet`; sheets of the
+catalogue lie in `models/isolators/datasheets`, and `wirerope isolators fit` fits one. The shape of the elastic force comes from
+the rope loop's geometry, its size and the friction from the vendor's values.
 """
 
 import math
@@ -12,11 +12,6 @@ from typing import Any
 
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError
 from wirerope_mj.foundation.toml_file import read_toml
-from wirerope_mj.mounts.identification.curve_fit import fit_curves
-from wirerope_mj.mounts.identification.secants import Curve, NiLaw, fit_damped, fit_secants
-from wirerope_mj.mounts.identification.sheet import AxisFigures, DataSheet, Stated
-from wirerope_mj.mounts.identification.sheet_table import diagonal_figures
-from wirerope_mj.mounts.identification.vendor import read_datasheet
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Rotation, Spread, Travel
 from wirerope_mj.mounts.laws import LoopCoupling, SymmetricBoucWen
 from wirerope_mj.mounts.rope_loop import (
@@ -27,14 +22,19 @@ from wirerope_mj.mounts.rope_loop import (
     loop_shape,
     rotational_stiffness,
 )
+from wirerope_mj.mounts.vendor_parts.comparison import diagonal_values
+from wirerope_mj.mounts.vendor_parts.curve_fit import fit_curves
+from wirerope_mj.mounts.vendor_parts.secants import ElasticShape, NiLaw, fit_damped, fit_secants
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, StatedValue
+from wirerope_mj.mounts.vendor_parts.sheet_file import read_datasheet
 
 
 def fit_datasheet(path: str | Path) -> Isolator:
-    """Return the isolator that reproduces the figures, or the curves, of a data sheet.
+    """Return the isolator that reproduces the values, or the curves, of a data sheet.
 
     Raises:
         ModelError: the data sheet breaks a rule, or no rope loop has its measures and travels; the message names the file.
-        ConvergenceError: no law has all its figures; the message names the file.
+        ConvergenceError: no law has all its values; the message names the file.
     """
     content = read_toml(path, "data sheet")
     if "curve" in content:
@@ -52,18 +52,18 @@ def fit_datasheet(path: str | Path) -> Isolator:
 
 
 def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
-    """Return the isolator that reproduces the figures of a data sheet; `kind` is that of its provenance.
+    """Return the isolator that reproduces the values of a data sheet; `kind` is that of its provenance.
 
     Raises:
         ValueError: no rope loop has the envelope of the sheet.
-        ConvergenceError: no law has all its figures.
+        ConvergenceError: no law has all its values.
     """
     compression, shear = sheet.compression, sheet.shear
     curves = axis_curves(
         height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope,
         compression=compression.travel, roll=None if shear is None else shear.travel,
     )  # fmt: skip
-    along = Curve(asymmetry=curves.asymmetry, cubic=curves.axial_cubic * compression.hardening)
+    along = ElasticShape(asymmetry=curves.asymmetry, cubic=curves.axial_cubic * compression.hardening)
     axial = _fit(compression, along, sheet.yielding, sheet.damping_amplitude)
     across = {} if shear is None else _across(sheet, shear, axial, curves)
     travel = None if shear is None else shear.travel
@@ -88,15 +88,15 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
     return replace(isolator, provenance=provenance)
 
 
-def _across(sheet: DataSheet, shear: AxisFigures, axial: NiLaw, curves: AxisCurves) -> dict[str, Any]:
-    """Return the laws of shear and roll and what couples roll and axial, as arguments of the isolator."""
-    curve = Curve(asymmetry=None, cubic=curves.roll_cubic * shear.hardening)
+def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw, curves: AxisCurves) -> dict[str, Any]:
+    """Return the laws of shear and roll and the coupling of roll and axial, as arguments of the isolator."""
+    curve = ElasticShape(asymmetry=None, cubic=curves.roll_cubic * shear.hardening)
     law = _fit(shear, curve, 1.0 / axial.beta, sheet.damping_amplitude)
     roll = _rolling(axial, law, curves) if sheet.roll_of_loop else law
     return {"shear": law, "roll": roll, "coupling": "loop", "loop": _coupling(sheet, shear.travel, axial, roll, curves)}
 
 
-def _fit(stated: AxisFigures, curve: Curve, yielding: float | None, amplitude: float) -> NiLaw:
+def _fit(stated: AxisValues, curve: ElasticShape, yielding: float | None, amplitude: float) -> NiLaw:
     """Return the law of one axis; a damping ratio that is aimed at comes before a yield deflection."""
     if stated.damping is not None:
         return fit_damped(stated.fitted, curve, damping=stated.damping, amplitude=amplitude)
@@ -114,7 +114,7 @@ def _rolling(axial: NiLaw, shear: NiLaw, curves: AxisCurves) -> SymmetricBoucWen
 
 
 def _rotation(sheet: DataSheet, axial: NiLaw, roll: NiLaw | None, curves: AxisCurves) -> Rotation | None:
-    """Return what the loops resist turning by, spread over the bars; None where their length is not stated."""
+    """Return the rotational stiffness of the loops, spread over the bars; None where their length is not stated."""
     if sheet.bar_length is None or sheet.loops is None:
         return None
     stiffness = rotational_stiffness(
@@ -136,16 +136,16 @@ def _coupling(sheet: DataSheet, range_of_roll: float, axial: NiLaw, roll: NiLaw,
     sizes = axial.k1 / curves.axial_stiffness, roll.k1 / curves.roll_stiffness
     shape = loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope)
     travel = sheet.compression.travel
-    found = fit_coupling(
+    coupling = fit_coupling(
         shape, bending_stiffness=math.sqrt(sizes[0] * sizes[1]), loops=1,
         roll=range_of_roll, compression=travel, tension=travel,
     ).coupling  # fmt: skip
-    ends = {name: float(f"{getattr(found, name):.9g}") for name in ("roll", "compression", "tension")}
-    return LoopCoupling(**ends, coefficients=[[float(f"{c:.9g}") for c in row] for row in found.coefficients])
+    ends = {name: float(f"{getattr(coupling, name):.9g}") for name in ("roll", "compression", "tension")}
+    return LoopCoupling(**ends, coefficients=[[float(f"{c:.9g}") for c in row] for row in coupling.coefficients])
 
 
 def _fitted_to(sheet: DataSheet) -> str:
-    """Return the sentence that says what the parameters reproduce."""
+    """Return the text on what the parameters reproduce."""
     axes = []
     for name, axis in (
         ("axial", sheet.compression),
@@ -153,7 +153,7 @@ def _fitted_to(sheet: DataSheet) -> str:
     ):
         if axis is None:
             continue
-        fitted = [_said(figure) for figure in axis.stated if figure.fitted]
+        fitted = [_stated(value) for value in axis.stated if value.fitted]
         if axis.damping is not None:
             fitted.append(
                 f"damping ratio {axis.damping:g} of the steady loop of {1e3 * sheet.damping_amplitude:.3g} mm"
@@ -162,18 +162,17 @@ def _fitted_to(sheet: DataSheet) -> str:
     return "; ".join(axes)
 
 
-def _said(figure: Stated) -> str:
-    """Return what a figure is."""
-    path = "steady loop" if figure.secant.steady else "virgin path"
-    value = f"{figure.shown(figure.secant.stiffness):.5g} {figure.unit}"
-    if figure.unit == "N":
-        return f"{figure.name} {value} at {1e3 * figure.secant.deflection:.4g} mm of the {path}"
-    return f"{figure.name} {value} = secant of the {path} of {1e3 * figure.secant.deflection:.4g} mm"
+def _stated(value: StatedValue) -> str:
+    path = "steady loop" if value.secant.steady else "virgin path"
+    shown = f"{value.shown(value.secant.stiffness):.5g} {value.unit}"
+    if value.unit == "N":
+        return f"{value.name} {shown} at {1e3 * value.secant.deflection:.4g} mm of the {path}"
+    return f"{value.name} {shown} = secant of the {path} of {1e3 * value.secant.deflection:.4g} mm"
 
 
 def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
-    """Return what no source gives, one sentence each."""
-    sentences = [
+    """Return the assumptions that no source gives, one text each."""
+    texts = [
         f"axial: c ln b and k3 / k1 from the rope loop, to {100.0 * curves.misfit:.2g} % of its secants; nobody "
         f"measured tension; standard deviation of c in [spread], {curves.asymmetry_deviation:.3g} 1/m, for what the bars hold",
         "n = 1, gamma = 0 and k2 = 0 on every axis, b = e: the shape of the loop",
@@ -181,28 +180,26 @@ def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
     ]
     if sheet.shear is not None:
         axes = "shear" if sheet.roll_of_loop else "shear and roll"
-        sentences.append(f"{axes}: k3 / k1 is {sheet.shear.hardening:g} times that of the rope loop in roll")
-        sentences.append("roll and axial are coupled as in the rope loop, to 2 % of its coupling forces")
+        texts.append(f"{axes}: k3 / k1 is {sheet.shear.hardening:g} times that of the rope loop in roll")
+        texts.append("roll and axial are coupled as in the rope loop, to 2 % of its coupling forces")
     if sheet.bar_length is not None:
-        sentences.append("turning: the elastic part of loops that are spread evenly over the bars")
+        texts.append("turning: the elastic part of loops that are spread evenly over the bars")
     if sheet.roll_of_loop:
-        sentences.append(
+        texts.append(
             "roll: what the rope loop has beside the axial stiffness, with friction in the proportion of shear's"
         )
     if sheet.shear is not None and sheet.shear.damping is None:
-        sentences.append("shear and roll: friction yields at the deflection of the axial law")
+        texts.append("shear and roll: friction yields at the deflection of the axial law")
     if sheet.damping_range is not None:
-        sentences.append(
-            "damping ratio: the vendor states {:g} to {:g} for the whole series".format(*sheet.damping_range)
-        )
-    return (*sentences, *sheet.assumed)
+        texts.append("damping ratio: the vendor states {:g} to {:g} for the whole series".format(*sheet.damping_range))
+    return (*texts, *sheet.assumed)
 
 
 def _check_45(sheet: DataSheet, isolator: Isolator) -> dict[str, float]:
-    """Return the comparison at 45 degrees as the provenance keeps it."""
+    """Return the comparison at 45 degrees for the provenance."""
     units = {"N/mm": "N_per_mm", "N": "N"}
     table: dict[str, float] = {}
-    for row in diagonal_figures(sheet, isolator):
+    for row in diagonal_values(sheet, isolator):
         name = row.name.replace(" ", "_")
         if row.vendor is None or row.error is None:
             continue

@@ -1,17 +1,17 @@
-"""What a vendor's data sheet states of one isolator, in SI units."""
+"""Values of one isolator on a vendor's data sheet, in SI units, and beside those of a law."""
 
 import math
 from dataclasses import dataclass
 
-from wirerope_mj.mounts.identification.secants import VIBRATION_AMPLITUDE, Secant
+from wirerope_mj.mounts.vendor_parts.secants import VIBRATION_AMPLITUDE, Secant
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stated:
-    """One figure of a data sheet as a secant stiffness.
+class StatedValue:
+    """One value of a data sheet as a secant stiffness.
 
     Attributes:
-        name: of the figure.
+        name: of the value.
         unit: that it is printed in: N/mm, N (the force at the deflection) or Hz (of the mass of the static load).
         secant: deflection, stiffness and whether of the steady loop.
         fitted: whether the law is fitted to it.
@@ -25,7 +25,7 @@ class Stated:
     mass: float = math.nan
 
     def shown(self, stiffness: float) -> float:
-        """Return the figure that a secant stiffness [N/m] gives, in its unit."""
+        """Return the value that a secant stiffness [N/m] gives, in its unit."""
         if self.unit == "N":
             return stiffness * self.secant.deflection
         if self.unit == "Hz":
@@ -34,30 +34,46 @@ class Stated:
 
 
 @dataclass(frozen=True, kw_only=True)
-class AxisFigures:
-    """What a sheet states of one axis.
+class ComparedValue:
+    """One value: where it holds, its name and unit, the vendor's (None: not stated) and the law's."""
+
+    axis: str
+    name: str
+    unit: str
+    vendor: float | None
+    fitted: float
+
+    @property
+    def error(self) -> float | None:
+        """Relative error of the fitted value; None where the vendor states nothing."""
+        return None if self.vendor is None else self.fitted / self.vendor - 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisValues:
+    """Values that a sheet states of one axis.
 
     Attributes:
         travel: rated [m].
-        stated: the figures.
+        stated: the values.
         damping: damping ratio that the fit aims at [-]; None where it follows from the rest.
         hardening: k3 / k1 in parts of that of the rope loop; 1 unless the sheet says otherwise.
     """
 
     travel: float
-    stated: tuple[Stated, ...]
+    stated: tuple[StatedValue, ...]
     damping: float | None = None
     hardening: float = 1.0
 
     @property
     def fitted(self) -> tuple[Secant, ...]:
         """The secants that the law is fitted to."""
-        return tuple(figure.secant for figure in self.stated if figure.fitted)
+        return tuple(value.secant for value in self.stated if value.fitted)
 
 
 @dataclass(frozen=True, kw_only=True)
 class DataSheet:
-    """What a vendor states about one isolator, in SI units.
+    """A vendor's data sheet of one isolator, in SI units.
 
     Attributes:
         name: of the part.
@@ -68,9 +84,9 @@ class DataSheet:
         bar: thickness of one bar [m].
         loops: their number; None where it is not stated.
         bar_length: over which the loops are spread [m]; None where it is not stated: then nothing resists turning.
-        compression: figures of the axial axis.
-        shear: figures of the shear and roll axes; None where there are none.
-        diagonal: figures at 45 degrees between compression and roll, None where there are none.
+        compression: values of the axial axis.
+        shear: values of the shear and roll axes; None where there are none.
+        diagonal: values at 45 degrees between compression and roll, None where there are none.
         static_load: rated load in compression [N]; None where it is not stated.
         damping_amplitude: amplitude of the damping ratios [m].
         roll_of_loop: whether roll follows from the rope loop; else it is the same as shear.
@@ -85,13 +101,13 @@ class DataSheet:
     width: float
     rope: float
     bar: float
-    compression: AxisFigures
-    shear: AxisFigures | None
+    compression: AxisValues
+    shear: AxisValues | None
     static_load: float | None
     damping_amplitude: float
     loops: int | None = None
     bar_length: float | None = None
-    diagonal: AxisFigures | None = None
+    diagonal: AxisValues | None = None
     roll_of_loop: bool = False
     yielding: float | None = None
     damping_range: tuple[float, float] | None = None
@@ -100,8 +116,8 @@ class DataSheet:
 
 def two_stiffnesses(
     travel: float, vibration: float, shock: float, amplitude: float | None = None
-) -> tuple[Stated, ...]:
-    """Return a vibration stiffness and a shock stiffness [N/m] as figures.
+) -> tuple[StatedValue, ...]:
+    """Return a vibration stiffness and a shock stiffness [N/m] as stated values.
 
     Args:
         travel: rated [m].
@@ -111,8 +127,10 @@ def two_stiffnesses(
     """
     small = VIBRATION_AMPLITUDE * travel if amplitude is None else amplitude
     return (
-        Stated(
+        StatedValue(
             name="vibration stiffness", unit="N/mm", secant=Secant(deflection=small, stiffness=vibration, steady=True)
         ),
-        Stated(name="shock stiffness", unit="N/mm", secant=Secant(deflection=travel, stiffness=shock, steady=False)),
+        StatedValue(
+            name="shock stiffness", unit="N/mm", secant=Secant(deflection=travel, stiffness=shock, steady=False)
+        ),
     )

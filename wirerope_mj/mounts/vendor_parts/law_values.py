@@ -1,4 +1,4 @@
-"""The figures that a data sheet states, found back from a law by its own path integration.
+"""Values that a data sheet states, computed from a law by its own path integration.
 
 Nothing here knows the closed forms that the fits use, so that these functions can judge the fits.
 """
@@ -14,7 +14,7 @@ from wirerope_mj.mounts.laws import Law, LoopBoucWen
 from wirerope_mj.mounts.test_rig import cyclic_test
 
 if TYPE_CHECKING:
-    from wirerope_mj.mounts.identification.secants import Secant
+    from wirerope_mj.mounts.vendor_parts.secants import Secant
 
 
 def virgin_force(law: Law, deflection: float) -> float:
@@ -28,7 +28,7 @@ def relaxed_force(law: Law, deflection: float) -> float:
 
 
 def secant(law: Law, stated: "Secant", about: float = 0.0) -> float:
-    """Return the secant stiffness [N/m] that a law has where a figure is stated.
+    """Return the secant stiffness [N/m] that a law has where a value is stated.
 
     Args:
         law: of the axis.

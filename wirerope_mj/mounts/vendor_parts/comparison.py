@@ -1,0 +1,75 @@
+"""Every value of a data sheet beside that of an isolator's laws, by their own paths."""
+
+from pathlib import Path
+
+from wirerope_mj.foundation.toml_file import read_toml
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.laws import Law, LoopBoucWen
+from wirerope_mj.mounts.vendor_parts import law_values
+from wirerope_mj.mounts.vendor_parts.curve_fit import curve_values
+from wirerope_mj.mounts.vendor_parts.curve_sheet import read_curve_sheet
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, StatedValue
+from wirerope_mj.mounts.vendor_parts.sheet_file import read_datasheet
+
+
+def compare(path: str | Path, isolator: Isolator) -> list[ComparedValue]:
+    """Return every value of a data sheet beside that of the laws of `isolator`, and its sags under rated load."""
+    content = read_toml(path, "data sheet")
+    if "curve" in content:
+        return curve_values(read_curve_sheet(content, Path(path)), isolator)
+    sheet = read_datasheet(path)
+    if isolator.axial is None:
+        raise ValueError(f"`isolator` must have an axial law, {isolator.name} has not.")
+    rows = _axis_values("compression", sheet.compression, isolator.axial, sheet.damping_amplitude)
+    half = 0.5 * sheet.compression.travel
+    ratio = law_values.tension_ratio(isolator.axial, half)
+    rows.append(ComparedValue(axis="compression", name="F(+D/2)/|F(-D/2)|", unit="-", vendor=None, fitted=ratio))
+    for name, relaxed in (("virgin sag", False), ("relaxed sag", True)):
+        if sheet.static_load is None:
+            break
+        depth = law_values.compression_sag(isolator.axial, sheet.static_load, sheet.compression.travel, relaxed=relaxed)
+        rows.append(ComparedValue(axis="compression", name=name, unit="mm", vendor=None, fitted=1e3 * depth))
+    if sheet.shear is not None and isolator.shear is not None:
+        name = "shear" if sheet.roll_of_loop else "shear, roll"
+        rows += _axis_values(name, sheet.shear, isolator.shear, sheet.damping_amplitude)
+    return rows + diagonal_values(sheet, isolator)
+
+
+def diagonal_values(sheet: DataSheet, isolator: Isolator) -> list[ComparedValue]:
+    """Return the values at 45 degrees between compression and roll, which nothing was fitted to."""
+    law = isolator.coupled
+    if sheet.diagonal is None or not isinstance(law, LoopBoucWen):
+        return []
+    rows = []
+    for stated in sheet.diagonal.stated:
+        if stated.unit == "Hz":
+            continue  # about a sag under a load that is not along an axis of the mount: nothing here follows that
+        secant = law_values.diagonal_secant(law, stated.secant.deflection, steady=stated.secant.steady)
+        rows.append(_row("45 degrees", stated, secant))
+    return rows
+
+
+def _row(axis: str, stated: StatedValue, stiffness: float) -> ComparedValue:
+    """Return a value of the sheet beside the secant stiffness [N/m] of a law."""
+    vendor, fitted = stated.shown(stated.secant.stiffness), stated.shown(stiffness)
+    return ComparedValue(axis=axis, name=stated.name, unit=stated.unit, vendor=vendor, fitted=fitted)
+
+
+def _axis_values(axis: str, stated: AxisValues, law: Law, amplitude: float) -> list[ComparedValue]:
+    """Return the values of one axis; the negative side is compression, and symmetric laws do not mind."""
+    rows = []
+    for value in stated.stated:
+        about = 0.0
+        if value.unit == "Hz" and axis == "compression":
+            load = value.mass * STANDARD_GRAVITY
+            about = -law_values.compression_sag(law, load, stated.travel, relaxed=True)
+        rows.append(_row(axis, value, law_values.secant(law, value.secant, about)))
+    for name, at in (
+        (f"damping ratio at {1e3 * amplitude:.3g} mm", amplitude),
+        ("damping ratio at D/2", stated.travel / 2.0),
+    ):
+        rows.append(
+            ComparedValue(axis=axis, name=name, unit="-", vendor=None, fitted=law_values.damping_ratio(law, at))
+        )
+    return rows
