@@ -265,4 +265,4 @@ def test_a_mount_between_two_payloads_carries_the_upper_one():
 
 def test_an_unknown_model_is_one_message(capsys):
     assert main(["statics", "no_such_model"]) == 2
-    assert "The package ships cabinet" in capsys.readouterr().err
+    assert "ships with the package: cabinet" in capsys.readouterr().err

@@ -9,7 +9,6 @@ import numpy as np
 from rich.markup import escape
 from rich.table import Table
 
-from wirerope_mj.cli.models import model_path
 from wirerope_mj.cli.screen import console
 from wirerope_mj.cli.statics_tables import plain_table, stability_text
 from wirerope_mj.dynamics.modes import Modes, modes
@@ -34,8 +33,8 @@ def modes_command(
     for size in amplitudes_mm:
         if not (math.isfinite(size) and size > 0.0):
             raise ValueError(f"`--amplitude-mm` must be finite and > 0, got {size}.")
-    path = model_path(model)
-    target = out or Path("runs") / f"{path.stem}-modes-{datetime.now():%Y%m%d-%H%M%S}"
+    system = load_system(model)
+    target = out or Path("runs") / f"{system.name}-modes-{datetime.now():%Y%m%d-%H%M%S}"
     alone = target.suffix == ".rrd"
     if alone and target.exists() and not force:
         raise RecordError(f"{target}: there is a file already. Replace it with --force, or choose another one.")
@@ -43,17 +42,16 @@ def modes_command(
         check_place(target)
     else:
         check_target(target, force=force, kind=KIND, marks=MARKS)
-    system = load_system(path)
     small = modes(system, history=history)
     large = [modes(system, history=history, amplitude=size / 1e3) for size in amplitudes_mm]
     if alone:
         from wirerope_mj.dynamics.modes.film import film_of_modes
         from wirerope_mj.views.recording.modes import record_modes
 
-        record_modes(film_of_modes(system, small), target, title=path.stem, larger=large)
+        record_modes(film_of_modes(system, small), target, title=system.name, larger=large)
     else:
-        write_modes(system, path.stem, [small, *large], target, force=force)
-    print_modes(path.stem, small, large)
+        write_modes(system, system.name, [small, *large], target, force=force)
+    print_modes(system.name, small, large)
     screen = console()
     for sentence in about_small(system, small):
         screen.print(f"  {sentence}", soft_wrap=True, markup=False)

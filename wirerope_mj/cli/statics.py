@@ -19,7 +19,6 @@ def statics(model: str, *, json: Path | None = None) -> int:
         json: file for the same values in SI units.
     """
     from wirerope_mj.assessment.criteria import static_load_verdicts
-    from wirerope_mj.cli.models import model_path
     from wirerope_mj.cli.statics_tables import print_statics
     from wirerope_mj.dynamics.modes import modes
     from wirerope_mj.engine.statics import static_table
@@ -28,12 +27,11 @@ def statics(model: str, *, json: Path | None = None) -> int:
 
     if json is not None:
         check_place(json)
-    path = model_path(model)
-    system = load_system(path)
+    system = load_system(model)
     table = static_table(system)
     verdicts = static_load_verdicts(table)
     stability = {history: modes(system, history=sag.history).stability for history, sag in table.sags.items()}
-    print_statics(path.stem, table, verdicts, stability)
+    print_statics(system.name, table, verdicts, stability)
     if json is not None:
         content = table.to_dict() | {
             "verdicts": [verdict.to_dict() for verdict in verdicts],

@@ -62,11 +62,7 @@ class BatchResult:
 
 @dataclass(frozen=True, kw_only=True)
 class BatchFailure:
-    """Why a variant did not come to its end.
-
-    Attributes:
-        error: what `simulate` raises for this variant.
-    """
+    """Failure of a variant: `error` is what `simulate` raises for it."""
 
     error: WireRopeError
 

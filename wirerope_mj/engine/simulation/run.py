@@ -24,15 +24,7 @@ CHECK_EVERY = 64
 
 @dataclass(frozen=True, kw_only=True)
 class RunResult:
-    """Result of stepping.
-
-    Attributes:
-        final_state: state at the grid's end.
-        peaks: peaks over every step.
-        callback: what made the forces.
-        steps: number of steps.
-        largest_step: largest of them [s].
-    """
+    """Result of stepping: state at the grid's end, peaks over every step, largest step [s]."""
 
     final_state: State
     peaks: Peaks
@@ -53,14 +45,8 @@ def run(
 ) -> RunResult:
     """Step `system` through `grid` from `initial` and hand every sample to `sink`.
 
-    Args:
-        system: the system; its model is copied, so that one system serves several threads.
-        motion: base motion.
-        grid: segments of equal steps.
-        initial: state at the grid's start.
-        callback: "native" or "python".
-        sink: called with the sample's number and the system's sensor values; it must copy them.
-        progress: called with the simulated time [s] now and then.
+    The system's model is copied, so that one system serves several threads. `sink` takes the sample's number and the system's
+    sensor values, which it must copy; `progress` takes the simulated time [s] now and then.
 
     Raises:
         SimulationError: MuJoCo warned that the state is not valid any more.

@@ -1,6 +1,8 @@
 """Choosing the step before the run: pilots of the same system and motion, halved until samples and peaks agree."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -87,14 +89,7 @@ def choose_timestep(
     step, limit = (between, CORNERS) if between < step else (step, limit)
 
     failures: list[str] = []
-
-    def pilots(step: float) -> list[_Pilot] | None:
-        try:
-            return [_pilot(system, motion, start, window, sample_rate, step) for window in windows]
-        except SimulationError as failure:  # the step was too large for a part of the motion
-            failures.append(str(failure))
-            return None
-
+    pilots = partial(_pilots, system, motion, start, windows, sample_rate, failures)
     wanted = accuracy if len(windows) == 1 else WINDOWED * accuracy
     coarse = pilots(step)
     in_contact: list[ChosenStep] = []
@@ -103,13 +98,8 @@ def choose_timestep(
         error = RICHARDSON * _difference(coarse, fine)
         touches = fine is not None and any(pilot.touches for pilot in fine)
         if error <= wanted:
-            # Between this step and its double, which failed, the largest one may lie: order 2 says where to look.
-            factor = min(1.9, 0.9 * np.sqrt(wanted / error)) if halving and error > 0.0 else 1.0
-            if factor > 1.15:
-                longer = _difference(pilots(factor * step), fine) * factor**2 / (factor**2 - 0.25)
-                if longer <= wanted:
-                    return ChosenStep(timestep=factor * step, error=longer, limited_by=ACCURACY)
-            return ChosenStep(timestep=step, error=error, limited_by=ACCURACY if halving else limit)
+            longer = _longer(pilots, fine, step, error, wanted) if halving else None
+            return longer or ChosenStep(timestep=step, error=error, limited_by=ACCURACY if halving else limit)
         if touches:
             in_contact.append(ChosenStep(timestep=step, error=error, limited_by=CONTACTS))
             if halving >= LUCK and not _pays(error, halving, wanted):
@@ -121,6 +111,21 @@ def choose_timestep(
         f"no step down to {step:.3g} s keeps samples and peaks within {accuracy:.3g} of the peaks; the last error was "
         f"{error:.3g}. Ask for less (a larger `accuracy`), or give the `timestep`."
     )
+
+
+def _longer(
+    pilots: Callable[[float], "list[_Pilot] | None"],
+    fine: "list[_Pilot] | None",
+    step: float,
+    error: float,
+    wanted: float,
+) -> ChosenStep | None:
+    """Return a step between `step` and its double, which failed, if it is accurate enough: order 2 says where to look."""
+    factor = min(1.9, 0.9 * np.sqrt(wanted / error)) if error > 0.0 else 1.0
+    if factor <= 1.15:
+        return None
+    longer = _difference(pilots(factor * step), fine) * factor**2 / (factor**2 - 0.25)
+    return ChosenStep(timestep=factor * step, error=longer, limited_by=ACCURACY) if longer <= wanted else None
 
 
 def _pays(error: float, halving: int, wanted: float) -> bool:
@@ -179,6 +184,18 @@ class _Pilot:
     peaks: Array  # value, minimum and maximum of every channel, (n_channels, 7)
     kinds: list[str]
     touches: bool  # whether a contact of geoms was active
+
+
+def _pilots(
+    system: System, motion: BaseMotion, start: State, windows: list[tuple[float, float]], sample_rate: float,
+    failures: list[str], step: float,
+) -> list[_Pilot] | None:  # fmt: skip
+    """Return the pilots of all windows with one step; None, and the reason in `failures`, where it was too large."""
+    try:
+        return [_pilot(system, motion, start, window, sample_rate, step) for window in windows]
+    except SimulationError as failure:
+        failures.append(str(failure))
+        return None
 
 
 def _pilot(

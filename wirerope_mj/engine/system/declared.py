@@ -58,7 +58,7 @@ def check_visible(model: mujoco.MjModel) -> None:
 def declared_mounts(
     spec: mujoco.MjSpec, model: mujoco.MjModel, *, folder: Path | None, isolators: Mapping[str, Isolator]
 ) -> list[DeclaredMount]:
-    """Return the mounts in the order of their tuples; isolators in memory go before files, which `folder` is searched for first."""
+    """Return the mounts in the order of their tuples; isolators in memory go before files, first those in `folder`."""
     files = {text.name: text.data for text in spec.texts}
     loaded: dict[str, Isolator] = {}
     mounts: list[DeclaredMount] = []

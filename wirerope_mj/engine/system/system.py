@@ -17,7 +17,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.plain_text import short
-from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.mounts.isolator import Isolator
 
@@ -96,6 +96,11 @@ class System(Summarised):
         lines |= {isolator: ", ".join(names) for isolator, names in by_isolator.items()}
         source = self.path.name if self.path else "MJCF text"
         return f"System of {source}: {len(self.mounts)} mounts, {self.model.nv} degrees of freedom", lines
+
+    @property
+    def name(self) -> str:
+        """Name of the model's file without its ending; "model" if it was given as text."""
+        return self.path.stem if self.path else "model"
 
 
 def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None = None) -> System:
@@ -178,7 +183,7 @@ def _read(source: str | Path) -> tuple[str, Path | None]:
         raise ValueError(f"`source` must be the path of an MJCF file, or MJCF text, got {source!r}.")
     path = Path(source)
     try:
-        path = _file_of(path)
+        path = model_file(path) or path
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
@@ -187,10 +192,9 @@ def _read(source: str | Path) -> tuple[str, Path | None]:
         ) from None
     except (OSError, ValueError) as error:  # a path that holds NUL is a ValueError
         why = why_unread(error if isinstance(error, OSError) else FileNotFoundError())
-        shipped = ", ".join(sorted(file.stem for file in models_folder().glob("*.xml")))
         raise ModelError(
             f"{short(str(path))}: the model cannot be read: {why} Expected is the path of an MJCF file, MJCF text, which "
-            f"begins with <, or the name of a model that ships with the package: {shipped}."
+            f"begins with <, or the name of a model that ships with the package: {', '.join(shipped_models())}."
         ) from None
     if not text.lstrip("\ufeff").lstrip().startswith("<"):
         raise ModelError(f"{path}: this is not a model; an MJCF file is XML and begins with <mujoco>.")
@@ -199,12 +203,6 @@ def _read(source: str | Path) -> tuple[str, Path | None]:
             f"{path.resolve()}: MuJoCo takes the backslash in this path for a slash; rename the folder or file."
         )
     return text, path.resolve()
-
-
-def _file_of(path: Path) -> Path:
-    """Return the model file that a path or a name leads to: as it is, with `.xml`, or among those that ship."""
-    named = path if path.suffix == ".xml" else Path(f"{path}.xml")
-    return next((file for file in (path, named, models_folder() / named) if file.is_file()), path)
 
 
 def _check_payloads(model: mujoco.MjModel, declared: list[DeclaredMount], base: int) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.system.contact_pairs import contact_rows
+from wirerope_mj.engine.system.contact_pairs import contact_capacity
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
@@ -100,7 +100,7 @@ def make_tables(
     header[at.MOUNTS : at.CHANNELS + 1] = starts[:-1]
     header[at.SENSOR] = sensor
     header[at.N_SLIPPING] = _slipping(axes)
-    header[at.N_CONTACTS] = n_contacts = contact_rows(model)
+    header[at.N_CONTACTS] = n_contacts = contact_capacity(model)
     header[at.N_STOPS] = n_stops = sum(len(isolator.stops) for isolator in isolators.values())
     user = at.UserData(
         n_mounts=len(declared),
