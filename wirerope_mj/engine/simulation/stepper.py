@@ -112,7 +112,7 @@ class Stepper:
     def _beyond(self, deflections: Array) -> str:
         """Return a note on a mount that was near or beyond the end of its law, "" if there is none."""
         for (name, mount), row in zip(self.system.mounts.items(), deflections, strict=True):
-            if beyond := beyond_law(mount.isolator.axes, row, row, share=_NEAR):
+            if beyond := beyond_law(mount.isolator.axes, row, row, fraction=_NEAR):
                 return f" Mount {name!r} stood {beyond}."
         return ""
 

@@ -119,7 +119,7 @@ def _table(history: str, modes: Modes, *, noted: bool) -> Table:
     rows = tuple(
         (
             str(number + 1),
-            modes.words[number],
+            modes.descriptions[number],
             fixed(float(modes.frequencies[number]), 2),
             fixed(float(modes.unloading[number]), 2),
             fixed(float(modes.loading[number]), 2),
