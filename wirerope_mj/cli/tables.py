@@ -1,4 +1,4 @@
-"""What a run prints: peaks against limits, and where the files are."""
+"""Output of a run: peaks against limits, and where the files are."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -26,8 +26,8 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator.travel import RATINGS
-from wirerope_mj.runs.headline import read_headline
 from wirerope_mj.runs.scenario import Scenario
+from wirerope_mj.runs.summary import read_headline
 
 _NEAR = 0.9  # utilisation from which it is coloured as a warning
 

@@ -1,4 +1,4 @@
-"""Where the models and scenarios that ship with the package lie, in a checkout and in an installed wheel."""
+"""Folders of the models and scenarios that ship with the package, in a checkout and in an installed wheel."""
 
 from pathlib import Path
 
@@ -49,10 +49,10 @@ def model_source(model: str | Path, *, folder: Path | None = None, asker: str) -
         model: MJCF text, or a path; a relative one starts at `folder`, then at the models that ship with the package, and
             `.xml` may be left out.
         folder: None for the current one.
-        asker: what messages begin with.
+        asker: beginning of messages.
 
     Raises:
-        ModelError: there is no such file; names where it was looked for.
+        ModelError: there is no such file; names the paths that were tried.
     """
     if isinstance(model, str) and model.lstrip().startswith("<"):
         return model

@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
-from wirerope_mj.dynamics.frequency_response.axes import log_ticks
 from wirerope_mj.dynamics.frequency_response.curve import BranchCurve
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.ticks import log_ticks
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 
 COLOURS = ("#08519c", "#d95f0e", "#238b45", "#7a0177", "#b30000", "#525252", "#02818a", "#8c6d31")

@@ -10,8 +10,8 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
-from wirerope_mj.dynamics.frequency_response.axes import log_ticks
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.ticks import log_ticks
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.views.plots.plain_figure import PlainFigure
