@@ -1,4 +1,4 @@
-"""What does a variant cost?  Floors on mounts that scatter, shocked side by side, against a loop of `wr.simulate`.
+"""Cost of a variant: floors on mounts that scatter, shocked side by side, against a loop of `wr.simulate`.
 
     python benchmarks/batch.py            # variants per second, and where the time of a variant goes
     python benchmarks/batch.py growth     # cost and memory of a variant as mounts and variants grow

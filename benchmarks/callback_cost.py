@@ -1,4 +1,4 @@
-"""What do the mounts cost?  Time per RK4 step of the floor with native and Python callback, springs, and bare bodies.
+"""Cost of the mounts: time per RK4 step of the floor with native and Python callback, springs, and bare bodies.
 
     python benchmarks/callback_cost.py
 

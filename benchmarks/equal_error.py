@@ -1,4 +1,4 @@
-"""What does the engine cost?  wirerope-mj, SciPy and a numba RK4 by hand on the same equations, at equal error.
+"""Cost of the engine: wirerope-mj, SciPy and a numba RK4 by hand on the same equations, at equal error.
 
     python benchmarks/equal_error.py
 
@@ -22,7 +22,7 @@ from scipy.integrate import solve_ivp
 import wirerope_mj as wr
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.simulation.stepper import STATE
+from wirerope_mj.engine.control.state import STATE
 from wirerope_mj.motions import BaseMotion
 
 Array = npt.NDArray[np.float64]

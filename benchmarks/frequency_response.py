@@ -1,4 +1,4 @@
-"""What does a resonance curve cost?  A branch of periodic motions against sweeps that are slow enough to agree with it.
+"""Cost of a resonance curve: a branch of periodic motions against sweeps that are slow enough to agree with it.
 
     python benchmarks/frequency_response.py one floor
 

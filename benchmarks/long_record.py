@@ -1,4 +1,4 @@
-"""How much memory a long three-axis record needs: read, simulated into a folder, and as a whole run with its view.
+"""Memory that a long three-axis record needs: read, simulated into a folder, and as a whole run with its view.
 
     python benchmarks/long_record.py                      # 1 minute and 10 minutes at 10 kHz
     python benchmarks/long_record.py --minutes 1 --whole  # the whole run, recording and pictures included

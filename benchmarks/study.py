@@ -1,4 +1,4 @@
-"""What a variant of a study costs: on one and two processors, against single runs, with more mounts and more variants.
+"""Cost of a variant of a study: on one and two processors, against single runs, with more mounts and more variants.
 
     python benchmarks/study.py rate      # a study, independent processes, threads, and a loop of `simulate` take turns
     python benchmarks/study.py mounts    # 4, 8, 16 and 32 mounts

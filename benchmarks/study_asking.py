@@ -1,4 +1,4 @@
-"""What the process that asks for a study spends itself: drawing and checking variants, and the parts of its table.
+"""Time that the process that asks for a study spends itself: drawing and checking variants, and the parts of its table.
 
     python benchmarks/study_asking.py                  # 100 000 variants drawn and checked; 1000 parts of 32 written and joined
     python benchmarks/study_asking.py --parts 200

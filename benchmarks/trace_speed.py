@@ -1,4 +1,4 @@
-"""How fast is a trace?  One million points per law, against SciPy's `solve_ivp` on the same path at equal error.
+"""Speed of a trace: one million points per law, against SciPy's `solve_ivp` on the same path at equal error.
 
     python benchmarks/trace_speed.py
 

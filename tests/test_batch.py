@@ -239,10 +239,10 @@ def test_every_field_that_acts_is_compared_or_expanded():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"timestep": 0.0}, "`timestep` must be a positive number, got 0.0"),
-        ({"duration": -1.0}, "`duration` must be a positive number, got -1.0"),
-        ({"threads": 0}, "`threads` must be a positive number, got 0"),
-        ({"threads": 1.5}, "`threads` must be an integer, got 1.5"),
+        ({"timestep": 0.0}, "`timestep` must be > 0, got 0.0"),
+        ({"duration": -1.0}, "`duration` must be > 0, got -1.0"),
+        ({"threads": 0}, "`threads` must be an integer >= 1, got 0"),
+        ({"threads": 1.5}, "`threads` must be an integer >= 1, got 1.5"),
         ({"corners": [np.nan]}, "`corners` must be finite instants"),
         ({"initial": "afloat"}, "`initial` must be 'settled', 'relaxed', 'unloaded' or a State, got 'afloat'"),
         ({"initial": ["settled"] * 3}, "must hold one each or equally many, got {'motions': 2, 'initial': 3}"),

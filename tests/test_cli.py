@@ -91,7 +91,7 @@ def test_a_sweep_says_at_which_frequency_its_peaks_lie(tmp_path, capsys):
         (["run", "shock_table", "--level", "3"], "Unknown option: --level.*--level-g"),
         (["run", "shock_table", "--level-g", "high"], "--level-g.*high"),
         (["run", "shock_table", "--direction", "up", "--out", "RUN"], "`direction` must be.*'up'"),
-        (["run", "shock_table", "--duration", "-1", "--out", "RUN"], "`duration` must be a positive number, got -1"),
+        (["run", "shock_table", "--duration", "-1", "--out", "RUN"], "`duration` must be > 0, got -1"),
         (["run", "shock_table", "--callback", "magic", "--out", "RUN"], "`callback` must be.*'magic'"),
         (["run", "sdof_sweep", "--level-g", "2", "--out", "RUN"], "`level_g` must be.*2"),
         (["run", "--out", "RUN"], "the scenario comes first"),

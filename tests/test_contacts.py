@@ -13,8 +13,8 @@ from test_equilibrium import floor_on_stops
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, contact_verdicts
 from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control.state import STATE
 from wirerope_mj.engine.simulation.contacts import OTHERS
-from wirerope_mj.engine.simulation.stepper import STATE
 from wirerope_mj.engine.system import contact_pairs
 from wirerope_mj.foundation.resources import models_folder, scenarios_folder
 
@@ -114,8 +114,8 @@ def test_every_declared_stop_has_a_verdict_struck_or_not(table, struck):
 
 
 def test_pairs_beyond_the_memory_are_told_together_and_nothing_is_called_untouched(monkeypatch):
-    monkeypatch.setattr(contact_pairs, "contact_rows", lambda model: 2)
-    monkeypatch.setattr("wirerope_mj.engine.system.tables.contact_rows", lambda model: 2)
+    monkeypatch.setattr(contact_pairs, "contact_capacity", lambda model: 2)
+    monkeypatch.setattr("wirerope_mj.engine.system.tables.contact_capacity", lambda model: 2)
     system = wr.load_system(models_folder() / "shock_table_contacts.xml")
     with pytest.warns(wr.AccuracyWarning):
         r = wr.simulate(system, shock(60.0), duration=0.12, timestep=STEP)

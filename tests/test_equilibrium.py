@@ -295,7 +295,7 @@ def test_a_body_beside_its_only_mount_is_named():
 
 
 def test_the_history_must_be_known():
-    with pytest.raises(ValueError, match=r"`history` must be 'virgin' or 'relaxed', got 'old'"):
+    with pytest.raises(ValueError, match=r"`history` must be one of 'virgin', 'relaxed', got 'old'"):
         wr.equilibrium(sdof(wr.KelvinVoigt(k=1e4, c=1.0)), history="old")
 
 

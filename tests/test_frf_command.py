@@ -143,7 +143,9 @@ def test_bad_input_is_one_message_and_nothing_is_left_behind(tmp_path, capsys, m
 def test_an_unknown_model_says_which_ship(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main(["frf", "no_model"]) == 2
-    assert "no_model: there is no such model file. The package ships" in capsys.readouterr().err
+    message = capsys.readouterr().err
+    assert "no_model: the model cannot be read: there is no such file" in message
+    assert "ships with the package: cabinet" in message
 
 
 @pytest.fixture

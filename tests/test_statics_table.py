@@ -40,7 +40,7 @@ def test_an_offset_centre_splits_the_weight_as_the_textbook_says():
             assert row.split == pytest.approx(expected, rel=1e-4)
             assert row.carries == pytest.approx(expected * 100.0 * G, rel=1e-4)
             assert row.deflection[2] == pytest.approx(-expected * 100.0 * G / 5e4, rel=1e-4)
-            assert row.share == pytest.approx(expected * 100.0 * G / 280.0, rel=1e-4)
+            assert row.utilisation == pytest.approx(expected * 100.0 * G / 280.0, rel=1e-4)
 
 
 def test_the_payload_tilts_towards_its_heavy_side():
@@ -198,12 +198,12 @@ def test_mounts_that_hang_or_carry_across_are_judged_as_a_run_judges_them():
         name: (v.verdict, v.note) for name, v in of_run.items()
     }
     assert found["s1"].note.startswith("the load is across the axis")
-    assert table.virgin.mounts["s1"].share is None
-    assert table.virgin.mounts["m01"].share == found["m01"].share > 0.3
+    assert table.virgin.mounts["s1"].utilisation is None
+    assert table.virgin.mounts["m01"].utilisation == found["m01"].utilisation > 0.3
     rated = wr.Isolator(name="a", axial=wr.KelvinVoigt(k=1e4, c=0.0), limits=wr.Limits(static_load=100.0))
     hung = static_table(wr.load_system(sdof_text(gravity=-G), isolators={"a": rated}))
     assert {v.note for v in static_load_verdicts(hung)} == {"the mount hangs, and the rating holds for compression"}
-    assert hung.virgin.mounts["m1"].share is None
+    assert hung.virgin.mounts["m1"].utilisation is None
 
 
 def test_the_command_prints_both_histories_and_writes_plain_figures(capsys, tmp_path):
@@ -265,4 +265,4 @@ def test_a_mount_between_two_payloads_carries_the_upper_one():
 
 def test_an_unknown_model_is_one_message(capsys):
     assert main(["statics", "no_such_model"]) == 2
-    assert "The package ships cabinet" in capsys.readouterr().err
+    assert "ships with the package: cabinet" in capsys.readouterr().err

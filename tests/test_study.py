@@ -232,7 +232,7 @@ def test_laws_in_parallel_do_not_vary(parameter):
         (lambda: table_study({"mount/m1/axial/gamma": wr.Normal(1, 0.1, relative=True)}, isolators=unbent()),
          "'mount/m1/axial/gamma' is 0 in the model, and 0 times anything is 0; give absolute values"),
         (lambda: table_study({"motion/level": wr.Choice(True)}), "must be a distribution of numbers"),
-        (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, duration=0.0), "`duration` must be a positive number"),
+        (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, duration=0.0), "`duration` must be > 0"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, initial="rest"), "`initial` must be one of 'settled'"),
         (lambda: table_study({"mount/m1/axial/alpha": 1.1}), "must be a Normal, Uniform, Isotropic, Choice or Specimens"),
         (

@@ -329,7 +329,7 @@ def test_what_does_not_exist_is_named_with_what_does(system):
 
 @pytest.mark.parametrize("factor", [0.0, -1.0, math.nan, math.inf, "2", True, None])
 def test_a_mass_needs_a_positive_factor(system, factor):
-    with pytest.raises(ValueError, match=r"`masses\['plate'\]` must be a factor > 0, got"):
+    with pytest.raises(ValueError, match=r"`masses\['plate'\]` must be (> 0|a finite number), got"):
         wr.varied(system, masses={"plate": factor})
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from rich.markup import escape
 
 from wirerope_mj.cli.frf_tables import print_response
-from wirerope_mj.cli.models import model_path
 from wirerope_mj.cli.screen import console
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries
@@ -28,13 +27,12 @@ DEFAULT = 1.0
 
 def frf_command(model: str, options: ResponseOptions, *, keep: Path | None, out: Path | None, force: bool) -> int:
     """Compute a frequency response, write its folder, print what was found; return the exit code."""
-    path = model_path(model)
-    folder = out or Path("runs") / f"{path.stem}-frf-{datetime.now():%Y%m%d-%H%M%S}"
+    system = load_system(model)
+    folder = out or Path("runs") / f"{system.name}-frf-{datetime.now():%Y%m%d-%H%M%S}"
     check_target(folder, force=force, kind=KIND, marks=MARKS)
-    system = load_system(path)
     watched = sys.stderr.isatty()
     report = _report if watched else None
-    result = frequency_response(system, options, name=path.stem, report=report, keep=keep, progress=watched)
+    result = frequency_response(system, options, name=system.name, report=report, keep=keep, progress=watched)
     if watched:
         _report("writing tables, pictures and the recording")
     findings = level_summaries(result)

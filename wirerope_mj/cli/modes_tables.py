@@ -8,9 +8,8 @@ from pathlib import Path
 from rich.markup import escape
 from rich.table import Table
 
-from wirerope_mj.cli.models import model_path
 from wirerope_mj.cli.screen import console
-from wirerope_mj.cli.statics_tables import plain_table, stability_words
+from wirerope_mj.cli.statics_tables import plain_table, stability_text
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.dynamics.modes.carried import carried
 from wirerope_mj.dynamics.modes.travel import travel_utilisation
@@ -30,8 +29,8 @@ def modes_command(
     """Find the modes of a model, write them, print them; return the exit code."""
     for size in amplitudes_mm:
         positive("--amplitude-mm", size)
-    path = model_path(model)
-    target = out or Path("runs") / f"{path.stem}-modes-{datetime.now():%Y%m%d-%H%M%S}"
+    system = load_system(model)
+    target = out or Path("runs") / f"{system.name}-modes-{datetime.now():%Y%m%d-%H%M%S}"
     alone = target.suffix == ".rrd"
     if alone and target.exists() and not force:
         raise RecordError(f"{target}: there is a file already. Replace it with --force, or choose another one.")
@@ -39,17 +38,16 @@ def modes_command(
         check_writable(target)
     else:
         check_target(target, force=force, kind=KIND, marks=MARKS)
-    system = load_system(path)
     small = modes(system, history=history)
     large = [modes(system, history=history, amplitude=size / 1e3) for size in amplitudes_mm]
     if alone:
         from wirerope_mj.dynamics.modes.animation import animated_modes
         from wirerope_mj.views.recording.modes import record_modes
 
-        record_modes(animated_modes(system, small), target, title=path.stem, larger=large)
+        record_modes(animated_modes(system, small), target, title=system.name, larger=large)
     else:
-        write_modes(system, path.stem, [small, *large], target, force=force)
-    print_modes(path.stem, small, large)
+        write_modes(system, system.name, [small, *large], target, force=force)
+    print_modes(system.name, small, large)
     screen = console()
     for sentence in about_small(system, small):
         screen.print(f"  {sentence}", soft_wrap=True, markup=False)
@@ -67,7 +65,7 @@ def print_modes(name: str, small: Modes, large: Sequence[Modes]) -> None:
     screen.print()
     screen.print(_table(name, small, large))
     screen.print()
-    screen.print(f"  {stability_words(small.stability)}", soft_wrap=True, markup=False)
+    screen.print(f"  {stability_text(small.stability)}", soft_wrap=True, markup=False)
     screen.print(
         "  Damping in brackets. x, y, z: share of the moving mass that takes part.", soft_wrap=True, markup=False
     )

@@ -1,4 +1,4 @@
-"""`wirerope statics`: where a model rests under its weight."""
+"""`wirerope statics`: equilibrium of a model under its weight."""
 
 from pathlib import Path
 
@@ -9,17 +9,16 @@ MISSING = 1
 
 
 def statics(model: str, *, json: Path | None = None) -> int:
-    """Print where a model rests under its weight: sag and load of every mount, tilt of the payloads, verdicts on static loads.
+    """Print a model's equilibrium: sag and load of every mount, tilt of the payloads, verdicts on static loads.
 
     Virgin is the position after the weight was laid on slowly, relaxed the one after long vibration, when the hysteretic
-    share of the load has leaked away; both stand side by side. Exits 1 if only one of them exists, and says why.
+    part of the load has leaked away; both stand side by side. Exits 1 if only one of them exists, and says why.
 
     Args:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
-        json: file for the same figures in SI units.
+        json: file for the same values in SI units.
     """
     from wirerope_mj.assessment.criteria import static_load_verdicts
-    from wirerope_mj.cli.models import model_path
     from wirerope_mj.cli.statics_tables import print_statics
     from wirerope_mj.dynamics.modes import modes
     from wirerope_mj.engine.statics import static_table
@@ -28,16 +27,15 @@ def statics(model: str, *, json: Path | None = None) -> int:
 
     if json is not None:
         check_writable(json)
-    path = model_path(model)
-    system = load_system(path)
+    system = load_system(model)
     table = static_table(system)
     verdicts = static_load_verdicts(table)
     stability = {history: modes(system, history=sag.history).stability for history, sag in table.sags.items()}
-    print_statics(path.stem, table, verdicts, stability)
+    print_statics(system.name, table, verdicts, stability)
     if json is not None:
         content = table.to_dict() | {
             "verdicts": [verdict.to_dict() for verdict in verdicts],
-            "stability": {history: figures.to_dict() for history, figures in stability.items()},
+            "stability": {history: values.to_dict() for history, values in stability.items()},
         }
         write_json(content, json)
         print(plain(f"  written to {json}"))

@@ -1,4 +1,4 @@
-"""What `wirerope statics` prints: mounts and payloads under the weight, loads against ratings, distance from tipping over."""
+"""Tables of `wirerope statics`: mounts and payloads under the weight, loads against ratings, distance from tipping over."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -19,7 +19,7 @@ _FAR = 100.0
 def print_statics(
     name: str, table: StaticTable, verdicts: Sequence[Verdict], stability: dict[str, TippingStability]
 ) -> None:
-    """Print where a system rests."""
+    """Print the equilibrium of a system."""
     screen = console()
     screen.print()
     screen.print(_mounts(name, table, verdicts))
@@ -30,7 +30,7 @@ def print_statics(
         screen.print(f"  {sentence}", soft_wrap=True, markup=False)
 
 
-def stability_words(stability: TippingStability) -> str:
+def stability_text(stability: TippingStability) -> str:
     """Return a sentence on how far a system is from tipping over."""
     if stability.word == "tips over":
         return "it tips over: its mounts do not hold its weight upright."
@@ -38,12 +38,12 @@ def stability_words(stability: TippingStability) -> str:
         return "something moves without any stiffness: no mount, joint or stop holds it."
     if stability.gravity_factor > _FAR and stability.rise > _FAR:
         return f"{stability.word}, far from tipping over."
-    ways = []
+    limits = []
     if math.isfinite(stability.gravity_factor):
-        ways.append(f"at {stability.gravity_factor:.3g} times its weight")
+        limits.append(f"at {stability.gravity_factor:.3g} times its weight")
     if math.isfinite(stability.rise):
-        ways.append(f"with its centre of mass, or that of a part on a joint, {stability.rise:.3g} m higher")
-    return f"{stability.word}; it would tip over {', or '.join(ways)}."
+        limits.append(f"with its centre of mass, or that of a part on a joint, {stability.rise:.3g} m higher")
+    return f"{stability.word}; it would tip over {', or '.join(limits)}."
 
 
 def _mounts(name: str, table: StaticTable, verdicts: Sequence[Verdict]) -> Table:
@@ -57,8 +57,8 @@ def _mounts(name: str, table: StaticTable, verdicts: Sequence[Verdict]) -> Table
         "of the rating\n[%]",
     ]
     histories = " / ".join(table.sags)
-    found = plain_table(f"{name}: mounts under the weight, {histories}; negative is compression", "mount", headings)
-    found.add_column("verdict", no_wrap=True)
+    rows = plain_table(f"{name}: mounts under the weight, {histories}; negative is compression", "mount", headings)
+    rows.add_column("verdict", no_wrap=True)
     exceeded = {verdict.subject for verdict in verdicts if verdict.verdict == "exceeded"}
     judged = {verdict.subject for verdict in verdicts if verdict.limit is not None}
     for mount in next(iter(table.sags.values())).mounts:
@@ -66,8 +66,8 @@ def _mounts(name: str, table: StaticTable, verdicts: Sequence[Verdict]) -> Table
             continue
         columns = zip(*(_cells(sag, mount) for sag in table.sags.values()), strict=True)
         word = "[bold red]exceeded[/]" if mount in exceeded else "within" if mount in judged else "not judged"
-        found.add_row(escape(mount), *[" / ".join(column) for column in columns], word)
-    return found
+        rows.add_row(escape(mount), *[" / ".join(column) for column in columns], word)
+    return rows
 
 
 def _cells(sag: Sag, mount: str) -> Iterator[str]:
@@ -77,27 +77,27 @@ def _cells(sag: Sag, mount: str) -> Iterator[str]:
     yield f"{1e-3 * row.force[2]:z.3f}"
     yield f"{1e-3 * row.carries:z.3f}"
     yield f"{100 * row.split:z.1f}" if math.isfinite(row.split) else "-"
-    yield "-" if row.share is None else f"{100 * row.share:.1f}"
+    yield "-" if row.utilisation is None else f"{100 * row.utilisation:.1f}"
 
 
 def _payloads(table: StaticTable) -> Table:
     headings = ["mass\n[kg]", "x [mm]", "y [mm]", "z [mm]", "about x\n[mrad]", "about y\n[mrad]", "about z\n[mrad]"]
-    found = plain_table("Payloads: way of the centre of mass, tilt and turn", "payload", ["history", *headings])
+    rows = plain_table("Payloads: displacement of the centre of mass, tilt and turn", "payload", ["history", *headings])
     for history, sag in table.sags.items():
         for name, row in sag.payloads.items():
             move = [f"{1e3 * value:z.3f}" for value in (*row.displacement, *row.rotation)]
-            found.add_row(escape(name), history, f"{row.mass:.5g}", *move)
-    return found
+            rows.add_row(escape(name), history, f"{row.mass:.5g}", *move)
+    return rows
 
 
 def plain_table(title: str, first: str, numbers: list[str]) -> Table:
     """Return a table of one column of names and columns of numbers."""
-    found = Table(box=box.SIMPLE_HEAD, title=escape(title), title_style="bold", title_justify="left", show_edge=False)
-    found.padding = (0, 1, 0, 0)
-    found.add_column(escape(first), no_wrap=True)
+    table = Table(box=box.SIMPLE_HEAD, title=escape(title), title_style="bold", title_justify="left", show_edge=False)
+    table.padding = (0, 1, 0, 0)
+    table.add_column(escape(first), no_wrap=True)
     for name in numbers:
-        found.add_column(escape(name), justify="right", no_wrap=True)
-    return found
+        table.add_column(escape(name), justify="right", no_wrap=True)
+    return table
 
 
 def _sentences(
@@ -111,11 +111,11 @@ def _sentences(
         )
     if any(sum(row.carries for row in sag.mounts.values()) > 1.000001 * sag.on_mounts for sag in table.sags.values()):
         yield (
-            "Payloads stand on payloads: shares are of the weight of all of them, and the lower mounts carry what stands above "
-            "as well, so they add up to more than 100 %."
+            "Payloads stand on payloads: fractions are of the weight of all of them, and the lower mounts carry what stands "
+            "above as well, so they add up to more than 100 %."
         )
-    for history, words in table.missing.items():
-        yield f"{history}: {words}"
+    for history, reason in table.missing.items():
+        yield f"{history}: {reason}"
     judged = [verdict for verdict in verdicts if verdict.utilisation is not None]
     if judged:
         worst = max(judged, key=lambda verdict: verdict.utilisation or 0.0)
@@ -129,7 +129,7 @@ def _sentences(
             unjudged.setdefault(verdict.note, {})[verdict.subject] = None
     for reason, names in unjudged.items():
         yield f"Not judged, because {reason}: {', '.join(names)}."
-    said = {history: stability_words(figures) for history, figures in stability.items()}
+    said = {history: stability_text(values) for history, values in stability.items()}
     if len(set(said.values())) == 1:
         said = {" and ".join(said): next(iter(said.values()))}
     for history, sentence in said.items():

@@ -31,6 +31,17 @@ def catalogue_folder() -> Path:
     return models_folder() / "isolators"
 
 
+def shipped_models() -> list[str]:
+    """Return the names of the MJCF models that ship with the package."""
+    return sorted(path.stem for path in models_folder().glob("*.xml"))
+
+
+def model_file(model: str | Path, *, folder: Path | None = None) -> Path | None:
+    """Return the file of a model from `folder` or among those that ship; `.xml` may be left out. None if there is none."""
+    start, named = folder or Path(), Path(model) if str(model).endswith(".xml") else Path(f"{model}.xml")
+    return next((file for file in (start / model, start / named, models_folder() / named) if file.is_file()), None)
+
+
 def model_source(model: str | Path, *, folder: Path | None = None, asker: str) -> str | Path:
     """Return an MJCF text as it is, or the path of a model file.
 
@@ -45,13 +56,10 @@ def model_source(model: str | Path, *, folder: Path | None = None, asker: str) -
     """
     if isinstance(model, str) and model.lstrip().startswith("<"):
         return model
-    wanted = Path(model) if str(model).endswith(".xml") else Path(f"{model}.xml")
-    candidates = [(folder or Path()) / wanted, models_folder() / wanted]
-    for path in candidates:
-        if path.is_file():
-            return path
-    shipped = ", ".join(sorted(path.name for path in models_folder().glob("*.xml")))
-    raise ModelError(
-        f"{asker}: there is no model {str(model)!r}; looked for "
-        f"{' and '.join(str(path) for path in dict.fromkeys(candidates))}. The package ships {shipped}."
-    )
+    file = model_file(model, folder=folder)
+    if file is None:
+        raise ModelError(
+            f"{asker}: there is no model {str(model)!r} in {(folder or Path()).resolve()} and none that ships with the "
+            f"package: {', '.join(shipped_models())}."
+        )
+    return file

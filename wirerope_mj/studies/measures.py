@@ -7,7 +7,7 @@ import numpy as np
 
 from wirerope_mj.engine.response.peaks import Peak, Peaks
 from wirerope_mj.engine.simulation.run import point_name
-from wirerope_mj.engine.statics.loads import forces_at_rest
+from wirerope_mj.engine.statics.result import forces_at_rest
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.state import State
 from wirerope_mj.mounts.isolator.static_rating import static_utilisation

@@ -14,9 +14,9 @@ from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
 from wirerope_mj.dynamics.periodic.shooting import ACCEPTED, Shot, close, shot
 from wirerope_mj.dynamics.periodic.smoothing import smoothed
 from wirerope_mj.dynamics.periodic.track import Drive, Steps
+from wirerope_mj.engine.control.state import STATE
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.simulate import check_direction
-from wirerope_mj.engine.simulation.stepper import STATE
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import integer, nonzero, positive

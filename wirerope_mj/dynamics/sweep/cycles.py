@@ -12,10 +12,11 @@ from wirerope_mj.dynamics.sweep.channels import Channels
 from wirerope_mj.dynamics.sweep.travel import Lawful
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.state import STATE
 from wirerope_mj.engine.simulation.grid import Grid
 from wirerope_mj.engine.simulation.initial import moving_with_base
 from wirerope_mj.engine.simulation.stages import StageTables
-from wirerope_mj.engine.simulation.stepper import STATE, Stepper
+from wirerope_mj.engine.simulation.stepper import Stepper
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
@@ -74,7 +75,7 @@ class Cycles:
         stepper.enter(grid)
         minimum, maximum = np.empty((2, ends.size, self._memory.shape[0], 3))
         cycle, user = 0, stepper.user
-        for base in self._tables.pieces(grid):
+        for base in self._tables.segments(grid):
             stepper.begin(base)
             steps = int(grid.steps[base.number])
             if not user[at.OBSERVING]:  # this instant was seen as the last of the cycle before

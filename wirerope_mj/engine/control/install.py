@@ -12,6 +12,7 @@ import numba
 from wirerope_mj.engine.control.native import Callbacks, native_callbacks
 from wirerope_mj.engine.control.python import python_callbacks
 from wirerope_mj.engine.control.structs import disagreement
+from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import SimulationError
 
 Kind = Literal["native", "python"]
@@ -39,8 +40,7 @@ def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native")
     Raises:
         SimulationError: another thread steps with the other kind, or MuJoCo could not go on within the block.
     """
-    if kind not in ("native", "python"):
-        raise ValueError(f"`callback` must be 'native' or 'python', got {kind!r}.")
+    one_of("callback", kind, ("native", "python"))
     kind = _verified(model, data) if kind == "native" else kind
     _acquire(kind)
     try:
@@ -51,15 +51,15 @@ def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native")
         _release()
 
 
-def _given_up(model: mujoco.MjModel, words: str) -> str:
-    """Return what to say of a model that MuJoCo cannot step any further, from its own words."""
+def _given_up(model: mujoco.MjModel, reason: str) -> str:
+    """Return the message about a model that MuJoCo cannot step any further, from its own reason."""
     name = model.names.split(b"\0", 1)[0].decode("utf-8", "replace")
     remedy = (
         'Its contacts and constraints need more memory: write <size memory="100M"/> into the model.'
-        if "memory" in words
+        if "memory" in reason
         else "Step it with a smaller `timestep`, or look for bodies that overlap in the modelled geometry."
     )
-    return f"model {name!r}: MuJoCo gave up: {words.rstrip('.')}. {remedy}"
+    return f"model {name!r}: MuJoCo gave up: {reason.rstrip('.')}. {remedy}"
 
 
 def _verified(model: mujoco.MjModel, data: mujoco.MjData) -> Kind:

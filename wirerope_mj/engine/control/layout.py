@@ -11,6 +11,8 @@ the axes table. `userdata` holds what the callbacks exchange within and between 
 
 from dataclasses import dataclass
 
+from wirerope_mj.foundation.arrays import Array
+
 MAGIC = 2004.28
 """Marks a state actuator: the number of the thesis' report (DCT 2004/28)."""
 
@@ -63,7 +65,7 @@ CHANNEL_MEMORY = 23
 GEOMS, TOUCHES, FROM_START, FIRST_TOUCH, LAST_TOUCH, TOUCHED_FOR, FORCE_NOW = 0, 2, 3, 4, 5, 6, 7
 FORCE_PEAK, FORCE_TIME, DEPTH, DEPTH_TIME = 8, 9, 10, 11
 CONTACT_MEMORY = 12
-SEVERAL = -2.0  # in place of geoms: the row is shared by all pairs for which there was none left
+SEVERAL = -2.0  # instead of geoms: the row is shared by all pairs for which there was none left
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,3 +113,19 @@ class UserData:
     def size(self) -> int:
         """Number of entries."""
         return self.stops + CONTACT_MEMORY * self.n_stops
+
+    def mount_rows(self, user: Array) -> Array:
+        """Return deflection and force of every mount from the system's userdata, a view, (n_mounts, 2, 3)."""
+        return user[self.mounts : self.rates].reshape(self.n_mounts, 2, 3)
+
+    def channel_rows(self, user: Array) -> Array:
+        """Return the memory of the peak tracker from the system's userdata, a view, (n_channels, CHANNEL_MEMORY)."""
+        return user[self.channels : self.contacts].reshape(self.n_channels, CHANNEL_MEMORY)
+
+    def contact_rows(self, user: Array) -> Array:
+        """Return the memory of contacts from the system's userdata, a view, (n_contacts, CONTACT_MEMORY)."""
+        return user[self.contacts : self.stops].reshape(self.n_contacts, CONTACT_MEMORY)
+
+    def stop_rows(self, user: Array) -> Array:
+        """Return the memory of the mounts' stops from the system's userdata, a view, (n_stops, CONTACT_MEMORY)."""
+        return user[self.stops : self.size].reshape(self.n_stops, CONTACT_MEMORY)

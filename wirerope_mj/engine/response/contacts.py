@@ -38,7 +38,7 @@ class ContactPeak:
 
     @property
     def struck(self) -> bool:
-        """Whether they came together during the run; resting on each other from the start is no strike."""
+        """True if they came together during the run; resting on each other from the start is no strike."""
         return self.touches > int(self.from_start)
 
     def called(self, name: str) -> str:

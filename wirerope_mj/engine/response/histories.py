@@ -56,47 +56,30 @@ class _Columns:
         return self.samples.columns(self.first + offset, self.first + offset + size)
 
 
+def _columns(offset: int, size: int, text: str) -> "cached_property[Array]":
+    """Return a property of `size` of a part's columns from `offset` on; `text` is its docstring."""
+    values = cached_property(lambda part: part._part(offset, size))
+    values.__doc__ = text
+    return values
+
+
 class BodyResponse(_Columns):
     """Motion of a body at its own centre of mass, world frame."""
 
-    @cached_property
-    def position(self) -> Array:
-        """Position [m], (n_t, 3)."""
-        return self._part(0, 3)
-
-    @cached_property
-    def orientation(self) -> Array:
-        """Orientation, quaternion w first, (n_t, 4)."""
-        return self._part(3, 4)
-
-    @cached_property
-    def velocity(self) -> Array:
-        """Velocity [m/s], (n_t, 3)."""
-        return self._part(7, 3)
-
-    @cached_property
-    def angular_velocity(self) -> Array:
-        """Angular velocity [rad/s], (n_t, 3)."""
-        return self._part(10, 3)
-
-    @cached_property
-    def acceleration(self) -> Array:
-        """Coordinate acceleration, 0 at rest under gravity [m/s^2], (n_t, 3)."""
-        return self._part(13, 3)
-
-    @cached_property
-    def angular_acceleration(self) -> Array:
-        """Angular acceleration [rad/s^2], (n_t, 3)."""
-        return self._part(16, 3)
+    position = _columns(0, 3, "Position [m], (n_t, 3).")
+    orientation = _columns(3, 4, "Orientation, quaternion w first, (n_t, 4).")
+    velocity = _columns(7, 3, "Velocity [m/s], (n_t, 3).")
+    angular_velocity = _columns(10, 3, "Angular velocity [rad/s], (n_t, 3).")
+    acceleration = _columns(13, 3, "Coordinate acceleration, 0 at rest under gravity [m/s^2], (n_t, 3).")
+    angular_acceleration = _columns(16, 3, "Angular acceleration [rad/s^2], (n_t, 3).")
 
 
 class PointResponse(BodyResponse):
     """Motion of a site, world frame."""
 
-    @cached_property
-    def relative_displacement(self) -> Array:
-        """Displacement from the modelled geometry relative to the base [m], (n_t, 3)."""
-        return self._part(19, 3)
+    relative_displacement = _columns(
+        19, 3, "Displacement from the modelled geometry relative to the base [m], (n_t, 3)."
+    )
 
 
 @dataclass(frozen=True)
@@ -106,15 +89,8 @@ class MountResponse(_Columns):
     hysteretic: list[list[int]]  # positions of the hysteretic forces of roll, shear, axial among the states
     state_names: tuple[str, ...]
 
-    @cached_property
-    def deflection(self) -> Array:
-        """Payload site minus base site, axial positive in tension [m], (n_t, 3)."""
-        return self._part(0, 3)
-
-    @cached_property
-    def force(self) -> Array:
-        """Restoring force, positive in tension [N], (n_t, 3)."""
-        return self._part(3, 3)
+    deflection = _columns(0, 3, "Payload site minus base site, axial positive in tension [m], (n_t, 3).")
+    force = _columns(3, 3, "Restoring force, positive in tension [N], (n_t, 3).")
 
     @cached_property
     def hysteretic_state(self) -> Array:
@@ -152,7 +128,7 @@ class Numerics:
         steps: number of steps.
         callback: "native" or "python".
         versions: of the packages that computed it.
-        limited_by: what keeps the step from being longer, as text; "" for older responses, which do not say it.
+        limited_by: what keeps the step from being longer; "" for older responses, which do not say it.
     """
 
     timestep: float

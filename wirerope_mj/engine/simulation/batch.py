@@ -14,9 +14,9 @@ from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
+from wirerope_mj.engine.simulation.finished import require_lawful
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.initial import initial_state
-from wirerope_mj.engine.simulation.lawful import require_lawful
 from wirerope_mj.engine.simulation.lockstep import Lockstep
 from wirerope_mj.engine.simulation.recorder import Recorder
 from wirerope_mj.engine.simulation.run import run
@@ -30,6 +30,7 @@ from wirerope_mj.engine.simulation.simulate import (
 )
 from wirerope_mj.engine.simulation.timestep import limit_of_given
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError, WireRopeError
 from wirerope_mj.foundation.state import State
@@ -41,7 +42,7 @@ _OUTSIDE_THE_STATE = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mjEN
 
 @dataclass(frozen=True, kw_only=True)
 class BatchResult:
-    """What is kept of a variant that came to its end.
+    """Result of a variant that came to its end.
 
     Attributes:
         peaks: peaks over every step.
@@ -61,17 +62,13 @@ class BatchResult:
 
 @dataclass(frozen=True, kw_only=True)
 class BatchFailure:
-    """Why a variant did not come to its end.
-
-    Attributes:
-        error: what `simulate` raises for this variant.
-    """
+    """Failure of a variant: `error` is what `simulate` raises for it."""
 
     error: WireRopeError
 
     @property
     def message(self) -> str:
-        """The error in words."""
+        """Message of the error."""
         return str(self.error)
 
 
@@ -97,7 +94,7 @@ def simulate_batch(
 ) -> list[BatchResult | BatchFailure]:
     """Return the peaks of many variants of one layout, in their order; samples are kept only on request.
 
-    All variants take the same steps: the corners of every motion end steps of all. Each is bit for bit what `simulate` finds
+    All variants take the same steps: the corners of every motion end steps of all. Each is bit for bit what `simulate` returns
     alone with `timestep` and with the corners of all motions as its `corners`, whatever the number of threads.
     A variant that fails does not stop the others.
 
@@ -118,14 +115,13 @@ def simulate_batch(
         ValueError: an argument is out of range.
         ModelError: the systems are not of one layout.
     """
-    check_arguments(duration=duration, timestep=timestep, sample_rate=sample_rate, threads=threads)
-    if threads is not None and threads != int(threads):
-        raise ValueError(f"`threads` must be an integer, got {threads}.")
+    check_arguments(duration=duration, timestep=timestep, sample_rate=sample_rate)
+    threads = (os.cpu_count() or 1) if threads is None else integer("threads", threads, least=1)
     systems, motions, starts = _variants(systems, motions, initial)
     if not systems:
         return []
     check_same_layout(systems)
-    found: dict[int, BatchResult | BatchFailure] = {}
+    results: dict[int, BatchResult | BatchFailure] = {}
     variants = []
     step = cache(lambda system: checked_step(system, timestep, duration))
     for number, (system, motion, start) in enumerate(zip(systems, motions, starts, strict=True)):
@@ -135,14 +131,14 @@ def simulate_batch(
             step(system)
             variants.append(_Variant(number=number, system=system, motion=motion, start=state))
         except WireRopeError as error:
-            found[number] = BatchFailure(error=error)
+            results[number] = BatchFailure(error=error)
     if variants:
         grid = time_grid(
             start=_common_instant(variants), duration=duration, sample_rate=sample_rate, timestep=timestep,
             motion=motions[0], corners=_all_corners(motions, checked_corners(corners)),
         )  # fmt: skip
-        found |= _together(variants, grid, threads or os.cpu_count() or 1, responses)
-    return [found[number] for number in range(len(systems))]
+        results |= _together(variants, grid, threads, responses)
+    return [results[number] for number in range(len(systems))]
 
 
 def _variants(
@@ -184,7 +180,7 @@ def _together(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool
 ) -> dict[int, BatchResult | BatchFailure]:
     """Return the variants' results by number, all stepped through one grid."""
-    found: dict[int, BatchResult | BatchFailure] = {}
+    results: dict[int, BatchResult | BatchFailure] = {}
     model = variants[0].system.model
     with installed(model, mujoco.MjData(model)) as kind:
         if kind == "native" and not model.opt.enableflags & _OUTSIDE_THE_STATE:
@@ -193,16 +189,16 @@ def _together(
             )
             recorders = [_recorder(variant, grid) for variant in variants] if responses else []
             side_by_side.go(grid, partial(_add, recorders) if responses else None)
-            for place in side_by_side.live.tolist():
-                final, peaks = side_by_side.result(place)
-                found[variants[place].number] = _result(
-                    variants[place], grid, final, peaks, recorders[place] if responses else None,
+            for index in side_by_side.live.tolist():
+                final, peaks = side_by_side.result(index)
+                results[variants[index].number] = _result(
+                    variants[index], grid, final, peaks, recorders[index] if responses else None,
                     timestep=side_by_side.largest_step, steps=side_by_side.steps, callback=kind,
                 )  # fmt: skip
-            found |= {variants[i].number: BatchFailure(error=error) for i, error in side_by_side.errors.items()}
-    # Where it is not known yet what went wrong, it is found by going the same way alone, as does what threads cannot serve.
-    alone = [variant for variant in variants if variant.number not in found]
-    return found | {variant.number: _alone(variant, grid, kind, responses) for variant in alone}
+            results |= {variants[i].number: BatchFailure(error=error) for i, error in side_by_side.errors.items()}
+    # Where it is not known yet what went wrong, it is learned by going the same way alone, as does what threads cannot serve.
+    alone = [variant for variant in variants if variant.number not in results]
+    return results | {variant.number: _alone(variant, grid, kind, responses) for variant in alone}
 
 
 def _alone(variant: _Variant, grid: TimeGrid, kind: Kind, responses: bool) -> BatchResult | BatchFailure:

@@ -9,7 +9,7 @@ from wirerope_mj.engine.system.contact_pairs import contact_name, geom_name, pay
 from wirerope_mj.foundation.arrays import Array
 
 OTHERS = "further pairs"
-"""What pairs of geoms beyond the memory's last row are called together."""
+"""Name of all pairs of geoms beyond the memory's last row."""
 
 
 def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
@@ -18,25 +18,25 @@ def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
     Where more touched than the memory has rows for, the last row is of all further pairs together, and what is not known to
     have touched is left out.
     """
-    model, places, base = system.model, system.assembly.tables.user, system.assembly.subjects.base
-    declared = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True) if places.n_contacts else ()
+    model, addresses, base = system.model, system.assembly.tables.user, system.assembly.subjects.base
+    declared = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True) if addresses.n_contacts else ()
     pairs = [payload_first(model, base, pair) for pair in declared]
-    found = {contact_name(model, pair): _contact(system, pair) for pair in pairs}
-    for row in user[places.contacts : places.stops].reshape(-1, at.CONTACT_MEMORY):
+    contacts = {contact_name(model, pair): _contact(system, pair) for pair in pairs}
+    for row in addresses.contact_rows(user):
         if row[at.TOUCHES] and row[at.GEOMS] == at.SEVERAL:
-            found[OTHERS] = _touched(ContactPeak(geoms=(OTHERS, ""), bodies=("", "")), row)
+            contacts[OTHERS] = _touched(ContactPeak(geoms=(OTHERS, ""), bodies=("", "")), row)
         elif row[at.TOUCHES]:
             pair = payload_first(model, base, (int(row[at.GEOMS]), int(row[at.GEOMS + 1])))
-            found[contact_name(model, pair)] = _touched(_contact(system, pair), row)
-    if OTHERS in found:
-        found = {name: contact for name, contact in found.items() if contact.touches}
-    return found | _stops(system, user)
+            contacts[contact_name(model, pair)] = _touched(_contact(system, pair), row)
+    if OTHERS in contacts:
+        contacts = {name: contact for name, contact in contacts.items() if contact.touches}
+    return contacts | _stops(system, user)
 
 
 def _stops(system: System, user: Array) -> dict[str, ContactPeak]:
     """Return the stops among the mounts' laws, open or not, by the mount's name; with the axis where it has several."""
-    rows = iter(user[system.assembly.tables.user.stops :].reshape(-1, at.CONTACT_MEMORY))
-    found = {}
+    rows = iter(system.assembly.tables.user.stop_rows(user))
+    contacts = {}
     for mount in system.mounts.values():
         axes = mount.isolator.stops
         for number, axis in enumerate(axes):
@@ -44,8 +44,8 @@ def _stops(system: System, user: Array) -> dict[str, ContactPeak]:
             name += f" {axes[: number + 1].count(axis)}" if axes.count(axis) > 1 else ""
             open_stop = ContactPeak(geoms=("", ""), bodies=(mount.payload_body, mount.base_body), mount=mount.name)
             row = next(rows)
-            found[name] = _touched(open_stop, row) if row[at.TOUCHES] else open_stop
-    return found
+            contacts[name] = _touched(open_stop, row) if row[at.TOUCHES] else open_stop
+    return contacts
 
 
 def _contact(system: System, pair: tuple[int, int]) -> ContactPeak:

@@ -17,14 +17,14 @@ SAME_TIME = 1e-10
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:
-    """Pieces of equal steps that never straddle a sample or a corner of the motion.
+    """Segments of equal steps that never straddle a sample or a corner of the motion.
 
     Attributes:
-        start, stop: ends of every piece [s], (n_p,).
-        steps: number of steps in every piece, (n_p,).
-        sampled: whether the piece starts at a sample instant, (n_p,).
-        event: SMOOTH, CORNER or JUMP of the motion at the piece's start, (n_p,).
-        corner_after: whether the motion has a corner at the piece's end, (n_p,).
+        start, stop: ends of every segment [s], (n_p,).
+        steps: number of steps in every segment, (n_p,).
+        sampled: whether the segment starts at a sample instant, (n_p,).
+        event: SMOOTH, CORNER or JUMP of the motion at the segment's start, (n_p,).
+        corner_after: whether the motion has a corner at the segment's end, (n_p,).
     """
 
     start: Array
@@ -36,12 +36,12 @@ class Grid:
 
     @classmethod
     def empty(cls) -> "Grid":
-        """Return a grid without pieces."""
+        """Return a grid without segments."""
         none, no = np.zeros(0), np.zeros(0, dtype=bool)
         return cls(start=none, stop=none, steps=np.zeros(0, dtype=np.int64), sampled=no, event=none, corner_after=no)
 
     def with_events_of(self, motion: BaseMotion) -> "Grid":
-        """Return the same pieces with the events of another motion."""
+        """Return the same segments with the events of another motion."""
         return replace(self, event=_events(motion, self.start), corner_after=_events(motion, self.stop) != SMOOTH)
 
     @property
@@ -56,15 +56,15 @@ BLOCK = 1 << 15
 
 @dataclass(frozen=True, kw_only=True)
 class TimeGrid:
-    """The pieces of a whole run, made block by block: a record may have millions of corners.
+    """The segments of a whole run, made block by block: a record may have millions of corners.
 
     Attributes:
         start, stop: ends of the run [s].
         sample_rate: of the samples [Hz].
         timestep: largest step [s].
-        motion: whose events the pieces carry.
-        corners: instants at which pieces end, those of the motion among them [s], (n_c,).
-        sample_times: sample instants [s], (n_t,); the last may be the end of the last piece.
+        motion: whose events the segments carry.
+        corners: instants at which segments end, those of the motion among them [s], (n_c,).
+        sample_times: sample instants [s], (n_t,); the last may be the end of the last segment.
     """
 
     start: float
@@ -103,8 +103,8 @@ def time_grid(
 ) -> TimeGrid:
     """Return the grid from `start` to `start + duration` [s].
 
-    Sample instants k / sample_rate are joined with the motion's corners and with `corners` [s], at which pieces end although
-    the motion is smooth there; each interval is cut into equal steps <= timestep.
+    Sample instants k / sample_rate are joined with the motion's corners and with `corners` [s], at which segments end
+    although the motion is smooth there; each interval is cut into equal steps <= timestep.
     """
     end = start + duration
     first = int(np.ceil((start - SAME_TIME) * sample_rate))
@@ -124,7 +124,7 @@ def joined(*corners: Array) -> Array:
 
 @dataclass(frozen=True)
 class _Breaks:
-    """Instants where pieces begin and end [s], and whether they are sampled, (n,) each."""
+    """Instants where segments begin and end [s], and whether they are sampled, (n,) each."""
 
     times: Array
     sampled: npt.NDArray[np.bool_]
@@ -180,23 +180,25 @@ def _events(motion: BaseMotion, times: Array) -> Array:
 
 
 def _cut(at: _Breaks, timestep: float, motion: BaseMotion) -> Grid:
-    """Return the pieces between breaks, long intervals divided so that one stage table serves each piece."""
+    """Return the segments between breaks, long intervals divided so that one stage table serves each segment."""
     breaks, sampled = at.times, at.sampled
     length = np.diff(breaks)
     # One part in 1e9: a step that fits but for rounding must not cost another one.
     steps = np.maximum(np.ceil(length / timestep * (1.0 - 1e-9)), 1).astype(np.int64)
-    pieces = -(-steps // MAX_STEPS)
-    steps_per_piece = -(-steps // pieces)
-    which = np.repeat(np.arange(length.size), pieces)
-    place = np.arange(which.size) - np.repeat(np.cumsum(pieces) - pieces, pieces)
-    start = breaks[which] + length[which] * (place / pieces[which])
-    is_first, is_last = place == 0, place == pieces[which] - 1
-    stop = np.where(is_last, breaks[which + 1], breaks[which] + length[which] * ((place + 1) / pieces[which]))
+    segments = -(-steps // MAX_STEPS)
+    steps_per_segment = -(-steps // segments)
+    interval = np.repeat(np.arange(length.size), segments)
+    number = np.arange(interval.size) - np.repeat(np.cumsum(segments) - segments, segments)
+    start = breaks[interval] + length[interval] * (number / segments[interval])
+    is_first, is_last = number == 0, number == segments[interval] - 1
+    stop = np.where(
+        is_last, breaks[interval + 1], breaks[interval] + length[interval] * ((number + 1) / segments[interval])
+    )
     return Grid(
         start=start,
         stop=stop,
-        steps=steps_per_piece[which],
-        sampled=sampled[which] & is_first,
+        steps=steps_per_segment[interval],
+        sampled=sampled[interval] & is_first,
         event=_events(motion, start),
         corner_after=_events(motion, stop) != SMOOTH,
     )

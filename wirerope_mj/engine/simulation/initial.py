@@ -1,10 +1,11 @@
-"""Where a simulation starts: settled, relaxed, unloaded, or a given state, moving with the base."""
+"""Start of a simulation: settled, relaxed, unloaded, or a given state, moving with the base."""
 
 import mujoco
 import numpy as np
 
-from wirerope_mj.engine.simulation.stepper import STATE, velocity_jump
-from wirerope_mj.engine.statics import equilibrium
+from wirerope_mj.engine.control.state import STATE, state_of
+from wirerope_mj.engine.simulation.stepper import velocity_jump
+from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
@@ -12,6 +13,8 @@ from wirerope_mj.motions import BaseMotion
 
 SAME_MOTION = 1e-6
 """Relative difference of base positions and velocities that is integration error and not another motion."""
+
+_HISTORIES: dict[str, History] = {"settled": "virgin", "relaxed": "relaxed"}
 
 
 def initial_state(system: System, motion: BaseMotion, initial: str | State) -> State:
@@ -30,14 +33,10 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State) -> S
         if initial.values.shape != (size,):
             raise ValueError(f"`initial` has {initial.values.size} values; a state of this system has {size}.")
         state = initial
-    elif initial == "settled":
-        state = equilibrium(system).state
-    elif initial == "relaxed":
-        state = equilibrium(system, history="relaxed").state
+    elif isinstance(initial, str) and initial in _HISTORIES:
+        state = equilibrium(system, history=_HISTORIES[initial]).state
     elif initial == "unloaded":
-        values = np.empty(mujoco.mj_stateSize(system.model, STATE))
-        mujoco.mj_getState(system.model, mujoco.MjData(system.model), values, STATE)
-        state = State(values=values, time=0.0)
+        state = state_of(system.model, mujoco.MjData(system.model))
     else:
         raise ValueError(f"`initial` must be 'settled', 'relaxed', 'unloaded' or a State, got {initial!r}.")
     return moving_with_base(system, motion, state)
@@ -67,9 +66,7 @@ def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:
     mujoco.mj_setState(model, data, state.values, STATE)
     to_world = np.linalg.pinv(assembly.tables.drive)
     _carry(system, data, to_world @ dq, to_world @ dv)
-    values = np.empty_like(state.values)
-    mujoco.mj_getState(model, data, values, STATE)
-    return State(values=values, time=state.time)
+    return State(values=state_of(model, data).values, time=state.time)
 
 
 def _carry(system: System, data: mujoco.MjData, shift: Array, velocity: Array) -> None:

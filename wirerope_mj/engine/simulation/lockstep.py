@@ -9,13 +9,13 @@ from mujoco.batch import Batch
 from mujoco.batch import SimulationError as BatchError
 
 from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.state import STATE
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.simulation.grid import Grid, TimeGrid
 from wirerope_mj.engine.simulation.run import CHECK_EVERY, peaks_of
 from wirerope_mj.engine.simulation.same_layout import expand_differences
-from wirerope_mj.engine.simulation.stages import Piece, Stages, StageTables
+from wirerope_mj.engine.simulation.stages import Segment, Stages, StageTables
 from wirerope_mj.engine.simulation.stepper import (
-    STATE,
     Stepper,
     acceleration_before,
     base_before,
@@ -64,8 +64,8 @@ class Lockstep:
         self._user = self._batch.bind("userdata")[:, assembly.userdata : assembly.userdata + assembly.tables.user.size]
         self._user[:, at.OBSERVING], self._user[:, at.HISTORY], self._user[:, at.EVENT] = 1.0, 0.0, at.SMOOTH
         self._dofs = side_by_side(np.array(assembly.driven_dofs, dtype=int))
-        self._places = side_by_side(self._model.jnt_qposadr[list(assembly.subjects.driven)])
-        self._origin = np.array([system.model.qpos0[self._places] for system in systems])
+        self._slides = side_by_side(self._model.jnt_qposadr[list(assembly.subjects.driven)])
+        self._origin = np.array([system.model.qpos0[self._slides] for system in systems])
         self._finals, self._checked = np.empty_like(self._batch.state), self._batch.state.copy()
         self._sink: Sink | None = None
         self._sample, self._sensors = 0, np.empty(0)
@@ -73,9 +73,7 @@ class Lockstep:
     def go(self, grid: TimeGrid, sink: Sink | None = None) -> None:
         """Step through a grid, the mounts of the model acting; its motion says nothing here, its corners everything.
 
-        Args:
-            grid: pieces of equal steps.
-            sink: called with every sample's number and the systems' sensor values, (n_systems, n_sensors), which it must copy.
+        `sink` takes every sample's number and the systems' sensor values, (n_systems, n_sensors), and must copy them.
         """
         if sink is not None:
             self._sink, self._sensors = sink, self._batch.bind("sensordata")[:, self.systems[0].assembly.sensor :]
@@ -103,41 +101,41 @@ class Lockstep:
         return final, peaks_of(self.systems[number], self._user[number], base)
 
     def _advance(self, block: Grid, grids: list[Grid], stages: tuple[Stages, ...]) -> None:
-        """Step through the pieces of `stages`, each motion's own, in which the motions' `grids` have the events."""
+        """Step through the segments of `stages`, each motion's own, in which the motions' `grids` have the events."""
         first, ends = stages[0].first, [0, *stages[0].ends.tolist()]
-        n_pieces = len(ends) - 1
-        # (n_motions, ...), pieces first where only one of them is needed at a time
-        events = np.array([own.event[first : first + n_pieces] for own in grids]).T
+        n_segments = len(ends) - 1
+        # (n_motions, ...), segments first where only one of them is needed at a time
+        events = np.array([own.event[first : first + n_segments] for own in grids]).T
         jumps = (events == at.JUMP).any(axis=1)
-        places = np.array([own.places for own in stages]).transpose(1, 0, 2)
+        positions = np.array([own.positions for own in stages]).transpose(1, 0, 2)
         rates = np.array([own.rates for own in stages]).transpose(1, 0, 2)
         accelerations = np.array([own.accelerations.ravel() for own in stages])
         checked = 0
-        for piece in range(n_pieces):
+        for segment in range(n_segments):
             if not self.live.size:
                 return
-            start, stop = float(block.start[first + piece]), float(block.stop[first + piece])
-            steps = int(block.steps[first + piece])
-            if jumps[piece]:
-                self._jump(events[piece], start)
-            self._place_base(places[piece], rates[piece])
-            self._user[:, at.EVENT] = events[piece][self._which]
+            start, stop = float(block.start[first + segment]), float(block.stop[first + segment])
+            steps = int(block.steps[first + segment])
+            if jumps[segment]:
+                self._jump(events[segment], start)
+            self._place_base(positions[segment], rates[segment])
+            self._user[:, at.EVENT] = events[segment][self._which]
             self._set_table(
-                accelerations[:, 3 * ends[piece] : 3 * ends[piece + 1]], start, 2.0 * steps / (stop - start)
+                accelerations[:, 3 * ends[segment] : 3 * ends[segment + 1]], start, 2.0 * steps / (stop - start)
             )
             self._batch.state[:, 0] = start  # so that rounding does not add up over the steps
             self._timestep[:] = (stop - start) / steps
-            if self._sink is not None and block.sampled[first + piece]:
+            if self._sink is not None and block.sampled[first + segment]:
                 self._call(partial(self._batch.step, self.live))
                 self._take_sample()
                 steps -= 1
             if steps:
                 self._call(partial(self._batch.step, self.live, nstep=steps))
-            if piece + 1 - checked == CHECK_EVERY or piece + 1 == n_pieces:
+            if segment + 1 - checked == CHECK_EVERY or segment + 1 == n_segments:
                 for number in self._drop_failed():
                     which = self._which[number]
-                    self._look_again(number, grids[which], list(stages[which].pieces(checked, piece + 1)))
-                checked, self._checked[:] = piece + 1, self._batch.state
+                    self._look_again(number, grids[which], list(stages[which].segments(checked, segment + 1)))
+                checked, self._checked[:] = segment + 1, self._batch.state
 
     def _take_sample(self) -> None:
         if self._sink is not None:
@@ -154,8 +152,8 @@ class Lockstep:
         """Return the rows of the systems from those of the distinct motions."""
         return rows[self._which] if len(rows) > 1 else rows
 
-    def _place_base(self, places: Array, rates: Array) -> None:
-        self._qpos[:, self._places] = self._origin + self._of_each(places)
+    def _place_base(self, positions: Array, rates: Array) -> None:
+        self._qpos[:, self._slides] = self._origin + self._of_each(positions)
         self._qvel[:, self._dofs] = self._of_each(rates)
 
     def _jump(self, events: Array, time: float) -> None:
@@ -182,14 +180,14 @@ class Lockstep:
         failed, self.live = self.live[warned], self.live[~warned]
         return failed.tolist()
 
-    def _look_again(self, number: int, grid: Grid, pieces: list[Piece]) -> None:
-        """Take a system alone through the pieces in which it failed, to learn what `run` says of it."""
+    def _look_again(self, number: int, grid: Grid, segments: list[Segment]) -> None:
+        """Take a system alone through the segments in which it failed, to learn what `run` says of it."""
         start = State(values=self._checked[number], time=float(self._checked[number, 0]))
         stepper = Stepper(self.systems[number], self.motions[number], start)
         stepper.enter(grid)
-        for piece in pieces:
-            stepper.begin(piece)
-            mujoco.mj_step(stepper.model, stepper.data, nstep=int(grid.steps[piece.number]))
+        for segment in segments:
+            stepper.begin(segment)
+            mujoco.mj_step(stepper.model, stepper.data, nstep=int(grid.steps[segment.number]))
         try:
             stepper.check()
         except SimulationError as error:
@@ -198,7 +196,7 @@ class Lockstep:
     def _finish(self, stop: float) -> None:
         """Keep the final states, and observe the last instant with the accelerations just before it."""
         before = [base_before(motion, self._drive, stop) for motion in self._distinct]
-        self._place_base(np.array([places for places, _ in before]), np.array([rates for _, rates in before]))
+        self._place_base(np.array([positions for positions, _ in before]), np.array([rates for _, rates in before]))
         self._batch.state[:, 0] = stop
         user, kept = self._user, self._user.copy()
         # A state does not carry what belongs to this run alone: stage table and tracker.
@@ -211,5 +209,5 @@ class Lockstep:
 
 
 def _corners_of(motion: BaseMotion) -> tuple[object, ...]:
-    """Return what is equal for motions whose pieces have the same events."""
+    """Return what is equal for motions whose segments have the same events."""
     return motion.corners.tobytes(), tuple(time for time, _ in motion.velocity_jumps)

@@ -12,14 +12,14 @@ Update = Callable[[float, float], None]
 
 
 PATIENCE, PACE = 60.0, 0.01
-"""Time [s] and share between two lines where no bar can move, and before the first: at most a hundred of the longest run."""
+"""Time [s] and fraction between two lines where no bar can move, and before the first: at most a hundred of the longest run."""
 
 
 @contextmanager
 def share_bar(
     word: str, unit: str, *, enabled: bool, begun: float = 0.0, total: int | None = None, parts: str = ""
 ) -> Iterator[Update]:
-    """Show a value, the share that is done and the time left on standard error while the block runs.
+    """Show a value, the fraction that is done and the time left on standard error while the block runs.
 
     Where standard error is no terminal, as in a batch job, it is a line now and then instead of a bar.
 
@@ -27,26 +27,26 @@ def share_bar(
         word: what is going on, "simulating".
         unit: of the value that is shown.
         enabled: whether anything is shown at all.
-        begun: share that was done before.
-        total: number of parts of which the share that is done is counted, if it is.
+        begun: fraction that was done before.
+        total: number of parts of which the fraction that is done is counted, if it is.
         parts: what they are called.
 
     Yields:
-        What to call with the share that is done and the value.
+        What to call with the fraction that is done and the value.
     """
     if not enabled:
-        yield lambda share, value: None
+        yield lambda fraction, value: None
         return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    def words(share: float, value: float) -> str:
-        count = f"{math.floor(share * total + 1e-6)} of {total} {parts}, " if total else ""  # but for rounding
+    def text(fraction: float, value: float) -> str:
+        count = f"{math.floor(fraction * total + 1e-6)} of {total} {parts}, " if total else ""  # but for rounding
         return f"{count}{value:.4g} {unit},"
 
     console, began = Console(stderr=True), perf_counter()
     if not (console.is_terminal or console.is_jupyter):
-        yield _lines(word, words, began, begun)
+        yield _lines(word, text, began, begun)
         return
     columns = (
         TextColumn(word),
@@ -56,42 +56,36 @@ def share_bar(
         TextColumn("elapsed, {task.fields[left]} left"),
     )
     with Progress(*columns, console=console, transient=True) as progress:
-        task = progress.add_task("", total=1.0, now=words(begun, 0.0), left="-:--:--")
+        task = progress.add_task("", total=1.0, now=text(begun, 0.0), left="-:--:--")
         progress.update(task, completed=begun)
 
-        def update(share: float, value: float) -> None:
-            left = time_left(share, perf_counter() - began, begun=begun)
-            progress.update(task, completed=share, now=words(share, value), left=left)
+        def update(fraction: float, value: float) -> None:
+            left = time_left(fraction, perf_counter() - began, begun=begun)
+            progress.update(task, completed=fraction, now=text(fraction, value), left=left)
 
         yield update
 
 
-def _lines(word: str, words: Callable[[float, float], str], began: float, begun: float) -> Update:
+def _lines(word: str, text: Callable[[float, float], str], began: float, begun: float) -> Update:
     """Return what prints a line now and then."""
     last, shown = began, begun
 
-    def update(share: float, value: float) -> None:
+    def update(fraction: float, value: float) -> None:
         nonlocal last, shown
         now = perf_counter()
-        if now - last >= PATIENCE and share - shown >= PACE:
-            last, shown = now, share
-            left = time_left(share, now - began, begun=begun)
-            print(f"{word}: {words(share, value)} {left} left", file=sys.stderr, flush=True)
+        if now - last >= PATIENCE and fraction - shown >= PACE:
+            last, shown = now, fraction
+            left = time_left(fraction, now - began, begun=begun)
+            print(f"{word}: {text(fraction, value)} {left} left", file=sys.stderr, flush=True)
 
     return update
 
 
-def time_left(share: float, elapsed: float, *, begun: float = 0.0) -> str:
-    """Return how long it takes to the end at the mean speed since the beginning, "0:12:05".
-
-    Args:
-        share: that is done.
-        elapsed: time since the beginning [s].
-        begun: share that was done at the beginning.
-    """
-    if share <= begun:
+def time_left(fraction: float, elapsed: float, *, begun: float = 0.0) -> str:
+    """Return the time left, "0:12:05", at the mean speed since the beginning: `fraction` is done, `begun` was done before."""
+    if fraction <= begun:
         return "-:--:--"
-    seconds = math.ceil(elapsed * (1.0 - share) / (share - begun))
+    seconds = math.ceil(elapsed * (1.0 - fraction) / (fraction - begun))
     return f"{seconds // 3600}:{seconds // 60 % 60:02d}:{seconds % 60:02d}"
 
 

@@ -83,7 +83,7 @@ class Recorder:
 
 
 def column_plan(system: System) -> ColumnPlan:
-    """Return what is sampled of a system."""
+    """Return the columns that are sampled of a system."""
     model, subjects = system.model, system.assembly.subjects
     return ColumnPlan(
         bodies=[model.body(body).name for body in subjects.bodies],

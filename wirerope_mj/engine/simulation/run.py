@@ -19,20 +19,12 @@ from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
 CHECK_EVERY = 64
-"""Pieces between two looks at MuJoCo's warning counters."""
+"""Segments between two looks at MuJoCo's warning counters."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run:
-    """What stepping leaves behind.
-
-    Attributes:
-        final_state: state at the grid's end.
-        peaks: peaks over every step.
-        callback: what made the forces.
-        steps: number of steps.
-        largest_step: largest of them [s].
-    """
+class RunResult:
+    """Result of stepping: state at the grid's end, peaks over every step, largest step [s]."""
 
     final_state: State
     peaks: Peaks
@@ -50,17 +42,11 @@ def run(
     callback: Kind,
     sink: Callable[[int, Array], None],
     progress: Callable[[float], None] | None = None,
-) -> Run:
+) -> RunResult:
     """Step `system` through `grid` from `initial` and hand every sample to `sink`.
 
-    Args:
-        system: the system; its model is copied, so that one system serves several threads.
-        motion: base motion.
-        grid: pieces of equal steps.
-        initial: state at the grid's start.
-        callback: "native" or "python".
-        sink: called with the sample's number and the system's sensor values; it must copy them.
-        progress: called with the simulated time [s] now and then.
+    The system's model is copied, so that one system serves several threads. `sink` takes the sample's number and the system's
+    sensor values, which it must copy; `progress` takes the simulated time [s] now and then.
 
     Raises:
         SimulationError: MuJoCo warned that the state is not valid any more.
@@ -73,15 +59,15 @@ def run(
         for block in grid.blocks():
             stepper.enter(block)
             all_steps, largest = all_steps + int(block.steps.sum()), max(largest, block.largest_step)
-            for base in tables.pieces(block):
-                piece = base.number
-                if piece % CHECK_EVERY == 0:
+            for base in tables.segments(block):
+                segment = base.number
+                if segment % CHECK_EVERY == 0:
                     stepper.check()
                     if progress is not None:
-                        progress(float(block.start[piece]))
+                        progress(float(block.start[segment]))
                 stepper.begin(base)
-                steps = int(block.steps[piece])
-                if block.sampled[piece]:
+                steps = int(block.steps[segment])
+                if block.sampled[segment]:
                     mujoco.mj_step(stepper.model, data)
                     sink(sample, values)
                     sample, steps = sample + 1, steps - 1
@@ -93,7 +79,7 @@ def run(
         stepper.check()
     if progress is not None:
         progress(grid.stop)
-    return Run(
+    return RunResult(
         final_state=final,
         peaks=peaks_of(system, stepper.user, tables.peak),
         callback=kind,
@@ -105,10 +91,10 @@ def run(
 def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
     """Return the peaks from the tracker's memory in the system's userdata; what is fixed to the base has the base's own."""
     model, assembly = system.model, system.assembly
-    first = assembly.tables.user.channels
-    memory = user[first : first + at.CHANNEL_MEMORY * assembly.tables.user.n_channels].reshape(-1, at.CHANNEL_MEMORY)
     rigid = set(assembly.tables.base_channels)
-    channels = iter([base if number in rigid else _peak(row) for number, row in enumerate(memory)])
+    channels = iter(
+        [base if number in rigid else _peak(row) for number, row in enumerate(assembly.tables.user.channel_rows(user))]
+    )
     bodies = {model.body(body).name: BodyPeaks(acceleration=next(channels)) for body in assembly.subjects.bodies}
     points = {
         point_name(model, site): PointPeaks(acceleration=next(channels), relative_displacement=next(channels))
@@ -119,7 +105,7 @@ def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
 
 
 def _peak(row: Array) -> Peak:
-    vector = lambda place: row[place : place + 3].copy()  # noqa: E731
+    vector = lambda first: row[first : first + 3].copy()  # noqa: E731
     return Peak(
         value=float(row[at.PEAK]),
         time=float(row[at.PEAK_TIME]),

@@ -54,8 +54,8 @@ def expand_differences(batch: Batch, systems: Sequence[System]) -> None:
 
 def _distinct(systems: Sequence[System]) -> list[tuple[int, System]]:
     """Return the systems that are not the first object, each once, with their numbers."""
-    places = {id(system): number for number, system in reversed(list(enumerate(systems)))}
-    return [(number, systems[number]) for number in sorted(places.values()) if number]
+    numbers = {id(system): number for number, system in reversed(list(enumerate(systems)))}
+    return [(number, systems[number]) for number in sorted(numbers.values()) if number]
 
 
 def _content(model: mujoco.MjModel, field: str) -> npt.NDArray[np.generic]:

@@ -40,8 +40,7 @@ def scene_of(system: System) -> Scene:
             )
         )
     mounts = tuple(_mount(model, data, mount) for mount in system.mounts.values())
-    name = system.path.stem if system.path else "model"
-    return Scene(name=name, base=system.base, bodies=tuple(bodies), mounts=mounts, limits=system.limits)
+    return Scene(name=system.name, base=system.base, bodies=tuple(bodies), mounts=mounts, limits=system.limits)
 
 
 def _geoms(model: mujoco.MjModel, body: int) -> tuple[Geom, ...]:

@@ -1,11 +1,9 @@
 """System + base motion -> Response."""
 
 import math
-import sys
 from collections.abc import Sequence
 from functools import cache
 from importlib.metadata import version
-from numbers import Real
 from pathlib import Path
 
 import numpy as np
@@ -13,16 +11,16 @@ import numpy as np
 from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.response import FILE, Response
+from wirerope_mj.engine.simulation.finished import require_lawful, warn_of_uncertainty
 from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.initial import initial_state
-from wirerope_mj.engine.simulation.lawful import require_lawful
 from wirerope_mj.engine.simulation.progress import progress_bar
 from wirerope_mj.engine.simulation.recorder import Recorder
 from wirerope_mj.engine.simulation.run import run
 from wirerope_mj.engine.simulation.stability import stable_step
 from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, limit_of_given
-from wirerope_mj.engine.simulation.uncertain import warn_of_uncertainty
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, RecordError, SimulationError
 from wirerope_mj.foundation.state import State
@@ -118,9 +116,8 @@ def versions() -> dict[str, str]:
 def check_arguments(**named: float | None) -> None:
     """Raise ValueError if one of the named numbers is not positive; None is left to be chosen."""
     for name, value in named.items():
-        number = isinstance(value, Real) and not isinstance(value, bool)
-        if value is not None and not (number and 0.0 < value <= sys.float_info.max):
-            raise ValueError(f"`{name}` must be a positive number, got {value!r}.")
+        if value is not None:
+            positive(name, value)
 
 
 def checked_corners(corners: Sequence[float] | Array) -> Array:

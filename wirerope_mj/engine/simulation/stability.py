@@ -1,4 +1,4 @@
-"""How fast a system's own motion is, from its mounts' tangents, and the step that RK4 can take of it."""
+"""Rates of a system's own motion from its mounts' tangents, and the step with which RK4 is stable."""
 
 import mujoco
 import numpy as np

@@ -1,4 +1,4 @@
-"""The base motion for the steps of a grid, piece by piece."""
+"""The base motion for the steps of a grid, segment by segment."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -18,55 +18,55 @@ POINTS = 4096
 
 
 @dataclass(frozen=True, kw_only=True)
-class Piece:
-    """The base in one piece, as `Stages` has it: places and rates (n_driven,), accelerations (2 steps + 1, 3)."""
+class Segment:
+    """The base in one segment, as `Stages` has it: positions and rates (n_driven,), accelerations (2 steps + 1, 3)."""
 
     number: int
-    places: Array
+    positions: Array
     rates: Array
     accelerations: Array
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stages:
-    """The base in pieces that follow each other.
+    """The base in segments that follow each other.
 
-    At a corner, velocity and accelerations are those inside the piece.
+    At a corner, velocity and accelerations are those inside the segment.
 
     Attributes:
-        first: number of the first piece.
-        places, rates: of the driven slides at the start of every piece, as the motion has them, (n, n_driven).
-        accelerations: of the base at all half steps, 2 steps + 1 for every piece, one piece after the other, (n_points, 3).
-        ends: where a piece's accelerations end among them, (n,).
+        first: number of the first segment.
+        positions, rates: of the driven slides at the start of every segment, as the motion has them, (n, n_driven).
+        accelerations: of the base at all half steps, 2 steps + 1 for every segment, one segment after the other, (n_points, 3).
+        ends: where a segment's accelerations end among them, (n,).
     """
 
     first: int
-    places: Array
+    positions: Array
     rates: Array
     accelerations: Array
     ends: npt.NDArray[np.int64]
 
-    def pieces(self, begin: int = 0, end: int | None = None) -> Iterator[Piece]:
-        """Yield the pieces from `begin` to `end`, counted from the first."""
+    def segments(self, begin: int = 0, end: int | None = None) -> Iterator[Segment]:
+        """Yield the segments from `begin` to `end`, counted from the first."""
         ends = [0, *self.ends.tolist()]
-        for piece in range(len(ends) - 1)[begin:end]:
-            yield Piece(
-                number=self.first + piece,
-                places=self.places[piece],
-                rates=self.rates[piece],
-                accelerations=self.accelerations[ends[piece] : ends[piece + 1]],
+        for segment in range(len(ends) - 1)[begin:end]:
+            yield Segment(
+                number=self.first + segment,
+                positions=self.positions[segment],
+                rates=self.rates[segment],
+                accelerations=self.accelerations[ends[segment] : ends[segment + 1]],
             )
 
 
 class StageTables:
-    """The base motion piece by piece, evaluated block by block, and the extremes of its acceleration so far.
+    """The base motion segment by segment, evaluated block by block, and the extremes of its acceleration so far.
 
     Attributes:
         peak: Peak of the base acceleration, both limits of a jump included; a step grid would miss the left one.
     """
 
     def __init__(self, motion: BaseMotion, drive: Array) -> None:
-        """Prepare for the pieces of grids; `drive` gives slides from base vectors, (n_driven, 3)."""
+        """Prepare for the segments of grids; `drive` gives slides from base vectors, (n_driven, 3)."""
         self._motion, self._drive = motion, drive
         nothing = np.zeros(3)
         self.peak = Peak(
@@ -75,7 +75,7 @@ class StageTables:
         )  # fmt: skip
 
     def blocks(self, grid: Grid) -> Iterator[Stages]:
-        """Yield all pieces of a grid, many at once; where they are parted depends on the number of steps alone."""
+        """Yield all segments of a grid, many at once; where they are parted depends on the number of steps alone."""
         points = 2 * grid.steps + 1
         total, first = np.cumsum(points), 0
         while first < points.size:
@@ -84,25 +84,25 @@ class StageTables:
             yield self._stages(grid, first, slice(first, last))
             first = last
 
-    def pieces(self, grid: Grid) -> Iterator[Piece]:
-        """Yield every piece of a grid."""
+    def segments(self, grid: Grid) -> Iterator[Segment]:
+        """Yield every segment of a grid."""
         for stages in self.blocks(grid):
-            yield from stages.pieces()
+            yield from stages.segments()
 
     def _stages(self, grid: Grid, first: int, block: slice) -> Stages:
         points = 2 * grid.steps[block] + 1
         ends = np.cumsum(points)
         which = np.repeat(np.arange(points.size), points)
-        place = (np.arange(which.size) - (ends - points)[which]) / (points - 1)[which]
+        fraction = (np.arange(which.size) - (ends - points)[which]) / (points - 1)[which]
         start, stop = grid.start[block], grid.stop[block]
         low = start + np.where(grid.event[block] != SMOOTH, SAME_TIME, 0.0)
         high = stop - np.where(grid.corner_after[block], SAME_TIME, 0.0)
-        times = np.clip(start[which] + (stop - start)[which] * place, low[which], high[which])
+        times = np.clip(start[which] + (stop - start)[which] * fraction, low[which], high[which])
         accelerations = self._motion.acceleration(times)
         self.peak = _larger(self.peak, times, accelerations)
         return Stages(
             first=first,
-            places=along_slides(self._drive, self._motion.displacement(start)),
+            positions=along_slides(self._drive, self._motion.displacement(start)),
             rates=along_slides(self._drive, self._motion.velocity(low)),
             accelerations=accelerations,
             ends=ends,
@@ -120,7 +120,7 @@ def along_slides(drive: Array, vectors: Array) -> Array:
 
 def _larger(peak: Peak, times: Array, vectors: Array) -> Peak:
     """Return the peak of what `peak` has seen and of `vectors` (n, 3) at `times` (n,)."""
-    kept = np.concatenate([[True], np.diff(times) > 0.0])  # neighbouring pieces share their ends
+    kept = np.concatenate([[True], np.diff(times) > 0.0])  # neighbouring segments share their ends
     times, vectors = times[kept], vectors[kept]
     norms = np.linalg.norm(vectors, axis=1)
     value, time = _extreme(times, norms)

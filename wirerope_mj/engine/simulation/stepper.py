@@ -1,4 +1,4 @@
-"""A system on its way through a time grid: what is prepared for every piece, and what MuJoCo's warnings mean."""
+"""A system on its way through a time grid: what is prepared for every segment, and what MuJoCo's warnings mean."""
 
 import copy
 from typing import Any
@@ -8,8 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.state import STATE, state_of
 from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
-from wirerope_mj.engine.simulation.stages import Piece, along_slides
+from wirerope_mj.engine.simulation.stages import Segment, along_slides
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
@@ -17,47 +18,45 @@ from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
-STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-
 _NEAR = 0.8
-"""Share of a law's finite travel from which on a step that fails is put down to it."""
+"""Fraction of a law's finite travel from which on a step that fails is put down to it."""
 
 
 class Stepper:
-    """A copy of a system's model with its data, taken from piece to piece of one grid after the other."""
+    """A copy of a system's model with its data, taken from segment to segment of one grid after the other."""
 
     def __init__(self, system: System, motion: BaseMotion, initial: State) -> None:
         self.system, self.motion, self._grid = system, motion, Grid.empty()
         self.model, self.data = copy.copy(system.model), mujoco.MjData(system.model)
         mujoco.mj_setState(self.model, self.data, initial.values, STATE)
         assembly = system.assembly
-        self.user = self.data.userdata[assembly.userdata : assembly.userdata + assembly.tables.user.size]
+        self.user = assembly.user(self.data)
         self.user[at.OBSERVING], self.user[at.HISTORY], self.user[at.EVENT] = 1.0, 0.0, at.SMOOTH
         self._dofs = side_by_side(np.array(assembly.driven_dofs, dtype=int))
-        self._places = side_by_side(self.model.jnt_qposadr[list(assembly.subjects.driven)])
-        self._origin = self.model.qpos0[self._places].copy()
-        self._since_check: list[Piece] = []
-        self._checked = _integration_state(self.model, self.data)
+        self._slides = side_by_side(self.model.jnt_qposadr[list(assembly.subjects.driven)])
+        self._origin = self.model.qpos0[self._slides].copy()
+        self._since_check: list[Segment] = []
+        self._checked = state_of(self.model, self.data).values
 
     def enter(self, grid: Grid) -> None:
-        """Take the pieces that follow from `grid`."""
-        self.check()  # a second look at earlier pieces needs the grid that they belong to
+        """Take the segments that follow from `grid`."""
+        self.check()  # a second look at earlier segments needs the grid that they belong to
         self._grid = grid
 
-    def begin(self, base: Piece) -> None:
-        """Prepare the steps of a piece: the base stands and moves exactly as its motion says, jumps included."""
+    def begin(self, base: Segment) -> None:
+        """Prepare the steps of a segment: the base stands and moves exactly as its motion says, jumps included."""
         self._since_check.append(base)
-        grid, user, piece, accelerations = self._grid, self.user, base.number, base.accelerations
-        start, length = grid.start[piece], grid.stop[piece] - grid.start[piece]
-        if grid.event[piece] == at.JUMP:
+        grid, user, segment, accelerations = self._grid, self.user, base.number, base.accelerations
+        start, length = grid.start[segment], grid.stop[segment] - grid.start[segment]
+        if grid.event[segment] == at.JUMP:
             leave_behind(self.system, self.model, self.data, velocity_jump(self.motion, float(start)))
-        self._place_base(base.places, base.rates)
-        user[at.EVENT] = grid.event[piece]
+        self._place_base(base.positions, base.rates)
+        user[at.EVENT] = grid.event[segment]
         user[at.STAGE_POINTS], user[at.STAGE_START] = accelerations.shape[0], start
-        user[at.STAGE_RATE] = 2.0 * grid.steps[piece] / length
+        user[at.STAGE_RATE] = 2.0 * grid.steps[segment] / length
         user[at.STAGES : at.STAGES + accelerations.size] = accelerations.ravel()
         self.data.time = start  # so that rounding does not add up over the steps
-        self.model.opt.timestep = length / grid.steps[piece]
+        self.model.opt.timestep = length / grid.steps[segment]
 
     def finish(self) -> State:
         """Return the final state, and observe the last instant with the acceleration just before it."""
@@ -69,38 +68,38 @@ class Stepper:
         # A state does not carry what belongs to this run alone: stage table and tracker.
         kept = user.copy()
         user[:] = 0.0
-        final = State(values=_integration_state(model, data), time=float(data.time))
+        final = state_of(model, data)
         user[:] = kept
         user[at.STAGE_POINTS], user[at.STAGE_START], user[at.STAGE_RATE] = 1.0, data.time, 0.0
         user[at.STAGES : at.STAGES + 3] = acceleration_before(self.motion, float(data.time))
         mujoco.mj_forward(model, data)
         return final
 
-    def _place_base(self, places: Array, rates: Array) -> None:
-        self.data.qpos[self._places] = self._origin + places
+    def _place_base(self, positions: Array, rates: Array) -> None:
+        self.data.qpos[self._slides] = self._origin + positions
         self.data.qvel[self._dofs] = rates
 
     def check(self) -> None:
         """Raise SimulationError if one of MuJoCo's warning counters rose since the last check."""
         if not self.data.warning.number.any():
             self._since_check.clear()
-            self._checked = _integration_state(self.model, self.data)
+            self._checked = state_of(self.model, self.data).values
             return
-        pieces = self._since_check.copy()
+        segments = self._since_check.copy()
         # Once a number is not finite all are: only a second look, step by step, shows where it began.
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, self._checked, STATE)
-        for piece in pieces:
-            self.begin(piece)
-            for _ in range(int(self._grid.steps[piece.number])):
+        for segment in segments:
+            self.begin(segment)
+            for _ in range(int(self._grid.steps[segment.number])):
                 deflections = self._deflections()
                 mujoco.mj_step(self.model, self.data)
                 for kind, warning in enumerate(self.data.warning):
                     if warning.number:
-                        raise SimulationError(self._words(mujoco.mjtWarning(kind).name) + self._beyond(deflections))
+                        raise SimulationError(self._message(mujoco.mjtWarning(kind).name) + self._beyond(deflections))
         raise SimulationError("MuJoCo reported a warning in the last forward pass; use a smaller `timestep`.")
 
-    def _words(self, warning: str) -> str:
+    def _message(self, warning: str) -> str:
         remedy = _REMEDIES.get(warning, "see MuJoCo's documentation of this warning")
         acceleration = np.nan_to_num(np.abs(self.data.qacc), nan=np.inf, posinf=np.inf)
         body = self.model.body(self.model.dof_bodyid[int(np.argmax(acceleration))]).name
@@ -108,14 +107,13 @@ class Stepper:
 
     def _deflections(self) -> Array:
         """Return the deflections of the last forward pass, (n_mounts, 3)."""
-        first, n_mounts = self.system.assembly.tables.user.mounts, len(self.system.mounts)
-        return self.user[first : first + 6 * n_mounts].reshape(n_mounts, 6)[:, :3].copy()
+        return self.system.assembly.tables.user.mount_rows(self.user)[:, 0].copy()
 
     def _beyond(self, deflections: Array) -> str:
-        """Return words for a mount that was near or beyond the end of its law, "" if there is none."""
+        """Return a note on a mount that was near or beyond the end of its law, "" if there is none."""
         for (name, mount), row in zip(self.system.mounts.items(), deflections, strict=True):
-            if where := beyond_law(mount.isolator.axes, row, row, fraction=_NEAR):
-                return f" Mount {name!r} stood {where}."
+            if beyond := beyond_law(mount.isolator.axes, row, row, fraction=_NEAR):
+                return f" Mount {name!r} stood {beyond}."
         return ""
 
 
@@ -126,7 +124,7 @@ def velocity_jump(motion: BaseMotion, time: float) -> Array:
 
 
 def base_before(motion: BaseMotion, drive: Array, time: float) -> tuple[Array, Array]:
-    """Return places and rates of the driven slides at an instant, a jump of the velocity there left out, (n_driven,) each."""
+    """Return positions and rates of the driven slides at an instant, without the velocity's jump there, (n_driven,) each."""
     now = np.array([time])
     velocity = motion.velocity(now) - velocity_jump(motion, time)
     return along_slides(drive, motion.displacement(now))[0], along_slides(drive, velocity)[0]
@@ -156,10 +154,10 @@ def leave_behind(system: System, model: mujoco.MjModel, data: mujoco.MjData, jum
     data.qvel[riding] -= np.linalg.solve(mass[np.ix_(riding, riding)], impulse)
 
 
-def side_by_side(places: npt.NDArray[Any]) -> npt.NDArray[Any] | slice:
-    """Return places as a slice if they follow each other, for NumPy writes there three times as fast."""
-    first, n = int(places[0]) if places.size else 0, places.size
-    return slice(first, first + n) if np.array_equal(places, np.arange(first, first + n)) else places
+def side_by_side(indices: npt.NDArray[Any]) -> npt.NDArray[Any] | slice:
+    """Return indices as a slice if they follow each other, for NumPy writes there three times as fast."""
+    first, n = int(indices[0]) if indices.size else 0, indices.size
+    return slice(first, first + n) if np.array_equal(indices, np.arange(first, first + n)) else indices
 
 
 def _riding_dofs(model: mujoco.MjModel, driven: list[int]) -> npt.NDArray[np.int64]:
@@ -168,12 +166,6 @@ def _riding_dofs(model: mujoco.MjModel, driven: list[int]) -> npt.NDArray[np.int
     rides = np.isin(roots, roots[driven])
     rides[driven] = False
     return np.flatnonzero(rides)
-
-
-def _integration_state(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
-    values = np.empty(mujoco.mj_stateSize(model, STATE))
-    mujoco.mj_getState(model, data, values, STATE)
-    return values
 
 
 _GREW = "the motion grew without bound; use a smaller `timestep`, and check masses, stops and mount loads"

@@ -1,6 +1,8 @@
 """Choosing the step before the run: pilots of the same system and motion, halved until samples and peaks agree."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -31,13 +33,13 @@ SAMPLES, STABILITY, DURATION = "the sample interval", "the stability of the stif
 CORNERS = "the corners of the motion, such as the samples of a record"
 ACCURACY, GIVEN = "the accuracy asked for", "the timestep asked for"
 CONTACTS = "contacts, where finer steps bring too little"
-"""What a step is limited by."""
+"""Limits of a step."""
 
 RICHARDSON = 4.0 / 3.0
 """Error of the coarser of two runs from their difference at order 2, the order that reversals of the mounts leave to RK4."""
 
 SMALL = 1e-3
-"""Quantities smaller than this share of the largest of their kind are judged against that share."""
+"""Quantities smaller than this fraction of the largest of their kind are judged against that fraction."""
 
 STILL = {"acceleration": 1e-6}
 """Peaks below which a quantity rests [m/s^2]: what an equilibrium's rounding leaves is 1e-10, and no step makes it smaller."""
@@ -49,12 +51,12 @@ WINDOWS = 6
 """Pilots of a motion too long to be tried whole."""
 
 WINDOWED = 0.5
-"""Share of the accuracy that windows must keep: between them the error was seen to be up to 1.7 times theirs."""
+"""Fraction of the accuracy that windows must keep: between them the error was seen to be up to 1.7 times theirs."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChosenStep:
-    """A step [s], the error estimated for it, relative to the peaks, and what keeps it from being longer, in words."""
+    """A step [s], the error estimated for it, relative to the peaks, and what keeps it from being longer."""
 
     timestep: float
     error: float
@@ -87,14 +89,7 @@ def choose_timestep(
     step, limit = (between, CORNERS) if between < step else (step, limit)
 
     failures: list[str] = []
-
-    def pilots(step: float) -> list[_Pilot] | None:
-        try:
-            return [_pilot(system, motion, start, window, sample_rate, step) for window in windows]
-        except SimulationError as failure:  # the step was too large for a part of the motion
-            failures.append(str(failure))
-            return None
-
+    pilots = partial(_pilots, system, motion, start, windows, sample_rate, failures)
     wanted = accuracy if len(windows) == 1 else WINDOWED * accuracy
     coarse = pilots(step)
     in_contact: list[ChosenStep] = []
@@ -103,13 +98,8 @@ def choose_timestep(
         error = RICHARDSON * _difference(coarse, fine)
         touches = fine is not None and any(pilot.touches for pilot in fine)
         if error <= wanted:
-            # Between this step and its double, which failed, the largest one may lie: order 2 says where to look.
-            factor = min(1.9, 0.9 * np.sqrt(wanted / error)) if halving and error > 0.0 else 1.0
-            if factor > 1.15:
-                longer = _difference(pilots(factor * step), fine) * factor**2 / (factor**2 - 0.25)
-                if longer <= wanted:
-                    return ChosenStep(timestep=factor * step, error=longer, limited_by=ACCURACY)
-            return ChosenStep(timestep=step, error=error, limited_by=ACCURACY if halving else limit)
+            longer = _longer(pilots, fine, step, error, wanted) if halving else None
+            return longer or ChosenStep(timestep=step, error=error, limited_by=ACCURACY if halving else limit)
         if touches:
             in_contact.append(ChosenStep(timestep=step, error=error, limited_by=CONTACTS))
             if halving >= LUCK and not _pays(error, halving, wanted):
@@ -121,6 +111,21 @@ def choose_timestep(
         f"no step down to {step:.3g} s keeps samples and peaks within {accuracy:.3g} of the peaks; the last error was "
         f"{error:.3g}. Ask for less (a larger `accuracy`), or give the `timestep`."
     )
+
+
+def _longer(
+    pilots: Callable[[float], "list[_Pilot] | None"],
+    fine: "list[_Pilot] | None",
+    step: float,
+    error: float,
+    wanted: float,
+) -> ChosenStep | None:
+    """Return a step between `step` and its double, which failed, if it is accurate enough: order 2 says where to look."""
+    factor = min(1.9, 0.9 * np.sqrt(wanted / error)) if error > 0.0 else 1.0
+    if factor <= 1.15:
+        return None
+    longer = _difference(pilots(factor * step), fine) * factor**2 / (factor**2 - 0.25)
+    return ChosenStep(timestep=factor * step, error=longer, limited_by=ACCURACY) if longer <= wanted else None
 
 
 def _pays(error: float, halving: int, wanted: float) -> bool:
@@ -168,9 +173,9 @@ def _windows(system: System, motion: BaseMotion, start: State, duration: float) 
     if over - begin <= (WINDOWS - 1) * length:
         return [(begin, min(over + length, end) - begin)]
     # Geometric spacing follows a logarithmic sweep; the last window ends with the motion.
-    places = begin + (over - length - begin) * np.geomspace(1.0, 2.0**WINDOWS, WINDOWS) / 2.0**WINDOWS
-    places[0] = begin
-    return [(float(place), length) for place in places]
+    starts = begin + (over - length - begin) * np.geomspace(1.0, 2.0**WINDOWS, WINDOWS) / 2.0**WINDOWS
+    starts[0] = begin
+    return [(float(instant), length) for instant in starts]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,6 +186,18 @@ class _Pilot:
     touches: bool  # whether a contact of geoms was active
 
 
+def _pilots(
+    system: System, motion: BaseMotion, start: State, windows: list[tuple[float, float]], sample_rate: float,
+    failures: list[str], step: float,
+) -> list[_Pilot] | None:  # fmt: skip
+    """Return the pilots of all windows with one step; None, and the reason in `failures`, where it was too large."""
+    try:
+        return [_pilot(system, motion, start, window, sample_rate, step) for window in windows]
+    except SimulationError as failure:
+        failures.append(str(failure))
+        return None
+
+
 def _pilot(
     system: System, motion: BaseMotion, start: State, window: tuple[float, float], sample_rate: float, step: float
 ) -> _Pilot:
@@ -188,11 +205,11 @@ def _pilot(
     grid = time_grid(start=begin, duration=length, sample_rate=sample_rate, timestep=step, motion=motion)
     # What is fixed to the base follows the motion, whatever the step.
     judged = np.setdiff1d(np.arange(system.assembly.tables.channels.size), system.assembly.tables.base_channels)
-    places = system.assembly.tables.channels[judged]
-    history = np.empty((grid.sample_times.size, places.size, 3))
+    channels = system.assembly.tables.channels[judged]
+    history = np.empty((grid.sample_times.size, channels.size, 3))
 
     def sink(sample: int, values: Array) -> None:
-        history[sample] = values[places[:, None] + np.arange(3)]
+        history[sample] = values[channels[:, None] + np.arange(3)]
 
     at_begin = State(values=start.values.copy(), time=begin)
     if begin != start.time:

@@ -1,4 +1,4 @@
-"""Where a system rests under its own weight."""
+"""Equilibrium of a system under its own weight."""
 
 from wirerope_mj.engine.statics.find import equilibrium as equilibrium
 from wirerope_mj.engine.statics.result import Equilibrium as Equilibrium

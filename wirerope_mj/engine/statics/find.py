@@ -4,15 +4,16 @@ import warnings
 from weakref import WeakKeyDictionary
 
 from wirerope_mj.engine.statics.loading import Loading
-from wirerope_mj.engine.statics.result import Equilibrium, History
+from wirerope_mj.engine.statics.result import HISTORIES, Equilibrium, History
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import ModelWarning
 
 _known: WeakKeyDictionary[System, dict[str, Equilibrium]] = WeakKeyDictionary()
 
 
 def equilibrium(system: System, *, history: History = "virgin") -> Equilibrium:
-    """Return the equilibrium of `system` under its gravity, base at rest; found once per system and history.
+    """Return the equilibrium of `system` under its gravity, base at rest; computed once per system and history.
 
     Gravity grows from 0 in steps. In each, Newton's method makes MuJoCo's own accelerations vanish, contacts and joint springs
     included; the hysteretic states of a trial position are integrated along the law from the last step's, so that they lie
@@ -24,12 +25,11 @@ def equilibrium(system: System, *, history: History = "virgin") -> Equilibrium:
     Raises:
         ConvergenceError: there is no equilibrium, or it was not found; names the mount that cannot carry its load.
     """
-    if history not in ("virgin", "relaxed"):
-        raise ValueError(f"`history` must be 'virgin' or 'relaxed', got {history!r}.")
-    found = _known.setdefault(system, {})
-    if history not in found:
+    one_of("history", history, HISTORIES)
+    known = _known.setdefault(system, {})
+    if history not in known:
         with system.assembly.scratch.data(system.model) as data:
-            found[history] = Loading(system, history, data).solve()
-    for sentence in found[history].free:
-        warnings.warn(sentence, ModelWarning, stacklevel=2)
-    return found[history]
+            known[history] = Loading(system, history, data).solve()
+    for message in known[history].free:
+        warnings.warn(message, ModelWarning, stacklevel=2)
+    return known[history]

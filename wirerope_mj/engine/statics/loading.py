@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import installed
-from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.state import state_of
 from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.statics.result import Equilibrium, History, MountLoad
 from wirerope_mj.engine.statics.roots import Roots
@@ -13,7 +13,6 @@ from wirerope_mj.engine.statics.unresisted import unresisted
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
-from wirerope_mj.foundation.state import State
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
 LOAD_STEPS = 20
@@ -22,13 +21,13 @@ LOAD_STEPS = 20
 Mounts move straight within one: on a path that bends, twenty and sixty differed by up to 1e-4 of the deflections."""
 
 SMALLEST_LOAD_STEP = 1e-4
-"""Share of gravity below which a load step that fails is a load that cannot be carried."""
+"""Fraction of gravity below which a load step that fails is a load that cannot be carried."""
 
 TOLERANCE = 1e-11
 """Largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes."""
 
 ACCEPTED = 1e-8
-"""What is accepted where rounding or a contact's own iteration stops Newton's method earlier; relative to gravity."""
+"""Accepted acceleration, relative to gravity, where rounding or a contact's own iteration stops Newton's method earlier."""
 
 MOST = 3_000
 """Positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing."""
@@ -37,7 +36,7 @@ FARTHEST = 10.0
 """Deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables."""
 
 WITHOUT_SENSORS = 1
-"""What `mj_forwardSkip` takes to leave out the sensors, which measure a motion and do not act."""
+"""Argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act."""
 
 
 class Loading:
@@ -104,17 +103,13 @@ class Loading:
         model, data = self.model, self.data
         self._accelerations(qpos)
         mujoco.mj_forward(model, data)  # sensors too
-        record = self._record().copy()
-        self._check_laws(record[:, 0])
-        mounts = {
-            name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(self.system.mounts, record, strict=True)
-        }
-        size = mujoco.mj_stateSize(model, mujoco.mjtState.mjSTATE_INTEGRATION)
-        values = np.empty(size)
-        mujoco.mj_getState(model, data, values, mujoco.mjtState.mjSTATE_INTEGRATION)
+        rows = self._mounts().copy()
+        self._check_laws(rows[:, 0])
         return Equilibrium(
-            state=State(values=values, time=0.0),
-            mounts=mounts,
+            state=state_of(model, data),
+            mounts={
+                name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(self.system.mounts, rows, strict=True)
+            },
             history=self.history,
             residual=residual,
             free=self._unresisted(qpos),
@@ -124,8 +119,8 @@ class Loading:
         return unresisted(self.system, self.data, self.free, lambda step: self._accelerations(self._moved(qpos, step)))
 
     def _check_deflections(self, load: float) -> None:
-        """Raise ConvergenceError if a mount is deflected further than any can be; `load` is the share of the weight on it."""
-        deflections = np.abs(self._record()[:, 0]).max(axis=1)
+        """Raise ConvergenceError if a mount is deflected further than any can be under `load`, a fraction of the weight."""
+        deflections = np.abs(self._mounts()[:, 0]).max(axis=1)
         if deflections.max(initial=0.0) > FARTHEST:
             name = list(self.system.mounts)[int(np.argmax(deflections))]
             raise ConvergenceError(
@@ -136,27 +131,25 @@ class Loading:
     def _check_laws(self, deflections: Array) -> None:
         """Raise ConvergenceError if a mount stands where its law does not hold; deflections (n_mounts, 3) [m]."""
         for (name, mount), deflection in zip(self.system.mounts.items(), deflections, strict=True):
-            if where := beyond_law(mount.isolator.axes, deflection, deflection):
-                raise ConvergenceError(f"there is no equilibrium: mount {name!r} would stand {where}. {self._loads()}")
+            if beyond := beyond_law(mount.isolator.axes, deflection, deflection):
+                raise ConvergenceError(f"there is no equilibrium: mount {name!r} would stand {beyond}. {self._loads()}")
 
     def _loads(self) -> str:
-        """Return words for what the weight comes from, and what to check."""
+        """Return a message about where the weight comes from, and what to check."""
         mass = sum(payload.mass for payload in payloads_of(self.system))
         return (
             f"Gravity is {np.linalg.norm(self.gravity):.6g} m/s^2 and the mass on the mounts {mass:.6g} kg: check "
             "both, and the stiffness of the isolators."
         )
 
-    def _record(self) -> Array:
+    def _mounts(self) -> Array:
         """Return deflection and force of every mount in the last position, (n_mounts, 2, 3)."""
-        first = self.system.assembly.userdata + self.system.assembly.tables.user.mounts
-        n_mounts = len(self.system.mounts)
-        return self.data.userdata[first : first + at.MOUNT_VALUES * n_mounts].reshape(n_mounts, 2, 3)
+        return self.system.assembly.tables.user.mount_rows(self.system.assembly.user(self.data))
 
     def _diagnosis(self, load: float, residual: float) -> str:
-        """Return words for why the weight cannot be carried; `load` is the share of it that failed."""
+        """Return the reason why the weight cannot be carried; `load` is the fraction of it that failed."""
         # What would rest on each under the whole weight:
-        carried = self._record()[:, 1, 2] / max(load, SMALLEST_LOAD_STEP)
+        carried = self._mounts()[:, 1, 2] / max(load, SMALLEST_LOAD_STEP)
         for (name, mount), axial in zip(self.system.mounts.items(), carried, strict=True):
             law = mount.isolator.axes["axial"]
             if law is None or law.largest_force == np.inf:

@@ -1,4 +1,4 @@
-"""Which bodies the mounts carry: each payload is a body with everything that stands on it."""
+"""Payloads, the bodies that mounts carry: each is a body with everything that stands on it."""
 
 from dataclasses import dataclass
 

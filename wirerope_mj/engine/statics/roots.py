@@ -16,13 +16,13 @@ LONGEST = 0.1
 """Longest step [m or rad]: more than any mount travels."""
 
 SLOW = 0.2
-"""Share of the residual that a step may leave; beyond it a new Jacobian is cheaper than the iterations that it saves."""
+"""Fraction of the residual that a step may leave; beyond it a new Jacobian is cheaper than the iterations that it saves."""
 
 DIFFERENCE = 1e-7
 """Step of the differences [m or rad]: small against any travel, and they stand eight digits above the rounding of forces."""
 
 INDIFFERENT = 1e-10
-"""Share of the largest singular value below which a direction has no stiffness: differences are rounded at 1e-11 of it."""
+"""Fraction of the largest singular value below which a direction has no stiffness: differences are rounded at 1e-11 of it."""
 
 
 class Roots:
@@ -33,7 +33,7 @@ class Roots:
     """
 
     def __init__(self, residual: Callable[[Array], Array], moved: Callable[[Array, Array], Array], size: int) -> None:
-        """Prepare for the roots of `residual(place)` over places `moved(place, step)` with steps (size,)."""
+        """Prepare for the roots of `residual(position)` over positions `moved(position, step)` with steps (size,)."""
         self.residual, self.moved, self.size = residual, moved, size
         self.inverse: Array | None = None
 
@@ -41,18 +41,18 @@ class Roots:
         """Take a new Jacobian for the next root."""
         self.inverse = None
 
-    def find(self, place: Array, tolerance: float) -> tuple[Array, float]:
-        """Return the root next to `place` and the largest residual left; larger than `tolerance` where it ended earlier."""
-        value = self.residual(place)
+    def find(self, position: Array, tolerance: float) -> tuple[Array, float]:
+        """Return the root next to `position` and the largest residual left; larger than `tolerance` where it ended earlier."""
+        value = self.residual(position)
         for _ in range(ITERATIONS):
             if not largest(value) > tolerance or not np.isfinite(value).all():
                 break
             fresh = self.inverse is None
-            inverse = self._inverse(place) if self.inverse is None else self.inverse
+            inverse = self._inverse(position) if self.inverse is None else self.inverse
             step = -inverse @ value
             step *= min(1.0, LONGEST / max(largest(step), 1e-12))
             for _halving in range(HALVINGS if fresh else 1):
-                trial = self.moved(place, step)
+                trial = self.moved(position, step)
                 trial_value = self.residual(trial)
                 if largest(trial_value) < largest(value):
                     break
@@ -63,15 +63,15 @@ class Roots:
                     break
                 continue
             self.inverse = _updated(inverse, step, value, trial_value)
-            place, value = trial, trial_value
-        return place, largest(value)
+            position, value = trial, trial_value
+        return position, largest(value)
 
-    def _inverse(self, place: Array) -> Array:
+    def _inverse(self, position: Array) -> Array:
         # To both sides: where a load step begins a law is stiffer one way than the other, and one-sided columns of two bodies
         # that deflect the same mount against each other would take a slope each.
         columns = []
         for unit in DIFFERENCE * np.eye(self.size):
-            above, below = (self.residual(self.moved(place, side)) for side in (unit, -unit))
+            above, below = (self.residual(self.moved(position, side)) for side in (unit, -unit))
             columns.append((above - below) / (2.0 * DIFFERENCE))
         jacobian = np.stack(columns, axis=1)
         if not np.isfinite(jacobian).all():

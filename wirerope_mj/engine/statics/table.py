@@ -7,16 +7,14 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control.state import STATE
 from wirerope_mj.engine.statics.find import equilibrium
 from wirerope_mj.engine.statics.payloads import payloads_of
-from wirerope_mj.engine.statics.result import Equilibrium, History
+from wirerope_mj.engine.statics.result import HISTORIES, Equilibrium, History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.isolator.static_rating import static_utilisation
-
-HISTORIES: tuple[History, History] = ("virgin", "relaxed")
-STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,8 +25,8 @@ class MountSag:
         deflection: roll, shear, axial [m], axial negative in compression, (3,).
         force: restoring force in the same axes [N], (3,).
         carries: what it pushes the payload up with [N].
-        split: share of the weight of all payloads that this is; NaN without weight. Where payloads stand on payloads the lower
-            mounts carry those above as well, and the shares add up to more than 1.
+        split: fraction of the weight of all payloads that this is; NaN without weight. Where payloads stand on payloads the
+            lower mounts carry those above as well, and the fractions add up to more than 1.
         compression: axial load [N]; 0 in tension.
         static_load: rated load in compression [N]; None = not judged.
         stop: whether it is a stop, see `wirerope_mj.mounts.isolator.Isolator.is_stop`.
@@ -43,14 +41,14 @@ class MountSag:
     stop: bool = False
 
     @property
-    def share(self) -> float | None:
+    def utilisation(self) -> float | None:
         """Axial load over the rated static load; None = not judged: not rated, or no load in compression along the axis."""
         return static_utilisation(self.force, self.static_load)
 
 
 @dataclass(frozen=True, kw_only=True)
 class PayloadSag:
-    """A payload where it rests, from the modelled geometry.
+    """A payload in equilibrium, from the modelled geometry.
 
     Attributes:
         mass: of all that stands on it [kg].
@@ -67,7 +65,7 @@ class PayloadSag:
 
 @dataclass(frozen=True, kw_only=True)
 class Sag:
-    """Where a system rests after one history.
+    """Equilibrium of a system after one history.
 
     Attributes:
         history: "virgin" or "relaxed".
@@ -93,7 +91,7 @@ class Sag:
 
     @property
     def elsewhere(self) -> float:
-        """What of the weight mounts and contacts do not carry [N]: joints and their springs, 0 for a free body."""
+        """Weight that mounts and contacts do not carry [N]: joints and their springs, 0 for a free body."""
         return self.weight - self.on_mounts - self.on_contacts
 
 
@@ -103,7 +101,7 @@ class StaticTable:
 
     Attributes:
         sags: by history, those that exist.
-        missing: why there is no other, in words, by history.
+        missing: why there is no other, by history.
     """
 
     sags: dict[str, Sag]
@@ -142,11 +140,11 @@ def static_table(system: System) -> StaticTable:
     return StaticTable(sags=sags, missing=missing)
 
 
-def _sag(system: System, found: Equilibrium) -> Sag:
+def _sag(system: System, result: Equilibrium) -> Sag:
     model = system.model.__copy__()
     unloaded, data = mujoco.MjData(model), mujoco.MjData(model)
     mujoco.mj_fwdPosition(model, unloaded)
-    mujoco.mj_setState(model, data, found.state.values, STATE)
+    mujoco.mj_setState(model, data, result.state.values, STATE)
     with installed(model, data):
         mujoco.mj_forward(model, data)
     gravity = float(np.linalg.norm(model.opt.gravity))
@@ -156,7 +154,7 @@ def _sag(system: System, found: Equilibrium) -> Sag:
     weight = gravity * sum(payload.mass for payload in payloads)
     mounts, on_mounts = {}, 0.0
     for name, mount in system.mounts.items():
-        load = found.mounts[name]
+        load = result.mounts[name]
         lift = -float(up @ data.site(mount.base_site).xmat.reshape(3, 3) @ load.force)
         mounts[name] = MountSag(
             deflection=load.deflection,
@@ -169,13 +167,13 @@ def _sag(system: System, found: Equilibrium) -> Sag:
         )
         on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
     return Sag(
-        history=found.history,
+        history=result.history,
         mounts=mounts,
         payloads={p.name: _payload(model, unloaded, data, p.root, p.mass) for p in payloads},
         weight=weight,
         on_mounts=on_mounts,
         on_contacts=_on_contacts(model, data, carried, up),
-        equilibrium=found,
+        equilibrium=result,
     )
 
 
@@ -215,7 +213,7 @@ def _plain(sag: Sag) -> dict[str, Any]:
                 "force_N": mount.force.tolist(),
                 "carries_N": mount.carries,
                 "share_of_weight": mount.split if np.isfinite(mount.split) else None,
-                "share_of_static_load": mount.share,
+                "share_of_static_load": mount.utilisation,
             }
             for name, mount in sag.mounts.items()
         },

@@ -20,15 +20,10 @@ SLOW = 1e-4
 def unresisted(
     system: System, data: mujoco.MjData, free: npt.NDArray[np.int64], accelerations: Callable[[Array], Array]
 ) -> tuple[str, ...]:
-    """Return a sentence for each way in which a body on mounts moves and no mount, joint, stop or weight brings it back.
+    """Return a message for each motion of a body on mounts that no mount, joint, stop or weight brings back.
 
     Mounts count as resisting in all three directions here: an axis without a law is the isolator's own property.
-
-    Args:
-        system: the system.
-        data: MuJoCo's data where it rests.
-        free: velocity coordinates that can move, (n,).
-        accelerations: of these after a small step of them, (n,) each.
+    `free` are the velocity coordinates that can move, (n,); `accelerations` returns theirs after a small step of them.
     """
     model = data.model
     jacobians = [_deflections(model, data, sites)[:, free] for sites in system.assembly.tables.sites]
@@ -43,25 +38,25 @@ def unresisted(
     if not np.isfinite(stiffness).all():
         return ()
     rates, shapes = eigh(0.5 * (stiffness + stiffness.T), motions.T @ mass @ motions)
-    ways: dict[tuple[int, bool], list[str]] = {}
+    motions_of: dict[tuple[int, bool], list[str]] = {}
     for rate, shape in zip(rates, shapes.T, strict=True):
         if rate < SLOW:
-            body, words = _rotation(model, data, free, motions @ shape)
+            body, motion_text = _rotation(model, data, free, motions @ shape)
             if _mounts_below(system, body):  # what swings on a joint of its own alone was meant to
-                ways.setdefault((body, rate < -SLOW), []).append(words)
-    return tuple(_sentence(system, body, words, tips=tips) for (body, tips), words in ways.items())
+                motions_of.setdefault((body, rate < -SLOW), []).append(motion_text)
+    return tuple(_message(system, body, texts, tips=tips) for (body, tips), texts in motions_of.items())
 
 
 def _mounts_below(system: System, body: int) -> list[str]:
     """Return the mounts that carry a body, or one that is attached to it."""
-    model, found = system.model, []
+    model, mounts = system.model, []
     for name, mount in system.mounts.items():
         carried = model.body(mount.payload_body).id
         while carried not in (0, body):
             carried = int(model.body_parentid[carried])
         if carried == body:
-            found.append(name)
-    return found
+            mounts.append(name)
+    return mounts
 
 
 def _deflections(model: mujoco.MjModel, data: mujoco.MjData, sites: npt.NDArray[np.int64]) -> Array:
@@ -76,7 +71,7 @@ def _deflections(model: mujoco.MjModel, data: mujoco.MjData, sites: npt.NDArray[
 def _rotation(
     model: mujoco.MjModel, data: mujoco.MjData, free: npt.NDArray[np.int64], motion: Array
 ) -> tuple[int, str]:
-    """Return the body that moves most in a motion of the free coordinates, (n,), and words for the axis that it turns about."""
+    """Return the body that moves most in a motion of the free coordinates, (n,), and a name of the motion with its axis."""
     body = int(model.dof_bodyid[free[int(np.argmax(np.abs(motion)))]])
     turn, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv))
     mujoco.mj_jacBody(model, data, unused, turn, body)
@@ -91,7 +86,7 @@ def _rotation(
     return body, f"a rotation about ({', '.join(f'{value:.2f}' for value in axis * np.sign(axis[main]))})"
 
 
-def _sentence(system: System, body: int, motions: list[str], *, tips: bool) -> str:
+def _message(system: System, body: int, motions: list[str], *, tips: bool) -> str:
     model = system.model
     which = "any rotation" if len(motions) == 3 else " or ".join(sorted(motions))
     on = ", ".join(map(repr, _mounts_below(system, body)))

@@ -9,6 +9,7 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.engine.system.scratch import Scratch
 from wirerope_mj.engine.system.tables import DRIVE_ARMATURE, Subjects, Tables, make_tables
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
 SOLVER_TOLERANCE = 1e-15
@@ -39,6 +40,10 @@ class Assembly:
     sensor: int
     scratch: Scratch = field(default_factory=Scratch, repr=False, compare=False)
 
+    def user(self, data: mujoco.MjData) -> Array:
+        """Return the system's part of userdata, a view."""
+        return np.asarray(data.userdata[self.userdata : self.userdata + self.tables.user.size])
+
     @property
     def driven_dofs(self) -> list[int]:
         """Velocity coordinates of the driven slides."""
@@ -46,13 +51,7 @@ class Assembly:
 
 
 def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> Assembly:
-    """Add what the callback needs to `spec` and compile it.
-
-    Args:
-        spec: parsed and once compiled MJCF; changed in place.
-        declared: mounts, with the site ids of the MJCF as it stands.
-        base: body id of the base, 0 if it is the world.
-    """
+    """Add what the callback needs to `spec`, in place, and compile it; `base` is a body id, 0 for the world."""
     _name_moving_bodies(spec)
     plain = spec.compile()
     subjects = Subjects(
@@ -110,7 +109,7 @@ def _set_options(spec: mujoco.MjSpec) -> None:
     spec.option.disableflags &= ~(disable.mjDSBL_SENSOR | disable.mjDSBL_ACTUATION | disable.mjDSBL_SPRING)
 
 
-def _add_state_actuator(spec: mujoco.MjSpec, model: mujoco.MjModel, tables: Tables, places: list[int]) -> None:
+def _add_state_actuator(spec: mujoco.MjSpec, model: mujoco.MjModel, tables: Tables, addresses: list[int]) -> None:
     """Add the actuator whose activations are the internal states; any joint carries it, a slide is the cheapest."""
     if model.njnt == 0:
         raise ModelError("the model has no joint: nothing in it can move.")
@@ -127,7 +126,7 @@ def _add_state_actuator(spec: mujoco.MjSpec, model: mujoco.MjModel, tables: Tabl
         target=joint.name,
         gainprm=[0.0] * 10,
         biasprm=[0.0] * 10,
-        dynprm=[at.MAGIC, *map(float, places), 0.0, 0.0, 0.0, 0.0, 0.0],
+        dynprm=[at.MAGIC, *map(float, addresses), 0.0, 0.0, 0.0, 0.0, 0.0],
     )
 
 

@@ -1,10 +1,10 @@
-"""What a variant of a system has that the model as written has not."""
+"""Changes that make a variant of a system from the model as written."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.mounts.isolator import Isolator
 
 Vector = tuple[float, float, float]
@@ -32,7 +32,7 @@ class Changes:
                 raise ValueError(f"`isolators[{mount!r}]` must be an Isolator, got {isolator!r}.")
         checked = {
             "isolators": dict(self.isolators),
-            "masses": {body: _factor(body, factor) for body, factor in self.masses.items()},
+            "masses": {body: positive(f"masses[{body!r}]", factor) for body, factor in self.masses.items()},
             "centres": {body: _shift("centres", body, shift) for body, shift in self.centres.items()},
             "positions": {mount: _shift("positions", mount, shift) for mount, shift in self.positions.items()},
         }
@@ -64,24 +64,9 @@ class Changes:
         return cls(isolators=isolators, **rest)
 
 
-def _factor(body: str, factor: Any) -> float:
-    value = _number(factor)
-    if not (math.isfinite(value) and value > 0.0):
-        raise ValueError(f"`masses[{body!r}]` must be a factor > 0, got {factor!r}.")
-    return value
-
-
 def _shift(name: str, key: str, shift: Any) -> Vector:
-    values = [] if isinstance(shift, str | bytes) or not hasattr(shift, "__iter__") else [_number(v) for v in shift]
-    if len(values) != 3 or not all(math.isfinite(value) for value in values):
-        raise ValueError(f"`{name}[{key!r}]` must be three finite numbers [m], got {shift!r}.")
-    x, y, z = values
-    return (x, y, z)
-
-
-def _number(value: Any) -> float:
-    """Return a plain float; what is none becomes nan, which no check lets pass."""
     try:
-        return math.nan if isinstance(value, str | bool) else float(value)
+        x, y, z = (finite(name, value) for value in shift)
     except (TypeError, ValueError):
-        return math.nan
+        raise ValueError(f"`{name}[{key!r}]` must be three finite numbers [m], got {shift!r}.") from None
+    return x, y, z

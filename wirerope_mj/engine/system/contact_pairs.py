@@ -7,7 +7,7 @@ MOST = 32
 """Rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state."""
 
 
-def contact_rows(model: mujoco.MjModel) -> int:
+def contact_capacity(model: mujoco.MjModel) -> int:
     """Return the rows of the memory of contacts: one for each declared pair, up to `MOST` for what else may touch."""
     if model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CONTACT:
         return 0

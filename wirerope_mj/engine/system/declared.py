@@ -58,14 +58,7 @@ def check_visible(model: mujoco.MjModel) -> None:
 def declared_mounts(
     spec: mujoco.MjSpec, model: mujoco.MjModel, *, folder: Path | None, isolators: Mapping[str, Isolator]
 ) -> list[DeclaredMount]:
-    """Return the mounts in the order of their tuples.
-
-    Args:
-        spec: the parsed MJCF, for the texts that name isolators.
-        model: what it compiles to.
-        folder: where the model file stands; isolator files are looked up there first.
-        isolators: isolators in memory, by what follows `isolator/` in the text's name; they go before files.
-    """
+    """Return the mounts in the order of their tuples; isolators in memory go before files, first those in `folder`."""
     files = {text.name: text.data for text in spec.texts}
     loaded: dict[str, Isolator] = {}
     mounts: list[DeclaredMount] = []
@@ -105,9 +98,9 @@ def _elements(model: mujoco.MjModel, t: int, name: str) -> tuple[int, int, int]:
     kinds = [mujoco.mjtObj(kind) for kind in model.tuple_objtype[start : start + size]]
     wanted = [mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_TEXT]
     if kinds != wanted:
-        found = [kind.name.removeprefix("mjOBJ_").lower() for kind in kinds]
+        held = [kind.name.removeprefix("mjOBJ_").lower() for kind in kinds]
         raise ModelError(
-            f"tuple {name!r} must hold a payload site, a base site and a text, in this order; it has {found}."
+            f"tuple {name!r} must hold a payload site, a base site and a text, in this order; it has {held}."
         )
     payload_site, base_site, text = model.tuple_objid[start : start + size]
     return int(payload_site), int(base_site), int(text)
@@ -167,9 +160,9 @@ def base_body(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> int:
     candidates = sorted(roots[1] - roots[0])
     if len(candidates) != 1:
         _check_order(model, mounts)
-        found = [model.body(body).name for body in candidates]
+        names = [model.body(body).name for body in candidates]
         raise ModelError(
-            f"the base is not unique: {found or 'none'} of the bodies carry base sites and no payload site. Name it by "
+            f"the base is not unique: {names or 'none'} of the bodies carry base sites and no payload site. Name it by "
             '<tuple name="base"><element objtype="body" objname="..."/></tuple> in <custom>.'
         )
     return candidates[0]

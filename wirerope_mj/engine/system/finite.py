@@ -13,7 +13,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
 _ELEMENTS = {"site": "site", "jnt": "joint", "geom": "geom", "body": "body", "eq": "equality"}
-"""What the names of a model's arrays begin with, and the element; of several numbers that are not finite the first is named."""
+"""Beginnings of the names of a model's arrays, and the element; of several numbers that are not finite the first is named."""
 
 _WRITTEN = ("pos", "quat", "axis", "size", "mass")
 """Attributes from which others are computed: they are named before those."""
@@ -24,12 +24,7 @@ and a body on a joint of its own with 1e-11 of the mass that it carries still pa
 
 
 def check_written(text: str, path: Path | None) -> None:
-    """Raise ModelError if a number of a model as written is NaN, which MuJoCo takes for one that is not given.
-
-    Args:
-        text: the MJCF.
-        path: the file in which it stands, None if it was given as text.
-    """
+    """Raise ModelError if a number of a model as written is NaN, which MuJoCo takes for one that is not given."""
     if "nan" not in text.lower() and "<include" not in text:
         return
     try:
@@ -52,7 +47,7 @@ def check_numbers(model: mujoco.MjModel) -> None:
     for name in _float_arrays():
         values = getattr(model, name)
         if values.size and not np.isfinite(values).all():
-            raise ModelError(_place(model, name, values))
+            raise ModelError(_not_finite(model, name, values))
 
 
 _REMEDY = "every number of a model must be finite, with a finite square. Correct it there, or what it is computed from."
@@ -73,8 +68,8 @@ def _float_arrays() -> tuple[str, ...]:
     return tuple(sorted(arrays, key=rank))
 
 
-def _place(model: mujoco.MjModel, array: str, values: Array) -> str:
-    """Return words for the first element of an array whose numbers are not all finite."""
+def _not_finite(model: mujoco.MjModel, array: str, values: Array) -> str:
+    """Return the message about the first element of an array whose numbers are not all finite."""
     kind, _, attribute = array.partition("_")
     row = int(np.argwhere(~np.isfinite(values))[0][0])
     element = _ELEMENTS.get(kind, kind)

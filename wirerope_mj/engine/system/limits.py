@@ -11,10 +11,6 @@ LIMIT, POINT = "limit/", "point/"
 def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...]:
     """Return the limits in the order of the model; the name is what stands before and after `limit/KIND/`, joined.
 
-    Args:
-        model: the model.
-        base: body id of its base, which is no payload; 0 if it is the world.
-
     Raises:
         ModelError: a limit names no body of the payload and no point, is of an unknown kind, or has the wrong number of values.
     """

@@ -17,7 +17,7 @@ from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.mounts.isolator import Isolator
 
 CHANGES = "changes.toml"
-"""What a variant differs by from the model beside it."""
+"""File of what a variant differs by from the model in the same folder."""
 
 
 _TEXT = re.compile(r"""<text\b(?:[^>"']|"[^"]*"|'[^']*')*>""")
@@ -38,14 +38,14 @@ def write_model(system: System, folder: Path) -> Path:
     """
     target = folder / (system.path.name if system.path else "model.xml")
     folder.mkdir(parents=True, exist_ok=True)
-    text, places = system.mjcf, _isolator_places(system)
-    for name, (data, place) in places.items():
-        text = text if data == place else _repointed(text, name, place)
+    text, files = system.mjcf, _isolator_files(system)
+    for name, (data, file) in files.items():
+        text = text if data == file else _repointed(text, name, file)
     target.write_text(text, encoding="utf-8")
     if system.path is not None:
         _copy_assets(system.path, folder)
-    for name, (_, place) in places.items():
-        path = folder / _with_ending(place)
+    for name, (_, file) in files.items():
+        path = folder / _with_ending(file)
         path.parent.mkdir(parents=True, exist_ok=True)
         _isolator_of(system, name).save(path)
     if system.changes:
@@ -56,8 +56,8 @@ def write_model(system: System, folder: Path) -> Path:
 
 def model_table(system: System, model: Path) -> dict[str, str]:
     """Return what a folder says of its model, which `write_model` wrote below it: the file, and that of a variant's changes."""
-    place = model.parent.name
-    return {"file": f"{place}/{model.name}"} | ({"changes": f"{place}/{CHANGES}"} if system.changes else {})
+    folder = model.parent.name
+    return {"file": f"{folder}/{model.name}"} | ({"changes": f"{folder}/{CHANGES}"} if system.changes else {})
 
 
 def read_changes(path: Path) -> tuple[Changes, ...]:
@@ -77,36 +77,36 @@ def read_changes(path: Path) -> tuple[Changes, ...]:
 
 def missing_isolators(system: System, folder: Path) -> list[str]:
     """Return the isolator files that the model's texts name and that are not in `folder`."""
-    return [place for _, place in _isolator_texts(system) if not (folder / _with_ending(place)).is_file()]
+    return [file for _, file in _isolator_texts(system) if not (folder / _with_ending(file)).is_file()]
 
 
 def _isolator_texts(system: System) -> list[tuple[str, str]]:
     """Return name and content of every text of the model that names an isolator in use."""
-    model, found = system.model, []
+    model, texts = system.model, []
     for number in range(model.ntext):
         start = model.name_textadr[number]
         name = model.names[start : model.names.index(b"\0", start)].decode()
         data = model.text_data[model.text_adr[number] :][: model.text_size[number]].split(b"\0")[0].decode()
         if "isolator/" in name and name.split("isolator/", 1)[-1] in system.isolators:
-            found.append((name, data))
-    return found
+            texts.append((name, data))
+    return texts
 
 
-def _isolator_places(system: System) -> dict[str, tuple[str, str]]:
+def _isolator_files(system: System) -> dict[str, tuple[str, str]]:
     """Return, by name of the text, what it says and where the copy of the isolator lies in the folder."""
-    places: dict[str, tuple[str, str]] = {}
+    files: dict[str, tuple[str, str]] = {}
     taken: dict[str, Isolator] = {}
     for name, data in _isolator_texts(system):
         isolator = _isolator_of(system, name)
         path = PurePosixPath(data)
         inside = not path.is_absolute() and ".." not in path.parts
-        place = data if inside else f"isolators/{path.name}"
+        file = data if inside else f"isolators/{path.name}"
         number = 1
-        while taken.setdefault(place, isolator) != isolator:  # two devices in memory behind one file name
+        while taken.setdefault(file, isolator) != isolator:  # two devices in memory behind one file name
             number += 1
-            place = f"isolators/{path.stem}-{number}.toml"
-        places[name] = (data, place)
-    return places
+            file = f"isolators/{path.stem}-{number}.toml"
+        files[name] = (data, file)
+    return files
 
 
 def _isolator_of(system: System, text_name: str) -> Isolator:
@@ -118,20 +118,20 @@ def _isolator_of(system: System, text_name: str) -> Isolator:
     return system.isolators[key]
 
 
-def _with_ending(place: str) -> str:
-    return place if place.endswith(".toml") else f"{place}.toml"
+def _with_ending(file: str) -> str:
+    return file if file.endswith(".toml") else f"{file}.toml"
 
 
-def _repointed(text: str, name: str, place: str) -> str:
-    """Return the MJCF with the text `name` saying `place`."""
-    found = [match for match in _TEXT.finditer(text) if _stated_name(match[0]) == name]
-    if len(found) != 1:
+def _repointed(text: str, name: str, file: str) -> str:
+    """Return the MJCF with the text `name` saying `file`."""
+    matches = [match for match in _TEXT.finditer(text) if _stated_name(match[0]) == name]
+    if len(matches) != 1:
         raise ModelError(
             f"the text {name!r} names an isolator file outside the model's folder and does not stand in the model file "
             "itself, so that no copy of the model can point at its own file. Place the isolator beside the model."
         )
-    element = _ATTRIBUTE.sub(lambda match: f"data={quoteattr(place)}" if match[1] == "data" else match[0], found[0][0])
-    return f"{text[: found[0].start()]}{element}{text[found[0].end() :]}"
+    element = _ATTRIBUTE.sub(lambda match: f"data={quoteattr(file)}" if match[1] == "data" else match[0], matches[0][0])
+    return f"{text[: matches[0].start()]}{element}{text[matches[0].end() :]}"
 
 
 def _stated_name(element: str) -> str:

@@ -19,8 +19,8 @@ def named_files(model: Path) -> Iterator[tuple[str, Path]]:
     Raises:
         ModelError: a file is not well-formed XML.
     """
-    for tree, places in model_trees(model):
-        for name, source, _ in _sources(tree, places):
+    for tree, folders in model_trees(model):
+        for name, source, _ in _sources(tree, folders):
             yield name, source
 
 
@@ -68,16 +68,16 @@ def model_trees(model: Path) -> Iterator[tuple[ElementTree.Element, tuple[Path, 
         tree = _tree(file)
         stated = [compiler.get(key, "") for compiler in tree.iter("compiler") for key in _FOLDERS]
         own = (file.parent, model.parent)
-        places = (*own, *searched, *(base / name for name in stated for base in reversed(own)))
-        yield tree, places
-        todo += [(source, places) for _, source, is_model in _sources(tree, places) if is_model]
+        folders = (*own, *searched, *(base / name for name in stated for base in reversed(own)))
+        yield tree, folders
+        todo += [(source, folders) for _, source, is_model in _sources(tree, folders) if is_model]
 
 
-def _sources(tree: ElementTree.Element, places: tuple[Path, ...]) -> Iterator[tuple[str, Path, bool]]:
+def _sources(tree: ElementTree.Element, folders: tuple[Path, ...]) -> Iterator[tuple[str, Path, bool]]:
     """Yield name and path of every file that elements name, and whether it holds elements itself."""
     for element in tree.iter():
         for name in [value for key, value in element.attrib.items() if key.startswith("file")]:
-            source = next((place / name for place in places if (place / name).is_file()), None)
+            source = next((folder / name for folder in folders if (folder / name).is_file()), None)
             if source is not None:  # else it is no file that MuJoCo needs, or it will say so
                 yield name, source, element.tag == "include" or source.suffix == ".xml"
 

@@ -1,4 +1,4 @@
-"""What to say of a model that MuJoCo refuses: its element and line, what is wrong, and what to do."""
+"""Message about a model that MuJoCo refuses: its element and line, what is wrong, and what to do."""
 
 import re
 from xml.etree import ElementTree
@@ -20,32 +20,34 @@ _REMEDIES = (
     ("unknown", "Name one that the model has, or add it."),
     ("unrecognized name", "Name one that the model has, or add it."),
 )
-"""Words of MuJoCo, and what to do where they stand; the first that stands there counts."""
+"""Parts of MuJoCo's messages, and what to do about each; the first that a message holds counts."""
 
 _REMEDY = "What each element may hold: https://mujoco.readthedocs.io/en/stable/XMLreference.html."
 
 
-def refused(words: str, text: str) -> str:
-    """Return the message about an MJCF text that MuJoCo refused with `words`, which never say what to do."""
-    words = " ".join(words.split())
-    if "XML parse error" in words:
+def refused(reason: str, text: str) -> str:
+    """Return the message about an MJCF text that MuJoCo refused for a `reason`, which never says what to do."""
+    reason = " ".join(reason.split())
+    if "XML parse error" in reason:
         return _not_xml(text)
-    found = _ELEMENT.search(words)
-    name, line = found.groups() if found else ("", None)
+    element = _ELEMENT.search(reason)
+    name, line = element.groups() if element else ("", None)
     included = " of it or of a file that it includes" if "<include" in text else ""
-    where = ", ".join(filter(None, [name and f"element {name!r}", line and f"line {line}{included}"]))
-    what = _LEAD.sub("", _ELEMENT.sub("", words)).rstrip(". ").replace("mjMINVAL", f"{mujoco.mjMINVAL:g} kg and kg m^2")
-    remedy = next((remedy for key, remedy in _REMEDIES if key in words), _REMEDY)
-    return f"MuJoCo cannot compile the model: {': '.join(filter(None, [where, what]))}. {remedy}"
+    location = ", ".join(filter(None, [name and f"element {name!r}", line and f"line {line}{included}"]))
+    problem = (
+        _LEAD.sub("", _ELEMENT.sub("", reason)).rstrip(". ").replace("mjMINVAL", f"{mujoco.mjMINVAL:g} kg and kg m^2")
+    )
+    remedy = next((remedy for key, remedy in _REMEDIES if key in reason), _REMEDY)
+    return f"MuJoCo cannot compile the model: {': '.join(filter(None, [location, problem]))}. {remedy}"
 
 
 def _not_xml(text: str) -> str:
-    place = "a file that it includes"
+    location = "a file that it includes"
     try:
         ElementTree.fromstring(text)
     except ElementTree.ParseError as error:
-        place = f"line {error.position[0]}, column {error.position[1] + 1}"
+        location = f"line {error.position[0]}, column {error.position[1] + 1}"
     return (
-        f"MuJoCo cannot compile the model: {place} is not well-formed XML. Write & as &amp; and < as &lt;, close every "
+        f"MuJoCo cannot compile the model: {location} is not well-formed XML. Write & as &amp; and < as &lt;, close every "
         "element, and give no attribute twice."
     )

@@ -17,7 +17,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.plain_text import short
-from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.mounts.isolator import Isolator
 
@@ -97,16 +97,21 @@ class System(Summarised):
         source = self.path.name if self.path else "MJCF text"
         return f"System of {source}: {len(self.mounts)} mounts, {self.model.nv} degrees of freedom", lines
 
+    @property
+    def name(self) -> str:
+        """Name of the model's file without its ending; "model" if it was given as text."""
+        return self.path.stem if self.path else "model"
+
 
 def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None = None) -> System:
     """Return the system that an MJCF model and its isolators describe.
 
     Args:
-        source: path of an MJCF file, or MJCF text.
+        source: path of an MJCF file, the name of a model that ships with the package ("floating_floor"), or MJCF text.
         isolators: isolators in memory by the name that follows `isolator/` in the model; they go before files.
 
     Raises:
-        ValueError: `source` is neither a path nor text.
+        ValueError: `source` is neither a path, a name nor text.
         ModelError: the model cannot be read, or its mounts, sites, isolators or base are not what they must be.
     """
     text, path = _read(source)
@@ -136,9 +141,24 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
     except (ValueError, mujoco.FatalError) as error:  # a name that is added to every model, taken by the model's own
         raise ModelError(refused(str(error), text)) from None
     model = assembly.model
-    data = mujoco.MjData(model)
+    roots = [int(model.body_rootid[model.site_bodyid[d.payload_site]]) for d in declared]
+    return System(
+        model=model,
+        mounts=_mounts(assembly, declared),
+        payloads=[model.body(root).name for root in dict.fromkeys(roots)],
+        base=model.body(base).name if base else "",
+        mjcf=text,
+        path=path,
+        isolators={d.isolator_name: d.isolator for d in declared},
+        limits=declared_limits(model, base),
+        assembly=assembly,
+    )
+
+
+def _mounts(assembly: Assembly, declared: list[DeclaredMount]) -> dict[str, Mount]:
+    model, data = assembly.model, mujoco.MjData(assembly.model)
     mujoco.mj_kinematics(model, data)
-    mounts = {
+    return {
         d.name: Mount(
             name=d.name,
             isolator=d.isolator.conditioned,
@@ -154,18 +174,6 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
         )
         for d in declared
     }
-    roots = [int(model.body_rootid[model.site_bodyid[d.payload_site]]) for d in declared]
-    return System(
-        model=model,
-        mounts=mounts,
-        payloads=[model.body(root).name for root in dict.fromkeys(roots)],
-        base=model.body(base).name if base else "",
-        mjcf=text,
-        path=path,
-        isolators={d.isolator_name: d.isolator for d in declared},
-        limits=declared_limits(model, base),
-        assembly=assembly,
-    )
 
 
 def _read(source: str | Path) -> tuple[str, Path | None]:
@@ -175,6 +183,7 @@ def _read(source: str | Path) -> tuple[str, Path | None]:
         raise ValueError(f"`source` must be the path of an MJCF file, or MJCF text, got {source!r}.")
     path = Path(source)
     try:
+        path = model_file(path) or path
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
@@ -183,10 +192,9 @@ def _read(source: str | Path) -> tuple[str, Path | None]:
         ) from None
     except (OSError, ValueError) as error:  # a path that holds NUL is a ValueError
         why = why_unread(error if isinstance(error, OSError) else FileNotFoundError())
-        shipped = ", ".join(sorted(file.name for file in models_folder().glob("*.xml")))
         raise ModelError(
-            f"{short(str(path))}: the model cannot be read: {why} Expected is the path of an MJCF file, or MJCF text, which "
-            f"begins with <. The package ships {shipped} in {models_folder()}."
+            f"{short(str(path))}: the model cannot be read: {why} Expected is the path of an MJCF file, MJCF text, which "
+            f"begins with <, or the name of a model that ships with the package: {', '.join(shipped_models())}."
         ) from None
     if not text.lstrip("\ufeff").lstrip().startswith("<"):
         raise ModelError(f"{path}: this is not a model; an MJCF file is XML and begins with <mujoco>.")

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.system.contact_pairs import contact_rows
+from wirerope_mj.engine.system.contact_pairs import contact_capacity
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
@@ -20,7 +20,7 @@ DRIVE_ARMATURE = 1e10
 
 @dataclass(frozen=True, kw_only=True)
 class Subjects:
-    """What of a compiled model takes part: ids of the base (0: the world), its driven slides, observed bodies and points."""
+    """Parts of a compiled model that matter: ids of the base (0: the world), its driven slides, observed bodies and points."""
 
     base: int
     driven: tuple[int, ...]
@@ -35,9 +35,9 @@ class Tables:
     Attributes:
         layout: header and tables, as `wirerope_mj.engine.control.layout` describes them, (n,).
         parameters: parameters of all laws, (n_p,).
-        user: places in userdata.
+        user: addresses in userdata.
         drive: slide accelerations from base acceleration, (n_driven, 3).
-        channels: places of the tracked 3-vectors among the system's sensor values, (n_channels,).
+        channels: indices of the tracked 3-vectors among the system's sensor values, (n_channels,).
         base_channels: numbers of the channels with the acceleration of what is fixed to the driven base.
         states: per mount where the states of roll, shear and axial stand among the internal states.
     """
@@ -66,15 +66,9 @@ def make_tables(
     sensor: int,
     drive: Array | None = None,
 ) -> Tables:
-    """Return the tables of a model.
+    """Return the tables of a model, whose modelled geometry is computed in `data`.
 
-    Args:
-        model: the model.
-        data: its data, in which the modelled geometry is computed.
-        declared: mounts.
-        on: what takes part.
-        sensor: address of the system's first sensor value.
-        drive: map from base acceleration to slide accelerations where it is known, (n_driven, 3).
+    `sensor` is the address of the system's first sensor value, `drive` as in `Tables` where it is known.
     """
     isolators = {mount.name: mount.isolator.conditioned for mount in declared}
     axes, parameters, states = _axis_rows(isolators)
@@ -106,7 +100,7 @@ def make_tables(
     header[at.MOUNTS : at.CHANNELS + 1] = starts[:-1]
     header[at.SENSOR] = sensor
     header[at.N_SLIPPING] = _slipping(axes)
-    header[at.N_CONTACTS] = n_contacts = contact_rows(model)
+    header[at.N_CONTACTS] = n_contacts = contact_capacity(model)
     header[at.N_STOPS] = n_stops = sum(len(isolator.stops) for isolator in isolators.values())
     user = at.UserData(
         n_mounts=len(declared),
@@ -207,13 +201,13 @@ def _axis_rows(
 
 def _couplings(isolators: Iterable[Isolator], parameters: list[Array]) -> list[int]:
     """Append the parameters of couplings to those of the laws and return where each mount's begin, -1 without one."""
-    places = []
+    starts = []
     for isolator in isolators:
         coupled = isolator.coupled
-        places.append(-1 if coupled is None else sum(part.size for part in parameters))
+        starts.append(-1 if coupled is None else sum(part.size for part in parameters))
         if coupled is not None:
             parameters.append(coupled.mount_parameters())
-    return places
+    return starts
 
 
 def _drive_rows(model: mujoco.MjModel, data: mujoco.MjData, driven: tuple[int, ...]) -> Array:
@@ -233,16 +227,16 @@ def _point_rows(model: mujoco.MjModel, data: mujoco.MjData, on: Subjects) -> lis
 
 
 def _channels(on: Subjects, states: dict[str, tuple[slice, slice, slice]]) -> list[int]:
-    """Return the places of body accelerations, point accelerations and displacements, mount deflections and forces."""
-    places = [at.KINEMATICS * i + at.ACCELERATION for i in range(len(on.bodies))]
+    """Return the indices of body accelerations, point accelerations and displacements, mount deflections and forces."""
+    indices = [at.KINEMATICS * i + at.ACCELERATION for i in range(len(on.bodies))]
     first = at.KINEMATICS * len(on.bodies)
     for i in range(len(on.points)):
-        places += [first + at.POINT_VALUES * i + part for part in (at.ACCELERATION, at.RELATIVE)]
+        indices += [first + at.POINT_VALUES * i + part for part in (at.ACCELERATION, at.RELATIVE)]
     first += at.POINT_VALUES * len(on.points)
     for roll, _, axial in states.values():
-        places += [first, first + 3]
+        indices += [first, first + 3]
         first += at.MOUNT_VALUES + axial.stop - roll.start
-    return places
+    return indices
 
 
 def _base_channels(model: mujoco.MjModel, on: Subjects) -> tuple[int, ...]:

@@ -57,7 +57,7 @@ def _loads(run: FinishedRun, sags: Mapping[str, Sag]) -> Table:
         cells: list[Cell] = [mount.name]
         for sag in sags.values():
             load = sag.mounts[mount.name]
-            cells += [shown(float(load.deflection[2]), "m"), shown(load.carries, "N"), _share(load.share)]
+            cells += [shown(float(load.deflection[2]), "m"), shown(load.carries, "N"), _share(load.utilisation)]
         rows.append(tuple(cells))
     words = "; ".join(f"{history}: {_WORDS[history]}" for history in sags)
     return Table(

@@ -1,9 +1,22 @@
-"""Warnings about a response that is less certain than its digits."""
+"""Checks of a finished run: whether its mounts stayed where their laws hold, and how certain its numbers are."""
 
 import warnings
 
-from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.errors import AccuracyWarning
+from wirerope_mj.engine.response.peaks import Peaks
+from wirerope_mj.engine.response.response import Response
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.errors import AccuracyWarning, SimulationError
+from wirerope_mj.mounts.isolator.travel import beyond_law
+
+
+def require_lawful(system: System, peaks: Peaks) -> None:
+    """Raise SimulationError if a mount went to where the law of an axis does not hold."""
+    for name, mount in system.mounts.items():
+        peak = peaks.mounts[name].deflection
+        if beyond := beyond_law(mount.isolator.axes, peak.minimum, peak.maximum):
+            raise SimulationError(
+                f"mount {name!r} was {beyond}: shake it more gently, or take an isolator with more travel."
+            )
 
 
 def warn_of_uncertainty(response: Response) -> None:
