@@ -208,7 +208,7 @@ def test_a_branch_that_is_interrupted_goes_on_from_its_last_point(tmp_path, monk
     again = wr.follow_branch(system, out=tmp_path, **asked)
     assert np.array_equal(again.unknowns, parts.unknowns)
     assert np.array_equal(again.floquet_multipliers, parts.floquet_multipliers, equal_nan=True)
-    with pytest.raises(wr.RecordError, match=r"holds another branch: its stop is 0\.5, asked is 0\.6"):
+    with pytest.raises(wr.RecordError, match=r"holds another branch: its stop is 0\.5, not 0\.6"):
         wr.follow_branch(system, out=tmp_path, **asked | {"stop": 0.6})
 
 
