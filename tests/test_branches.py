@@ -9,8 +9,8 @@ from house import sdof, sdof_text
 import wirerope_mj as wr
 from wirerope_mj.dynamics.periodic import backbone, harmonic_content, resonances
 from wirerope_mj.dynamics.periodic.continuation import Continuation
-from wirerope_mj.dynamics.periodic.find import Search
-from wirerope_mj.dynamics.periodic.growing import Walk
+from wirerope_mj.dynamics.periodic.find import OrbitSearch
+from wirerope_mj.dynamics.periodic.growing import GrowingBranch
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import Variational
 
@@ -161,7 +161,7 @@ def test_smoothing_is_a_small_step_away_and_stays_stable():
 
 def test_the_variational_equation_gives_the_columns_integrated_one_by_one():
     system = wr.load_system("models/floating_floor.xml")
-    search = Search(system, direction="z", history="relaxed", accuracy=6.25e-6)  # 512 steps per period
+    search = OrbitSearch(system, direction="z", history="relaxed", accuracy=6.25e-6)  # 512 steps per period
     with search.flow.ready():
         drive = search.drive(8.0, 1.0)
         x = search._settled(search.coordinates.rest(), drive, 20)
@@ -184,7 +184,7 @@ def test_a_branch_that_is_interrupted_goes_on_from_its_last_point(tmp_path, monk
     system = sdof(HARDENING, mass=1.0)
     asked = {"start": 0.2, "stop": 0.5, "acceleration": 1.0, "largest_step": 0.05, **ALONG}
     whole = wr.follow_branch(system, **asked)
-    advance, taken = Walk._advance, [0]
+    advance, taken = GrowingBranch._advance, [0]
 
     def interrupted(self, *arguments):
         taken[0] += 1
@@ -192,7 +192,7 @@ def test_a_branch_that_is_interrupted_goes_on_from_its_last_point(tmp_path, monk
             raise KeyboardInterrupt
         return advance(self, *arguments)
 
-    monkeypatch.setattr(Walk, "_advance", interrupted)
+    monkeypatch.setattr(GrowingBranch, "_advance", interrupted)
     for _attempt in range(30):
         try:
             parts = wr.follow_branch(system, out=tmp_path, **asked)
@@ -204,11 +204,11 @@ def test_a_branch_that_is_interrupted_goes_on_from_its_last_point(tmp_path, monk
     assert [b.kind for b in parts.bifurcations] == [b.kind for b in whole.bifurcations] == ["fold", "fold"]
     # Points differ, and a fold is looked for between them: to the accuracy of the steps, 1e-4.
     assert [b.frequency for b in parts.folds] == pytest.approx([b.frequency for b in whole.folds], rel=1e-4)
-    monkeypatch.setattr(Walk, "_advance", advance)
+    monkeypatch.setattr(GrowingBranch, "_advance", advance)
     again = wr.follow_branch(system, out=tmp_path, **asked)
     assert np.array_equal(again.unknowns, parts.unknowns)
     assert np.array_equal(again.floquet_multipliers, parts.floquet_multipliers, equal_nan=True)
-    with pytest.raises(wr.RecordError, match=r"holds another branch: its stop is 0\.5, asked is 0\.6"):
+    with pytest.raises(wr.RecordError, match=r"holds another branch: its stop is 0\.5, not 0\.6"):
         wr.follow_branch(system, out=tmp_path, **asked | {"stop": 0.6})
 
 
@@ -224,7 +224,7 @@ def test_a_branch_ends_where_a_mount_leaves_its_travel():
 
 def test_continuation_steps_have_the_length_that_was_asked_for():
     """Predictor and corrector work in the same units: the arclength between two points is the step."""
-    search = Search(sdof(HARDENING, mass=1.0), direction="z", history="relaxed", accuracy=1e-4)
+    search = OrbitSearch(sdof(HARDENING, mass=1.0), direction="z", history="relaxed", accuracy=1e-4)
     path = Continuation(search, parameter="frequency", other=1.0, periods=1, unit=0.02, tolerance=1e-9)
     with search.flow.ready():
         x = search._settled(search.coordinates.rest(), path.drive(0.2), 30)

@@ -15,7 +15,7 @@ from scipy.optimize import root
 import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.dynamics.modes.plane import loop_cycle, plane_cycle, plane_tangents
-from wirerope_mj.dynamics.periodic.find import Search
+from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import Variational
 from wirerope_mj.foundation.errors import ModelError
@@ -393,7 +393,7 @@ def test_the_variational_equation_knows_that_roll_and_axial_are_coupled():
     system = wr.load_system(
         mjcf(world, [(f"m{i}", f"p{i}", f"b{i}", "i") for i in range(4)], gravity=G), isolators={"i": device}
     )
-    search = Search(system, direction="z", history="relaxed", accuracy=1.5625e-6)  # 1024 steps per period
+    search = OrbitSearch(system, direction="z", history="relaxed", accuracy=1.5625e-6)  # 1024 steps per period
     with search.flow.ready():
         drive = search.drive(8.0, 5.0)
         x = search._settled(search.coordinates.rest(), drive, 20)

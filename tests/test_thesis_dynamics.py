@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.periodic import harmonic_content
-from wirerope_mj.dynamics.periodic.find import Search
+from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import close, shot
 from wirerope_mj.dynamics.periodic.track import Drive
 from wirerope_mj.dynamics.single_mass import harmonic_balance
@@ -396,7 +396,7 @@ def test_29_smoothing_is_an_option_that_changes_little():
 
 def residual(steps):
     """Return what Newton's method leaves on the pure law with a number of steps per period."""
-    search = Search(sdof(PURE, mass=1.0), direction=(0.0, 0.0, 1.0), history="relaxed", accuracy=1e-4)
+    search = OrbitSearch(sdof(PURE, mass=1.0), direction=(0.0, 0.0, 1.0), history="relaxed", accuracy=1e-4)
     drive = Drive(frequency=0.8 / TURN, acceleration=0.3, periods=1, steps=steps)
     with search.flow.ready():
         start = orbit(PURE, 0.8).state.values
