@@ -35,7 +35,7 @@ _RUN = (
         "open_worst", int, 0, "0 to 6: write the worst variants as runs, lay two or more over each other, and open them"
     ),
 )
-"""How a study is computed and what becomes of it."""
+"""Options of the computation of a study."""
 
 _VARY = (
     own_option(
@@ -48,10 +48,10 @@ _VARY = (
     own_option("timestep", float | None, None, "largest step [s], instead of the scenario's"),
     own_option("accuracy", float | None, None, "of the peaks for which the step is chosen, instead of the scenario's"),
 )  # fmt: skip
-"""What a scenario does not say of a study."""
+"""Options of a study that a scenario does not have."""
 
 _OTHER_NAME = "study_{}"
-"""What such an option is called if the scenario has one of its name."""
+"""Name of such an option if the scenario has one of its name."""
 
 
 def list_studies() -> None:
@@ -108,8 +108,8 @@ def _of_scenario(file: ScenarioFile, tokens: Sequence[str]) -> None:
     vary = [option.replace(name=names[option.name]) for option in _VARY]
 
     def action(options: dict[str, Any], own: dict[str, Any]) -> None:
-        said = {name: own.pop(names[name]) for name in names}
-        compute_and_print(lambda: _study(file, options, **said), file.name, **own)
+        arguments = {name: own.pop(names[name]) for name in names}
+        compute_and_print(lambda: _study(file, options, **arguments), file.name, **own)
 
     run_with_options(f"wirerope study {file.name}", file.function, [*vary, *_RUN], action, tokens)
 
@@ -125,9 +125,9 @@ def _study(file: ScenarioFile, options: dict[str, Any], *, vary: Sequence[str] |
     return study_of(scenario, vary=quantities, **rest)
 
 
-def _check_names(path: Path, word: str, function: Callable[..., Any], own: Sequence[inspect.Parameter]) -> None:
+def _check_names(path: Path, kind: str, function: Callable[..., Any], own: Sequence[inspect.Parameter]) -> None:
     """Raise ValueError if an option of the file is called as one of the command."""
     names = {option.name for option in own}
     taken = [name for name in inspect.signature(function).parameters if name in names]
     if taken:
-        raise ValueError(f"{path}: `{taken[0]}` is an option of the command; the {word}'s must have another name.")
+        raise ValueError(f"{path}: `{taken[0]}` is an option of the command; the {kind}'s must have another name.")

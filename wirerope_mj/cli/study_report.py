@@ -18,7 +18,8 @@ def study_report(
 ) -> int:
     """Make the report of a study: one HTML page that holds everything it shows, and a PDF of it.
 
-    The answer first, then what varied, how its measures are distributed, the inputs that matter and the worst variants.
+    The verdict first, then the varied quantities, the measures and their distributions, the inputs that matter and the worst
+    variants.
 
     Args:
         folder: folder of a study.

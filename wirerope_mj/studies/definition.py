@@ -166,7 +166,7 @@ class StudyDefinition:
 
     @cached_property
     def work(self) -> Work:
-        """What all variants share, the timestep chosen."""
+        """Inputs that all variants share, the timestep chosen."""
         step = self.timestep
         if step is None:
             step = common_step(

@@ -24,16 +24,16 @@ if TYPE_CHECKING:
     from distributed import Client, Future
 
 PATIENCE = 5.0
-"""How long a scheduler may take to answer [s]: on a network that works it takes a fraction of a second."""
+"""Longest time a scheduler may take to answer [s]: on a network that works it takes a fraction of a second."""
 
 AHEAD = 2
 """Chunks handed over per thread of a worker: one is computed, one lies ready, and no more stand in the scheduler's memory."""
 
 ATTEMPTS = 1
-"""How often a chunk is tried again whose worker died, as the local engine does; a cluster that exists has its own setting."""
+"""Further tries of a chunk whose worker died, as the local engine does; a cluster that exists has its own setting."""
 
 STARTING = 60.0
-"""How long workers of this machine may take to start, or to end without one another [s]: a busy machine imports slowly."""
+"""Longest time in which workers of this machine start, or end without one another [s]: a busy machine imports slowly."""
 
 _DEATH = (
     "the process that computed this chunk of variants died again and again. It may have run out of memory: go on with "
@@ -166,23 +166,23 @@ def _client(workers: int | None, address: str | None) -> Iterator["Client"]:
         if address is None:
             open_things.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": ATTEMPTS}))
             scheduler = LocalCluster(n_workers=0, host="127.0.0.1", dashboard_address=":0", silence_logs="CRITICAL")
-            place: str = open_things.enter_context(scheduler).scheduler_address
-            processes = open_things.enter_context(_workers(place, processors() if workers is None else workers))
+            scheduler_at: str = open_things.enter_context(scheduler).scheduler_address
+            processes = open_things.enter_context(_workers(scheduler_at, processors() if workers is None else workers))
         else:
-            place, processes = address, None
-        client = open_things.enter_context(Client(place, timeout=PATIENCE, set_as_default=False))
+            scheduler_at, processes = address, None
+        client = open_things.enter_context(Client(scheduler_at, timeout=PATIENCE, set_as_default=False))
         if processes is not None:
             _wait(client, processes)
         yield client
 
 
 @contextmanager
-def _workers(place: str, number: int) -> Iterator["subprocess.Popen[bytes]"]:
+def _workers(scheduler_at: str, number: int) -> Iterator["subprocess.Popen[bytes]"]:
     """Run worker processes of one thread each for the block; one that dies is started again.
 
     They are Dask's own command, not children that import the script that asked for the study: such a script needs no guard.
     """
-    command = [sys.executable, "-m", "dask", "worker", place, "--nworkers", str(number), "--nthreads", "1",
+    command = [sys.executable, "-m", "dask", "worker", scheduler_at, "--nworkers", str(number), "--nthreads", "1",
                "--host", "127.0.0.1", "--no-dashboard", "--memory-limit", "0", "--death-timeout", f"{STARTING:g}"]  # fmt: skip
     paths = [str(Path(__file__).resolve().parents[3]), *filter(None, [os.environ.get("PYTHONPATH")])]
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}

@@ -16,7 +16,7 @@ from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
 from wirerope_mj.studies.inputs.variants import Work
 
 TRIES = 2
-"""How often a chunk is begun if its process dies: the first death may have been an accident."""
+"""Tries of a chunk whose process dies: the first death may have been an accident."""
 
 
 class Died(Exception):
@@ -126,8 +126,8 @@ class _Process:
     """A worker process and its pipes."""
 
     def __init__(self, pickled_work: bytes) -> None:
-        place = str(Path(__file__).resolve().parents[3])
-        paths = [place, *filter(None, [os.environ.get("PYTHONPATH")])]
+        package = str(Path(__file__).resolve().parents[3])
+        paths = [package, *filter(None, [os.environ.get("PYTHONPATH")])]
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
         # One thread each: more of them would fight for the processors that the other processes have.
         environment |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
@@ -160,7 +160,7 @@ class _Process:
                 self._process.wait(timeout=5.0)
             code = self._process.poll()
             self.kill()
-            raise Died("died" if code is None else f"died ({_words(code)})") from None
+            raise Died("died" if code is None else f"died ({_ending(code)})") from None
 
     def end(self) -> None:
         """End the process; whoever waits for it finds it dead."""
@@ -176,5 +176,5 @@ class _Process:
                     pipe.close()
 
 
-def _words(code: int) -> str:
+def _ending(code: int) -> str:
     return f"signal {-code}" if code < 0 else f"exit status {code}"

@@ -1,1 +1,1 @@
-"""What varies in a study, and how: distributions, quantities, samples, and the variants made of them."""
+"""Inputs of a study: distributions, quantities, samples, and the variants made of them."""

@@ -1,1 +1,1 @@
-"""What the table of a study says: distributions, chances, influences, the worst variants."""
+"""Results of a study: measures, statistics, effects, sensitivity indices, statements and tables."""

@@ -9,7 +9,7 @@ from wirerope_mj.studies.engines.compute import DONE
 AZIMUTH, ELEVATION = "motion/azimuth", "motion/elevation"
 
 _GAP = 1.5
-"""How much wider than all others a gap between azimuths is if nobody looked into it."""
+"""Ratio to all other gaps between azimuths above which nobody looked into a gap."""
 
 
 def sphere_areas(azimuth: Array, elevation: Array) -> Array:

@@ -23,7 +23,7 @@ from wirerope_mj.views.plots.report_image import BASE, COLOURS, RATED, WIDTH, re
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 
 _BELOW = {0.5: -4.0, 0.9: -9.5, 0.95: -8.0, 0.99: -6.0}
-"""How far from its point a percentile's name stands [pt]: right of it and below, where no curve that rises goes."""
+"""Offset of a percentile's name from its point [pt]: right of it and below, where no curve that rises goes."""
 
 MOST_BARS = 12
 """Inputs in one picture: those below explain next to nothing."""
@@ -67,13 +67,13 @@ def sensitivity_figure(effects: Sequence[Effect], measure: str, labels: Mapping[
             panel.annotate(
                 _sign(one), (percent_of, row), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7
             )
-        panel.set_yticks(range(len(shown)), [_shortened(labels.get(one.name, one.name)) for one in shown])
+        panel.set_yticks(range(len(shown)), [shortened(labels.get(one.name, one.name)) for one in shown])
         panel.set_xlim(0.0, end)
         panel.xaxis.set_major_locator(MaxNLocator(6))
         panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 100.0])
         panel.set_xlim(0.0, end)
         panel.set_xlabel(f"variance that the input explains alone [%]:\n{text_of(measure_of(measure))}")
-        _calm(panel, axis="x")
+        calm(panel, axis="x")
     return figure
 
 
@@ -97,9 +97,9 @@ def scatter_figure(table: pa.Table, names: Sequence[str], measure: str, labels: 
             )
             panel.plot(*_means(x, y), color=COLOURS[1], lw=1.5)
             _limit(panel.axhline, shown)
-            panel.set_xlabel(_shortened(labels.get(name, name)))
+            panel.set_xlabel(shortened(labels.get(name, name)))
             panel.xaxis.set_major_locator(MaxNLocator(5))
-            _calm(panel)
+            calm(panel)
         panels[0].set_ylabel(_wrapped(shown))
     return figure
 
@@ -114,10 +114,10 @@ def curve_figure(table: pa.Table, name: str, names: Sequence[str], labels: Mappi
             shown = measure_of(measure)
             panel.plot(x[order], shown.factor * values_of(table, measure)[order], "o-", ms=3, color=COLOURS[0])
             _limit(panel.axhline, shown)
-            panel.set_xlabel(_shortened(labels.get(name, name)))
+            panel.set_xlabel(shortened(labels.get(name, name)))
             panel.set_ylabel(_wrapped(shown))
             panel.set_ylim(bottom=0.0)
-            _calm(panel)
+            calm(panel)
     return figure
 
 
@@ -138,9 +138,9 @@ def choices_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
                 panel.annotate("failed", (0.0, row), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7)
             _limit(panel.axvline, shown)
             panel.set_xlabel(_wrapped(shown))
-            _calm(panel, axis="x")
-        panels[0].set_yticks(range(len(names_of)), [_shortened(names_of[row]) for row in order])
-        panels[0].set_ylabel(_shortened(name))
+            calm(panel, axis="x")
+        panels[0].set_yticks(range(len(names_of)), [shortened(names_of[row]) for row in order])
+        panels[0].set_ylabel(shortened(name))
     return figure
 
 
@@ -168,7 +168,7 @@ def _distribution(panel: Any, shown: Measure, table: pa.Table) -> None:
     panel.set_ylim(0.0, 104.0)
     left, right = panel.get_xlim()
     panel.set_xlim(left, right + 0.22 * (right - left))  # room for the percentiles' names
-    _calm(panel)
+    calm(panel)
 
 
 def _means(x: Array, y: Array) -> tuple[Array, Array]:
@@ -200,9 +200,10 @@ def _name_of(choice: Any) -> str:
     return f"{choice:g}" if isinstance(choice, float) else str(choice) or "none"
 
 
-def _shortened(name: str) -> str:
+def shortened(name: str, most: int = _NAME) -> str:
+    """Return a name of at most so many letters, without its middle."""
     name = plain(name)
-    return name if len(name) <= _NAME else f"{name[: _NAME // 2 - 1]}…{name[-_NAME // 2 :]}"
+    return name if len(name) <= most else f"{name[: most // 2 - 1]}…{name[-most // 2 :]}"
 
 
 def _wrapped(shown: Measure) -> str:
@@ -215,7 +216,8 @@ def text_of(shown: Measure) -> str:
     return "\n".join(wrap(text, _LINE)) + "".join(f",\n{short(one)}" for one in rest)
 
 
-def _calm(panel: Any, *, axis: str = "both") -> None:
+def calm(panel: Any, *, axis: str = "both") -> None:
+    """Give a panel a pale grid and no frame above and on the right."""
     panel.grid(color="0.92", axis=axis)
     panel.set_axisbelow(True)
     panel.spines[["top", "right"]].set_visible(False)

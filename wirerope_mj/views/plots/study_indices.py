@@ -7,12 +7,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.studies.results.indices import SobolIndices
 from wirerope_mj.studies.results.measure import measure_of
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import BASE, COLOURS, WIDTH, report_style
-from wirerope_mj.views.plots.study import text_of
+from wirerope_mj.views.plots.study import calm, shortened, text_of
 
 MOST_FACTORS = 12
 """Factors in one picture, the strongest by total index."""
@@ -33,7 +32,7 @@ def indices_figure(indices: Sequence[SobolIndices]) -> Figure:
         panels = np.atleast_1d(figure.subplots(1, len(indices), sharey=True))
         for panel, one in zip(panels, indices, strict=True):
             _bars(panel, one, order)
-        panels[0].set_yticks(range(len(order)), [_name(name) for name in order])
+        panels[0].set_yticks(range(len(order)), [shortened(name, _NAME) for name in order])
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper left", ncols=3, frameon=False)
     return figure
@@ -57,11 +56,4 @@ def _bars(panel: Any, indices: SobolIndices, order: Sequence[str]) -> None:
     panel.set_xlim(right=max(panel.get_xlim()[1], 10.0))
     panel.xaxis.set_major_locator(MaxNLocator(5))
     panel.set_xlabel(f"fraction of the variance [%]:\n{text_of(measure_of(indices.measure))}")
-    panel.grid(color="0.92", axis="x")
-    panel.set_axisbelow(True)
-    panel.spines[["top", "right"]].set_visible(False)
-
-
-def _name(name: str) -> str:
-    name = plain(name)
-    return name if len(name) <= _NAME else f"{name[: _NAME // 2 - 1]}…{name[-_NAME // 2 :]}"
+    calm(panel, axis="x")
