@@ -62,4 +62,8 @@ def test_an_identification_gives_the_same_law(tmp_path):
 def numbers_of(report):
     """Return the rows of numbers of a report's tables of parameters and loops, whatever their headings say."""
     rows = [line.split("|")[1:-1] for line in report.splitlines() if line.startswith("| ") and "---" not in line]
-    return [[cell.strip() for cell in row[1:]] for row in rows if any(cell.strip()[:1].isdigit() for cell in row)]
+    return [
+        [cell.strip().lstrip("\\") for cell in row[1:]]
+        for row in rows
+        if any(cell.strip()[:1].isdigit() for cell in row)
+    ]
