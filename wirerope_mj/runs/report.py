@@ -82,7 +82,7 @@ def report_page(
         duration=float(arguments["duration"]),
         sample_rate=float(arguments["sample_rate"]),
         motion=motion,
-        doubts=record_doubts(motion),
+        record_warnings=record_doubts(motion),
         response=response,
         isolators={name: mount.written for name, mount in system.mounts.items()},
         gravity=gravity,

@@ -1,27 +1,28 @@
-"""The part of a report about measured records: what is doubtful about them, and what was done to their baseline."""
+"""The part of a report about measured records: warnings about them, and what was done to their baseline."""
 
+from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.motions import Record
 from wirerope_mj.views.plots.record_baseline import baseline_words, records_of
 from wirerope_mj.views.plots.report_image import image_of
 from wirerope_mj.views.plots.report_record import ends, record_figure
-from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture, Table
-from wirerope_mj.views.report.display import listed, shown
+from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture
+from wirerope_mj.views.report.display import listed
 from wirerope_mj.views.report.run import FinishedRun
 
 
-def doubts(run: FinishedRun) -> list[Block]:
-    """Return what was said when the records were read; nothing if they are not doubted."""
-    if not run.doubts:
+def record_warnings(run: FinishedRun) -> list[Block]:
+    """Return the warnings of the measured records; nothing if there are none."""
+    if not run.record_warnings:
         return []
     return [
-        Paragraph(text="Said of the measured record, on which every figure here rests:", tone="unjudged"),
-        Listing(items=run.doubts),
+        Paragraph(text="Said of the measured record, on which every value here rests:", tone="unjudged"),
+        Listing(items=run.record_warnings),
     ]
 
 
 def record_blocks(run: FinishedRun) -> list[Block]:
-    """Return what is doubtful about the records of the base's motion, and the baseline correction of each."""
-    blocks = doubts(run)
+    """Return the warnings about the records of the base's motion, and the baseline correction of each."""
+    blocks = record_warnings(run)
     for record in records_of(run.motion):
         if record.baseline == "none":
             blocks.append(Paragraph(text=f"Record {record.path.name}, {baseline_words(record)}."))
@@ -34,14 +35,12 @@ def _correction(record: Record) -> list[Block]:
     """Return picture and ends of a record without its baseline correction and with it."""
     measured = record.as_measured()
     axes = [axis for axis in range(3) if measured.samples[:, axis].any()]
-    rows: list[tuple[str, ...]] = []
-    for one, words in ((measured, "as measured"), (record, "as played")):
-        velocity, displacement = ends(one)
-        for axis in axes:
+    rows = []
+    for axis in axes:
+        for one, text in ((measured, "as measured"), (record, "as played")):
+            velocity, displacement = ends(one)
             peak = float(abs(one.samples[:, axis]).max())
-            cells = [shown(peak, "m/s^2"), shown(float(velocity[axis]), "m/s"), shown(float(displacement[axis]), "m")]
-            rows.append(("xyz"[axis], words, *cells))
-    rows.sort(key=lambda row: row[0])
+            rows.append(("xyz"[axis], text, peak, float(velocity[axis]), float(displacement[axis])))
     along = listed(["xyz"[axis] for axis in axes])
     return [
         Picture(
@@ -51,15 +50,11 @@ def _correction(record: Record) -> list[Block]:
             alt=f"Histories of {record.path.name} along {along}, without the baseline correction and with it.",
         ),
         Table(
-            caption="What the baseline correction changes",
-            head=(
-                "axis",
-                "record",
-                "largest acceleration [g]",
-                "velocity at its end [m/s]",
-                "displacement at its end [mm]",
+            title="What the baseline correction changes",
+            columns=(
+                Column("axis", align="left"), Column("record", align="left"), Column("largest acceleration", "g"),
+                Column("velocity at its end", "m/s"), Column("displacement at its end", "mm"),
             ),
-            align="llrrr",
-            rows=tuple(rows),
+            rows=rows,
         ),
-    ]
+    ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""What a report is told of a finished run."""
+"""A finished run with everything that a report needs of it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -18,12 +18,12 @@ from wirerope_mj.views.plots.report_response import MOST
 from wirerope_mj.views.report.display import title_of
 
 BASE = "base"
-"""What the base is called among the spectra."""
+"""Name of the base among the spectra."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Absent:
-    """Something that this run does not have, and a sentence that says why."""
+    """A result that this run does not have, and a sentence that says why."""
 
     reason: str
 
@@ -42,7 +42,7 @@ class FinishedRun:
         duration: simulated time [s].
         sample_rate: of the response [Hz].
         motion: of the base.
-        doubts: what is said of its measured records when they are read, a sentence each.
+        record_warnings: of its measured records, a sentence each.
         response: what came out.
         isolators: of every mount, by the mount's name.
         gravity: of the model [m/s^2].
@@ -50,7 +50,7 @@ class FinishedRun:
         modes: about these positions by history, "virgin" and "relaxed".
         spectra: shock response spectra by axis ("x", "y", "z") and name of body or point; that of the base is `BASE`.
         densities: power spectral densities in the same way, if the base vibrates at random.
-        verdicts: every judged figure.
+        verdicts: on every judged value.
         versions: of the packages that computed it.
     """
 
@@ -63,7 +63,7 @@ class FinishedRun:
     duration: float
     sample_rate: float
     motion: BaseMotion
-    doubts: tuple[str, ...]
+    record_warnings: tuple[str, ...]
     response: Response
     isolators: Mapping[str, Isolator]
     gravity: float
