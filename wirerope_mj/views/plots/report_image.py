@@ -12,8 +12,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
-from wirerope_mj.dynamics.frequency_response.axes import log_ticks
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.ticks import log_ticks
 
 WIDTH = 7.0
 """Width of a figure [in]: that of the text on A4."""

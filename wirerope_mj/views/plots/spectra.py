@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
-from wirerope_mj.dynamics.frequency_response.axes import log_ticks
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.views.plots.plain_figure import PlainFigure
+from wirerope_mj.views.plots.report_image import round_ticks
 
 COLOURS = ("#08519c", "#d95f0e", "#31a354", "#7a0177", "#02818a", "#8c6d31")
 """Of the payloads, in their order; the base is grey."""
@@ -161,11 +160,8 @@ def _dress(panel: Any, label: str, *, decades: float = _DECADES) -> None:
     panel.set_ylim(low, high)
     panel.set_xscale("log")  # after the limits: lines that are zero have none on such an axis
     panel.set_yscale("log")
-    for axis, ends in ((panel.xaxis, (first, last)), (panel.yaxis, (low, high))):
-        ticks = log_ticks(*ends)
-        axis.set_major_locator(FixedLocator(ticks.tolist()))
-        axis.set_major_formatter(FixedFormatter([f"{tick:.6g}" for tick in ticks]))
-        axis.set_minor_locator(NullLocator())
+    round_ticks(panel.xaxis, first, last)
+    round_ticks(panel.yaxis, low, high)
     panel.set_xlabel("frequency [Hz]")
     panel.set_ylabel(label)
     panel.grid(color="0.9")

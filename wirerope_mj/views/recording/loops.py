@@ -9,7 +9,8 @@ import numpy as np
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.recording.frame import HEIGHT, Color, Plot, log_frame, ticks
+from wirerope_mj.foundation.ticks import linear_ticks
+from wirerope_mj.views.recording.frame import HEIGHT, Color, Plot, log_frame
 from wirerope_mj.views.recording.paths import AXES, Rows, at, child, entity
 from wirerope_mj.views.recording.selection import Selection, travel_limits
 from wirerope_mj.views.recording.thin import MOST_ROWS, rows_of_extremes, rows_of_line, rows_of_steps
@@ -160,8 +161,8 @@ def log_loop_frame(
     low, high = plot.across
     limits = dict.fromkeys(1e3 * limit for mount in mounts for limit in travel_limits(mount, axis))
     marked = [(limit, _RATED) for limit in limits if np.isfinite(limit) and low < limit < high]
-    across = ticks(low, high, max(2, round(plot.width / 26)))
-    log_frame(rec, path, plot, across=across, upward=ticks(*plot.upward, 5), marked=marked, lift=lift)
+    across = linear_ticks(low, high, most=max(2, round(plot.width / 26)))
+    log_frame(rec, path, plot, across=across, upward=linear_ticks(*plot.upward, most=5), marked=marked, lift=lift)
 
 
 def outlines(loops: Sequence[Loop], colors: Sequence[Color], labels: Sequence[str]) -> Any:

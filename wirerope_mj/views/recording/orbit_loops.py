@@ -6,9 +6,10 @@ import numpy as np
 
 from wirerope_mj.dynamics.frequency_response.samples import busiest_loops
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.recording.along import AlongBranch, at_points
 from wirerope_mj.views.recording.film import Film, Strip
-from wirerope_mj.views.recording.frame import LARGE, Plot, log_frame, ticks
+from wirerope_mj.views.recording.frame import LARGE, Plot, log_frame
 from wirerope_mj.views.recording.paths import AXES, at, child, entity
 from wirerope_mj.views.recording.response_curve import level_color
 
@@ -50,7 +51,14 @@ def log_orbit_loops(rec: Any, film: Film, strips: list[Strip], *, width: float, 
         loops = [_loops(strip, mount, axis) for strip in strips]
         plot = _plot([loop for part in loops for loop in part], width)
         path = loop_path(mount, axis)
-        log_frame(rec, path, plot, across=ticks(*plot.across, most), upward=ticks(*plot.upward, most), lift=lift)
+        log_frame(
+            rec,
+            path,
+            plot,
+            across=linear_ticks(*plot.across, most=most),
+            upward=linear_ticks(*plot.upward, most=most),
+            lift=lift,
+        )
         _log(rec, child(path, "data"), plot, film, strips, loops)
         _log_cursor(rec, child(path, "data", "cursor"), film, _points(film.response.mounts[mount], axis))
     loops = [[_filled(loop) for loop in _loops(strip, *shown[0])] for strip in strips]

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.dynamics.frequency_response.axes import log_ticks
 from wirerope_mj.dynamics.frequency_response.curve import Curve
 from wirerope_mj.dynamics.frequency_response.summary import Findings
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.ticks import log_ticks
 from wirerope_mj.views.recording.along import at_points
 from wirerope_mj.views.recording.film import Film, Strip
 from wirerope_mj.views.recording.frame import LARGE, Color, Plot, log_frame
