@@ -96,9 +96,7 @@ def swept(
     for start, stop, state in ends:
         sweep = wr.Sweep(start=start, stop=stop, rate=rate, acceleration=case.acceleration, direction=case.direction)
         begin = time.perf_counter()
-        found = wr.frequency_sweep(
-            system, sweep, payload=case.payload, direction=case.direction, initial=state, settled=None
-        )
+        found = wr.frequency_sweep(system, sweep, payload=case.payload, initial=state, settled=None)
         seconds += time.perf_counter() - begin
         steps += found.model_steps
         differences.append(np.abs(found.amplitude / curve(np.log(found.frequency)) - 1.0))

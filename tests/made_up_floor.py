@@ -4,8 +4,8 @@ import numpy as np
 
 from wirerope_mj.engine.response import Numerics, Peak, Response
 from wirerope_mj.engine.response.columns import ColumnPlan
+from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
-from wirerope_mj.engine.response.response import MemorySamples
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount, scene_to_dict
 from wirerope_mj.engine.response.storage import build_response
 from wirerope_mj.views.recording.poses import rotate

@@ -7,7 +7,7 @@ import wirerope_mj as wr
 
 MASS, RESONANCE, DAMPING = 3.5, 10.0, 0.25
 LEVEL = 2.0
-MOUNT = {"payload": "mass", "direction": "z"}
+MOUNT = {"payload": "mass", "response_direction": "z"}
 
 
 def linear(resonance=RESONANCE, damping=DAMPING):

@@ -30,7 +30,7 @@ def test_the_worst_frequency_is_that_of_the_largest_ratio(spectrum):
     """A test spectrum that rises with the frequency allows least where it is low: the slow end, PSV = 0.92 dV."""
     verdict = spectrum_verdict(spectrum, [10.0, 100.0, 1000.0], [30.0, 300.0, 300.0], subject="rack")
     share = spectrum.maximax / np.minimum(3.0 * spectrum.frequencies, 300.0)
-    assert verdict.share == pytest.approx(share.max())
+    assert verdict.utilisation == pytest.approx(share.max())
     assert verdict.limit == pytest.approx(3.0 * spectrum.frequencies[share.argmax()])
 
 

@@ -15,8 +15,8 @@ from wirerope_mj.assessment.criteria import (
     peak_force_verdicts,
     starting_load_verdicts,
     travel_verdicts,
+    verdict_lines,
 )
-from wirerope_mj.assessment.verdicts import verdict_lines
 
 G = wr.STANDARD_GRAVITY
 
@@ -58,7 +58,7 @@ def test_the_combined_travel_is_that_of_one_instant(floor):
     assert total.max() <= verdict.value <= 1.0005 * total.max()
     assert verdict.time == pytest.approx(floor.time[total.argmax()], abs=1e-3)
     assert verdict.limit == 1.0
-    each = [by_name(travel_verdicts(floor))["m05", f"travel in {rating}"].share for rating in TRAVEL]
+    each = [by_name(travel_verdicts(floor))["m05", f"travel in {rating}"].utilisation for rating in TRAVEL]
     assert max(each) < verdict.value < np.sqrt(3.0) * max(each)
 
 
@@ -184,7 +184,8 @@ def test_a_mount_pressed_beyond_its_height_is_said_to_lack_a_stop(floor):
     verdict = by_name(bottoming_verdicts(with_height(floor, 0.99 * low)))["m04", "bottoming"]
     assert verdict.value == low
     assert verdict.verdict == "exceeded"
-    assert "m04" in next(line for line in verdict_lines(with_height(floor, 0.99 * low)) if "A stop is missing" in line)
+    low_mount = with_height(floor, 0.99 * low)
+    assert "m04" in next(line for line in verdict_lines(low_mount, judge(low_mount)) if "A stop is missing" in line)
     assert by_name(bottoming_verdicts(with_height(floor, 1.01 * low)))["m04", "bottoming"].verdict == "within"
     assert by_name(bottoming_verdicts(with_height(floor, np.nan)))["m04", "bottoming"].verdict == "not judged"
 

@@ -9,7 +9,7 @@ from made_up_floor import UPRIGHT, box, floor_response
 
 from wirerope_mj.assessment.criteria import rattle_verdicts
 from wirerope_mj.assessment.criteria.rattle import body_corners, corner_displacements
-from wirerope_mj.engine.response.response import MemorySamples
+from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 
 

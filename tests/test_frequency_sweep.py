@@ -288,7 +288,7 @@ def test_a_sweep_comes_back_from_its_file_and_is_replaced_whole(short, tmp_path)
 
 
 def test_a_sweep_that_streams_to_disk_is_the_same(system, short, tmp_path, monkeypatch):
-    monkeypatch.setattr("wirerope_mj.dynamics.sweep.storage.STREAM_ROWS", 10)  # several blocks
+    monkeypatch.setattr("wirerope_mj.dynamics.sweep.collector.STREAM_ROWS", 10)  # several blocks
     monkeypatch.setattr("wirerope_mj.dynamics.sweep.continuous.CHUNK", 4)
     options = {"timestep": 1e-3, "settled": None, **MOUNT}
     same(wr.frequency_sweep(system, up(60.0, 6.0, 18.0), out=tmp_path, **options), short)
@@ -345,8 +345,12 @@ def test_what_leaves_its_law_is_an_error_that_names_the_frequency_and_leaves_no_
     [
         ({"payload": "rack"}, r"`payload` must be a payload of the system, got 'rack'\. Payloads: \['mass'\]"),
         ({"payload": "deck"}, r"`payload` must be a payload of the system, got 'deck'"),
-        ({"direction": "w"}, '`direction` must be "x", "y" or "z", got \'w\''),
-        ({"direction": (1.0, 1.0, 0.0)}, "`direction` must lie along x, y or z, for which envelopes are kept"),
+        ({"response_direction": "w"}, "`response_direction` must be one of 'x', 'y', 'z', got 'w'"),
+        ({"direction": "z"}, "`direction` is the base's axis, .*; give `response_direction`"),
+        (
+            {"response_direction": (1.0, 1.0, 0.0)},
+            "`response_direction` must lie along x, y or z",
+        ),
         (
             {"sweep": wr.Sine(frequency=1.0, acceleration=1.0, direction="z")},
             "`sweep` must be a wirerope_mj.Sweep, got Sine",
@@ -379,7 +383,9 @@ def test_a_base_that_cannot_follow_and_a_step_that_is_too_large_are_named(system
 
 def test_a_vector_along_an_axis_is_that_axis_and_progress_goes_to_standard_error(system, short, capsys):
     options = {"timestep": 1e-3, "settled": None, "payload": "mass"}
-    same(wr.frequency_sweep(system, up(60.0, 6.0, 18.0), direction=(0, 0, -2), progress=True, **options), short)
+    same(
+        wr.frequency_sweep(system, up(60.0, 6.0, 18.0), response_direction=(0, 0, -2), progress=True, **options), short
+    )
     captured = capsys.readouterr()
     assert captured.out == ""
     wr.stepped_sine(
@@ -390,7 +396,7 @@ def test_a_vector_along_an_axis_is_that_axis_and_progress_goes_to_standard_error
 def test_the_floor_has_an_envelope_for_every_body_and_mount():
     floor = wr.load_system(models_folder() / "floating_floor.xml")
     sweep = wr.Sweep(start=9.0, stop=12.0, rate=60.0, velocity=5e-3, direction=(1.0, 0.0, 1.0))
-    r = wr.frequency_sweep(floor, sweep, payload="floor", direction="x", settled=None, timestep=1e-3)
+    r = wr.frequency_sweep(floor, sweep, payload="floor", response_direction="x", settled=None, timestep=1e-3)
     n = r.frequency.size
     assert n == 4  # 3 Hz / (ln 2 1/s) = 4.3 cycles
     assert list(r.envelopes)[: len(floor.payloads)] == floor.payloads

@@ -8,8 +8,7 @@ import pytest
 from test_cli import wirerope
 from test_recording import column, entities
 
-from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Verdict
-from wirerope_mj.assessment.verdicts import headline
+from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Verdict, headline
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.headline import read_headline
 

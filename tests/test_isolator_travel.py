@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from wirerope_mj.mounts.isolator import AXES, Travel
-from wirerope_mj.mounts.isolator.travel import RATINGS, SIDES, travel_in, travel_reached, travel_shares
+from wirerope_mj.mounts.isolator.travel import RATINGS, SIDES, travel_in, travel_reached, travel_utilisation
 
 # roll, shear, axial: pressed by 30 mm at most, pulled by 10 mm
 LOWEST, HIGHEST = np.array([-0.002, -0.004, -0.030]), np.array([0.005, 0.001, 0.010])
@@ -27,11 +27,11 @@ def test_the_farthest_of_many_instants_is_what_the_extremes_reach():
         np.testing.assert_array_equal(reached[rating], travel_in(rating, deflection).max(axis=0))
 
 
-def test_shares_are_of_the_stated_ratings_only():
+def test_utilisations_are_of_the_stated_ratings_only():
     rated = Travel(compression=0.04, shear=0.002).stated
-    shares = travel_shares(travel_reached(LOWEST, HIGHEST), rated)
-    assert shares == pytest.approx({"compression": 0.75, "shear": 2.0}, rel=1e-15)  # one division
-    assert travel_shares(travel_reached(LOWEST, HIGHEST), Travel().stated) == {}
+    used = travel_utilisation(travel_reached(LOWEST, HIGHEST), rated)
+    assert used == pytest.approx({"compression": 0.75, "shear": 2.0}, rel=1e-15)  # one division
+    assert travel_utilisation(travel_reached(LOWEST, HIGHEST), Travel().stated) == {}
 
 
 def test_every_rating_is_a_side_of_one_axis_and_a_field_of_travel():

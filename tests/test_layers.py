@@ -25,7 +25,7 @@ HOUSE = {
     "motions": (("spectra",), ("records",)),
     "engine": (("response", "control"), ("system",), ("statics",), ("simulation",)),
     "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
-    "assessment": (("criteria",), ("verdicts", "selection")),
+    "assessment": (("criteria",), ("comparison", "selection")),
     "studies": (("inputs",), ("engines",), ("search",), ("results",)),
     "views": (("plots", "recording"), ("report",)),
     "runs": (),

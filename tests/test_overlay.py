@@ -7,24 +7,28 @@ import numpy as np
 import pytest
 from made_up_floor import floor_response, peak
 
-from wirerope_mj.cli import main
-from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
-from wirerope_mj.engine.response.response import MemorySamples
-from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.views.recording import read_state, record_overlay, record_rerun
-from wirerope_mj.views.recording.film import with_values
-from wirerope_mj.views.recording.overlay_apart import difference
-from wirerope_mj.views.recording.overlay_differences import (
+from wirerope_mj.assessment.comparison import (
+    BASE,
+    Component,
     acceleration_rows,
+    comparison_lines,
+    difference,
+    difference_text,
+    different_inputs,
     identical,
     largest_travel_row,
     travel_rows,
 )
+from wirerope_mj.cli import main
+from wirerope_mj.engine.response.histories import MemorySamples
+from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.views.recording import read_state, record_overlay, record_rerun
+from wirerope_mj.views.recording.film import with_values
 from wirerope_mj.views.recording.overlay_ghosts import ghost_factor
-from wirerope_mj.views.recording.overlay_parts import BASE, Part
 from wirerope_mj.views.recording.overlay_runs import COLORS, overlay_of
-from wirerope_mj.views.recording.overlay_text import different_inputs, findings, mount_tables, percent, summary_markdown
+from wirerope_mj.views.recording.overlay_text import mount_tables, summary_markdown
 from wirerope_mj.views.recording.viewer import viewer_binary
 
 G = STANDARD_GRAVITY
@@ -168,16 +172,16 @@ def test_colours_and_peaks_of_a_run_are_the_same_in_every_view(runs, entities):
 def test_differences_over_time_are_the_norm_of_what_lies_between_the_histories(runs):
     overlay = overlay_of(runs, "start")
     first, other = overlay.runs
-    floor = Part(kind="body", name="floor")
-    time, apart = difference(floor, first, other)
+    floor = Component(kind="body", name="floor")
+    time, distance = difference(floor, first, other)
     expected = 0.5 * np.linalg.norm(runs["A"].bodies["floor"].acceleration, axis=1)
     np.testing.assert_array_equal(time, runs["A"].time)
-    np.testing.assert_allclose(apart, expected, atol=1e-12 * expected.max())  # roundoff
+    np.testing.assert_allclose(distance, expected, atol=1e-12 * expected.max())  # roundoff
     coarse = replace(other, response=floor_response(mounts=3, equipment=1, rows=101, rate=500.0))
-    time, apart = difference("m01", first, coarse)
+    time, distance = difference("m01", first, coarse)
     assert time[-1] == coarse.response.time[-1]  # only where both are
     # Linear between samples 2 ms apart of at most 9 Hz and 45 mm: (2 pi 9)^2 0.045 (2e-3)^2 / 8, twice that with the decay.
-    assert apart.max() < 2 * 72e-6
+    assert distance.max() < 2 * 72e-6
 
 
 def test_peaks_side_by_side_give_the_change_to_the_first(runs):
@@ -187,7 +191,7 @@ def test_peaks_side_by_side_give_the_change_to_the_first(runs):
     row = rows["point rack_top"]
     assert row.values[0] == runs["A"].peaks.points["rack_top"].acceleration.value / G
     assert row.difference(1) == pytest.approx(0.5, rel=1e-12)
-    assert percent(row, 1) == "+50.0 %"
+    assert difference_text(row, 1) == "+50.0 %"
     along = {row.label: row for row in acceleration_rows(overlay, 0)}["floor"]
     extremes = runs["A"].peaks.bodies["floor"].acceleration
     assert along.values[0] == max(extremes.maximum[0], -extremes.minimum[0]) / G
@@ -195,14 +199,14 @@ def test_peaks_side_by_side_give_the_change_to_the_first(runs):
     deflection = runs["A"].peaks.mounts["m01"].deflection
     ratios = {"compression": -deflection.minimum[2] / 0.04, "tension": deflection.maximum[2] / 0.02}
     assert shares["m01"].values[0] == pytest.approx(max(ratios.values()), rel=1e-12)
-    assert shares["m01"].words[0] == max(ratios, key=ratios.get)
+    assert shares["m01"].notes[0] == max(ratios, key=ratios.get)
     assert largest_travel_row(overlay).values[1] == pytest.approx(
         1.5 * largest_travel_row(overlay).values[0], rel=1e-12
     )
 
 
 def test_words_say_where_and_when_runs_differ(runs):
-    lines = findings(overlay_of(runs, "start"))
+    lines = comparison_lines(overlay_of(runs, "start"))
     norm = np.linalg.norm(runs["A"].points["rack_top"].acceleration, axis=1)
     when = 1e3 * runs["A"].time[norm.argmax()]
     bodies = np.linalg.norm(runs["A"].bodies["floor"].acceleration, axis=1)
@@ -217,15 +221,15 @@ def test_words_say_where_and_when_runs_differ(runs):
 def test_words_say_which_run_exceeds_its_rated_travel():
     lowest = [-entry.deflection.minimum[2] for entry in floor_response(mounts=1).peaks.mounts.values()]
     response = floor_response(mounts=1, travel={"compression": 1.1 * max(lowest)})
-    lines = findings(overlay_of({"A": response, "B": louder(response, 1.5)}, "start"))
+    lines = comparison_lines(overlay_of({"A": response, "B": louder(response, 1.5)}, "start"))
     assert "Rated travel is exceeded in A by none, in B by m01." in lines
 
 
 def test_the_same_run_twice_is_said_to_be_identical(floor):
     again = floor_response(mounts=3, equipment=1)
     overlay = overlay_of({"A": floor, "B": again}, "start")
-    assert findings(overlay) == ["B and A are identical: every sample and every peak has the same bits."]
-    assert all(percent(row, 1) == "=" for row in acceleration_rows(overlay))
+    assert comparison_lines(overlay) == ["B and A are identical: every sample and every peak has the same bits."]
+    assert all(difference_text(row, 1) == "=" for row in acceleration_rows(overlay))
     values = again.samples.columns(0, len(again.samples.names)).copy()
     values[7, -1] = np.nextafter(values[7, -1], np.inf)
     assert not identical(floor, replace(again, samples=MemorySamples(again.samples.names, values)))
@@ -240,7 +244,7 @@ def test_a_shock_that_comes_later_is_moved_to_the_first_and_its_samples_stay(flo
     assert moved.response.events[0][0] == pytest.approx(0.05, abs=1e-15)
     peaks = moved.response.peaks.bodies["floor"].acceleration
     assert peaks.time == pytest.approx(floor.peaks.bodies["floor"].acceleration.time - 0.02, abs=1e-15)
-    assert "B is moved by -20 ms to the shock of A." in findings(overlay)
+    assert "B is moved by -20 ms to the shock of A." in comparison_lines(overlay)
     path = record_overlay(pair, tmp_path / "moved.rrd", align="shock")
     np.testing.assert_array_equal(read_state(path, run="B")["time"], floor.time)
     quiet = floor_response(mounts=1, equipment=0, events=False)
@@ -251,9 +255,9 @@ def test_a_shock_that_comes_later_is_moved_to_the_first_and_its_samples_stay(flo
 def test_different_models_share_what_is_called_alike_and_the_rest_is_listed(floor, tmp_path):
     other = floor_response(mounts=4, equipment=2, travel={})
     overlay = overlay_of({"A": floor, "B": other, "C": floor}, "start")
-    assert overlay.alone == {"A": (), "B": (Part(kind="body", name="rack_1"), "m04"), "C": ()}
-    assert overlay.parts[0] == BASE
-    assert "Only in B: body rack_1; mount m04." in findings(overlay)
+    assert overlay.alone == {"A": (), "B": (Component(kind="body", name="rack_1"), "m04"), "C": ()}
+    assert overlay.components[0] == BASE
+    assert "Only in B: body rack_1; mount m04." in comparison_lines(overlay)
     assert "| m04 | - | " in mount_tables(overlay)
     path = record_overlay({"A": floor, "B": other, "C": floor}, tmp_path / "three.rrd", inputs={})
     assert subprocess.run([viewer_binary(), "rrd", "verify", path], capture_output=True).returncode == 0

@@ -5,7 +5,8 @@ import pytest
 
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.motions import HalfSine, load_record, motion_from_dict
-from wirerope_mj.views.plots.record_baseline import records_of, save_record_baseline
+from wirerope_mj.motions.records.record import records_in
+from wirerope_mj.views.plots.record_baseline import save_record_baseline
 
 RATE = 1000.0
 TIME = np.arange(20_001) / RATE
@@ -90,7 +91,7 @@ def test_a_lengthened_record_is_played_again_bit_by_bit_and_lies_over_the_measur
     np.testing.assert_array_equal(again.samples, record.samples)
     np.testing.assert_array_equal(again.time, record.time)
     assert again.description == record.description == f"record shock.csv, {record.duration:.4g} s, peak 20.15 g"
-    measured = record.as_measured()
+    measured = record.as_measured
     assert measured.start == measured.time[0]
     peaks = [part.time[part.samples[:, 2].argmax()] for part in (measured, record)]
     assert peaks[0] == pytest.approx(peaks[1], abs=1e-9)
@@ -174,8 +175,8 @@ def test_the_record_as_measured_can_be_had_again(csv):
     for more in ({"baseline": "mean"}, {"baseline": "velocity"}, {"baseline": "highpass", "highpass": 1.0}):
         corrected = load_record(path, scale=2.0, start=0.3, **more)
         assert not np.array_equal(corrected.samples, plain.samples)
-        np.testing.assert_array_equal(corrected.as_measured().samples, plain.samples)
-    assert plain.as_measured() is plain
+        np.testing.assert_array_equal(corrected.as_measured.samples, plain.samples)
+    assert plain.as_measured is plain
 
 
 def test_the_picture_shows_both_versions_on_every_moving_axis(csv, tmp_path, monkeypatch):
@@ -201,5 +202,5 @@ def test_the_picture_shows_both_versions_on_every_moving_axis(csv, tmp_path, mon
 def test_the_records_in_a_sum_are_found(csv):
     record = load_record(csv(burst(10.0)))
     pulse = HalfSine(peak=1.0, duration=0.1, direction="z")
-    assert records_of(record + pulse) == [record]
-    assert records_of(pulse) == []
+    assert records_in(record + pulse) == [record]
+    assert records_in(pulse) == []

@@ -25,7 +25,8 @@ def doubts(tmp_path):
         )
         with warnings.catch_warnings(record=True) as found:
             warnings.simplefilter("always")
-            load_record(path, **arguments)
+            record = load_record(path, **arguments)
+        assert record.warnings == tuple(str(item.message).replace(str(path), path.name) for item in found)
         assert all(issubclass(item.category, RecordWarning) for item in found)
         assert all(item.filename == __file__ for item in found)  # the line that loaded it
         return [str(item.message) for item in found]

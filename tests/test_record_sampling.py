@@ -178,9 +178,9 @@ def test_a_rate_that_is_no_simple_fraction_is_refused(csv):
             load_record(path, resample=0.01)
         with pytest.raises(ValueError, match="`resample` must be > 0"):
             load_record(path, resample=-5.0)
-        with pytest.raises(ValueError, match='`gaps` must be "refuse" or "fill", got \'cut\''):
+        with pytest.raises(ValueError, match="`gaps` must be one of 'refuse', 'fill', got 'cut'"):
             load_record(path, gaps="cut")
-        with pytest.raises(ValueError, match='`unit` must be "m/s\\^2", .*"ft/s\\^2", got \'V\''):
+        with pytest.raises(ValueError, match=r"`unit` must be one of 'm/s\^2', .*'ft/s\^2', got 'V'"):
             load_record(path, unit="V")
 
 

@@ -16,7 +16,6 @@ from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs import report as report_module
-from wirerope_mj.runs.judged import run_verdicts
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.run_spectra import run_spectra
 from wirerope_mj.runs.scenario import Scenario, load_scenario
@@ -292,7 +291,7 @@ def test_static_loads_are_judged_after_either_history(finished):
         for history in ("virgin", "relaxed")
     }
     missing = replace(finished.statics, sags={"virgin": finished.statics.virgin}, missing={"relaxed": "it slips."})
-    verdicts = run_verdicts(finished.response, missing)
+    verdicts = judge(finished.response, statics=missing)
     assert judged.unjudged([verdicts[-1]]) == ("static load in compression, relaxed of every mount: it slips.",)
     assert verdicts[-1].verdict == NOT_JUDGED
 

@@ -7,7 +7,7 @@ import pytest
 from house import deck, hysteresis, mjcf, sdof
 
 import wirerope_mj as wr
-from wirerope_mj.engine.response.response import MemorySamples
+from wirerope_mj.engine.response.histories import MemorySamples
 
 G = wr.STANDARD_GRAVITY
 LAW = wr.BoucWen(**hysteresis(alpha=1e5, z_max=60.0), k=2e4)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.verdicts import mount_peaks
+from wirerope_mj.assessment.criteria import mount_peaks
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import catalogue_folder, models_folder
 from wirerope_mj.runs import replay, run_scenario
@@ -84,9 +84,10 @@ def test_summary_judges_the_peaks_against_the_rated_travel(table):
 def test_a_mount_beyond_its_travel_is_said_to_exceed_it(tmp_path):
     response = run_scenario(short_table(level_g=60.0), tmp_path / "run")
     row = mount_peaks(response)[0]
-    assert row.share > 1.0
-    assert row.verdict == "exceeds compression"
+    assert row.utilisation > 1.0
+    assert row.exceeded == ["compression"]
     content = json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))
+    assert content["mounts"][0]["verdict"] == "exceeds compression"
     assert any("exceeded in compression by m1" in line for line in content["verdicts"])
 
 

@@ -7,8 +7,7 @@ import pytest
 from house import deck, hysteresis, mjcf, rack_on_floor_text, sdof, sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.criteria import starting_load_verdicts
-from wirerope_mj.assessment.criteria.static_load import static_load_verdicts
+from wirerope_mj.assessment.criteria import starting_load_verdicts, static_load_verdicts
 from wirerope_mj.cli.app import main
 from wirerope_mj.cli.statics_tables import print_statics
 from wirerope_mj.engine.statics import static_table

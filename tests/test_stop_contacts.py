@@ -8,9 +8,7 @@ from house import deck, mjcf, quiet
 from test_recording import entities
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.criteria import contact_verdicts, judge
-from wirerope_mj.assessment.verdicts import mount_peaks, verdict_lines
-from wirerope_mj.assessment.verdicts.headline import headline
+from wirerope_mj.assessment.criteria import contact_verdicts, headline, judge, mount_peaks, verdict_lines
 from wirerope_mj.engine.simulation.timestep import ACCURACY
 from wirerope_mj.engine.statics import static_table
 from wirerope_mj.foundation.resources import models_folder
@@ -147,7 +145,7 @@ def test_words(response):
     contact = response.peaks.contacts["s3"]
     text = f"stop s3 closed at {1e3 * contact.first_touch:.1f} ms, {1e-3 * contact.force:.3g} kN"
     assert text in [event.text for event in events_of(response, select(response))]
-    assert any(line.startswith("S" + text[1:]) for line in verdict_lines(response))
+    assert any(line.startswith("S" + text[1:]) for line in verdict_lines(response, judge(response)))
     assert "1 of 1 stop struck" in headline(judge(response))
 
 

@@ -37,7 +37,7 @@ def swept(branch, index, stop, rate):
     orbit = branch.orbit(index)
     sweep = wr.Sweep(start=orbit.frequency, stop=stop, rate=rate, acceleration=LEVEL, direction="z")
     return wr.frequency_sweep(
-        branch.system, sweep, payload="mass", direction="z", initial=orbit.state, settled=None, timestep=TIMESTEP
+        branch.system, sweep, payload="mass", initial=orbit.state, settled=None, timestep=TIMESTEP
     )
 
 

@@ -15,8 +15,7 @@ from campaign import Case
 from folder_files import KINDS
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.criteria import judge
-from wirerope_mj.assessment.verdicts import summary
+from wirerope_mj.assessment.criteria import judge, summary
 from wirerope_mj.cli.compare import compare
 from wirerope_mj.runs import replay, run_scenario
 from wirerope_mj.runs.checksums import CHECKSUMS, write_checksums

@@ -9,46 +9,49 @@ from rich.markup import escape
 from rich.padding import Padding
 from rich.table import Table
 
-from wirerope_mj.cli.screen import console
-from wirerope_mj.views.recording.overlay_differences import (
+from wirerope_mj.assessment.comparison import (
+    Comparison,
+    Inputs,
     PeakRow,
     acceleration_rows,
+    comparison_lines,
+    difference_text,
+    different_inputs,
     largest_travel_row,
     mount_rows,
     travel_rows,
 )
-from wirerope_mj.views.recording.overlay_runs import Overlay
-from wirerope_mj.views.recording.overlay_text import Inputs, different_inputs, findings, percent
+from wirerope_mj.cli.screen import console
 
 _MOST_MOUNTS = 8
 """Mounts that are printed: those that use most of their rated travel in any run."""
 
 
-def print_comparison(overlay: Overlay, inputs: Inputs, headlines: Mapping[str, str], target: Path) -> None:
+def print_comparison(comparison: Comparison, inputs: Inputs, headlines: Mapping[str, str], target: Path) -> None:
     """Print the headline of every run, what differs between them, and where the recording is."""
     screen = console()
-    names = [run.name for run in overlay.runs]
+    names = [run.name for run in comparison.runs]
     screen.print(f"\n[bold]{escape(' and '.join(names))}[/]\n")
-    said = [f"{name}: {headline}" for name, headline in headlines.items() if headline]
-    for line in said:
+    lines = [f"{name}: {headline}" for name, headline in headlines.items() if headline]
+    for line in lines:
         screen.print(Padding(escape(line), (0, 0, 0, 2)))
-    if said:
+    if lines:
         screen.print()
-    given = different_inputs(overlay, inputs)
+    given = different_inputs(comparison, inputs)
     if given:
         screen.print(_inputs(names, given), "")
-    screen.print(_peaks("Peak accelerations [g]", names, acceleration_rows(overlay), times=True), "")
-    largest, travel = largest_travel_row(overlay), travel_rows(overlay)
+    screen.print(_peaks("Peak accelerations [g]", names, acceleration_rows(comparison), times=True), "")
+    largest, travel = largest_travel_row(comparison), travel_rows(comparison)
     if largest is not None:
         rows = [largest, *travel[:_MOST_MOUNTS]]
-        screen.print(_peaks("Share of the rated travel [%]", names, rows, scale=100.0))
+        screen.print(_peaks("Utilisation of the rated travel [%]", names, rows, scale=100.0))
         if len(travel) > _MOST_MOUNTS:
             screen.print(f"  {_MOST_MOUNTS} of {len(travel)} mounts; the recording has them all")
         screen.print()
     elif travel:  # nothing is rated: how far the mounts move is said as it is
-        rows = mount_rows(overlay, "deflection", None, 1e-3)[:_MOST_MOUNTS]
+        rows = mount_rows(comparison, "deflection", None, 1e-3)[:_MOST_MOUNTS]
         screen.print(_peaks("Largest deflections [mm]", names, rows, times=True), "")
-    for line in findings(overlay):
+    for line in comparison_lines(comparison):
         screen.print(Padding(escape(line), (0, 0, 0, 2)))
     written = escape(str(target))
     screen.print(f"\n  written to {written}, {target.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
@@ -76,15 +79,15 @@ def _peaks(
             table.add_column(f"to {escape(names[0])}", justify="right", overflow="fold")
     for row in rows:
         cells = [escape(row.label)]
-        for number, (value, time, word) in enumerate(zip(row.values, row.times, row.words, strict=True)):
+        for number, (value, time, note) in enumerate(zip(row.values, row.times, row.notes, strict=True)):
             known = value is not None and math.isfinite(value)
             cells.append(
-                f"[bold]{scale * value:.{0 if word else 2}f}[/] {escape(word)}".strip()
+                f"[bold]{scale * value:.{0 if note else 2}f}[/] {escape(note)}".strip()
                 if known and value is not None
                 else "-"
             )
             cells += [f"{time:.4f}" if time is not None and known else "-"] if times else []
-            cells += [percent(row, number)] if number else []
+            cells += [difference_text(row, number)] if number else []
         table.add_row(*cells)
     return table
 

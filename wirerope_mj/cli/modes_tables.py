@@ -18,7 +18,7 @@ from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.atomic_files import check_place
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.mounts.isolator.travel import travel_reached, travel_utilisation
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 from wirerope_mj.runs.folder import check_target
 from wirerope_mj.runs.modes import KIND, MARKS, write_modes
@@ -106,12 +106,12 @@ def about_small(system: System, small: Modes) -> Iterator[str]:
 def beyond_rating(system: System, large: Sequence[Modes]) -> Iterator[str]:
     """Yield for each amplitude a sentence on the mounts that it takes beyond a rated travel in some mode, sag included."""
     for found in large:
-        shares = {name: share for name in system.mounts if (share := _share_of_travel(system, found, name)) > 1.0}
-        if shares:
-            worst = max(shares, key=lambda name: shares[name])
+        beyond = {name: used for name in system.mounts if (used := _utilisation(system, found, name)) > 1.0}
+        if beyond:
+            worst = max(beyond, key=lambda name: beyond[name])
             yield (
-                f"{1e3 * (found.amplitude or 0.0):g} mm takes mounts beyond their rated travel: {', '.join(shares)} "
-                f"({worst} up to {100.0 * shares[worst]:.0f} % of it, sag included). Nobody vouches for the law there."
+                f"{1e3 * (found.amplitude or 0.0):g} mm takes mounts beyond their rated travel: {', '.join(beyond)} "
+                f"({worst} up to {100.0 * beyond[worst]:.0f} % of it, sag included). Nobody vouches for the law there."
             )
 
 
@@ -135,16 +135,12 @@ def about_rest(system: System, small: Modes, large: Sequence[Modes]) -> Iterator
         )
 
 
-def _share_of_travel(system: System, found: Modes, name: str) -> float:
-    """Return the largest share of a rated travel that a mount uses in any mode of an amplitude [-]; 0 if none is rated."""
-    rest, largest = found.equilibrium.mounts[name].deflection, 0.0
-    ways = (found.amplitude or 0.0) * abs(found.mounts[name])  # (n_modes, 3)
-    for axis, key in enumerate(AXES):
-        way = float(ways[:, axis].max(initial=0.0))
-        reached = (way - float(rest[axis]), way + float(rest[axis]))  # below and above zero
-        for limit, size in zip(system.mounts[name].isolator.rated_travel(key), reached, strict=True):
-            largest = max(largest, 0.0 if limit is None else size / limit)
-    return largest
+def _utilisation(system: System, found: Modes, name: str) -> float:
+    """Return the largest utilisation of a rated travel of a mount in any mode of an amplitude [-]; 0 if none is rated."""
+    rest, amplitude = found.equilibrium.mounts[name].deflection, (found.amplitude or 0.0) * abs(found.mounts[name])
+    swing = amplitude.max(axis=0, initial=0.0)  # (n_modes, 3) -> (3,)
+    reached = travel_reached(rest - swing, rest + swing)
+    return max(travel_utilisation(reached, system.mounts[name].isolator.limits.travel.stated).values(), default=0.0)
 
 
 def _table(name: str, small: Modes, large: Sequence[Modes]) -> Table:

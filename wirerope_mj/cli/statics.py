@@ -18,7 +18,7 @@ def statics(model: str, *, json: Path | None = None) -> int:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
         json: file for the same figures in SI units.
     """
-    from wirerope_mj.assessment.criteria.static_load import static_load_verdicts
+    from wirerope_mj.assessment.criteria import static_load_verdicts
     from wirerope_mj.cli.models import model_path
     from wirerope_mj.cli.statics_tables import print_statics
     from wirerope_mj.dynamics.modes import modes

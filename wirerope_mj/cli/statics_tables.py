@@ -1,7 +1,7 @@
 """What `wirerope statics` prints: mounts and payloads under the weight, loads against ratings, distance from tipping over."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rich import box
 from rich.markup import escape
@@ -16,7 +16,7 @@ _FAR = 100.0
 """Gravity factor and rise [m] from which both say no more than: far."""
 
 
-def print_statics(name: str, table: StaticTable, verdicts: list[Verdict], stability: dict[str, Stability]) -> None:
+def print_statics(name: str, table: StaticTable, verdicts: Sequence[Verdict], stability: dict[str, Stability]) -> None:
     """Print where a system rests."""
     screen = console()
     screen.print()
@@ -44,7 +44,7 @@ def stability_words(stability: Stability) -> str:
     return f"{stability.word}; it would tip over {', or '.join(ways)}."
 
 
-def _mounts(name: str, table: StaticTable, verdicts: list[Verdict]) -> Table:
+def _mounts(name: str, table: StaticTable, verdicts: Sequence[Verdict]) -> Table:
     """Return the table of the mounts."""
     headings = [
         "axial\n[mm]",
@@ -98,7 +98,7 @@ def plain_table(title: str, first: str, numbers: list[str]) -> Table:
     return found
 
 
-def _sentences(table: StaticTable, verdicts: list[Verdict], stability: dict[str, Stability]) -> Iterator[str]:
+def _sentences(table: StaticTable, verdicts: Sequence[Verdict], stability: dict[str, Stability]) -> Iterator[str]:
     for history, sag in table.sags.items():
         rest = "" if abs(sag.elsewhere) < 1e-6 * abs(sag.weight) else f", joints {1e-3 * sag.elsewhere:.4f} kN"
         yield (
@@ -112,11 +112,11 @@ def _sentences(table: StaticTable, verdicts: list[Verdict], stability: dict[str,
         )
     for history, words in table.missing.items():
         yield f"{history}: {words}"
-    judged = [verdict for verdict in verdicts if verdict.share is not None]
+    judged = [verdict for verdict in verdicts if verdict.utilisation is not None]
     if judged:
-        worst = max(judged, key=lambda verdict: verdict.share or 0.0)
+        worst = max(judged, key=lambda verdict: verdict.utilisation or 0.0)
         yield (
-            f"{worst.subject} has most of its rated static load: {100 * (worst.share or 0.0):.1f} % "
+            f"{worst.subject} has most of its rated static load: {100 * (worst.utilisation or 0.0):.1f} % "
             f"({worst.criterion}): {worst.verdict}."
         )
     unjudged: dict[str, dict[str, None]] = {}  # names without repetition, in the order of the model

@@ -8,9 +8,18 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, acceleration_verdicts, travel_verdicts
-from wirerope_mj.assessment.criteria.travel import COMBINED
-from wirerope_mj.assessment.verdicts import MountPeak, body_peaks, mount_peaks, verdict_lines
+from wirerope_mj.assessment.criteria import (
+    COMBINED,
+    EXCEEDED,
+    NOT_JUDGED,
+    WITHIN,
+    MountPeak,
+    Verdict,
+    body_peaks,
+    judge,
+    mount_peaks,
+    verdict_lines,
+)
 from wirerope_mj.cli.contact_table import contact_table
 from wirerope_mj.cli.screen import console
 from wirerope_mj.engine.response import Response
@@ -20,7 +29,7 @@ from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.runs.headline import read_headline
 from wirerope_mj.runs.scenario import Scenario
 
-_NEAR = 0.9  # share of the rated travel from which it is coloured as a warning
+_NEAR = 0.9  # utilisation from which it is coloured as a warning
 
 
 def print_questions(kind: str, questions: Mapping[str, str]) -> None:
@@ -35,36 +44,37 @@ def print_questions(kind: str, questions: Mapping[str, str]) -> None:
 
 def print_run(scenario: Scenario, response: Response, folder: Path, *, seconds: float) -> None:
     """Print peaks against limits, how they were computed, and where the files are."""
-    out = console()
+    out, verdicts = console(), judge(response)
     out.print(f"\n[bold]{escape(scenario.name)}[/]  {escape(scenario.motion.description)}")
-    out.print(_accelerations(scenario, response))
+    out.print(_accelerations(scenario, response, verdicts))
     if response.scene.isolating:
         out.print()
-        out.print(_mounts(response))
+        out.print(_mounts(response, verdicts))
         out.print()
     contacts = contact_table(response)
     if contacts is not None:
         out.print(contacts)
         out.print()
     out.print(f"  [bold]{escape(read_headline(folder))}[/]", soft_wrap=True)
-    for line in verdict_lines(response):
+    for line in verdict_lines(response, verdicts):
         out.print(f"  {escape(line)}")
     out.print(f"\n  {_numerics(response)}; {seconds:.1f} s in all")
     files = sorted(path for path in folder.iterdir() if path.is_file())
-    place = escape(str(folder))
-    out.print(f"  written to {place}/", soft_wrap=True)
+    shown = escape(str(folder))
+    out.print(f"  written to {shown}/", soft_wrap=True)
     out.print(f"  {', '.join(path.name for path in files)}, {_folders(folder)}", soft_wrap=True)
-    out.print(f"  [bold]wirerope show {place}[/] opens the view", soft_wrap=True)
+    out.print(f"  [bold]wirerope show {shown}[/] opens the view", soft_wrap=True)
 
 
 def _folders(folder: Path) -> str:
     return ", ".join(f"{path.name}/" for path in sorted(folder.iterdir()) if path.is_dir())
 
 
-def _accelerations(scenario: Scenario, response: Response) -> Table:
+def _accelerations(scenario: Scenario, response: Response, verdicts: Sequence[Verdict]) -> Table:
     sweep = scenario.motion if isinstance(scenario.motion, Sweep) else None
     frequency = ("at [Hz]",) if sweep is not None else ()
-    limited = {row.subject: row for row in sorted(acceleration_verdicts(response), key=_share) if row.share is not None}
+    judged = [row for row in verdicts if row.criterion.startswith("acceleration") and row.utilisation is not None]
+    limited = {row.subject: row for row in sorted(judged, key=lambda row: row.utilisation or 0.0)}
     limits = ("limit [g]", "used [%]") if limited else ()
     title = "Peak accelerations" if limited else "Peak accelerations, not judged: the model states no limits"
     table = _table(title, "", ("peak [g]", "x [g]", "y [g]", "z [g]", "at [s]", *frequency, *limits))
@@ -77,34 +87,30 @@ def _accelerations(scenario: Scenario, response: Response) -> Table:
     return table
 
 
-def _share(row: Verdict) -> float:
-    return row.share or 0.0
-
-
 def _against_limit(row: Verdict | None) -> list[str]:
-    """Return limit and share of it of the component that is nearest to its limit."""
+    """Return limit and utilisation of the component that is nearest to its limit."""
     if row is None or row.limit is None:
         return ["[dim]-[/]", "[dim]-[/]"]
     axis = row.criterion.removeprefix("acceleration along ")
     along = "" if axis == row.criterion else f"{axis} "
-    return [f"{along}{row.limit / STANDARD_GRAVITY:.4g}", _percent(row.share)]
+    return [f"{along}{row.limit / STANDARD_GRAVITY:.4g}", _percent(row.utilisation)]
 
 
-def _mounts(response: Response) -> Table:
+def _mounts(response: Response, verdicts: Sequence[Verdict]) -> Table:
     rows = mount_peaks(response)
-    ratings = [name for name in RATINGS if any(row.shares[name] is not None for row in rows)]
+    ratings = [name for name in RATINGS if any(row.travel[name].utilisation is not None for row in rows)]
     units = ("axial [mm]", "shear [mm]", "roll [mm]", "axial [kN]", "shear [kN]", "roll [kN]")
-    shares = [f"{name.replace('compression', 'compr.')} [%]" for name in ratings]
-    title = "Peaks of the mounts, and their share of the rated travel [%]"
-    combined = {row.subject: row for row in travel_verdicts(response) if row.criterion == COMBINED}
-    shares += ["comb. [%]"] if ratings else []
-    table = _table(title, "mount", [name.replace(" ", "\n") for name in (*units, *shares)])
+    used = [f"{name.replace('compression', 'compr.')} [%]" for name in ratings]
+    used += ["comb. [%]"] if ratings else []
+    combined = {row.subject: row for row in verdicts if row.criterion == COMBINED}
+    title = "Peaks of the mounts, and their utilisation of the rated travel [%]"
+    table = _table(title, "mount", [name.replace(" ", "\n") for name in (*units, *used)])
     table.add_column("verdict", no_wrap=True)
     for row in rows:
         deflection = [_range(row, 2), _largest(row, 1), _largest(row, 0)]
         force = [f"{1e-3 * value:.2f}" for value in reversed(row.force)]
-        used = [_percent(row.shares[name]) for name in ratings]
-        used += [_percent(combined[row.name].share)] if ratings else []
+        used = [_percent(row.travel[name].utilisation) for name in ratings]
+        used += [_percent(combined[row.name].utilisation)] if ratings else []
         table.add_row(escape(row.name), *deflection, *force, *used, _short(row, combined[row.name]))
     return table
 
@@ -127,25 +133,27 @@ def _largest(row: MountPeak, axis: int) -> str:
     return f"{1e3 * max(row.maximum[axis], -row.minimum[axis]):.1f}"
 
 
-def _percent(share: float | None) -> str:
-    if share is None:
+def _percent(used: float | None) -> str:
+    if used is None:
         return "[dim]-[/]"
-    style = "bold red" if share > 1.0 else "yellow" if share > _NEAR else "none"
-    return f"[{style}]{100.0 * share:.0f}[/]"
+    style = "bold red" if used > 1.0 else "yellow" if used > _NEAR else "none"
+    return f"[{style}]{100.0 * used:.0f}[/]"
 
 
 def _numerics(response: Response) -> str:
     numerics = response.numerics
     limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
-    words = f"{numerics.steps} steps of at most {1e3 * numerics.timestep:.4g} ms{limit}, {numerics.callback} callback"
+    text = f"{numerics.steps} steps of at most {1e3 * numerics.timestep:.4g} ms{limit}, {numerics.callback} callback"
     if math.isfinite(numerics.error_estimate):
         missed = (
             "" if numerics.error_estimate <= numerics.accuracy else f", above the {numerics.accuracy:.0e} asked for"
         )
-        return f"{words}, estimated error {numerics.error_estimate:.1e} of the peaks{missed}"
-    return f"{words}, step given: no error estimated"
+        return f"{text}, estimated error {numerics.error_estimate:.1e} of the peaks{missed}"
+    return f"{text}, step given: no error estimated"
 
 
 def _short(row: MountPeak, combined: Verdict) -> str:
-    """Return the verdict in a word; the coloured figures say in which direction, or that it is all of them together."""
-    return EXCEEDED if row.verdict.startswith("exceeds") or combined.verdict == EXCEEDED else row.verdict
+    """Return the verdict in a word; the coloured values say in which direction, or that it is all of them together."""
+    if row.exceeded or combined.verdict == EXCEEDED:
+        return EXCEEDED
+    return WITHIN if row.governing else NOT_JUDGED

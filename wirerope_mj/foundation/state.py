@@ -1,6 +1,10 @@
 """The state of a system, from which a simulation may start: what statics finds and a response ends with."""
 
+import base64
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
@@ -11,3 +15,15 @@ class State:
 
     values: Array
     time: float
+
+    def to_plain(self) -> list[Any]:
+        """Return the state as plain values, bit by bit: the instant, and the numbers as base64 of little-endian float64."""
+        return [self.time, base64.b64encode(self.values.astype("<f8").tobytes()).decode()]
+
+    @classmethod
+    def from_plain(cls, content: Any) -> "State":
+        """Return the state that `to_plain` wrote, or an earlier version as a table of `time` and `values`."""
+        if isinstance(content, dict):
+            return cls(values=np.array(content["values"], dtype=np.float64), time=float(content["time"]))
+        values = np.frombuffer(base64.b64decode(content[1]), dtype="<f8").astype(np.float64)
+        return cls(values=values, time=float(content[0]))

@@ -1,4 +1,4 @@
-"""Unit conversions that more than one room needs; the library itself speaks SI."""
+"""Units of files and of what people read, and what one of each is in SI; the library itself speaks SI."""
 
 import math
 from typing import overload
@@ -8,11 +8,25 @@ from wirerope_mj.foundation.arrays import Array
 STANDARD_GRAVITY = 9.80665
 """Standard acceleration of free fall [m/s^2] (ISO 80000-3), the g of shock levels."""
 
+TIME_UNITS = {"s": 1.0, "ms": 1e-3}
+
 LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
-"""Units of deflections that data sheets use, and what one of them is in metres."""
 
 FORCE_UNITS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "lbf": 4.4482216152605}
-"""Units of forces that data sheets use, and what one of them is in newtons."""
+
+ACCELERATION_UNITS = {
+    "m/s^2": 1.0,
+    "m/s2": 1.0,
+    "m/s²": 1.0,
+    "g": STANDARD_GRAVITY,
+    "mm/s^2": 1e-3,
+    "mm/s2": 1e-3,
+    "cm/s^2": 1e-2,
+    "cm/s2": 1e-2,
+    "gal": 1e-2,
+    "in/s^2": 0.0254,
+    "ft/s^2": 0.3048,
+}
 
 _SHOWN = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "m/s^2": ("g", 1.0 / STANDARD_GRAVITY)}
 
@@ -25,6 +39,11 @@ _PER_SI = {
 def shown_in(unit: str) -> tuple[str, float]:
     """Return the unit in which an engineer reads values of an SI unit, and the factor into it; else the unit itself and 1."""
     return _SHOWN.get(unit, (unit, 1.0))
+
+
+def in_si(value: float, factor: float) -> float:
+    """Return a value of a data sheet times its unit, to twelve digits: 6.8 mm are 0.0068 m, not 0.006799999999999999 m."""
+    return float(f"{value * factor:.12g}")
 
 
 @overload

@@ -14,11 +14,11 @@ from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions.records.record import record_warnings
 from wirerope_mj.runs.checksums import update_checksums, warn_of_alterations
 from wirerope_mj.runs.frequency_response import KIND, MARKS
-from wirerope_mj.runs.judged import JudgedRun, found_or_absent, judged_run
+from wirerope_mj.runs.judged import JudgedRun, judged_run, result_or_absent
 from wirerope_mj.runs.page import page_files, write_page
-from wirerope_mj.runs.record_doubts import record_doubts
 from wirerope_mj.runs.run_spectra import run_densities, run_spectra
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
@@ -82,12 +82,12 @@ def report_page(
         duration=float(arguments["duration"]),
         sample_rate=float(arguments["sample_rate"]),
         motion=motion,
-        record_warnings=record_doubts(motion),
+        record_warnings=record_warnings(motion),
         response=response,
         isolators={name: mount.written for name, mount in system.mounts.items()},
         gravity=gravity,
         statics=judged.statics,
-        modes={history: found_or_absent(partial(modes, system, history=history)) for history in histories},
+        modes={history: result_or_absent(partial(modes, system, history=history)) for history in histories},
         spectra=run_spectra(motion, response, names, float(arguments["sample_rate"])),
         densities=run_densities(motion, response, names),
         verdicts=judged.verdicts,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import tomli_w
 
-from wirerope_mj.assessment.verdicts import summary, verdict_lines
+from wirerope_mj.assessment.criteria import summary, verdict_lines
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import System, load_system
@@ -23,9 +23,9 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.copies import copy_records
+from wirerope_mj.motions.records.record import record_warnings, records_in
 from wirerope_mj.runs.checksums import write_checksums
 from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target
-from wirerope_mj.runs.record_doubts import record_doubts
 from wirerope_mj.runs.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -151,7 +151,7 @@ def summary_content(
         "format": FORMAT,
         "name": name,
         "motion": motion.description,
-        "record_warnings": list(record_doubts(motion)),
+        "record_warnings": list(record_warnings(motion)),
         **summary(response, judged.verdicts),
         "numerics": {
             "timestep_s": numerics.timestep,
@@ -170,17 +170,17 @@ def summary_content(
 def _write_pictures(scenario: Scenario, response: Response, judged: "JudgedRun", folder: Path) -> None:
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
     from wirerope_mj.views.plots.histories import save_histories, save_mount_loops
-    from wirerope_mj.views.plots.record_baseline import records_of, save_record_baseline
+    from wirerope_mj.views.plots.record_baseline import save_record_baseline
     from wirerope_mj.views.recording import record_rerun
     from wirerope_mj.views.report.display import title_of
 
     title, text = title_of(scenario.name), _scenario_markdown(scenario)
-    verdicts = [judged.headline, *verdict_lines(response)]
+    verdicts = [judged.headline, *verdict_lines(response, judged.verdicts)]
     record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=verdicts)
     save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
     if response.scene.isolating:
         save_mount_loops(response, folder / "loops.png", title=title)
-    for number, record in enumerate(records_of(scenario.motion), start=1):
+    for number, record in enumerate(records_in(scenario.motion), start=1):
         name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
         save_record_baseline(record, folder / name, title=title)
 

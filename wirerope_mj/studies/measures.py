@@ -10,8 +10,8 @@ from wirerope_mj.engine.simulation.run import point_name
 from wirerope_mj.engine.statics.loads import forces_at_rest
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.state import State
-from wirerope_mj.mounts.isolator.static_rating import static_load_unjudged
-from wirerope_mj.mounts.isolator.travel import RATINGS, travel_reached, travel_shares
+from wirerope_mj.mounts.isolator.static_rating import static_utilisation
+from wirerope_mj.mounts.isolator.travel import RATINGS, travel_reached, travel_utilisation
 from wirerope_mj.studies.inputs.variants import acts
 
 NAN = math.nan
@@ -63,7 +63,7 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
         if mount.isolator.is_stop:
             continue
         reached = {rating: values[place] for rating, values in every.items()}
-        shares.append(_largest(travel_shares(reached, mount.isolator.limits.travel.stated).values()))
+        shares.append(_largest(travel_utilisation(reached, mount.isolator.limits.travel.stated).values()))
         found |= {f"deflection/{name}/{rating}": value for rating, value in reached.items()}
         found[f"travel/{name}"] = shares[-1]
     loads = _static_loads(system, rest)
@@ -95,9 +95,9 @@ def _static_loads(system: System, rest: State | None) -> dict[str, float]:
     if rest is None:
         return found
     for (name, mount), force in zip(system.mounts.items(), forces_at_rest(system, rest), strict=True):
-        rated = mount.isolator.limits.static_load
-        if rated is not None and not static_load_unjudged(force, rated):
-            found[name] = max(-float(force[2]), 0.0) / rated
+        used = static_utilisation(force, mount.isolator.limits.static_load)
+        if used is not None:
+            found[name] = used
     return found
 
 

@@ -6,7 +6,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from wirerope_mj.engine.response import Response, load_response
-from wirerope_mj.engine.response.storage import FILE
+from wirerope_mj.engine.response.response import FILE
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError

@@ -73,7 +73,7 @@ def resonance(found: wr.Branch) -> tuple[float, float]:
 def swept(system: wr.System, start: float, stop: float, level: float, *, timestep: float) -> wr.FrequencySweep:
     """Return the envelope of a sweep at two octaves per minute that begins at rest, as the thesis' do."""
     sweep = wr.Sweep(start=start, stop=stop, rate=RATE, acceleration=level, direction="z")
-    return wr.frequency_sweep(system, sweep, payload="mass", direction="z", settled=None, timestep=timestep)
+    return wr.frequency_sweep(system, sweep, payload="mass", settled=None, timestep=timestep)
 
 
 def peak(frequency: Array, amplitude: Array, middle: int | None = None) -> tuple[float, float]:

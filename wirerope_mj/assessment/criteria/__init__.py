@@ -1,22 +1,32 @@
-"""What a response is judged by: each criterion gives a value, its limit, the margin and a verdict."""
+"""Criteria by which a response is judged: each gives a value, its limit, the margin and a verdict; and all of them together."""
 
 from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts as acceleration_verdicts
-from wirerope_mj.assessment.criteria.bottoming import bottoming_verdicts as bottoming_verdicts
 from wirerope_mj.assessment.criteria.contact import STOP as STOP
-from wirerope_mj.assessment.criteria.contact import closing_words as closing_words
+from wirerope_mj.assessment.criteria.contact import closing_text as closing_text
 from wirerope_mj.assessment.criteria.contact import contact_verdicts as contact_verdicts
+from wirerope_mj.assessment.criteria.headline import headline as headline
 from wirerope_mj.assessment.criteria.judge import judge as judge
 from wirerope_mj.assessment.criteria.mount_load import peak_force_verdicts as peak_force_verdicts
 from wirerope_mj.assessment.criteria.mount_load import starting_load_verdicts as starting_load_verdicts
+from wirerope_mj.assessment.criteria.mount_load import static_load_verdicts as static_load_verdicts
+from wirerope_mj.assessment.criteria.peaks import BodyPeak as BodyPeak
+from wirerope_mj.assessment.criteria.peaks import MountPeak as MountPeak
+from wirerope_mj.assessment.criteria.peaks import body_peaks as body_peaks
+from wirerope_mj.assessment.criteria.peaks import mount_peaks as mount_peaks
 from wirerope_mj.assessment.criteria.random import judge_random as judge_random
 from wirerope_mj.assessment.criteria.random import random_verdicts as random_verdicts
 from wirerope_mj.assessment.criteria.rattle import rattle_verdicts as rattle_verdicts
+from wirerope_mj.assessment.criteria.sentences import contact_lines as contact_lines
+from wirerope_mj.assessment.criteria.sentences import verdict_lines as verdict_lines
 from wirerope_mj.assessment.criteria.ship import iso_6954_1984 as iso_6954_1984
 from wirerope_mj.assessment.criteria.ship import iso_6954_2000 as iso_6954_2000
 from wirerope_mj.assessment.criteria.ship import iso_6954_2000_of_history as iso_6954_2000_of_history
 from wirerope_mj.assessment.criteria.ship import velocity_lines as velocity_lines
 from wirerope_mj.assessment.criteria.srs import spectrum_verdict as spectrum_verdict
+from wirerope_mj.assessment.criteria.summary import summary as summary
 from wirerope_mj.assessment.criteria.transmissibility import transmissibility_verdict as transmissibility_verdict
+from wirerope_mj.assessment.criteria.travel import COMBINED as COMBINED
+from wirerope_mj.assessment.criteria.travel import bottoming_verdicts as bottoming_verdicts
 from wirerope_mj.assessment.criteria.travel import travel_verdicts as travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import CLEAR as CLEAR
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED as EXCEEDED

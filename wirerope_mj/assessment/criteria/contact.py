@@ -24,12 +24,12 @@ def _verdict(name: str, contact: ContactPeak) -> Verdict:
         limit=None,
         unit="N",
         time=contact.force_time,
-        note=contact_words(contact),
+        note=contact_text(contact),
         contact=STRUCK if contact.struck else TOUCHING if contact.touches else CLEAR,
     )
 
 
-def contact_words(contact: ContactPeak) -> str:
+def contact_text(contact: ContactPeak) -> str:
     """Return when a pair or a stop touched first, how often, how deep and for how long; "" for one that never did."""
     if not contact.touches:
         return ""
@@ -40,7 +40,7 @@ def contact_words(contact: ContactPeak) -> str:
     return f"{begin}{often}, {1e3 * contact.duration:.3g} ms in all, {1e3 * contact.penetration:.3g} mm deep"
 
 
-def closing_words(name: str, contact: ContactPeak) -> str:
+def closing_text(name: str, contact: ContactPeak) -> str:
     """Return when a stop of a mount closed first and its largest force, "stop s3 closed at 61.2 ms, 4.1 kN"."""
     time = contact.first_touch or 0.0
     when = f"{1e3 * time:.1f} ms" if time < 1.0 else f"{time:.4f} s"

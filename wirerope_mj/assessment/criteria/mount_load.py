@@ -1,20 +1,23 @@
-"""Forces of mounts: the static load against its rating, and the largest force of a run."""
+"""Forces of mounts: static loads against their rating, and the largest force of a run."""
 
 import math
 from collections.abc import Mapping
 
 import numpy as np
+import numpy.typing as npt
 
 from wirerope_mj.assessment.criteria.limits import payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_start
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.scene import SceneMount
+from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.isolator.static_rating import static_load_unjudged
 
 AT_REST = 1e-3 * STANDARD_GRAVITY
 """Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g."""
+
+_CRITERION = "static load in compression"
 
 
 def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
@@ -25,11 +28,51 @@ def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
     """
     moving = payload_bodies(response)
     start = [float(np.abs(read_start(response, f"bodies/{name}/acceleration/x", 3)).max()) for name in moving]
-    rest = max(start, default=0.0) < AT_REST
+    unsettled = "" if max(start, default=0.0) < AT_REST else "the run does not begin at rest in equilibrium"
     return tuple(
-        _static(mount, read_start(response, f"mounts/{mount.name}/force/roll", 3), rest)
+        _static(
+            _CRITERION,
+            mount.name,
+            read_start(response, f"mounts/{mount.name}/force/roll", 3),
+            mount.static_load,
+            "" if math.isnan(mount.static_load) else unsettled,
+        )
         for mount in response.scene.isolating
     )
+
+
+def static_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
+    """Return a verdict on the compression of every mount, history by history, as `starting_load_verdicts` does for a run.
+
+    Not judged where no load is rated, where the mount hangs, and where it carries more across its axis than along it.
+    """
+    return tuple(
+        _static(f"{_CRITERION}, {history}", name, mount.force, mount.static_load)
+        for history, sag in table.sags.items()
+        for name, mount in sag.listed.items()
+    )
+
+
+def missing_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
+    """Return for each history without an equilibrium that its static loads are not judged, and why."""
+    return tuple(
+        Verdict(
+            criterion=f"{_CRITERION}, {history}",
+            subject="every mount",
+            value=math.nan,
+            limit=None,
+            unit="N",
+            note=reason.rstrip("."),
+        )
+        for history, reason in table.missing.items()
+    )
+
+
+def _static(criterion: str, name: str, force: npt.ArrayLike, rated: float | None, unjudged: str = "") -> Verdict:
+    note = unjudged or static_load_unjudged(force, rated)
+    compression = max(-float(np.asarray(force, dtype=np.float64)[2]), 0.0)
+    limit = None if note else rated
+    return Verdict(criterion=criterion, subject=name, value=compression, limit=limit, unit="N", note=note)
 
 
 def peak_force_verdicts(response: Response, limits: Mapping[str, float] | None = None) -> tuple[Verdict, ...]:
@@ -46,28 +89,13 @@ def peak_force_verdicts(response: Response, limits: Mapping[str, float] | None =
     for name in allowed:
         if name not in response.mounts:
             raise ValueError(f"`limits` name {name!r}, which is no mount. There are: {', '.join(response.mounts)}.")
-    found = []
+    verdicts = []
     for name in response.mounts:
         peak, limit = response.peaks.mounts[name].force, allowed.get(name)
         note = "" if limit is not None else "no largest force is rated"
-        found.append(
+        verdicts.append(
             Verdict(
                 criterion="peak force", subject=name, value=peak.value, limit=limit, unit="N", time=peak.time, note=note
             )
         )
-    return tuple(found)
-
-
-def _static(mount: SceneMount, force: np.ndarray, rest: bool) -> Verdict:
-    """Return the verdict on the static load of one mount."""
-    note = static_load_unjudged(force, mount.static_load)
-    if not rest and not math.isnan(mount.static_load):
-        note = "the run does not begin at rest in equilibrium"
-    return Verdict(
-        criterion="static load in compression",
-        subject=mount.name,
-        value=max(-float(force[2]), 0.0),
-        limit=None if note else mount.static_load,
-        unit="N",
-        note=note,
-    )
+    return tuple(verdicts)

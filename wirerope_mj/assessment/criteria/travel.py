@@ -1,11 +1,14 @@
-"""Deflections of mounts against their rated travel: along each axis, and along all of them at once."""
+"""Deflections of mounts against their rated travel, along each axis and all of them at once, and against their height."""
+
+import math
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Verdict
-from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import RATINGS, travel_in, travel_reached
@@ -24,32 +27,59 @@ def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
     No standard and no vendor gives a rule for several axes at once: the ellipsoid through the rated travels, beyond which
     "travel combined" is exceeded, is this project's own.
     """
-    found: list[Verdict] = []
+    verdicts: list[Verdict] = []
     for mount in response.scene.isolating:
         deflection = read_columns(response, f"mounts/{mount.name}/deflection/roll", 3)
-        found += [_along(response, mount, rating, deflection) for rating in RATINGS]
-        found.append(_combined(response.time, mount, deflection))
-    return tuple(found)
+        for rating, verdict in peak_travel_verdicts(mount, response.peaks.mounts[mount.name].deflection).items():
+            if verdict.verdict == EXCEEDED:
+                beyond = _length(response.time, travel_in(rating, deflection) > mount.travel[rating])
+                verdict = replace(verdict, note=f"beyond it for {beyond}")
+            verdicts.append(verdict)
+        verdicts.append(_combined(response.time, mount, deflection))
+    return tuple(verdicts)
 
 
-def _along(response: Response, mount: SceneMount, rating: str, deflection: Array) -> Verdict:
-    """Return the verdict on one rated travel, from the peaks of every step."""
-    axis, way = RATINGS[rating]
-    peak = response.peaks.mounts[mount.name].deflection
-    down = way < 0.0 or (way == 0.0 and -peak.minimum[axis] > peak.maximum[axis])
-    verdict = Verdict(
-        criterion=f"travel in {rating}",
-        subject=mount.name,
-        value=float(travel_reached(peak.minimum, peak.maximum)[rating]),
-        limit=mount.travel.get(rating),
-        unit="m",
-        time=float(peak.minimum_time[axis] if down else peak.maximum_time[axis]),
-        note="" if rating in mount.travel else f"no travel in {rating} is rated",
-    )
-    if verdict.verdict != EXCEEDED:
-        return verdict
-    beyond = _length(response.time, travel_in(rating, deflection) > mount.travel[rating])
-    return Verdict(**{**vars(verdict), "note": f"beyond it for {beyond}"})
+def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
+    """Return the verdicts on the travel of a mount by rating, from the peaks of every step alone."""
+    reached, verdicts = travel_reached(peak.minimum, peak.maximum), {}
+    for rating, (axis, way) in RATINGS.items():
+        down = way < 0.0 or (way == 0.0 and -peak.minimum[axis] > peak.maximum[axis])
+        verdicts[rating] = Verdict(
+            criterion=f"travel in {rating}",
+            subject=mount.name,
+            value=float(reached[rating]),
+            limit=mount.travel.get(rating),
+            unit="m",
+            time=float(peak.minimum_time[axis] if down else peak.maximum_time[axis]),
+            note="" if rating in mount.travel else f"no travel in {rating} is rated",
+        )
+    return verdicts
+
+
+def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
+    """Return a verdict on the largest compression of every mount against the height of the unloaded device.
+
+    The rated compression, less than that, is where the vendor says that a mount bottoms: see `travel_verdicts`. At its height
+    its bars would meet. No law knows that end, so that what is beyond it cannot happen: a stop is missing in the model.
+    """
+    verdicts = []
+    for mount in response.scene.isolating:
+        deflection = response.peaks.mounts[mount.name].deflection
+        unknown = math.isnan(mount.height)
+        verdicts.append(
+            Verdict(
+                criterion="bottoming",
+                subject=mount.name,
+                value=max(-float(deflection.minimum[2]), 0.0),
+                limit=None if unknown else mount.height,
+                unit="m",
+                time=float(deflection.minimum_time[2]),
+                note="the isolator states no height"
+                if unknown
+                else "compression against the height of the unloaded mount",
+            )
+        )
+    return tuple(verdicts)
 
 
 def _combined(time: Array, mount: SceneMount, deflection: Array) -> Verdict:

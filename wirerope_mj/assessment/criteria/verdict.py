@@ -11,7 +11,7 @@ STRUCK, TOUCHING, CLEAR = "struck", "touching from the start", "not touched"
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """What one criterion says of one thing; without a limit, or without a value, nothing is judged.
+    """A value against its limit by one criterion; without a limit, or without a value, nothing is judged.
 
     Attributes:
         criterion: what is judged, for instance "acceleration along z" or "travel in compression".
@@ -20,7 +20,7 @@ class Verdict:
         limit: what is allowed, in `unit`; None if nobody states it.
         unit: SI unit of both, "" for a ratio.
         time: instant at which the value was reached [s]; None if it has none.
-        note: why nothing is judged, or what the figure rests on.
+        note: why nothing is judged, or what the value rests on.
         contact: STRUCK, TOUCHING or CLEAR for a contact pair; "" for everything else.
     """
 
@@ -38,7 +38,7 @@ class Verdict:
             raise ValueError(f"`limit` must be a finite number > 0 or None, got {self.limit!r}.")
 
     @property
-    def share(self) -> float | None:
+    def utilisation(self) -> float | None:
         """Value over limit; None = not judged."""
         return None if self.limit is None or math.isnan(self.value) else self.value / self.limit
 
@@ -48,20 +48,19 @@ class Verdict:
 
         None = not judged; infinite where the value is zero.
         """
-        share = self.share
-        if share is None:
+        used = self.utilisation
+        if used is None:
             return None
-        return 1.0 / share - 1.0 if share > 0.0 else math.inf
+        return 1.0 / used - 1.0 if used > 0.0 else math.inf
 
     @property
     def verdict(self) -> str:
         """Return "within", "exceeded" or "not judged", or what became of a contact pair; a value at its limit is within."""
         if self.contact:
             return self.contact
-        share = self.share
-        if share is None:
+        if self.utilisation is None:
             return NOT_JUDGED
-        return WITHIN if share <= 1.0 else EXCEEDED
+        return WITHIN if self.utilisation <= 1.0 else EXCEEDED
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain values; what is not known or not finite is None."""

@@ -99,7 +99,7 @@ def _sweeps(
                 system,
                 sweep,
                 payload=asked.payload,
-                direction=asked.response_direction,
+                response_direction=asked.response_direction,
                 initial=initial,
                 progress=progress,
             )  # fmt: skip

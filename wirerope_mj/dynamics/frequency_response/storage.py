@@ -9,19 +9,20 @@ import numpy.typing as npt
 from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Level
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
+from wirerope_mj.foundation.parquet_files import write_columns
+from wirerope_mj.mounts.isolator import AXES
 
 Array = npt.NDArray[Any]
 
 BRANCHES, SWEEPS = "branches.parquet", "sweeps.parquet"
-_XYZ, _MOUNT = ("x", "y", "z"), ("roll", "shear", "axial")
 
 
 def save_tables(result: FrequencyResponse, folder: Path) -> None:
     """Write the tables of what was computed into `folder`; SI units, float64."""
     if result.branches:
         width = max(branch.floquet_multipliers.shape[1] for branch in result.branches)
-        parts = [_branch_columns(n, level, width) for n, level in enumerate(result.levels) if level.branch is not None]
-        _write(folder / BRANCHES, parts)
+        levels = [(n, level) for n, level in enumerate(result.levels) if level.branch is not None]
+        _write(folder / BRANCHES, [_branch_columns(n, level, width) for n, level in levels])
     sweeps = [
         _sweep_columns(n, level, way, sweep)
         for n, level in enumerate(result.levels)
@@ -31,12 +32,8 @@ def save_tables(result: FrequencyResponse, folder: Path) -> None:
         _write(folder / SWEEPS, sweeps)
 
 
-def _write(path: Path, parts: list[dict[str, Array]]) -> None:
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    columns = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-    pq.write_table(pa.table(columns), path, compression="zstd")
+def _write(path: Path, tables: list[dict[str, Array]]) -> None:
+    write_columns(path, {name: np.concatenate([table[name] for table in tables]) for name in tables[0]})
 
 
 def _branch_columns(number: int, level: Level, width: int) -> dict[str, Array]:
@@ -68,10 +65,10 @@ def _branch_columns(number: int, level: Level, width: int) -> dict[str, Array]:
 
 
 def _bifurcations(branch: Branch) -> list[str]:
-    words = [""] * branch.frequency.size
+    texts = [""] * branch.frequency.size
     for event in branch.bifurcations:
-        words[event.index] = event.words
-    return words
+        texts[event.index] = event.words
+    return texts
 
 
 def _sweep_columns(number: int, level: Level, way: str, sweep: FrequencySweep) -> dict[str, Array]:
@@ -86,9 +83,8 @@ def _sweep_columns(number: int, level: Level, way: str, sweep: FrequencySweep) -
         "transmissibility": sweep.transmissibility,
     }
     for body, envelope in sweep.envelopes.items():
-        columns |= {f"bodies/{body}/acceleration/{c}": envelope.acceleration[:, i] for i, c in enumerate(_XYZ)}
+        columns |= {f"bodies/{body}/acceleration/{c}": envelope.acceleration[:, i] for i, c in enumerate("xyz")}
     for name, mount in sweep.mounts.items():
-        for part in ("lowest", "highest"):
-            values = getattr(mount, part)
-            columns |= {f"mounts/{name}/{part}/{c}": values[:, i] for i, c in enumerate(_MOUNT)}
+        for extreme, values in (("lowest", mount.minimum), ("highest", mount.maximum)):
+            columns |= {f"mounts/{name}/{extreme}/{c}": values[:, i] for i, c in enumerate(AXES)}
     return columns

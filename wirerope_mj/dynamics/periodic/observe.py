@@ -9,7 +9,7 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.observer import parabola_extreme
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.isolator.travel import travel_reached, travel_shares
+from wirerope_mj.mounts.isolator.travel import travel_reached, travel_utilisation
 
 
 def observed_bodies(system: System) -> list[str]:
@@ -80,9 +80,9 @@ def travel_exceeded(system: System, track: Track) -> str:
     found = []
     for (name, mount), low, high in zip(system.mounts.items(), lowest, highest, strict=True):
         rated, reached = mount.isolator.limits.travel.stated, travel_reached(low, high)
-        for rating, share in travel_shares(reached, rated).items():
+        for rating, used in travel_utilisation(reached, rated).items():
             far = f"mount {name!r} reaches {reached[rating]:.4g} m in {rating}, rated for {rated[rating]:.4g} m"
-            found += [(share, far)] if share > 1.0 else []
+            found += [(used, far)] if used > 1.0 else []
     found.sort(reverse=True)
     more = f", and {len(found) - 1} more" if len(found) > 1 else ""
     return found[0][1] + more if found else ""

@@ -1,4 +1,4 @@
-"""What the ways of sweeping ask of their arguments, and what they prepare alike."""
+"""Arguments of sweeps and stepped sines: payload, response axis, start and step."""
 
 import math
 from collections.abc import Sequence
@@ -15,8 +15,8 @@ from wirerope_mj.engine.simulation.stepper import STATE
 from wirerope_mj.engine.simulation.timestep import GIVEN, ChosenStep, choose_timestep
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.directions import checked_direction, unit_vector
+from wirerope_mj.foundation.arguments import one_of, positive
+from wirerope_mj.foundation.directions import Direction, checked_direction, unit_vector
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine, Sweep
@@ -40,12 +40,12 @@ def require_payload(system: System, payload: str) -> None:
         )
 
 
-def axis_of(name: str, direction: str | Sequence[float]) -> str:
-    """Return "x", "y" or "z" for a direction along one of them; `name` is the argument's."""
+def response_axis(response_direction: str | Sequence[float] | None, base: Direction) -> str:
+    """Return "x", "y" or "z" for a response direction along one of them; without one, for the base's."""
+    name = "direction" if response_direction is None else "response_direction"
+    direction = base if response_direction is None else response_direction
     if isinstance(direction, str):
-        if direction not in AXES:
-            raise ValueError(f'`{name}` must be "x", "y" or "z", got {direction!r}.')
-        return direction
+        return one_of(name, direction, AXES)
     unit = np.abs(unit_vector(checked_direction(direction)))
     along = int(np.argmax(unit))
     if unit[along] < 1.0 - 1e-12:

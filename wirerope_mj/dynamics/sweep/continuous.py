@@ -6,9 +6,9 @@ from pathlib import Path
 
 from wirerope_mj.dynamics.sweep.arguments import (
     acceleration_of,
-    axis_of,
     chosen_step,
     require_payload,
+    response_axis,
     starting_state,
 )
 from wirerope_mj.dynamics.sweep.collector import Collector
@@ -33,7 +33,7 @@ def frequency_sweep(
     sweep: Sweep,
     *,
     payload: str,
-    direction: str | Sequence[float],
+    response_direction: str | Sequence[float] | None = None,
     history: History = "relaxed",
     initial: State | None = None,
     settled: float | None = 1e-3,
@@ -42,6 +42,7 @@ def frequency_sweep(
     accuracy: float = 1e-4,
     out: str | Path | None = None,
     progress: bool = False,
+    direction: None = None,
 ) -> FrequencySweep:
     """Return the envelope of accelerations and deflections that a sweep leaves, cycle by cycle.
 
@@ -55,7 +56,8 @@ def frequency_sweep(
         system: the system.
         sweep: base motion, up or down.
         payload: the body that `amplitude` belongs to; envelopes of all others are kept too.
-        direction: axis along which the payload's acceleration is taken, "x", "y", "z" or a vector along one of them.
+        response_direction: axis along which the payload's acceleration is taken, "x", "y", "z" or a vector along one of them;
+            None: that of the base.
         history: equilibrium from which the system starts. Vibration lets the hysteretic share of the static load leak away:
             a "relaxed" system has that behind it, a "virgin" one sinks while the sweep goes on.
         initial: a state to start from instead, for instance the `final_state` of a sweep up before one down.
@@ -64,8 +66,9 @@ def frequency_sweep(
         largest_cycles: number of cycles after which that wait ends.
         timestep: largest step [s]; None chooses it before the run for `accuracy`.
         accuracy: error of samples and peaks allowed in pilots along the sweep, relative to the peaks.
-        out: folder to which the table of the envelope is streamed, and a summary beside it, whole or not at all.
+        out: folder to which the table of the envelope is streamed, and a summary beside it, atomically.
         progress: whether a progress bar is shown on standard error.
+        direction: refused: the sweep states the base's.
 
     Raises:
         ValueError: an argument is out of range, or payload or direction do not exist.
@@ -76,9 +79,13 @@ def frequency_sweep(
     """
     if not isinstance(sweep, Sweep):
         raise ValueError(f"`sweep` must be a wirerope_mj.Sweep, got {type(sweep).__name__}.")
+    if direction is not None:
+        raise ValueError(
+            "`direction` is the base's axis, which the sweep motion states; give `response_direction` for the payload's."
+        )
     check_direction(system, sweep)
     require_payload(system, payload)
-    along = axis_of("direction", direction)
+    along = response_axis(response_direction, sweep.direction)
     instants = sweep.course.whole_cycles()
     if instants.size < 2:
         raise ValueError(
@@ -118,8 +125,8 @@ def _lead_in(
     collector.count(lead.steps, lead.largest_step)
     if lead.settled:
         return lead.state, ()
-    words = f"amplitudes at the start frequency of {sweep.start:.5g} Hz were {lead.remaining:.2g} from their limits"
-    return lead.state, (f"{words} after {lead.cycles} cycles, {settled:.2g} was asked for.",)
+    text = f"amplitudes at the start frequency of {sweep.start:.5g} Hz were {lead.remaining:.2g} from their limits"
+    return lead.state, (f"{text} after {lead.cycles} cycles, {settled:.2g} was asked for.",)
 
 
 def _follow(

@@ -1,6 +1,7 @@
-"""What a sweep answers: the envelopes of accelerations and deflections over frequency."""
+"""Envelopes of accelerations and deflections over frequency: the result of a sweep, and its file."""
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -9,16 +10,27 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.directions import direction_text
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.parquet_files import read_content, read_table, write_rows
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Summarised, quantity, span
 from wirerope_mj.motions import Sweep, motion_from_dict
+from wirerope_mj.mounts.isolator import AXES as MOUNT_AXES
 
 AXES = ("x", "y", "z")
+FILE, SUMMARY = "frequency_sweep.parquet", "frequency_sweep.json"
+FORMAT = 1
+
+_KIND = "a table that `FrequencySweep.save` wrote"
+_REMEDY = "Copy it again, or compute the sweep again."
+_FIRST = ("frequency", "base_amplitude", "cycles", "remaining", "settled")
+_PLAIN = ("payload", "response_direction", "excitation", "timestep", "estimated_error", "model_steps")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Envelope:
+class BodyEnvelope:
     """Largest acceleration of a body's centre of mass over frequency.
 
     Attributes:
@@ -67,7 +79,7 @@ class FrequencySweep(Summarised):
     base_amplitude: Array
     payload: str
     response_direction: str
-    envelopes: Mapping[str, Envelope]
+    envelopes: Mapping[str, BodyEnvelope]
     mounts: Mapping[str, MountEnvelope]
     cycles: Array
     remaining: Array
@@ -120,11 +132,62 @@ class FrequencySweep(Summarised):
         motion = motion_from_dict(self.excitation) if self.excitation["kind"] == Sweep.kind else None
         return motion if isinstance(motion, Sweep) else None
 
-    def save(self, folder: str | Path) -> None:
-        """Write table and summary into `folder` (made if missing), whole or not at all; those that are there are replaced."""
-        from wirerope_mj.dynamics.sweep.storage import save_sweep
+    def summary(self) -> dict[str, Any]:
+        """Return excitation, cost, warnings and the peaks of all bodies and mounts as plain values: [Hz], [m/s^2], [m]."""
+        bodies = {}
+        for name, envelope in self.envelopes.items():
+            peaks = zip(AXES, envelope.acceleration.T, envelope.transmissibility.T, strict=True)
+            bodies[name] = {
+                axis: {
+                    "largest_acceleration_m_s2": float(acceleration.max()),
+                    "at_Hz": float(self.frequency[acceleration.argmax()]),
+                    "largest_transmissibility": float(transmissibility.max()),
+                    "transmissibility_at_Hz": float(self.frequency[transmissibility.argmax()]),
+                }
+                for axis, acceleration, transmissibility in peaks
+            }
+        mounts = {
+            name: {
+                "lowest_deflection_m": mount.minimum.min(axis=0).tolist(),
+                "highest_m": mount.maximum.max(axis=0).tolist(),
+            }
+            for name, mount in self.mounts.items()
+        }
+        return {
+            "excitation": self.excitation,
+            "payload": self.payload,
+            "response_direction": self.response_direction,
+            "frequencies": int(self.frequency.size),
+            "unsettled_frequencies_Hz": [] if self.sweep else self.frequency[~self.settled].tolist(),
+            "cycles": int(self.cycles.sum()),
+            "model_steps": self.model_steps,
+            "largest_step_s": self.timestep,
+            "warnings": list(self.warnings),
+            "bodies": bodies,
+            "mounts_roll_shear_axial": mounts,
+        }
 
-        save_sweep(self, Path(folder))
+    def save(self, folder: str | Path) -> None:
+        """Write table and summary into `folder` (made if missing), atomically; those that are there are replaced."""
+        bodies = [envelope.acceleration for envelope in self.envelopes.values()]
+        mounts = [extreme for mount in self.mounts.values() for extreme in (mount.minimum, mount.maximum)]
+        rows = np.column_stack([*(getattr(self, name) for name in _FIRST), *bodies, *mounts])
+        content = {
+            "format": FORMAT,
+            "bodies": list(self.envelopes),
+            "mounts": list(self.mounts),
+            **{name: getattr(self, name) for name in _PLAIN},
+            "initial_state": self.initial_state.to_plain(),
+            "final_state": self.final_state.to_plain(),
+            "warnings": list(self.warnings),
+        }
+        write_rows(Path(folder) / FILE, column_names(list(self.envelopes), list(self.mounts)), rows, content)
+        self.save_summary(Path(folder))
+
+    def save_summary(self, folder: Path) -> None:
+        """Write the summary into `folder`, atomically."""
+        with atomic_file(folder / SUMMARY) as temporary:
+            temporary.write_text(json.dumps(self.summary(), indent=2) + "\n", encoding="utf-8")
 
     @classmethod
     def load(cls, folder: str | Path) -> "FrequencySweep":
@@ -133,6 +196,39 @@ class FrequencySweep(Summarised):
         Raises:
             RecordError: the folder holds no sweep, or its file is damaged.
         """
-        from wirerope_mj.dynamics.sweep.storage import load_sweep
+        path = Path(folder) / FILE
+        if not path.is_file():
+            raise RecordError(f"{folder}: there is no {FILE} here; `FrequencySweep.save` writes one.")
+        _, content = read_content(path, kind=_KIND, remedy=_REMEDY, version=FORMAT)
+        columns = read_table(path, kind=_KIND, remedy=_REMEDY).columns
+        try:
+            return cls.of_rows(np.column_stack([column.to_numpy() for column in columns]), content)
+        except (KeyError, ValueError, TypeError):
+            raise RecordError(f"{path}: this is not {_KIND}, or it is damaged. {_REMEDY}") from None
 
-        return load_sweep(Path(folder))
+    @classmethod
+    def of_rows(cls, rows: Array, content: Mapping[str, Any]) -> "FrequencySweep":
+        """Return the sweep of a table's rows, (n, n_columns), and metadata."""
+        vectors = iter(rows[:, len(_FIRST) :].reshape(rows.shape[0], -1, 3).transpose(1, 0, 2))
+        first = dict(zip(_FIRST, rows.T, strict=False))
+        base = first["base_amplitude"][:, np.newaxis]
+        accelerations = {name: next(vectors) for name in content["bodies"]}
+        return cls(
+            **first | {"settled": first["settled"] != 0.0},
+            envelopes={
+                name: BodyEnvelope(acceleration=a, transmissibility=a / base) for name, a in accelerations.items()
+            },
+            mounts={name: MountEnvelope(minimum=next(vectors), maximum=next(vectors)) for name in content["mounts"]},
+            **{name: content[name] for name in _PLAIN},
+            initial_state=State.from_plain(content["initial_state"]),
+            final_state=State.from_plain(content["final_state"]),
+            warnings=tuple(content["warnings"]),
+        )
+
+
+def column_names(bodies: Sequence[str], mounts: Sequence[str]) -> list[str]:
+    """Return the names of the table's columns."""
+    names = [*_FIRST, *(f"bodies/{body}/acceleration/{c}" for body in bodies for c in AXES)]
+    return names + [
+        f"mounts/{m}/{extreme}/{c}" for m in mounts for extreme in ("lowest", "highest") for c in MOUNT_AXES
+    ]

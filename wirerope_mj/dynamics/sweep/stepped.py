@@ -8,9 +8,9 @@ import numpy.typing as npt
 
 from wirerope_mj.dynamics.sweep.arguments import (
     acceleration_of,
-    axis_of,
     chosen_step,
     require_payload,
+    response_axis,
     starting_state,
 )
 from wirerope_mj.dynamics.sweep.collector import Collector
@@ -74,7 +74,7 @@ def stepped_sine(
         initial: a state to start from instead.
         timestep: largest step [s]; None chooses it before the run for `accuracy`.
         accuracy: error of samples and peaks allowed in pilots over the frequencies, relative to the peaks.
-        out: folder to which the table is written, and a summary beside it, whole or not at all.
+        out: folder to which the table is written, and a summary beside it, atomically.
         progress: whether a progress bar is shown on standard error.
 
     Raises:
@@ -92,9 +92,7 @@ def stepped_sine(
     ]
     check_direction(system, sines[0])
     require_payload(system, payload)
-    along = axis_of(
-        *(("direction", direction) if response_direction is None else ("response_direction", response_direction))
-    )
+    along = response_axis(response_direction, base)
     tolerance, most = positive("settled", settled), integer("largest_cycles", largest_cycles, least=1)
     start = starting_state(system, history=history, initial=initial)
     pilot = _pilot(sines, quantity, level, base)
@@ -115,7 +113,7 @@ def stepped_sine(
             update((number + 1) / len(sines), sine.frequency)
         return collector.finish(
             payload=payload, response_direction=along, excitation=excitation, error=step.error, initial_state=start,
-            final_state=state, warnings=_words(unsettled, most, tolerance),
+            final_state=state, warnings=_warnings(unsettled, most, tolerance),
         )  # fmt: skip
 
 
@@ -145,7 +143,7 @@ def _keep(collector: Collector, frequency: float, at: Steady) -> None:
     )  # fmt: skip
 
 
-def _words(unsettled: list[str], most: int, tolerance: float) -> tuple[str, ...]:
+def _warnings(unsettled: list[str], most: int, tolerance: float) -> tuple[str, ...]:
     if not unsettled:
         return ()
     return (

@@ -3,15 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from wirerope_mj.engine.response.response import (
+from wirerope_mj.engine.response.histories import (
     BaseResponse,
     BodyResponse,
     MountResponse,
     PointResponse,
-    Response,
     Samples,
 )
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import AXES
 
 _XYZ = ("x", "y", "z")
@@ -76,12 +74,3 @@ class ColumnPlan:
             mounts[name] = MountResponse(samples, column, z, states)
             column += 6 + len(states)
         return base, bodies, points, mounts
-
-
-def column_of(response: Response, name: str) -> Array:
-    """Return one sampled column such as "bodies/floor/acceleration/z", (n_t,).
-
-    Nothing else of the samples is read or kept, so that of a long response in a file only this column is in memory.
-    """
-    place = response.samples.names.index(name)
-    return response.samples.columns(place, place + 1)[:, 0]

@@ -1,173 +1,29 @@
-"""What a simulation answers: time histories of bodies, points and mounts, and their peaks."""
+"""The response of a system to a base motion: time histories of bodies, points and mounts, and their peaks."""
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
-import numpy as np
-
+from wirerope_mj.engine.response.columns import ColumnPlan
+from wirerope_mj.engine.response.histories import (
+    BaseResponse,
+    BodyResponse,
+    MountResponse,
+    Numerics,
+    PointResponse,
+    Samples,
+)
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.response.scene import Scene
+from wirerope_mj.engine.response.scene import Scene, scene_to_dict
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.parquet_files import write_rows
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Summarised, quantity
 
-BLOCK_ROWS = 1 << 16
-"""Rows of samples that are handed on at once where a long response must not stand in memory as a whole."""
-
-
-class Samples(Protocol):
-    """Sampled columns, in memory or in a file."""
-
-    @property
-    def names(self) -> list[str]:
-        """Names of the columns."""
-        ...
-
-    def columns(self, first: int, last: int) -> Array:
-        """Return columns `first` to `last` (exclusive), (n_t, last - first)."""
-        ...
-
-    def blocks(self, first: int, last: int) -> Iterator[Array]:
-        """Yield these columns some rows after the other, at most `BLOCK_ROWS` of them at once."""
-        ...
-
-
-@dataclass(frozen=True)
-class MemorySamples:
-    """Samples in memory: `values` (n_t, n_columns)."""
-
-    names: list[str]
-    values: Array
-
-    def columns(self, first: int, last: int) -> Array:
-        """Return columns `first` to `last` (exclusive)."""
-        return self.values[:, first:last]
-
-    def blocks(self, first: int, last: int) -> Iterator[Array]:
-        """Yield these columns some rows after the other."""
-        for row in range(0, self.values.shape[0], BLOCK_ROWS):
-            yield self.values[row : row + BLOCK_ROWS, first:last]
-
-
-@dataclass(frozen=True)
-class _Columns:
-    samples: Samples
-    first: int
-
-    def _part(self, offset: int, size: int) -> Array:
-        return self.samples.columns(self.first + offset, self.first + offset + size)
-
-
-class BodyResponse(_Columns):
-    """Motion of a body at its own centre of mass, world frame."""
-
-    @cached_property
-    def position(self) -> Array:
-        """Position [m], (n_t, 3)."""
-        return self._part(0, 3)
-
-    @cached_property
-    def orientation(self) -> Array:
-        """Orientation, quaternion w first, (n_t, 4)."""
-        return self._part(3, 4)
-
-    @cached_property
-    def velocity(self) -> Array:
-        """Velocity [m/s], (n_t, 3)."""
-        return self._part(7, 3)
-
-    @cached_property
-    def angular_velocity(self) -> Array:
-        """Angular velocity [rad/s], (n_t, 3)."""
-        return self._part(10, 3)
-
-    @cached_property
-    def acceleration(self) -> Array:
-        """Coordinate acceleration, 0 at rest under gravity [m/s^2], (n_t, 3)."""
-        return self._part(13, 3)
-
-    @cached_property
-    def angular_acceleration(self) -> Array:
-        """Angular acceleration [rad/s^2], (n_t, 3)."""
-        return self._part(16, 3)
-
-
-class PointResponse(BodyResponse):
-    """Motion of a site, world frame."""
-
-    @cached_property
-    def relative_displacement(self) -> Array:
-        """Displacement from the modelled geometry relative to the base [m], (n_t, 3)."""
-        return self._part(19, 3)
-
-
-@dataclass(frozen=True)
-class MountResponse(_Columns):
-    """Deflection, force and internal states of a mount in its axes roll, shear, axial."""
-
-    hysteretic: list[list[int]]  # places of the hysteretic forces of roll, shear, axial among the states
-    state_names: tuple[str, ...]
-
-    @cached_property
-    def deflection(self) -> Array:
-        """Payload site minus base site, axial positive in tension [m], (n_t, 3)."""
-        return self._part(0, 3)
-
-    @cached_property
-    def force(self) -> Array:
-        """Restoring force, positive in tension [N], (n_t, 3)."""
-        return self._part(3, 3)
-
-    @cached_property
-    def hysteretic_state(self) -> Array:
-        """Hysteretic state z [N], (n_t, 3): the sum of an axis' hysteretic forces, zero for an axis without one."""
-        states = self._part(6, len(self.state_names))
-        return np.stack([states[:, places].sum(axis=1) for places in self.hysteretic], axis=1)
-
-    @cached_property
-    def internal_states(self) -> dict[str, Array]:
-        """Every internal state by name ("axial.z"), (n_t,)."""
-        states = self._part(6, len(self.state_names))
-        return {name: states[:, i] for i, name in enumerate(self.state_names)}
-
-
-@dataclass(frozen=True, kw_only=True)
-class BaseResponse:
-    """Motion of the base, from the closed form that drove it; right-hand limits at jumps.
-
-    displacement [m], velocity [m/s], acceleration [m/s^2], world frame, (n_t, 3) each.
-    """
-
-    displacement: Array
-    velocity: Array
-    acceleration: Array
-
-
-@dataclass(frozen=True, kw_only=True)
-class Numerics:
-    """How a response was computed.
-
-    Attributes:
-        timestep: largest step [s].
-        accuracy: error asked for, relative to the peaks; NaN where the step was given.
-        error_estimate: error of samples and peaks estimated by step halving before the run; NaN where the step was given.
-        steps: number of steps.
-        callback: "native" or "python".
-        versions: of the packages that computed it.
-        limited_by: what keeps the step from being longer, in words; "" for older responses, which do not say it.
-    """
-
-    timestep: float
-    accuracy: float
-    error_estimate: float
-    steps: int
-    callback: str
-    versions: dict[str, str]
-    limited_by: str = ""
+FILE = "response.parquet"
+FORMAT = 1
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -183,7 +39,7 @@ class Response(Summarised):
         peaks: peaks over every step, not only over the samples.
         scene: what can be drawn.
         motion: the base motion as plain values, as `BaseMotion.to_dict` wrote it.
-        events: instants [s] and words for what the motion does.
+        events: instants [s] and texts that name what the motion does.
         numerics: how it was computed.
         initial_state, final_state: states from which a simulation may start again.
         path: the Parquet file that holds the samples, None if they are in memory.
@@ -235,8 +91,48 @@ class Response(Summarised):
         """Error of samples and peaks relative to the peaks, estimated before the run; NaN where the step was given."""
         return self.numerics.error_estimate
 
-    def save(self, folder: str | Path) -> None:
-        """Write `response.parquet` into `folder` (made if missing), whole or not at all; one that is there is replaced."""
-        from wirerope_mj.engine.response.storage import save_response
+    def column(self, name: str) -> Array:
+        """Return one sampled column such as "bodies/floor/acceleration/z", (n_t,).
 
-        save_response(self, Path(folder))
+        Nothing else of the samples is read or kept, so that of a long response in a file only this column is in memory.
+        """
+        index = self.samples.names.index(name)
+        return self.samples.columns(index, index + 1)[:, 0]
+
+    def save(self, folder: str | Path) -> None:
+        """Write `response.parquet` into `folder` (made if missing), atomically; one that is there is replaced."""
+        names = self.samples.names
+        plan = ColumnPlan(
+            bodies=list(self.bodies),
+            points=list(self.points),
+            mounts=[(name, mount.state_names) for name, mount in self.mounts.items()],
+        )
+        parts = ("peaks", "scene", "motion", "events", "numerics", "initial_state", "final_state")
+        content = response_metadata(plan=plan, **{part: getattr(self, part) for part in parts})
+        write_rows(Path(folder) / FILE, names, self.samples.columns(0, len(names)), content)
+
+
+def response_metadata(
+    *,
+    plan: ColumnPlan,
+    peaks: Peaks,
+    scene: Scene,
+    motion: dict[str, Any],
+    events: Iterable[tuple[float, str]],
+    numerics: Numerics,
+    initial_state: State,
+    final_state: State,
+) -> dict[str, Any]:
+    """Return everything but the samples as plain values; floats survive bit by bit."""
+    return {
+        "format": FORMAT,
+        "peaks": peaks.to_dict(),
+        "scene": scene_to_dict(scene),
+        "motion": motion,
+        "events": [list(event) for event in events],
+        "numerics": asdict(numerics),
+        "states": [initial_state.to_plain(), final_state.to_plain()],
+        "bodies": list(plan.bodies),
+        "points": list(plan.points),
+        "mounts": [[name, list(states)] for name, states in plan.mounts],
+    }

@@ -1,11 +1,7 @@
-"""A response as one Parquet file: float64 samples, and everything else in the file's own metadata."""
+"""A response read from its Parquet file: float64 samples, and everything else in the file's own metadata."""
 
-import base64
-import json
-import os
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import suppress
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +9,15 @@ import numpy as np
 
 from wirerope_mj.engine.response.checked import check_content
 from wirerope_mj.engine.response.columns import ColumnPlan
+from wirerope_mj.engine.response.histories import BLOCK_ROWS, Numerics
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.response.response import BLOCK_ROWS, Numerics, Response
-from wirerope_mj.engine.response.scene import Scene, scene_from_dict, scene_to_dict
+from wirerope_mj.engine.response.response import FILE, FORMAT, Response
+from wirerope_mj.engine.response.scene import scene_from_dict
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.parquet_files import read_content
 from wirerope_mj.foundation.state import State
 
-FILE = "response.parquet"
-_KEY = b"wirerope_mj"
-FORMAT = 1
 _AGAIN = "The file was damaged or edited: take it from another copy of the folder, or simulate the run again."
 
 
@@ -72,101 +67,21 @@ class FileSamples:
         try:
             batch = next(batches, None)
             return batch and np.column_stack([column.to_numpy(zero_copy_only=False) for column in batch.columns])
-        except (OSError, ValueError):  # pyarrow's words say what byte of a page, and of no use to a user
+        except (OSError, ValueError):  # pyarrow's text names a byte of a page, which helps no user
             raise RecordError(
                 f"{self.path}: the samples are damaged in column {self.names[first]!r} or one of those behind it. {_AGAIN}"
             ) from None
-
-
-class SampleWriter:
-    """Writes blocks of samples beside their place; `close` attaches the metadata and puts the file there."""
-
-    def __init__(self, path: Path, names: list[str]) -> None:
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-
-        path.parent.mkdir(parents=True, exist_ok=True)
-        self.path, self.names = path, names
-        self._beside = path.with_name(path.name + ".part")
-        self._schema = pa.schema([pa.field(name, pa.float64(), nullable=False) for name in names])
-        # Byte-stream split makes smooth float64 columns compressible; dictionaries would not.
-        self._writer = pq.ParquetWriter(
-            self._beside, self._schema, compression="zstd", use_dictionary=False, use_byte_stream_split=True,
-            write_page_checksum=True,
-        )  # fmt: skip
-
-    def write(self, values: Array) -> None:
-        """Append samples, (n, n_columns)."""
-        import pyarrow as pa
-
-        columns = [pa.array(np.ascontiguousarray(column)) for column in values.T]
-        self._writer.write_table(pa.Table.from_arrays(columns, schema=self._schema))
-
-    def close(self, metadata: dict[str, Any]) -> None:
-        """Finish the file."""
-        self._writer.add_key_value_metadata({_KEY: json.dumps(metadata).encode()})
-        self._writer.close()
-        os.replace(self._beside, self.path)
-
-    def discard(self) -> None:
-        """Leave nothing behind."""
-        with suppress(OSError):  # what cannot be written on a full disk cannot be finished either
-            self._writer.close()
-        self._beside.unlink(missing_ok=True)
-
-
-def response_metadata(
-    *,
-    plan: ColumnPlan,
-    peaks: Peaks,
-    scene: Scene,
-    motion: dict[str, Any],
-    events: Iterable[tuple[float, str]],
-    numerics: Numerics,
-    initial_state: State,
-    final_state: State,
-) -> dict[str, Any]:
-    """Return everything but the samples as plain values; floats survive bit by bit."""
-    return {
-        "format": FORMAT,
-        "peaks": peaks.to_dict(),
-        "scene": scene_to_dict(scene),
-        "motion": motion,
-        "events": [list(event) for event in events],
-        "numerics": asdict(numerics),
-        "states": [_encode(initial_state), _encode(final_state)],
-        "bodies": list(plan.bodies),
-        "points": list(plan.points),
-        "mounts": [[name, list(states)] for name, states in plan.mounts],
-    }
-
-
-def save_response(response: Response, folder: Path) -> None:
-    """Write `response` into `folder`, whole or not at all."""
-    plan = ColumnPlan(
-        bodies=list(response.bodies),
-        points=list(response.points),
-        mounts=[(name, mount.state_names) for name, mount in response.mounts.items()],
-    )
-    writer = SampleWriter(folder / FILE, list(response.samples.names))
-    try:
-        writer.write(response.samples.columns(0, len(response.samples.names)))
-        parts = ("peaks", "scene", "motion", "events", "numerics", "initial_state", "final_state")
-        writer.close(response_metadata(plan=plan, **{part: getattr(response, part) for part in parts}))
-    except BaseException:
-        writer.discard()
-        raise
 
 
 def load_response(folder: str | Path) -> Response:
     """Return the response that was saved in `folder`; samples are read when they are asked for.
 
     Args:
-        folder: where `response.parquet` stands; or such a file itself, whatever its name.
+        folder: that holds `response.parquet`; or such a file itself, whatever its name.
 
     Raises:
-        RecordError: the folder holds no response, or the file is damaged: names the column or the key of its metadata. What a
-            damaged page of samples holds is found when it is read.
+        RecordError: the folder holds no response, or the file is damaged: names the column or the key of its metadata.
+            A damaged page of samples is noticed when it is read.
     """
     path = Path(folder)
     path = path if path.is_file() else path / FILE
@@ -184,25 +99,8 @@ def load_response(folder: str | Path) -> Response:
 def _read(path: Path) -> tuple[list[str], dict[str, Any]]:
     """Return the names of the columns and the metadata of a file, both checked; RecordError if they cannot be a response's."""
     import pyarrow as pa
-    import pyarrow.parquet as pq
 
-    try:
-        file = pq.read_metadata(path)
-        schema = file.schema.to_arrow_schema()
-    except (OSError, ValueError):
-        raise RecordError(
-            f"{path}: this is not a response of wirerope_mj, nor a whole Parquet file. {_AGAIN}"
-        ) from None
-    try:
-        content = json.loads((file.metadata or {})[_KEY])
-    except (KeyError, ValueError, RecursionError):
-        raise RecordError(
-            f"{path}: this is not a response of wirerope_mj: there is no readable metadata {_KEY.decode()!r}. {_AGAIN}"
-        ) from None
-    if isinstance(content, dict) and content.get("format") != FORMAT:
-        raise RecordError(
-            f"{path}: `format` is {content.get('format')!r}, not {FORMAT}; use the version that wrote it."
-        )
+    schema, content = read_content(path, kind="a response of wirerope_mj", remedy=_AGAIN, version=FORMAT)
     try:
         check_content(content, schema.names)
     except ValueError as error:
@@ -224,7 +122,7 @@ def build_response(
         mounts=[(name, tuple(states)) for name, states in content["mounts"]],
     )
     base, bodies, points, mounts = plan.parts(samples)
-    initial, final = (_decode(state) for state in content["states"])
+    initial, final = (State.from_plain(state) for state in content["states"])
     return Response(
         time=samples.columns(0, 1)[:, 0],
         base=base,
@@ -241,12 +139,3 @@ def build_response(
         samples=samples,
         path=path,
     )
-
-
-def _encode(state: State) -> list[Any]:
-    return [state.time, base64.b64encode(state.values.astype("<f8").tobytes()).decode()]
-
-
-def _decode(content: list[Any]) -> State:
-    values = np.frombuffer(base64.b64decode(content[1]), dtype="<f8").astype(np.float64)
-    return State(values=values, time=float(content[0]))

@@ -11,8 +11,9 @@ import mujoco
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import Kind
+from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.response.response import Numerics, Response
+from wirerope_mj.engine.response.response import Response
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.initial import initial_state
 from wirerope_mj.engine.simulation.lawful import require_lawful

@@ -6,14 +6,16 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.response.columns import ColumnPlan
+from wirerope_mj.engine.response.histories import MemorySamples, Numerics
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.response.response import MemorySamples, Numerics, Response
-from wirerope_mj.engine.response.storage import FILE, SampleWriter, build_response, load_response, response_metadata
+from wirerope_mj.engine.response.response import FILE, Response, response_metadata
+from wirerope_mj.engine.response.storage import build_response, load_response
 from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.simulation.run import point_name
 from wirerope_mj.engine.simulation.scene import scene_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.parquet_files import TableWriter
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
@@ -29,7 +31,7 @@ class Recorder:
         self._system, self._motion, self._times = system, motion, grid.sample_times
         self.plan = column_plan(system)
         self._names = self.plan.names
-        self._writer = SampleWriter(out / FILE, self._names) if out is not None else None
+        self._writer = TableWriter(out / FILE, self._names) if out is not None else None
         rows = min(STREAM_ROWS, self._times.size) if out is not None else self._times.size
         self._block = np.empty((rows, len(self._names)))
         self._written = 0

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from wirerope_mj.engine.control.install import Kind
-from wirerope_mj.engine.response.response import Numerics, Response
-from wirerope_mj.engine.response.storage import FILE
+from wirerope_mj.engine.response.histories import Numerics
+from wirerope_mj.engine.response.response import FILE, Response
 from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.initial import initial_state
 from wirerope_mj.engine.simulation.lawful import require_lawful

@@ -13,7 +13,7 @@ from wirerope_mj.engine.statics.result import Equilibrium, History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
-from wirerope_mj.mounts.isolator.static_rating import static_load_unjudged
+from wirerope_mj.mounts.isolator.static_rating import static_utilisation
 
 HISTORIES: tuple[History, History] = ("virgin", "relaxed")
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
@@ -45,9 +45,7 @@ class MountSag:
     @property
     def share(self) -> float | None:
         """Axial load over the rated static load; None = not judged: not rated, or no load in compression along the axis."""
-        if self.static_load is None or static_load_unjudged(self.force, self.static_load):
-            return None
-        return self.compression / self.static_load
+        return static_utilisation(self.force, self.static_load)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,9 +1,9 @@
-"""What may be taken off a measured acceleration, each of it only on request."""
+"""Corrections of the baseline of a measured acceleration, each only on request."""
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.motions.records.rest import standing_value
+from wirerope_mj.motions.records.rest import offset_of
 
 BASELINES = ("none", "rest", "mean", "velocity", "highpass")
 
@@ -24,19 +24,19 @@ def without_baseline(time: Array, samples: Array, baseline: str, highpass: float
     The samples are changed in place, unless they are filtered: a record is then longer, by rest at both ends.
 
     Args:
-        time: Equally spaced instants [s], (n,).
-        samples: Acceleration [m/s^2], (n, 3).
-        baseline: One of `BASELINES`.
-        highpass: Cutoff of the high-pass filter [Hz], where its gain is one half.
+        time: equally spaced instants [s], (n,).
+        samples: acceleration [m/s^2], (n, 3).
+        baseline: one of `BASELINES`.
+        highpass: cutoff of the high-pass filter [Hz], where its gain is one half.
 
     Raises:
-        ValueError: The cutoff is half the sampling rate or more, or lower than can be meant.
+        ValueError: the cutoff is half the sampling rate or more, or lower than can be meant.
     """
     if highpass is not None:
         return _highpassed(time, samples, highpass)
     for column in samples.T:
         if baseline == "rest":
-            column -= standing_value(column)
+            column -= offset_of(column)
         elif baseline == "mean":
             column -= column.mean()
         elif baseline == "velocity":
@@ -63,6 +63,6 @@ def _highpassed(time: Array, samples: Array, cutoff: float) -> tuple[Array, Arra
     for column, filtered in zip(samples.T, longer.T, strict=True):
         if column.any():
             # An offset that goes on for ever is nothing after the filter; taken off first, it makes no jump at the ends.
-            filtered[quiet:-quiet] = column - standing_value(column)
+            filtered[quiet:-quiet] = column - offset_of(column)
             filtered[:] = sosfiltfilt(sections, filtered, padtype="constant", padlen=quiet)
     return time[0] + step * np.arange(len(longer)), longer

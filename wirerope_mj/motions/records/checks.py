@@ -1,6 +1,6 @@
-"""What is suspicious about a measured record: cut off, clipped, in other units than its header says, drifting.
+"""Warnings about a measured record: cut off, clipped, in other units than its header says, drifting.
 
-None of these can be known for sure, so that each is said with its reason, and nothing is changed.
+None of these can be known for sure, so that each states its reason, and nothing is changed.
 """
 
 from collections.abc import Iterator
@@ -11,51 +11,51 @@ from numpy.typing import NDArray
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.records.reading import Reading
-from wirerope_mj.motions.records.rest import is_pulse, peak_from, quiet_level, standing_value
+from wirerope_mj.motions.records.rest import is_pulse, offset_of, peak_from, quiet_level
 
 _FEWEST = 16
 """Samples below which nothing is judged: a record so short was written by hand."""
 
-_PULSE_END, _RIDE_END = 0.1, 0.5
-"""Share of the peak from which the first or last sample of a pulse, of a vibration, is too large: a Gaussian ride is above half
-of its peak in two of a hundred samples."""
+_PULSE_END, _VIBRATION_END = 0.1, 0.5
+"""Fraction of the peak from which the first or last sample of a pulse, of a vibration, is too large: a Gaussian vibration is
+above half of its peak in two of a hundred samples."""
 
 _TOP, _FALL, _STEPS = 3, 0.02, 20.0
-"""A flat top has three equal samples or more; one top's length beside it a smooth one fell by nine steps."""
+"""A flat top has three equal samples or more; one top's length before and after it a smooth one fell by nine steps."""
 
 _JUMP = 0.99
-"""Share of a flat top's height by which a rectangle jumps from one sample to the next on both of its sides; the flanks of what
-a sensor measured take more than a sample."""
+"""Fraction of a flat top's height by which a rectangle jumps from one sample to the next on both of its sides; the flanks of
+what a sensor measured take more than a sample."""
 
 _NEAR = 0.03
-"""Share by which a resting value may miss what gravity would be in another unit: tilt and calibration are less."""
+"""Relative error within which a level at rest is what gravity would be in another unit: tilt and calibration are less."""
 
 LARGEST_PEAK, SMALLEST_PEAK = 1e5, 1e-2
-"""Peaks beyond which units are doubted [m/s^2]: 10 000 g is gunfire on bare steel, 1 mg the noise of most sensors."""
+"""Peaks beyond which units are questioned [m/s^2]: 10 000 g is gunfire on bare steel, 1 mg the noise of most sensors."""
 
 LARGEST_RATE, SMALLEST_RATE = 2e6, 20.0
-"""Sampling beyond which the unit of time is doubted [Hz]."""
+"""Sampling beyond which the unit of time is questioned [Hz]."""
 
 LARGEST_SPEED, LARGEST_TRAVEL = 30.0, 10.0
-"""Speed [m/s] and travel [m] of a base beyond which a record is doubted: shocks of ships, drops and crashes stay below."""
+"""Speed [m/s] and travel [m] of a base beyond which a record is questioned: shocks of ships, drops and crashes stay below."""
 
 _DRIFT, _SLOW, _OFFSET = 3.0, 0.1, 0.2
 """Of a record without a quiet part: final velocity over the range of what is left when a steady drift is taken off, from which
-the drift rules; the velocity below which nobody minds [m/s]; the share of the peak above which a mean is that of a pulse that
-fills its record."""
+the drift rules; the velocity below which nobody minds [m/s]; the fraction of the peak above which a mean is that of a pulse
+that fills its record."""
 
-_SHARE = 0.1
-"""Velocity that a level at rest adds up to, over the range of that of the motion itself, from which it is said."""
+_GAIN = 0.1
+"""Velocity that a level at rest adds up to, over the range of that of the motion itself, from which it is warned of."""
 
 _MEDIAN_STEP = 0.954
 """Median of the steps from sample to sample of white noise, over its rms."""
 
 _WEAK = 0.5
-"""Peak [m/s^2] below which a single pulse given in mm/s^2 is doubted: 0.05 g is no shock, but 50 g in m/s^2 is one."""
+"""Peak [m/s^2] below which a single pulse given in mm/s^2 is questioned: 0.05 g is no shock, but 50 g in m/s^2 is one."""
 
 
-def doubts_about_reading(reading: Reading, *, corrected: bool) -> Iterator[str]:
-    """Yields what is suspicious about accelerations as they were measured; `corrected`: a baseline is taken off later."""
+def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
+    """Yield warnings about accelerations as they were measured; `corrected`: a baseline is taken off later."""
     if reading.time.size < _FEWEST:
         return
     yield from _implausible(reading)
@@ -63,12 +63,12 @@ def doubts_about_reading(reading: Reading, *, corrected: bool) -> Iterator[str]:
         low, high = float(a.min()), float(a.max())
         if high > low:
             yield from _wrong_unit(axis, quiet_level(a), reading.units, corrected)
-            yield from _cut_off(axis, a, standing_value(a))
+            yield from _cut_off(axis, a, offset_of(a))
             yield from _clipped(axis, a, low, high)
 
 
-def doubts_about_motion(time: Array, samples: Array, baseline: str = "none") -> Iterator[str]:
-    """Yields what is suspicious about where the acceleration [m/s^2], (n, 3), takes the base after its correction."""
+def motion_warnings(time: Array, samples: Array, baseline: str = "none") -> Iterator[str]:
+    """Yield warnings about the velocity and displacement of an acceleration [m/s^2], (n, 3), after its correction."""
     if time.size < _FEWEST:
         return
     step, length = float(time[1] - time[0]), float(time[-1] - time[0])
@@ -84,22 +84,22 @@ def doubts_about_motion(time: Array, samples: Array, baseline: str = "none") -> 
         gained = end if rest is None else rest * length  # what a steady part makes of the velocity
         velocity -= np.linspace(0.0, gained, velocity.size)
         own = float(np.ptp(velocity))
-        where = f"along {axis} the base would reach {speed:.3g} m/s, and end {travel:.3g} m away at {end:.3g} m/s: "
+        course = f"along {axis} the base would reach {speed:.3g} m/s, and end {travel:.3g} m away at {end:.3g} m/s: "
         if rest is None:
             large = abs(gained) / length >= _OFFSET * float(np.abs(a).max())
             drifts = abs(gained) > max(_SLOW, _DRIFT * own) and not large
-            yield from _strays(where, gained / length if drifts else 0.0, speed, travel)
-        elif abs(gained) > max(_SLOW, _SHARE * own, _noise_gain(a, step)):
+            yield from _strays(course, gained / length if drifts else 0.0, speed, travel)
+        elif abs(gained) > max(_SLOW, _GAIN * own, _noise_gain(a, step)):
             yield (
                 _pushed(axis, rest, gained, baseline)
                 if baseline in ("mean", "velocity")
                 else (
-                    f"{where}it stands off zero by {rest:.4g} m/s^2 where it rests, which makes {gained:.3g} m/s of it. "
+                    f"{course}it stands off zero by {rest:.4g} m/s^2 where it rests, which makes {gained:.3g} m/s of it. "
                     'Correct it with baseline="rest" or "highpass" (--baseline).'
                 )
             )
         elif speed > LARGEST_SPEED:  # it coasts after its pulse, wherever that takes it
-            yield f"{where}its unit is another one, by a factor of 9.81 or 1000. Say the right one with `unit` (--unit)."
+            yield f"{course}its unit is another one, by a factor of 9.81 or 1000. Say the right one with `unit` (--unit)."
 
 
 def _noise_gain(a: Array, step: float) -> float:
@@ -108,25 +108,25 @@ def _noise_gain(a: Array, step: float) -> float:
     return 4.0 * rms * step * float(np.sqrt(a.size))
 
 
-def _strays(where: str, steady: float, speed: float, travel: float) -> Iterator[str]:
-    """Yields words for a motion without a quiet part that goes too far, by a steady drift [m/s^2] or another way."""
+def _strays(course: str, steady: float, speed: float, travel: float) -> Iterator[str]:
+    """Yield a warning about a motion without a quiet part that goes too far, by a steady drift [m/s^2] or otherwise."""
     if steady:
-        why = f"the acceleration stands off zero by {steady:.3g} m/s^2 all along"
+        reason = f"the acceleration stands off zero by {steady:.3g} m/s^2 all along"
     elif speed > LARGEST_SPEED:
-        why = "a small offset adds up, or its unit is another one, by a factor of 9.81 or 1000 (--unit)"
+        reason = "a small offset adds up, or its unit is another one, by a factor of 9.81 or 1000 (--unit)"
     elif abs(travel) > LARGEST_TRAVEL:
-        why = "a small offset adds up"
+        reason = "a small offset adds up"
     else:
         return
-    yield f'{where}{why}. Correct it with baseline="velocity", "mean" or "highpass" (--baseline).'
+    yield f'{course}{reason}. Correct it with baseline="velocity", "mean" or "highpass" (--baseline).'
 
 
 def _pushed(axis: str, rest: float, gained: float, baseline: str) -> str:
-    """Return words for a correction that takes the record's pulse for an offset."""
-    what = "mean" if baseline == "mean" else "final velocity"
+    """Return the warning about a correction that takes the record's pulse for an offset."""
+    constant = "mean" if baseline == "mean" else "final velocity"
     return (
-        f'along {axis} the quiet part stands at {rest:.4g} m/s^2 after baseline="{baseline}": the {what} holds the pulse too, '
-        f'and {-gained:.3g} m/s of its velocity are spread over the record. baseline="rest" (--baseline rest) takes '
+        f'along {axis} the quiet part stands at {rest:.4g} m/s^2 after baseline="{baseline}": the {constant} holds the pulse '
+        f'too, and {-gained:.3g} m/s of its velocity are spread over the record. baseline="rest" (--baseline rest) takes '
         "off the level at rest alone."
     )
 
@@ -158,11 +158,11 @@ def _implausible(reading: Reading) -> Iterator[str]:
 
 def _are_pulses(samples: Array) -> bool:
     """Return whether there are pulses and no vibrations in samples (n, 3)."""
-    return all(is_pulse(a, standing_value(a)) for a in samples.T if a.any())
+    return all(is_pulse(a, offset_of(a)) for a in samples.T if a.any())
 
 
 def _wrong_unit(axis: str, rest: float | None, units: tuple[str, ...], corrected: bool) -> Iterator[str]:
-    """Yields words for a record that rests at gravity, in its own unit or in another one."""
+    """Yield a warning about a record that rests at gravity, in its own unit or in another one."""
     if rest is None or len(units) != 1:
         return
     (unit,) = units
@@ -172,35 +172,35 @@ def _wrong_unit(axis: str, rest: float | None, units: tuple[str, ...], corrected
         guesses = [(g, ""), (g / 1000.0, "m/s^2"), (1e-3, "g")]
     for value, other in guesses:
         if abs(abs(rest) - value) <= _NEAR * value:
-            words = f"along {axis} it rests at {rest:.4g} m/s^2, "
+            level = f"along {axis} it rests at {rest:.4g} m/s^2, "
             if other:
                 yield (
-                    f'{words}which is gravity if the values are in {other} and not in {unit}. If so, say unit="{other}" '
+                    f'{level}which is gravity if the values are in {other} and not in {unit}. If so, say unit="{other}" '
                     '(--unit), and baseline="rest" (--baseline rest).'
                 )
             elif not corrected:
                 yield (
-                    f'{words}as if gravity were in it, which the model has already: baseline="rest" (--baseline rest) '
+                    f'{level}as if gravity were in it, which the model has already: baseline="rest" (--baseline rest) '
                     "takes it off."
                 )
 
 
 def _cut_off(axis: str, a: Array, rest: float) -> Iterator[str]:
-    """Yields words for a record that begins or ends far from rest."""
+    """Yield a warning about a record that begins or ends far from rest."""
     peak, pulse = peak_from(a, rest), is_pulse(a, rest)
-    limit = _PULSE_END if pulse else _RIDE_END
-    for word, place, side in (("begins", 0, "before"), ("ends", -1, "after")):
-        share = min(abs(float(a[place]) - rest), abs(float(a[place]))) / peak
-        if share > limit:
-            what = "it is shorter than its pulse" if pulse else "it was cut out of a longer one"
+    limit = _PULSE_END if pulse else _VIBRATION_END
+    for verb, index, side in (("begins", 0, "before"), ("ends", -1, "after")):
+        ratio = min(abs(float(a[index]) - rest), abs(float(a[index]))) / peak
+        if ratio > limit:
+            reason = "it is shorter than its pulse" if pulse else "it was cut out of a longer one"
             yield (
-                f"along {axis} it {word} at {100.0 * share:.0f} % of its peak: {what}, and {side} it the base's acceleration "
+                f"along {axis} it {verb} at {100.0 * ratio:.0f} % of its peak: {reason}, and {side} it the base's acceleration "
                 "is zero."
             )
 
 
 def _clipped(axis: str, a: Array, low: float, high: float) -> Iterator[str]:
-    """Yields words for flat tops at the extreme values, with flanks that a smooth top does not have."""
+    """Yield warnings about flat tops at the extreme values, with flanks that a smooth top does not have."""
     middle = float(np.median(a))
     for extreme in (high, low):
         if abs(extreme - middle) < 0.1 * (high - low):
@@ -208,8 +208,8 @@ def _clipped(axis: str, a: Array, low: float, high: float) -> Iterator[str]:
         first, length = _longest(a == extreme)
         if length < _TOP or length > a.size // 2 or _is_rectangle(a, first, length, middle):
             continue
-        beside = [place for place in (first - length, first + 2 * length - 1) if 0 <= place < a.size]
-        fall = min((abs(float(a[place]) - extreme) for place in beside), default=0.0)
+        flanks = [i for i in (first - length, first + 2 * length - 1) if 0 <= i < a.size]
+        fall = min((abs(float(a[i]) - extreme) for i in flanks), default=0.0)
         if fall > max(_FALL * (high - low), _STEPS * _converter_step(a)):
             yield (
                 f"along {axis} {length} samples in a row stand at exactly {extreme:.5g} m/s^2 with steep flanks beside: the "
@@ -221,12 +221,12 @@ def _is_rectangle(a: Array, first: int, length: int, rest: float) -> bool:
     """Return whether a flat top is reached and left in one sample each: it was written so, not measured."""
     if first == 0 or first + length == a.size:
         return False
-    jumps = (abs(float(a[place]) - float(a[first])) for place in (first - 1, first + length))
+    jumps = (abs(float(a[i]) - float(a[first])) for i in (first - 1, first + length))
     return min(jumps) >= _JUMP * abs(float(a[first]) - rest)
 
 
 def _longest(inside: NDArray[np.bool_]) -> tuple[int, int]:
-    """Return first place and length of the longest run."""
+    """Return first index and length of the longest run."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
     starts, lengths = edges[::2], edges[1::2] - edges[::2]
     longest = int(lengths.argmax())
@@ -234,7 +234,7 @@ def _longest(inside: NDArray[np.bool_]) -> tuple[int, int]:
 
 
 def _converter_step(a: Array) -> float:
-    """Return the smallest difference of two values beside each other that is none of rounding, 1 % of the range at most."""
+    """Return the smallest difference of two adjacent values that is none of rounding, 1 % of the range at most."""
     steps = np.abs(np.diff(a[:100_000]))
     kept = steps[steps > 1e-9 * np.abs(a).max()]
     return min(float(kept.min()), 0.01 * float(np.ptp(a))) if kept.size else 0.0

@@ -1,15 +1,15 @@
-"""What a filter is to find beyond the ends of a measured record, so that it does not err there."""
+"""Samples beyond the ends of a measured record, so that a filter does not err there."""
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.motions.records.rest import is_pulse, standing_value
+from wirerope_mj.motions.records.rest import is_pulse, offset_of
 
 _ORDER, _WINDOW = 32, 1000
 """Of the prediction, and the samples next to an end that it is made from: sixteen lines, a thousandth of the rate apart."""
 
 _EXACT = 1e-10
-"""Error of the prediction, as a share of the signal's power, at which it is good enough."""
+"""Error of the prediction, as a fraction of the signal's power, at which it is good enough."""
 
 
 def continued(a: Array, count: int) -> Array:
@@ -18,7 +18,7 @@ def continued(a: Array, count: int) -> Array:
     A pulse is mirrored, so that a filter takes nothing from its area even where it begins with the first sample. A vibration
     was cut out of a longer one and is continued by linear prediction (Burg): sines go on with their phase, noise dies away.
     """
-    rest = standing_value(a)
+    rest = offset_of(a)
     if is_pulse(a, rest):
         return np.pad(a, count, mode="reflect")
     before = _predicted(a[:_WINDOW][::-1] - rest, count)[::-1]

@@ -10,16 +10,16 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import as_times, finite, nonzero, positive
+from wirerope_mj.foundation.arguments import as_times, finite, nonzero, one_of, positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.csv_units import ACCELERATION_UNITS, LARGEST
+from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
 from wirerope_mj.foundation.errors import RecordWarning
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 from wirerope_mj.motions.records.baseline import BASELINES, without_baseline
-from wirerope_mj.motions.records.checks import doubts_about_motion, doubts_about_reading
+from wirerope_mj.motions.records.checks import motion_warnings, reading_warnings
 from wirerope_mj.motions.records.csv import csv_channels, read_csv
 from wirerope_mj.motions.records.sampling import even, resampled
 from wirerope_mj.motions.records.uff import is_uff, read_uff, uff_channels
@@ -40,17 +40,11 @@ class Record(BaseMotion):
     is left; `baseline` says what was done about it.
 
     Attributes:
-        path: File that the record was read from.
-        time: Sample instants [s], shape (n,); the first is `start`. The baseline `"highpass"` adds some at either end.
-        samples: Acceleration [m/s^2], scaled and baseline-corrected, shape (n, 3).
-        channels: Columns and their directions as asked for; None: the columns named x, y and z.
-        scale: Factor on the acceleration.
-        baseline: `"none"`, `"rest"`, `"mean"`, `"velocity"` or `"highpass"`.
-        start: Instant of the first sample [s].
-        highpass: Cutoff of the high-pass baseline [Hz]; None for the others.
-        resample: Rate that was asked for [Hz]; None: that of the file.
-        gaps: `"refuse"` or `"fill"`.
-        unit: Of the accelerations, in place of what the file says; None: what it says.
+        path: file that the record was read from.
+        time: sample instants [s], (n,); the first is `start`. The baseline "highpass" adds some at either end.
+        samples: acceleration [m/s^2], scaled and baseline-corrected, (n, 3).
+        channels, scale, baseline, start, highpass, resample, gaps, unit: as `load_record` takes them.
+        warnings: what had to be done to the samples, and what looks wrong about them; each begins with the file's name.
     """
 
     kind: ClassVar[str] = "record"
@@ -66,6 +60,7 @@ class Record(BaseMotion):
     resample: float | None = None
     gaps: str = "refuse"
     unit: str | None = None
+    warnings: tuple[str, ...] = field(default=(), repr=False)
     duration: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -101,8 +96,8 @@ class Record(BaseMotion):
     @property
     def description(self) -> str:
         """For instance `record deck.csv, 2.5 s, peak 14.2 g`."""
-        parts = np.array_split(self.samples, -(-len(self.samples) // _BLOCK))
-        peak = max(float(np.linalg.norm(part, axis=1).max()) for part in parts) / STANDARD_GRAVITY
+        blocks = np.array_split(self.samples, -(-len(self.samples) // _BLOCK))
+        peak = max(float(np.linalg.norm(block, axis=1).max()) for block in blocks) / STANDARD_GRAVITY
         return f"record {self.path.name}, {self.duration:.4g} s, peak {peak:.4g} g"
 
     @property
@@ -127,22 +122,20 @@ class Record(BaseMotion):
         values |= {"scale": self.scale, "baseline": self.baseline, "start": self.start}
         if self.gaps != "refuse":
             values["gaps"] = self.gaps
-        asked = {"highpass": self.highpass, "resample": self.resample, "unit": self.unit}
-        return values | {name: value for name, value in asked.items() if value is not None}
+        optional = {"highpass": self.highpass, "resample": self.resample, "unit": self.unit}
+        return values | {name: value for name, value in optional.items() if value is not None}
 
+    @cached_property
     def as_measured(self) -> "Record":
-        """Return the same record without a baseline correction, read from its file again; its warnings were given.
-
-        What the high-pass filter added at the ends is missing: it starts as much later.
-        """
+        """The same record without its baseline correction, read from the file; later by what "highpass" added before it."""
         if self.baseline == "none":
             return self
-        arguments = {**self.to_dict(), "baseline": "none"}
-        for name in ("kind", "highpass"):
-            arguments.pop(name, None)
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", RecordWarning)
-            measured = load_record(**arguments)
+            warnings.simplefilter("ignore", RecordWarning)  # they were given
+            measured = load_record(
+                self.path, channels=self.channels, scale=self.scale, start=self.start, resample=self.resample,
+                gaps=self.gaps, unit=self.unit,
+            )  # fmt: skip
         start = float(self.time[(self.time.size - measured.time.size) // 2])
         return replace(measured, start=start, time=measured.time + (start - measured.start))
 
@@ -171,13 +164,13 @@ def load_record(
 
     The base moves in straight lines between evenly spaced samples. A record that is sampled unevenly is resampled at its usual
     interval, on curves through its samples. What had to be done, and what looks wrong (a pulse that is cut off, a saturated
-    sensor, values in another unit, a drift), is said by a `RecordWarning` with its reason.
+    sensor, values in another unit, a drift), is a `RecordWarning` with its reason, and one of the record's `warnings`.
 
     Args:
-        path: The file.
-        channels: Which channel moves the base in which direction, for instance `{"ch3": "z"}`; others are not used. None: the
+        path: of the file.
+        channels: which channel moves the base in which direction, for instance `{"ch3": "z"}`; others are not used. None: the
             columns named x, y, z (or ax, acc_x, acceleration_x, ...), or all directions of a universal file of one node.
-        scale: Factor on the acceleration.
+        scale: factor on the acceleration.
         baseline: `"none"`: as measured. `"rest"`: the level of the quiet part that the record begins or ends with is subtracted
             from each direction: gravity, or an offset; nothing from a pulse that fills its record, the mean from a vibration.
             `"mean"`: the mean of the samples, which holds a pulse too. `"velocity"`: the constant that makes the final
@@ -186,76 +179,81 @@ def load_record(
             the record is lengthened by two periods of the cutoff at either end, at rest or, if the signal stands off zero,
             at that offset, and is played with them; 1e-4 of a shock's velocity change is left. A record that begins or ends
             amid its motion is played with the jump that it has there.
-        start: Instant at which the first sample is played [s], whatever the file's own clock says; with `"highpass"`, the
+        start: instant at which the first sample is played [s], whatever the file's own clock says; with `"highpass"`, the
             first of those before the file's.
-        highpass: Cutoff of the baseline `"highpass"` [Hz], where the filter's gain is one half.
-        resample: Samples per second to play [Hz], through an anti-alias filter; None: those of the file.
+        highpass: cutoff of the baseline `"highpass"` [Hz], where the filter's gain is one half.
+        resample: samples per second to play [Hz], through an anti-alias filter; None: those of the file.
         gaps: `"refuse"`: a record in which rows are missing, cells are empty or hold NaN is an error. `"fill"`: they are filled
             with straight lines.
-        unit: Of the accelerations, in place of what the file says; for a file that does not say it, or says it wrong.
+        unit: of the accelerations, in place of what the file says; for a file that does not say it, or says it wrong.
 
     Raises:
-        RecordError: The file does not hold a usable record; the message names the line.
-        ValueError: An argument is out of its range.
+        RecordError: the file does not hold a usable record; the message names the line.
+        ValueError: an argument is out of its range.
     """
     scale, start = nonzero("scale", scale), finite("start", start)
     highpass = _checked_cutoff(baseline, highpass)
     rate = None if resample is None else positive("resample", resample)
-    _one_of("gaps", gaps, ("refuse", "fill"))
+    one_of("gaps", gaps, ("refuse", "fill"))
     if unit is not None:
-        _one_of("unit", unit, tuple(ACCELERATION_UNITS))
-    wanted = None if channels is None else _checked_channels(channels)
+        one_of("unit", unit, ACCELERATION_UNITS)
+    directions = None if channels is None else _checked_channels(channels)
     file = Path(path).absolute()
 
     fill = gaps == "fill"
-    reading = read_uff(file, wanted, unit) if is_uff(file) else read_csv(file, wanted, unit, fill=fill)
+    reading = read_uff(file, directions, unit) if is_uff(file) else read_csv(file, directions, unit, fill=fill)
     reading = even(file, reading, gaps=gaps)
-    for doubt in doubts_about_reading(reading, corrected=baseline != "none"):
-        warnings.warn(f"{file}: {doubt}", RecordWarning, stacklevel=2)
+    reading = reading.warned(*reading_warnings(reading, corrected=baseline != "none"))
     if rate is not None:
         reading = resampled(reading, rate)
     time, samples = reading.time, reading.samples
     time -= time[0]
     _require_start(time, start)
-    time += start  # apart, so that the first instant is `start` to the last digit
+    time += start  # in a second step, so that the first instant is `start` to the last digit
     _require_scale(samples, scale)
     samples *= scale
     time, samples = without_baseline(time, samples, baseline, highpass)
-    for doubt in doubts_about_motion(time, samples, baseline):
-        warnings.warn(f"{file}: {doubt}", RecordWarning, stacklevel=2)
+    messages = (*reading.warnings, *motion_warnings(time, samples, baseline))
+    for message in messages:
+        warnings.warn(f"{file}: {message}", RecordWarning, stacklevel=2)
     for array in (time, samples):
         array.flags.writeable = False
     return Record(
-        path=file, time=time, samples=samples, channels=wanted, scale=scale, baseline=baseline, start=start,
+        path=file, time=time, samples=samples, channels=directions, scale=scale, baseline=baseline, start=start,
         highpass=highpass, resample=rate, gaps=gaps, unit=unit,
+        warnings=tuple(f"{file.name}: {message}" for message in messages),
     )  # fmt: skip
+
+
+def records_in(motion: BaseMotion) -> list[Record]:
+    """Return the measured records in a motion."""
+    return [part for part in motion.parts if isinstance(part, Record)]
+
+
+def record_warnings(motion: BaseMotion) -> tuple[str, ...]:
+    """Return the warnings of the measured records in a motion, each once."""
+    return tuple(dict.fromkeys(message for record in records_in(motion) for message in record.warnings))
 
 
 def record_channels(path: str | Path) -> tuple[str, ...]:
     """Return the names of a record's channels, as `load_record` takes them.
 
     Raises:
-        RecordError: The file is no record.
+        RecordError: the file is no record.
     """
     file = Path(path).absolute()
     return uff_channels(file) if is_uff(file) else csv_channels(file)
 
 
-def _one_of(name: str, value: str, known: Sequence[str]) -> None:
-    if value not in known:
-        listed = ", ".join(f'"{item}"' for item in known[:-1])
-        raise ValueError(f'`{name}` must be {listed} or "{known[-1]}", got {value!r}.')
-
-
 def _require_scale(samples: Array, scale: float) -> None:
-    """Raises ValueError if a factor makes numbers of a record that it would not be allowed to hold."""
+    """Raise ValueError if a factor makes numbers of a record that it would not be allowed to hold."""
     peak = max(float(samples.max()), -float(samples.min()))
     if peak * abs(scale) > LARGEST * STANDARD_GRAVITY:
         raise ValueError(f"`scale` makes {abs(scale):.3g} times a peak of {peak:.4g} m/s^2, got {scale!r}.")
 
 
 def _require_start(time: Array, start: float) -> None:
-    """Raises ValueError if instants [s] from 0 on cannot be told from each other so late or so early."""
+    """Raise ValueError if instants [s] from 0 on cannot be told from each other so late or so early."""
     step, digit = float(time[-1]) / (time.size - 1), float(np.spacing(abs(start)))
     if digit > _EVEN * step:
         raise ValueError(
@@ -265,7 +263,7 @@ def _require_start(time: Array, start: float) -> None:
 
 
 def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:
-    _one_of("baseline", baseline, BASELINES)
+    one_of("baseline", baseline, BASELINES)
     if baseline != "highpass":
         if highpass is not None:
             raise ValueError(
@@ -280,9 +278,11 @@ def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:
 def _checked_channels(channels: Mapping[str, str | Sequence[float]]) -> dict[str, Direction]:
     if not channels:
         raise ValueError('`channels` must name at least one column, for instance {"ch3": "z"}, got none.')
-    wanted = {name: checked_direction(direction) for name, direction in channels.items()}
-    for name, direction in wanted.items():
-        twins = [other for other in wanted if np.array_equal(unit_vector(wanted[other]), unit_vector(direction))]
-        if len(twins) > 1:
-            raise ValueError(f"`channels` gives {name} and {twins[1]} the same direction {direction_text(direction)}.")
-    return wanted
+    directions = {name: checked_direction(direction) for name, direction in channels.items()}
+    for name, direction in directions.items():
+        alike = [
+            other for other in directions if np.array_equal(unit_vector(directions[other]), unit_vector(direction))
+        ]
+        if len(alike) > 1:
+            raise ValueError(f"`channels` gives {name} and {alike[1]} the same direction {direction_text(direction)}.")
+    return directions

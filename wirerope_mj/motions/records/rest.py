@@ -1,20 +1,20 @@
-"""Where the signal of a measured record stands when nothing happens, and whether it is of a pulse or of a vibration."""
+"""Level of a measured signal at rest, its offset, and whether it is of a pulse or of a vibration."""
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
-_RESTS, _BAND, _BESIDE = 0.3, 0.02, 0.1
-"""A record rests at its median if this share of its samples lies beside it, within a share of its range or of the median."""
+_RESTS, _BAND, _NEAR = 0.3, 0.02, 0.1
+"""A record rests at its median if so many of its samples lie near it, within a fraction of its range or of the median."""
 
 _NOISE, _ENOUGH = 4.5, 100_000
-"""Median deviations, three standard deviations of noise, within which samples are quiet; samples that tell the median."""
+"""Median deviations, three standard deviations of noise, within which samples are quiet; samples that give the median."""
 
 _ERRORS = 7.4
 """Four standard errors of a median of noise, in median deviations over the root of the number of samples."""
 
 _FEW, _DITHERED = 16, 0.05
-"""Samples at either end that tell whether a record begins or ends quietly, at least; share of samples one step off a level."""
+"""Least samples at either end that say whether a record begins or ends quietly; fraction of samples one step off a level."""
 
 _PULSE_WAVES = 10
 """Half waves above a tenth of the peak up to which a record is of a pulse, which begins and ends near zero."""
@@ -23,9 +23,9 @@ _PULSE_WAVES = 10
 def resting_value(a: Array) -> float | None:
     """Return the value at which a signal (n,) rests between its events, None if it does not."""
     middle = float(np.median(a))
-    band = max(_BAND * float(np.ptp(a)), _BESIDE * abs(middle))
-    share = np.count_nonzero((a >= middle - band) & (a <= middle + band)) / a.size
-    return middle if share >= _RESTS else None
+    band = max(_BAND * float(np.ptp(a)), _NEAR * abs(middle))
+    ratio = np.count_nonzero((a >= middle - band) & (a <= middle + band)) / a.size
+    return middle if ratio >= _RESTS else None
 
 
 def quiet_level(a: Array) -> float | None:
@@ -57,8 +57,8 @@ def _converter_step(off: Array) -> float:
     return step if np.count_nonzero((off > 0.0) & (off <= step)) > _DITHERED * off.size else 0.0
 
 
-def standing_value(a: Array) -> float:
-    """Return the value that a signal (n,) had before and after: where it rests, a vibration's mean, zero for a bare pulse."""
+def offset_of(a: Array) -> float:
+    """Return the value of a signal (n,) before and after: its level at rest, a vibration's mean, zero for a bare pulse."""
     rest = quiet_level(a)
     if rest is not None:
         return rest

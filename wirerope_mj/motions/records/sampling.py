@@ -1,6 +1,5 @@
 """Equal intervals for a measured record: small jitter, gaps, uneven sampling, and another rate on request."""
 
-import warnings
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
@@ -9,18 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.errors import RecordError, RecordWarning
+from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions.records.ends import continued
 from wirerope_mj.motions.records.reading import Reading
 
 _ROUNDED = 1e-3
-"""Share of an interval by which an instant may be off without further reason: far below what a clock's jitter does."""
+"""Fraction of an interval by which an instant may be off without further reason: far below what a clock's jitter does."""
 
 _COARSE = 1 / 3
 """The same for instants that are printed with few digits: with fewer still the sampling cannot be told from uneven one."""
 
 _REGULAR = 0.9
-"""Share of equal intervals from which on the others are gaps in an even sampling."""
+"""Fraction of equal intervals from which on the others are gaps in an even sampling."""
 
 _GAP = 1.5
 """Usual intervals from which on a longer one is a gap."""
@@ -35,7 +34,7 @@ _FINEST = 8
 """Instants per usual interval at which an uneven record is interpolated, at most, before the filter."""
 
 _STOP_DB, _PASS = 80.0, 0.8
-"""Anti-alias filter: attenuation from the Nyquist frequency up, and share of it up to which all passes."""
+"""Anti-alias filter: attenuation from the Nyquist frequency up, and fraction of it up to which all passes."""
 
 _BLOCK = 100_000
 """Samples that are looked at together."""
@@ -49,15 +48,15 @@ _LARGEST_FACTOR = 10_000
 
 
 def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
-    """Return the record at equal intervals; a RecordWarning says what had to be done for it.
+    """Return the record at equal intervals, with a warning of what had to be done for it.
 
     Args:
-        path: Of the file, for messages.
-        reading: As measured.
-        gaps: `"refuse"`: a gap is an error. `"fill"`: it is filled with a straight line.
+        path: of the file, for messages.
+        reading: as measured.
+        gaps: "refuse": a gap is an error; "fill": it is filled with a straight line.
 
     Raises:
-        RecordError: There is a gap, or a time stamp far from all others.
+        RecordError: there is a gap, or a time stamp far from all others.
     """
     time = reading.time
     step = float(time[-1] - time[0]) / (time.size - 1)
@@ -69,18 +68,15 @@ def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
     regular = np.abs(intervals - usual) <= max(_ROUNDED * usual, 2.0 * _printed(time, usual))
     if np.mean(regular) >= _REGULAR and np.all(intervals[~regular] >= _GAP * usual):
         return _without_gaps(path, reading, np.flatnonzero(~regular), usual, fill=gaps == "fill")
-    warnings.warn(
-        f"{path}: the sampling is not uniform, its intervals lie between {intervals.min():.4g} and {intervals.max():.4g} s; "
+    return _evened(reading, usual, float(intervals.min())).warned(
+        f"the sampling is not uniform, its intervals lie between {intervals.min():.4g} and {intervals.max():.4g} s; "
         f"resampled at the usual interval, {usual:.6g} s, on curves through the samples: what has 0.15 periods an interval "
-        "loses some 2 % of its height, at a quarter of a period some 10 %.",
-        RecordWarning,
-        stacklevel=3,
+        "loses some 2 % of its height, at a quarter of a period some 10 %."
     )
-    return _evened(reading, usual, float(intervals.min()))
 
 
 def _require_few(path: Path, time: Array, intervals: Array, usual: float) -> None:
-    """Raises RecordError if a record at its usual interval would be far longer than what was measured."""
+    """Raise RecordError if a record at its usual interval would be far longer than what was measured."""
     count = float(time[-1] - time[0]) / usual
     if count <= max(_MOST_MADE, _MOST_TIMES * time.size):
         return
@@ -96,9 +92,9 @@ def _largest_miss(time: Array, step: float) -> float:
     """Return how far the instants are from equal intervals [s], at most; block by block, to need no memory."""
     largest = 0.0
     for first in range(0, time.size, _BLOCK):
-        part = time[first : first + _BLOCK]
-        even_part = time[0] + step * np.arange(first, first + part.size)
-        largest = max(largest, float(np.abs(part - even_part).max()))
+        block = time[first : first + _BLOCK]
+        even_block = time[0] + step * np.arange(first, first + block.size)
+        largest = max(largest, float(np.abs(block - even_block).max()))
     return largest
 
 
@@ -116,7 +112,7 @@ def resampled(reading: Reading, rate: float) -> Reading:
     frequencies to 1e-4 and attenuates what lies above it by 80 dB.
 
     Raises:
-        ValueError: The two rates are no fraction of integers up to 10 000.
+        ValueError: the two rates are no fraction of integers up to 10 000.
     """
     step = float(reading.time[1] - reading.time[0])
     ratio = Fraction(rate * step).limit_denominator(_LARGEST_FACTOR)
@@ -159,36 +155,34 @@ def _filtered(samples: Array, up: int, down: int) -> Array:
 def _printed(time: Array, step: float) -> float:
     """Return the last decimal place of the instants [s], as far as the first thousand show it; 0 if it explains nothing."""
     first = time[:1000] - time[0]
-    for places in range(10):
-        scaled = first * 10.0**places
+    for digits in range(10):
+        scaled = first * 10.0**digits
         if np.all(np.abs(scaled - np.round(scaled)) < 1e-3):
-            return float(10.0**-places) if 10.0**-places <= _COARSE * step else 0.0
+            return float(10.0**-digits) if 10.0**-digits <= _COARSE * step else 0.0
     return 0.0
 
 
 def _without_gaps(path: Path, reading: Reading, gaps: NDArray[np.intp], usual: float, *, fill: bool) -> Reading:
-    """Return the record with straight lines in its gaps, or raises RecordError."""
+    """Return the record with straight lines in its gaps, or raise RecordError."""
     time = reading.time
-    places = [f"{time[gap]:.6g} to {time[gap + 1]:.6g} s" for gap in gaps[:3]] + ["..."] * (gaps.size > 3)
+    listed = [f"{time[gap]:.6g} to {time[gap + 1]:.6g} s" for gap in gaps[:3]] + ["..."] * (gaps.size > 3)
     missing = sum(round(float(time[gap + 1] - time[gap]) / usual) - 1 for gap in gaps)
-    words = f"{gaps.size} {'gap' if gaps.size == 1 else 'gaps'} ({', '.join(places)}) of {missing} samples in all"
+    text = f"{gaps.size} {'gap' if gaps.size == 1 else 'gaps'} ({', '.join(listed)}) of {missing} samples in all"
     if not fill:
         raise RecordError(
-            f"{path}: the record has {words}, where others are {usual:.6g} s apart. Nobody knows how the base moved there: "
+            f"{path}: the record has {text}, where others are {usual:.6g} s apart. Nobody knows how the base moved there: "
             'use what lies before or behind, or have them filled with straight lines, gaps="fill" (--gaps fill).'
         )
-    warnings.warn(f"{path}: {words} filled with straight lines.", RecordWarning, stacklevel=4)
     count = round(float(time[-1] - time[0]) / usual) + 1
-    return _at(reading, np.linspace(time[0], time[-1], count))
+    even_time = np.linspace(time[0], time[-1], count)
+    return _at(reading, even_time).warned(f"{text} filled with straight lines.")
 
 
 def _evened(reading: Reading, usual: float, shortest: float) -> Reading:
     """Return an uneven record at its usual interval: curves, finer where samples are dense, then the filter."""
     time = reading.time
     fine = int(np.clip(np.ceil(usual / shortest), 1, _FINEST))
-    count = int(np.floor(float(time[-1] - time[0]) / usual * (1.0 + 1e-9))) + 1
-    if count < 2:
-        count = 2
+    count = max(int(np.floor(float(time[-1] - time[0]) / usual * (1.0 + 1e-9))) + 1, 2)
     finely = _curved(reading, time[0] + usual / fine * np.arange((count - 1) * fine + 1), usual)
     if fine == 1:
         return finely
@@ -207,8 +201,8 @@ def _curved(reading: Reading, time: Array, usual: float) -> Reading:
     straight = _at(reading, time)
     if reading.time.size < _FEWEST:
         return straight
-    place = np.clip(np.searchsorted(reading.time, time, side="right") - 1, 0, reading.time.size - 2)
-    near = np.diff(reading.time)[place] < _FAR * usual
+    interval = np.clip(np.searchsorted(reading.time, time, side="right") - 1, 0, reading.time.size - 2)
+    near = np.diff(reading.time)[interval] < _FAR * usual
     for column, result in zip(reading.samples.T, straight.samples.T, strict=True):
         if column.any():
             result[near] = Akima1DInterpolator(reading.time, column, method="makima")(time[near], extrapolate=True)

@@ -1,6 +1,5 @@
 """A measured record from a universal file: functions at nodal degrees of freedom, dataset 58, as text or binary."""
 
-import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -8,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.csv_units import ACCELERATION_UNITS, LARGEST, TIME_UNITS
+from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction
-from wirerope_mj.foundation.errors import RecordError, RecordWarning
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, TIME_UNITS
 from wirerope_mj.motions.records.reading import Reading, axes_of
 
 _ENDS = {1: "x", 2: "y", 3: "z", -1: "-x", -2: "-y", -3: "-z"}
@@ -22,7 +22,7 @@ _REAL = (2, 4)
 _SI = 1  # code of the system of units
 
 _SAME_CLOCK = 1e-3
-"""Share of the interval by which the clocks of two channels may differ: text files carry six digits of it."""
+"""Fraction of the interval by which the clocks of two channels may differ: text files carry six digits of it."""
 
 
 _CUT = ": it was cut off before the line -1 that ends a dataset. Export or copy it again."
@@ -52,33 +52,30 @@ def uff_channels(path: Path) -> tuple[str, ...]:
 
 
 def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | None) -> Reading:
-    """Return what the time histories of acceleration in a universal file hold.
+    """Return the time histories of acceleration in a universal file.
 
     Args:
-        path: The file.
-        channels: Names as `uff_channels` gives them, and their directions; None: all, along their own directions.
-        unit: Of the accelerations, in place of what the file says; None: the ordinate's label, then dataset 164.
+        path: of the file.
+        channels: names as `uff_channels` gives them, and their directions; None: all, along their own directions.
+        unit: of the accelerations, in place of what the file says; None: the ordinate's label, then dataset 164.
     """
     histories, systems = _histories(path, unit)
-    if not _is_complete(path):
-        warnings.warn(
-            f"{path}: the end of this universal file is missing; what was cut off is not read.", RecordWarning, 3
-        )
     chosen = _all_of_one_node(path, histories) if channels is None else _named(path, histories, channels)
     heads = dict(histories)
-    time, columns = np.zeros(0), list[Array]()
-    units: list[str] = []
+    time, columns, units = np.zeros(0), list[Array](), list[str]()
     for number in chosen:
-        head, name = heads[number], _name(heads[number])
-        said, factor = _unit(path, head, unit, systems)
+        name = _name(heads[number])
+        known_unit, factor = _unit(path, heads[number], unit, systems)
         clock, values = _values(path, number, name)
         if columns and not _same_clock(time, clock):
             raise RecordError(f"{path}: {name} is sampled at other instants than {_name(heads[next(iter(chosen))])}.")
         time = clock if not columns else time
         columns.append(values * factor)
-        units.append(said)
-    samples = np.column_stack(columns) @ axes_of(chosen.values())
-    return Reading(time=time, samples=samples, units=tuple(dict.fromkeys(units)))
+        units.append(known_unit)
+    reading = Reading(time, np.column_stack(columns) @ axes_of(chosen.values()), tuple(dict.fromkeys(units)))
+    if _is_complete(path):
+        return reading
+    return reading.warned("the end of this universal file is missing; what was cut off is not read.")
 
 
 def _open(path: Path) -> Any:
@@ -98,25 +95,25 @@ def _histories(path: Path, unit: str | None) -> tuple[list[tuple[int, dict[str, 
         raise RecordError(f"{path}: this universal file cannot be read, it has a dataset{_DAMAGED}") from None
     if not kinds:
         raise RecordError(f"{path}: this universal file holds no complete dataset{_CUT}")
-    found = [(n, head) for n, head in heads if _is_acceleration(head, unit)]
-    if not found and not _is_complete(path):
+    histories = [(n, head) for n, head in heads if _is_acceleration(head, unit)]
+    if not histories and not _is_complete(path):
         raise RecordError(f"{path}: this universal file holds no complete time history of an acceleration{_CUT}")
-    if not found:
+    if not histories:
         raise RecordError(
             f"{path}: this universal file holds no time history of an acceleration (dataset 58, function type 1); its "
             f"datasets are {', '.join(str(kind) for kind in kinds)}. If an ordinate is called general or unknown, "
             'say its unit, for instance unit="m/s^2" (--unit).'
         )
-    return found, systems
+    return histories, systems
 
 
 def _is_acceleration(head: Mapping[str, Any], unit: str | None) -> bool:
     kind, over, of = (int(head.get(k, 0)) for k in ("func_type", "abscissa_spec_data_type", "ordinate_spec_data_type"))
     in_time = kind == _TIME_RESPONSE or (kind == _GENERAL and over == _TIME)
-    said = unit is not None or _label(head, "ordinate") in ACCELERATION_UNITS
+    has_unit = unit is not None or _label(head, "ordinate") in ACCELERATION_UNITS
     turns = abs(int(head.get("rsp_dir", 0))) > 3
     real = int(head.get("ord_data_type", 0)) in _REAL
-    return in_time and real and not turns and (of == _ACCELERATION or (of in _UNKNOWN and said))
+    return in_time and real and not turns and (of == _ACCELERATION or (of in _UNKNOWN and has_unit))
 
 
 def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:
@@ -133,7 +130,7 @@ def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:
 
 
 def _unit(path: Path, head: Mapping[str, Any], unit: str | None, systems: list[dict[str, Any]]) -> tuple[str, float]:
-    """Return the unit of a history in words, and what it is in m/s^2."""
+    """Return the unit of a history as text, and what it is in m/s^2."""
     label = unit if unit is not None else _label(head, "ordinate")
     if label in ACCELERATION_UNITS:
         return label, ACCELERATION_UNITS[label]
@@ -177,17 +174,17 @@ def _all_of_one_node(path: Path, histories: list[tuple[int, dict[str, Any]]]) ->
 
 
 def _named(
-    path: Path, histories: list[tuple[int, dict[str, Any]]], wanted: Mapping[str, Direction]
+    path: Path, histories: list[tuple[int, dict[str, Any]]], channels: Mapping[str, Direction]
 ) -> dict[int, Direction]:
     numbers: dict[str, list[int]] = {}
     for n, head in histories:
         numbers.setdefault(_name(head), []).append(n)
-    for name in wanted:
-        found = len(numbers.get(name, []))
-        if found != 1:
-            fault = f'there is no history "{name}"' if found == 0 else f'there are {found} histories "{name}"'
+    for name in channels:
+        count = len(numbers.get(name, []))
+        if count != 1:
+            fault = f'there is no history "{name}"' if count == 0 else f'there are {count} histories "{name}"'
             raise RecordError(f"{path}: {fault}; the file holds {', '.join(_name(head) for _, head in histories)}.")
-    return {numbers[name][0]: direction for name, direction in wanted.items()}
+    return {numbers[name][0]: direction for name, direction in channels.items()}
 
 
 def _values(path: Path, number: int, name: str) -> tuple[Array, Array]:

@@ -6,10 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.foundation.csv_units import Header, parse_header
+from wirerope_mj.foundation.csv_units import Header, number_in, read_header, rows_below
 from wirerope_mj.foundation.errors import ModelError, RecordError
-from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
-from wirerope_mj.mounts.test_rig.reading import number_in, rows_behind, said_lines
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 
 _UNITS: Mapping[str, Mapping[str, float]] = {
     "deflection": LENGTH_UNITS, "force": FORCE_UNITS, "upper": FORCE_UNITS, "lower": FORCE_UNITS,
@@ -56,19 +55,17 @@ def read_curve(path: Path) -> dict[str, list[float]]:
 
     The header is such as `deflection_mm,force_kN` or `deflection [mm], upper [N], lower [N]`. RecordError names file and line.
     """
-    lines = said_lines(path, "curve", '"deflection_mm,force_N"')
-    number, text = lines.pop(0)
-    header = _with_units(parse_header(path, number, text))
-    factors = {}
+    header = _with_units(read_header(path, kind="curve", example='"deflection_mm,force_N"'))
+    factors: dict[str, float] = {}
     for column, name in enumerate(header.names):
         if name not in _COLUMNS or name in factors:
-            what = "stands twice" if name in factors else "is not known"
-            raise RecordError(f'{path}, line {number}: column "{name}" {what}; a curve has {", ".join(_COLUMNS)}.')
-        factors[name] = header.factor(column, dict(_UNITS[name]))
+            fault = "stands twice" if name in factors else "is not known"
+            raise RecordError(f'{header.location}: column "{name}" {fault}; a curve has {", ".join(_COLUMNS)}.')
+        factors[name] = header.factor(column, _UNITS[name])
     columns: dict[str, list[float]] = {name: [] for name in factors}
-    for _, where, cells in rows_behind(header, lines):
+    for _, location, cells in rows_below(header):
         for (name, factor), cell in zip(factors.items(), cells, strict=True):
-            columns[name].append(_times(number_in(where, name, cell), factor))
+            columns[name].append(in_si(number_in(location, name, cell), factor))
     return columns
 
 
@@ -95,4 +92,4 @@ def _times(value: Any, factor: float | None) -> Any:
         return [_times(one, factor) for one in value]
     if factor is None or isinstance(value, bool) or not isinstance(value, int | float):
         return value
-    return float(f"{value * factor:.12g}")  # 6.8 mm are 0.0068 m, not 0.006799999999999999 m
+    return in_si(value, factor)

@@ -1,9 +1,16 @@
-"""What a rated static load speaks of: a mount that stands."""
+"""Static load of a mount against its rating, which holds for a mount that stands."""
 
 import math
 
 import numpy as np
 import numpy.typing as npt
+
+
+def static_utilisation(force: npt.ArrayLike, rated: float | None) -> float | None:
+    """Return compression over rated static load; None where `static_load_unjudged` says why that is not judged."""
+    if rated is None or static_load_unjudged(force, rated):
+        return None
+    return max(-float(np.asarray(force, dtype=np.float64)[2]), 0.0) / rated
 
 
 def static_load_unjudged(force: npt.ArrayLike, rated: float | None) -> str:

@@ -1,4 +1,4 @@
-"""Travel: how far a deflection goes in each way that an isolator is rated for, and what share of the rating that is."""
+"""Travel: how far a deflection goes in each direction that an isolator is rated for, and its utilisation of the rating."""
 
 from collections.abc import Mapping
 
@@ -27,8 +27,8 @@ def travel_reached(lowest: Array, highest: Array) -> dict[str, Array]:
     return {rating: np.maximum(travel_in(rating, lowest), travel_in(rating, highest)) for rating in RATINGS}
 
 
-def travel_shares(reached: Mapping[str, npt.ArrayLike], rated: Mapping[str, float]) -> dict[str, float]:
-    """Return the shares of the travels that are rated, by rating; those that are not, are not judged and not in it."""
+def travel_utilisation(reached: Mapping[str, npt.ArrayLike], rated: Mapping[str, float]) -> dict[str, float]:
+    """Return travel over rated travel by rating; what is not rated is not judged and not in it."""
     return {rating: float(reached[rating]) / rated[rating] for rating in RATINGS if rating in rated}  # type: ignore[arg-type]
 
 

@@ -1,17 +1,12 @@
 """Writing loops to the CSV file of a cyclic test."""
 
-import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
 from wirerope_mj.mounts.laws import Loop
-
-DEFLECTION_UNITS = {"m": 1.0, "mm": 1e-3}
-"""Units of deflection and amplitude that a file may use, and what one of them is in metres."""
-
-FORCE_UNITS = {"N": 1.0, "kN": 1e3}
-"""Units of force that a file may use, and what one of them is in newtons."""
 
 
 def write_cyclic_test(
@@ -32,22 +27,18 @@ def write_cyclic_test(
         loops: closed cycles, at least one.
         path: file to write; an existing one is replaced.
         frequency: of the test [Hz], for a column of time that starts at 0 in each loop; the samples count as uniform in time.
-        deflection_unit: "m" or "mm".
-        force_unit: "N" or "kN".
+        deflection_unit: "m", "mm" or "in".
+        force_unit: "N", "daN", "kN" or "lbf".
 
     Raises:
         ValueError: there is no loop, an argument is out of its range, or the file cannot stand there.
     """
     if not loops:
         raise ValueError("`loops` must hold at least one loop.")
-    if frequency is not None and not (math.isfinite(frequency) and frequency > 0.0):
-        raise ValueError(f"`frequency` must be finite and > 0, got {frequency}.")
-    for name, unit, known in (
-        ("deflection_unit", deflection_unit, DEFLECTION_UNITS),
-        ("force_unit", force_unit, FORCE_UNITS),
-    ):
-        if unit not in known:
-            raise ValueError(f"`{name}` must be one of {', '.join(known)}, got {unit!r}.")
+    if frequency is not None:
+        positive("frequency", frequency)
+    metre = LENGTH_UNITS[one_of("deflection_unit", deflection_unit, LENGTH_UNITS)]
+    newton = FORCE_UNITS[one_of("force_unit", force_unit, FORCE_UNITS)]
     target = Path(path)
     if target.is_dir() or not target.resolve().parent.is_dir():
         raise ValueError(f"`path` must be a file in a folder that exists, got {str(path)!r}.")
@@ -57,9 +48,9 @@ def write_cyclic_test(
         f"loop, {time}deflection [{deflection_unit}], force [{force_unit}]",
     ]
     for number, loop in enumerate(loops, start=1):
-        lines.extend(_rows(number, loop, frequency, DEFLECTION_UNITS[deflection_unit], FORCE_UNITS[force_unit]))
-    with atomic_file(target) as beside:
-        beside.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+        lines.extend(_rows(number, loop, frequency, metre, newton))
+    with atomic_file(target) as temporary:
+        temporary.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
 
 
 def _rows(number: int, loop: Loop, frequency: float | None, metre: float, newton: float) -> Iterator[str]:

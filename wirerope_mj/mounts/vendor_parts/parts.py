@@ -1,24 +1,22 @@
 """The vendors' tables: parts with load, travel and stiffnesses in compression, at 45 degrees, and in shear or roll."""
 
-import csv
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 
-from wirerope_mj.foundation.errors import ModelError, why_unread
+from wirerope_mj.foundation.csv_units import number_in, read_header, rows_below
+from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 
 MODES = ("compression", "45", "shear")
 """Loading modes of the tables; shear stands for roll as well."""
 
 _UNITS = {
     "-": 1.0,
-    "mm": 1e-3,
-    "in": 0.0254,
-    "N": 1.0,
-    "daN": 10.0,
+    **LENGTH_UNITS,
+    **FORCE_UNITS,
     "N/mm": 1e3,
     "lb/in": 175.12683524647636,  # 4.4482216152605 N / 0.0254 m
 }
@@ -135,64 +133,45 @@ def read_table(path: Path, series: Series) -> list[VendorPart]:
     Lines that begin with # are comments. ModelError names file, line, column and rule.
     """
     try:
-        numbered = list(enumerate(path.read_text(encoding="utf-8").splitlines(), start=1))
-    except (OSError, UnicodeDecodeError) as error:
-        reason = why_unread(error) if isinstance(error, OSError) else "it is not a text file in UTF-8."
-        raise ModelError(f"{path}: cannot read this table of isolators: {reason} Install wirerope-mj again.") from None
-    lines = [(number, line) for number, line in numbered if line.strip() and not line.startswith("#")]
-    if not lines:
-        raise ModelError(f"{path}: the table is empty.")
-    columns = [_column(path, text) for text in next(csv.reader([lines[0][1]]))]
-    return [_part(path, number, next(csv.reader([line])), columns, series) for number, line in lines[1:]]
+        header = read_header(path, kind="table of isolators", example='"part, loops [-], height [mm]"')
+        factors = [1.0 if name == "part" else header.factor(i, _UNITS) for i, name in enumerate(header.names)]
+        return [_part(location, cells, header.names, factors, series) for _, location, cells in rows_below(header)]
+    except RecordError as error:
+        raise ModelError(str(error)) from None
 
 
-def _column(path: Path, text: str) -> tuple[str, float]:
-    """Return what a column holds, and what its unit is in SI."""
-    name, _, unit = text.strip().partition(" [")
-    if name == "part":
-        return name, 1.0
-    if unit.removesuffix("]") not in _UNITS:
-        raise ModelError(
-            f"{path}: column {text!r} must end with one of the units {', '.join(f'[{u}]' for u in _UNITS)}."
-        )
-    return name, _UNITS[unit.removesuffix("]")]
-
-
-def _part(path: Path, line: int, cells: list[str], columns: list[tuple[str, float]], series: Series) -> VendorPart:
-    """Return the part of one line."""
-    if len(cells) != len(columns):
-        raise ModelError(f"{path}, line {line}: {len(cells)} fields under {len(columns)} columns.")
-    values: dict[str, float | None] = {}
-    for (column, unit), cell in zip(columns, cells, strict=True):
-        if column != "part":
-            values[column] = _number(f"{path}, line {line}, column {column!r}", cell, unit)
-    modes = {
-        mode: ModeValues(
-            **{key: values.get(f"{mode} {key}") for key in ("static_load", "travel", "vibration", "shock")}
-        )
-        for mode in MODES
+def _part(
+    location: str, cells: Sequence[str], names: Sequence[str], factors: Sequence[float], series: Series
+) -> VendorPart:
+    """Return the part of one row."""
+    values = {
+        name: _stated(location, name, cell, factor)
+        for name, cell, factor in zip(names, cells, factors, strict=True)
+        if name != "part"
     }
     loops = values["loops"]
     return VendorPart(
-        name=cells[[name for name, _ in columns].index("part")],
+        name=cells[names.index("part")],
         series=series,
         loops=None if loops is None else round(loops),
         rope=values["rope"],
         height=values["height"],
         width=values["width"],
         bar=values.get("bar"),
-        modes=modes,
+        modes={
+            mode: ModeValues(
+                **{key: values.get(f"{mode} {key}") for key in ("static_load", "travel", "vibration", "shock")}
+            )
+            for mode in MODES
+        },
     )
 
 
-def _number(place: str, cell: str, unit: float) -> float | None:
-    """Return a field in SI; an empty one is not stated."""
-    if not cell.strip():
+def _stated(location: str, name: str, cell: str, factor: float) -> float | None:
+    """Return a cell in SI; an empty one is not stated."""
+    if not cell:
         return None
-    try:
-        value = float(cell)
-    except ValueError:
-        value = math.nan
-    if not 0.0 < value < math.inf:
-        raise ModelError(f"{place}: must be a finite number > 0 or empty, got {cell!r}.")
-    return float(f"{value * unit:.12g}")  # 45.2 mm are 0.0452 m, not 0.045200000000000004 m
+    value = number_in(location, name, cell)
+    if value <= 0.0:
+        raise RecordError(f'{location}: "{cell}" in column "{name}" must be > 0, or empty if it is not stated.')
+    return in_si(value, factor)

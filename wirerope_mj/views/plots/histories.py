@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.assessment.verdicts import MountPeak, body_peaks, mount_peaks
+from wirerope_mj.assessment.criteria import MountPeak, body_peaks, mount_peaks
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.isolator import AXES
-from wirerope_mj.mounts.isolator.travel import SIDES
+from wirerope_mj.mounts.isolator.travel import RATINGS, SIDES
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import short
 
@@ -83,10 +83,9 @@ def _line(panel: Any, time: Any, values: Any, label: str, colour: str) -> None:
 
 def _governing(row: MountPeak) -> int:
     """Return the axis in which the mount uses most of its travel; where nothing is judged, in which it moves most."""
-    if row.share is None:
+    if not row.governing:
         return int(np.argmax(np.subtract(row.maximum, row.minimum)))
-    rating = max(row.shares, key=lambda name: row.shares[name] or 0.0)
-    return AXES.index(rating) if rating in AXES else AXES.index("axial")
+    return RATINGS[row.governing][0]
 
 
 def _rated(response: Response, panel: Any, row: MountPeak) -> None:

@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.columns import column_of
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import SIDES
@@ -72,7 +71,7 @@ def deflections_figure(response: Response, names: Sequence[str]) -> Figure:
             Line(
                 short(name),
                 colour,
-                *thinned(response.time, 1e3 * column_of(response, f"mounts/{name}/deflection/{axis}")),
+                *thinned(response.time, 1e3 * response.column(f"mounts/{name}/deflection/{axis}")),
             )
             for name, colour in zip(names[:MOST], COLOURS, strict=False)
         ]
@@ -85,7 +84,7 @@ def mount_loops_figure(response: Response, name: str) -> Figure:
     """Return force over deflection of a mount, a panel for each axis that carries a force; see `loop_rows`."""
     rows = loop_rows(response, name)
     deflection, force = (
-        np.stack([factor * column_of(response, f"mounts/{name}/{part}/{axis}")[rows] for axis in AXES], axis=1)
+        np.stack([factor * response.column(f"mounts/{name}/{part}/{axis}")[rows] for axis in AXES], axis=1)
         for part, factor in (("deflection", 1e3), ("force", 1e-3))
     )
     largest = np.abs(force).max(axis=0)
@@ -139,7 +138,7 @@ def loop_rows(response: Response, name: str) -> slice:
 def acceleration_along(response: Response, name: str, axis: int) -> Array:
     """Return the sampled acceleration of a body, a point or the "base" along an axis, 0 = x [m/s^2], (n_t,)."""
     room = "base" if name == "base" else f"bodies/{name}" if name in response.bodies else f"points/{name}"
-    return column_of(response, f"{room}/acceleration/{'xyz'[axis]}")
+    return response.column(f"{room}/acceleration/{'xyz'[axis]}")
 
 
 def _histories(lines: list[list[Line]], names: list[str], marks: list[list[float]] | None = None) -> Figure:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria import closing_words
+from wirerope_mj.assessment.criteria import closing_text
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
@@ -80,7 +80,7 @@ def _contact_events(response: Response) -> list[Event]:
     for name in response.peaks.struck:
         contact = contacts[name]
         text = f"{name}: struck, at most {1e-3 * contact.force:.3g} kN"
-        text = closing_words(name, contact) if contact.mount else text
+        text = closing_text(name, contact) if contact.mount else text
         found.append(Event(time=_short(contact.first_touch or 0.0), level="WARN", text=text))
     return found
 

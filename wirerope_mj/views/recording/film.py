@@ -9,7 +9,7 @@ from wirerope_mj.dynamics.frequency_response.summary import Findings
 from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.columns import ColumnPlan
-from wirerope_mj.engine.response.response import MemorySamples
+from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import unit_vector
 

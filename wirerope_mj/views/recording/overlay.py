@@ -21,14 +21,15 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from wirerope_mj.assessment.comparison import Align, Inputs
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.events import events_of
 from wirerope_mj.views.recording.overlay_blueprint import EVENTS, loop_widths, overlay_blueprint
 from wirerope_mj.views.recording.overlay_ghosts import log_ghosts
 from wirerope_mj.views.recording.overlay_histories import log_overlaid_histories
 from wirerope_mj.views.recording.overlay_loops import log_overlaid_loops, overlaid_loops
-from wirerope_mj.views.recording.overlay_runs import Align, Overlay, overlay_of
-from wirerope_mj.views.recording.overlay_text import Inputs, log_overlay_texts
+from wirerope_mj.views.recording.overlay_runs import Overlay, overlay_of
+from wirerope_mj.views.recording.overlay_text import log_overlay_texts
 from wirerope_mj.views.recording.paths import Below, at, entity, root_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.state import log_state

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.assessment.comparison import BASE, Component
 from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent, whole_scene
 from wirerope_mj.views.recording.frame import HEIGHT
 from wirerope_mj.views.recording.histories import DIRECTIONS, TOTAL, UNITS, Marker
@@ -20,8 +21,7 @@ from wirerope_mj.views.recording.overlay_histories import (
     shown_parts,
 )
 from wirerope_mj.views.recording.overlay_loops import OverlaidLoops
-from wirerope_mj.views.recording.overlay_parts import BASE, Part, Run
-from wirerope_mj.views.recording.overlay_runs import Overlay
+from wirerope_mj.views.recording.overlay_runs import OverlaidRun, Overlay
 from wirerope_mj.views.recording.overlay_text import PEAK_TEXTS, PEAKS, SUMMARY
 from wirerope_mj.views.recording.paths import entity, root_of
 from wirerope_mj.views.recording.views import event_view, layout, loop_view, scene_view, series_view
@@ -101,14 +101,14 @@ def _scenes(overlay: Overlay) -> list[Any]:
     return scenes
 
 
-def _scene(run: Run, words: str, camera: Camera, *, without: tuple[str, ...] = ()) -> Any:
+def _scene(run: OverlaidRun, words: str, camera: Camera, *, without: tuple[str, ...] = ()) -> Any:
     base, root = run.response.scene.base, root_of(run.name)
     origin = root + (run.frames[base].path if base in run.response.bodies else entity("world"))
     contents = ["+ " + root + entity("world") + "/**", *without]
     return scene_view(origin, contents, f"{run.name}: {run.response.scene.name}, {words}", camera)
 
 
-def _near(run: Run, mount: str) -> Any:
+def _near(run: OverlaidRun, mount: str) -> Any:
     _, extent = scene_extent(run.response.scene)
     device = next(device for device in devices_of(run.response, extent) if device.mount.name == mount)
     camera = close_up(run.response, mount, height=device.height, width=device.width)
@@ -170,7 +170,7 @@ def _loops(axis: str, overlaid: list[OverlaidLoops]) -> Any:
     return rrb.Horizontal(*views, name=f"{axis.capitalize()} loops")
 
 
-def _acceleration_plot(overlay: Overlay, part: Part, direction: str) -> Any:
+def _acceleration_plot(overlay: Overlay, part: Component, direction: str) -> Any:
     which = "norm" if direction == TOTAL else direction
     title = (
         f"{part.label}: acceleration {which} [g]{_change(overlay.having(part), part_markers(overlay, part, direction))}"
@@ -184,7 +184,7 @@ def _mount_plot(overlay: Overlay, mount: str, quantity: str, axis: str) -> Any:
     return series_view(overlaid_mount_path(mount, quantity, axis), title, overlay.shared.window)
 
 
-def _difference_plot(overlay: Overlay, thing: Part | str) -> Any:
+def _difference_plot(overlay: Overlay, thing: Component | str) -> Any:
     first = overlay.having(thing)[0].name
     if isinstance(thing, str):
         title = f"{thing}: |deflection - that of {first}| [mm]"
@@ -193,7 +193,7 @@ def _difference_plot(overlay: Overlay, thing: Part | str) -> Any:
     return series_view(difference_path(thing), title, overlay.shared.window)
 
 
-def _change(runs: list[Run], markers: list[Marker]) -> str:
+def _change(runs: list[OverlaidRun], markers: list[Marker]) -> str:
     """Return how the peaks change from the first run that has them to each other."""
     first = abs(markers[0].value)
     if not first:

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.assessment.comparison import Component, difference
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.views.recording.histories import (
@@ -22,9 +23,7 @@ from wirerope_mj.views.recording.histories import (
     norm_marker,
     peak_marker,
 )
-from wirerope_mj.views.recording.overlay_apart import difference
-from wirerope_mj.views.recording.overlay_parts import Part, Run
-from wirerope_mj.views.recording.overlay_runs import Overlay
+from wirerope_mj.views.recording.overlay_runs import OverlaidRun, Overlay
 from wirerope_mj.views.recording.paths import AXES, child, entity
 from wirerope_mj.views.recording.selection import travel_limits
 
@@ -46,20 +45,20 @@ def log_overlaid_histories(rec: Any, overlay: Overlay) -> None:
         _log_difference(rec, overlay, thing)
 
 
-def shown_parts(overlay: Overlay) -> tuple[Part, ...]:
+def shown_parts(overlay: Overlay) -> tuple[Component, ...]:
     """Return the parts whose accelerations are drawn."""
-    return overlay.parts[:MOST_PARTS]
+    return overlay.components[:MOST_PARTS]
 
 
-def differing(overlay: Overlay) -> list[Part | str]:
+def differing(overlay: Overlay) -> list[Component | str]:
     """Return the part and the mount whose histories are farthest from those of the first run."""
-    apart = [entry.thing for entry in overlay.apart if np.isfinite(entry.share)]
-    parts = [thing for thing in apart if isinstance(thing, Part) and thing.kind != "base"]
+    apart = [entry.subject for entry in overlay.differences if np.isfinite(entry.ratio)]
+    parts = [thing for thing in apart if isinstance(thing, Component) and thing.kind != "base"]
     mounts = [thing for thing in apart if isinstance(thing, str)]
     return [*parts[:1], *mounts[:1]]
 
 
-def part_path(part: Part, direction: str) -> str:
+def part_path(part: Component, direction: str) -> str:
     """Return the entity of the accelerations of a part."""
     return child(acceleration_path(direction), part.kind, part.name)
 
@@ -69,13 +68,13 @@ def overlaid_mount_path(mount: str, quantity: str, axis: str) -> str:
     return child(mount_path(quantity, axis), mount)
 
 
-def difference_path(thing: Part | str) -> str:
+def difference_path(thing: Component | str) -> str:
     """Return the entity of the differences of a part or a mount."""
     kind, name = ("mount", thing) if isinstance(thing, str) else (thing.kind, thing.name)
     return entity("histories", "difference", kind, name)
 
 
-def part_markers(overlay: Overlay, part: Part, direction: str) -> list[Marker]:
+def part_markers(overlay: Overlay, part: Component, direction: str) -> list[Marker]:
     """Return the peak of a part in every run that has it."""
     return [_part_marker(run, part, direction) for run in overlay.having(part)]
 
@@ -85,7 +84,7 @@ def mount_markers(overlay: Overlay, mount: str, quantity: str, axis: str) -> lis
     return [_mount_marker(run, mount, quantity, axis) for run in overlay.having(mount)]
 
 
-def _log_acceleration(rec: Any, overlay: Overlay, part: Part, direction: str) -> None:
+def _log_acceleration(rec: Any, overlay: Overlay, part: Component, direction: str) -> None:
     drawn, markers = {}, {}
     for run in overlay.having(part):
         values = part.acceleration(run.response) / STANDARD_GRAVITY
@@ -96,7 +95,7 @@ def _log_acceleration(rec: Any, overlay: Overlay, part: Part, direction: str) ->
     _log_runs(rec, part_path(part, direction), overlay.having(part), drawn, markers)
 
 
-def _part_marker(run: Run, part: Part, direction: str) -> Marker:
+def _part_marker(run: OverlaidRun, part: Component, direction: str) -> Marker:
     peak = part.peak(run.response)
     if direction == TOTAL:
         return norm_marker(run.name, peak, STANDARD_GRAVITY, "g")
@@ -113,12 +112,14 @@ def _log_mount(rec: Any, overlay: Overlay, mount: str, quantity: str, axis: str)
     _log_runs(rec, overlaid_mount_path(mount, quantity, axis), runs, drawn, markers)
 
 
-def _mount_marker(run: Run, mount: str, quantity: str, axis: str) -> Marker:
+def _mount_marker(run: OverlaidRun, mount: str, quantity: str, axis: str) -> Marker:
     peak = getattr(run.response.peaks.mounts[mount], quantity)
     return extreme_marker(run.name, peak, AXES.index(axis), *UNITS[quantity])
 
 
-def _log_runs(rec: Any, path: str, runs: list[Run], drawn: dict[str, Array], markers: dict[str, Marker]) -> None:
+def _log_runs(
+    rec: Any, path: str, runs: list[OverlaidRun], drawn: dict[str, Array], markers: dict[str, Marker]
+) -> None:
     """Log a line and a peak for every run; both have one name, and so one entry in the legend.
 
     The viewer draws them in the order of their paths: the largest swing comes first, each is thinner than the one before, so
@@ -153,7 +154,7 @@ def _log_limits(rec: Any, overlay: Overlay, mount: str, axis: str) -> None:
         log_limit(rec, path, "rated travel", limit, ends=ends)
 
 
-def _log_difference(rec: Any, overlay: Overlay, thing: Part | str) -> None:
+def _log_difference(rec: Any, overlay: Overlay, thing: Component | str) -> None:
     """Log how far the histories of a part or a mount are from those of the first run."""
     first, *others = overlay.having(thing)
     unit, unit_name = (1e-3, "mm") if isinstance(thing, str) else (STANDARD_GRAVITY, "g")

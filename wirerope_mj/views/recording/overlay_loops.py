@@ -5,8 +5,7 @@ from typing import Any
 
 from wirerope_mj.views.recording.frame import LARGE, Plot
 from wirerope_mj.views.recording.loops import Loop, log_loop_frame, log_trail, loop_path, loops_of, outlines
-from wirerope_mj.views.recording.overlay_parts import Run
-from wirerope_mj.views.recording.overlay_runs import Overlay
+from wirerope_mj.views.recording.overlay_runs import OverlaidRun, Overlay
 from wirerope_mj.views.recording.paths import child
 
 
@@ -17,21 +16,21 @@ class OverlaidLoops:
     axis: str
     mount: str
     plot: Plot
-    loops: tuple[tuple[Run, Loop], ...]
+    loops: tuple[tuple[OverlaidRun, Loop], ...]
 
     @property
     def path(self) -> str:
         """Entity of the plot."""
         return loop_path(self.axis, self.mount)
 
-    def trail_path(self, run: Run) -> str:
+    def trail_path(self, run: OverlaidRun) -> str:
         """Return the entity of a run's trail."""
         return child(self.path, "data", run.name, "trail")
 
 
 def overlaid_loops(overlay: Overlay, width: dict[str, float]) -> list[OverlaidLoops]:
     """Return the loops of the shared mounts that are shown; `width` is that of the plots of an axis."""
-    found: dict[tuple[str, str], list[tuple[Run, Loop]]] = {}
+    found: dict[tuple[str, str], list[tuple[OverlaidRun, Loop]]] = {}
     for run in overlay.runs:
         for loop in loops_of(run.response, overlay.of_run(run)):
             found.setdefault((loop.axis, loop.mount), []).append((run, loop))

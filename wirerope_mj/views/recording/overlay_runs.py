@@ -1,22 +1,17 @@
-"""Runs that are laid over each other: what they share by name, what only one of them has, and their colours."""
+"""Runs that are laid over each other as they are drawn: colours, selections and frames."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal, get_args
 
 import numpy as np
 
-from wirerope_mj.engine.response import Peak, Response
-from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, compare_runs
+from wirerope_mj.assessment.comparison.compared import Subject, subjects_of
+from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.frame import Color
-from wirerope_mj.views.recording.overlay_apart import Apart, farthest_apart
-from wirerope_mj.views.recording.overlay_parts import BASE, Part, Run, has, parts_of
 from wirerope_mj.views.recording.paths import AXES
-from wirerope_mj.views.recording.poses import frames_of
+from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.selection import Selection, select
-
-Align = Literal["start", "shock"]
 
 MOST_MOUNTS = 4
 """Mounts of an axis whose histories and loops are drawn: each is a plot of its own, with a line for every run."""
@@ -29,28 +24,37 @@ COLORS: tuple[Color, ...] = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Overlay:
+class OverlaidRun(ComparedRun):
+    """One of the runs as it is drawn.
+
+    Attributes:
+        color: of its lines, mounts and ghosts.
+        selection: what of it a recording of its own would show, mounts in the run's colour.
+        frames: of its bodies.
+    """
+
+    color: Color
+    selection: Selection
+    frames: dict[str, Frame]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Overlay(Comparison):
     """Runs that are laid over each other.
 
     Attributes:
-        runs: the runs; differences are those to the first.
-        parts: what two of them or more have: the base first, then the largest peak.
+        runs: as they are drawn.
         shared: mounts that two of them or more have, those shown in `ranked`, `shares` the largest of any run.
-        alone: parts and mounts that only one of them has, by the run's name.
-        apart: where and when what is shared is farthest from the first run, the farthest first.
     """
 
-    runs: tuple[Run, ...]
-    parts: tuple[Part, ...]
+    runs: tuple[OverlaidRun, ...]
     shared: Selection
-    alone: dict[str, tuple[Part | str, ...]]
-    apart: tuple[Apart, ...]
 
-    def having(self, thing: Part | str) -> list[Run]:
-        """Return the runs that have a part, or a mount of that name."""
-        return [run for run in self.runs if has(run.response, thing)]
+    def having(self, subject: Subject) -> list[OverlaidRun]:
+        """Return the runs that have a component, or a mount of that name."""
+        return [run for run in self.runs if subject in subjects_of(run.response)]
 
-    def of_run(self, run: Run) -> Selection:
+    def of_run(self, run: OverlaidRun) -> Selection:
         """Return the shared mounts that a run has."""
         ranked = {
             axis: tuple(n for n in names if n in run.selection.mounts) for axis, names in self.shared.ranked.items()
@@ -67,78 +71,18 @@ def overlay_of(responses: Mapping[str, Response], align: Align) -> Overlay:
     """
     if not 2 <= len(responses) <= len(COLORS):
         raise ValueError(f"`responses` must be two to {len(COLORS)}, got {len(responses)}.")
-    if align not in get_args(Align):
-        raise ValueError(f"`align` must be start or shock, got {align!r}.")
-    runs = tuple(
-        _run(name, response, _shift(name, responses, align), color)
-        for (name, response), color in zip(responses.items(), COLORS, strict=False)
-    )
-    found = [thing for run in runs for thing in _things(run)]
-    several = {thing for thing in found if found.count(thing) > 1}
-    if not several:
-        raise RecordError(f"{', '.join(responses)}: these runs share no base, body, point or mount to compare.")
-    parts = {thing for thing in several if isinstance(thing, Part)}
-    mounts = tuple(dict.fromkeys(thing for thing in found if isinstance(thing, str) and thing in several))
-    return Overlay(
-        runs=runs,
-        parts=tuple(sorted(parts, key=lambda part: (part != BASE, -_largest(part, runs), part.name))),
-        shared=_shared(runs, mounts),
-        apart=farthest_apart(runs, [thing for thing in dict.fromkeys(found) if thing in several]),
-        alone={run.name: tuple(thing for thing in _things(run) if thing not in several) for run in runs},
-    )
+    comparison = compare_runs(responses, align)
+    runs = tuple(_overlaid(run, color) for run, color in zip(comparison.runs, COLORS, strict=False))
+    return Overlay(**vars(comparison) | {"runs": runs, "shared": _shared(runs, comparison.mounts)})
 
 
-def _run(name: str, response: Response, moved: float, color: Color) -> Run:
-    response = _moved(response, moved) if moved else response
-    selection = select(response)
+def _overlaid(run: ComparedRun, color: Color) -> OverlaidRun:
+    selection = select(run.response)
     selection = replace(selection, colors=dict.fromkeys(selection.mounts, color))
-    return Run(name=name, response=response, moved=moved, color=color, selection=selection, frames=frames_of(response))
+    return OverlaidRun(**vars(run), color=color, selection=selection, frames=frames_of(run.response))
 
 
-def _shift(name: str, responses: Mapping[str, Response], align: Align) -> float:
-    """Return by how much a run is moved so that its shock begins with that of the first [s]."""
-    if align == "start":
-        return 0.0
-    first = next(iter(responses))
-    for wanted in (name, first):
-        if not responses[wanted].events:
-            raise RecordError(f"{wanted}: nothing begins in this run; align runs at their start.")
-    return responses[first].events[0][0] - responses[name].events[0][0]
-
-
-def _moved(response: Response, by: float) -> Response:
-    """Return the response on a timeline `by` seconds later; its samples stay as they are."""
-
-    def later(peak: Peak) -> Peak:
-        return replace(
-            peak,
-            time=peak.time + by,
-            minimum_time=peak.minimum_time + by,
-            maximum_time=peak.maximum_time + by,
-        )
-
-    peaks = {
-        room: {
-            name: replace(entry, **{key: later(getattr(entry, key)) for key in entry.__dataclass_fields__})
-            for name, entry in getattr(response.peaks, room).items()
-        }
-        for room in ("bodies", "points", "mounts")
-    }
-    known = response.peaks.contacts
-    contacts = None if known is None else {name: contact.later(by) for name, contact in known.items()}
-    return replace(
-        response,
-        time=response.time + by,
-        events=tuple((time + by, text) for time, text in response.events),
-        peaks=Peaks(**peaks, contacts=contacts),
-    )
-
-
-def _largest(part: Part, runs: Iterable[Run]) -> float:
-    return max(part.peak(run.response).value for run in runs if has(run.response, part))
-
-
-def _shared(runs: tuple[Run, ...], mounts: tuple[str, ...]) -> Selection:
+def _shared(runs: tuple[OverlaidRun, ...], mounts: tuple[str, ...]) -> Selection:
     """Return mounts of several runs as a selection: the worst of any run first."""
     shares = np.full((len(mounts), 3), np.nan)
     travel = np.zeros((len(mounts), 3))
@@ -165,8 +109,3 @@ def _shared(runs: tuple[Run, ...], mounts: tuple[str, ...]) -> Selection:
         points=(),
         colors={},
     )
-
-
-def _things(run: Run) -> list[Part | str]:
-    """Return parts and names of mounts."""
-    return [*parts_of(run.response), *run.selection.mounts]

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria import mount_peaks
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.isolator.travel import SIDES, travel_reached, travel_shares
+from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.views.recording.paths import AXES, AXIAL
 
 MOST_LOOPS = 9
@@ -79,8 +80,8 @@ class Selection:
 def select(response: Response) -> Selection:
     """Return what is shown of `response`."""
     mounts = tuple(mount.name for mount in response.scene.isolating)
-    shares = np.array([_shares(m, response.peaks.mounts[m.name].deflection) for m in response.scene.isolating])
-    shares = shares.reshape(-1, 3)
+    used = {row.name: [row.utilisation_along(axis) for axis in AXES] for row in mount_peaks(response)}
+    shares = np.array([used[name] for name in mounts], dtype=np.float64).reshape(-1, 3)  # None becomes NaN
     ranked = {axis: _ranked(response, mounts, shares, number) for number, axis in enumerate(AXES)}
     first, last = float(response.time[0]), float(response.time[-1])
     event = min(max(response.events[0][0] if response.events else first, first), last)
@@ -97,12 +98,6 @@ def select(response: Response) -> Selection:
         points=_largest(points, MOST_POINTS),
         colors={name: _PALETTE[number % len(_PALETTE)] for number, name in enumerate(mounts)},
     )
-
-
-def _shares(mount: SceneMount, deflection: Peak) -> Array:
-    """Return the share of the rated travel of roll, shear and axial that the extremes reach, (3,); NaN if not rated."""
-    shares = travel_shares(travel_reached(deflection.minimum, deflection.maximum), mount.travel)
-    return np.array([max((shares[side] for side in SIDES[axis] if side in shares), default=np.nan) for axis in AXES])
 
 
 def travel_limits(mount: SceneMount, axis: str) -> tuple[float, float]:

@@ -10,7 +10,7 @@ from wirerope_mj.views.report.display import several, with_unit
 from wirerope_mj.views.report.judged import answer, full_table, headline
 from wirerope_mj.views.report.model import model_section
 from wirerope_mj.views.report.motion import motion_section, mounts_section, response_section
-from wirerope_mj.views.report.record import record_warnings
+from wirerope_mj.views.report.record import warnings_of
 from wirerope_mj.views.report.rest import modes_section, statics_section
 from wirerope_mj.views.report.run import FinishedRun
 
@@ -36,7 +36,7 @@ def report_content(run: FinishedRun) -> ReportContent:
         ),
         question=tuple(question or ("The scenario asks no question.",)),
         verdict=headline(run.verdicts),
-        answer=(*record_warnings(run), *answer(run.verdicts)),
+        answer=(*warnings_of(run), *answer(run.verdicts)),
         sections=(
             model_section(run),
             statics_section(run),

@@ -1,7 +1,6 @@
 """The part of a report about stops and other contacts."""
 
-from wirerope_mj.assessment.criteria import contact_verdicts
-from wirerope_mj.assessment.verdicts import contact_lines
+from wirerope_mj.assessment.criteria import contact_lines, contact_verdicts
 from wirerope_mj.foundation.tables import Column, Mark, Table
 from wirerope_mj.views.report.content import Block, Paragraph, Section
 from wirerope_mj.views.report.judged import TONE

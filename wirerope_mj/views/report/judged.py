@@ -4,9 +4,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from wirerope_mj.assessment.criteria import CLEAR, EXCEEDED, NOT_JUDGED, STRUCK, TOUCHING, WITHIN, Verdict
-from wirerope_mj.assessment.criteria.travel import COMBINED
-from wirerope_mj.assessment.verdicts import headline as verdicts_headline
+from wirerope_mj.assessment.criteria import CLEAR, COMBINED, EXCEEDED, NOT_JUDGED, STRUCK, TOUCHING, WITHIN, Verdict
+from wirerope_mj.assessment.criteria import headline as verdicts_headline
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.views.report.content import Block, Listing, Paragraph
 from wirerope_mj.views.report.display import ABSENT, fixed, listed, shown, shown_unit, with_unit
@@ -93,7 +92,7 @@ def full_table(verdicts: Sequence[Verdict]) -> Table | None:
 
 def ordered(verdicts: Sequence[Verdict]) -> list[Verdict]:
     """Return the verdicts: what is exceeded or struck first, then the smallest margin, those not judged last."""
-    return sorted(verdicts, key=lambda row: (_ORDER.index(row.verdict), -(row.share or 0.0)))
+    return sorted(verdicts, key=lambda row: (_ORDER.index(row.verdict), -(row.utilisation or 0.0)))
 
 
 def margin(row: Verdict) -> str:

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria import MountPeak, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.steady import steady_stretch
-from wirerope_mj.assessment.verdicts import MountPeak, body_peaks, mount_peaks
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator import AXES
@@ -86,8 +86,8 @@ def mounts_section(run: FinishedRun) -> Section:
     if not rows:
         return Section(title="Mounts in motion", blocks=())
     names = [row.name for row in rows[:MOST]]
-    rated = " Dashed: the rated travel of the first." if rows[0].share is not None else ""
-    order = "that use most of their rated travel" if rows[0].share is not None else "in the order of the model"
+    rated = " Dashed: the rated travel of the first." if rows[0].governing else ""
+    order = "that use most of their rated travel" if rows[0].governing else "in the order of the model"
     time, part = run.response.time, loop_rows(run.response, names[0])
     interval = f" from {time[part][0]:.5g} to {time[part][-1]:.5g} s" if part != slice(None) else ""
     return Section(
@@ -202,7 +202,7 @@ def _densities(run: FinishedRun) -> list[Block]:
 def _rms_rows(run: FinishedRun, name: str) -> Iterator[tuple[Cell, ...]]:
     """Yield the root mean square of a body along every axis: of its density, or else of the samples it was made of."""
     one = next(iter(run.densities.values()))[name]
-    _, _, last = steady_stretch(run.motion.to_dict())
+    _, _, last = steady_stretch(run.response.motion)
     rows = slice(*np.searchsorted(run.response.time, [min(last, run.response.time[-1]) - one.duration, last]))
     for axis in range(3):
         density = run.densities.get("xyz"[axis], {}).get(name)

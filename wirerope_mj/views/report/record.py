@@ -1,8 +1,9 @@
-"""The part of a report about measured records: warnings about them, and what was done to their baseline."""
+"""Blocks of a report about measured records: their warnings, and the correction of their baselines."""
 
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.motions import Record
-from wirerope_mj.views.plots.record_baseline import baseline_words, records_of
+from wirerope_mj.motions.records.record import records_in
+from wirerope_mj.views.plots.record_baseline import baseline_text
 from wirerope_mj.views.plots.report_image import image_of
 from wirerope_mj.views.plots.report_record import ends, record_figure
 from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture
@@ -10,22 +11,22 @@ from wirerope_mj.views.report.display import listed
 from wirerope_mj.views.report.run import FinishedRun
 
 
-def record_warnings(run: FinishedRun) -> list[Block]:
-    """Return the warnings of the measured records; nothing if there are none."""
+def warnings_of(run: FinishedRun) -> list[Block]:
+    """Return the warnings of the records that were played; nothing if there are none."""
     if not run.record_warnings:
         return []
     return [
-        Paragraph(text="Said of the measured record, on which every value here rests:", tone="unjudged"),
+        Paragraph(text="Said of the measured record, on which every figure here rests:", tone="unjudged"),
         Listing(items=run.record_warnings),
     ]
 
 
 def record_blocks(run: FinishedRun) -> list[Block]:
-    """Return the warnings about the records of the base's motion, and the baseline correction of each."""
-    blocks = record_warnings(run)
-    for record in records_of(run.motion):
+    """Return the warnings of the records in the base's motion, and the baseline correction of each."""
+    blocks = warnings_of(run)
+    for record in records_in(run.motion):
         if record.baseline == "none":
-            blocks.append(Paragraph(text=f"Record {record.path.name}, {baseline_words(record)}."))
+            blocks.append(Paragraph(text=f"Record {record.path.name}, {baseline_text(record)}."))
         else:
             blocks += _correction(record)
     return blocks
@@ -33,7 +34,7 @@ def record_blocks(run: FinishedRun) -> list[Block]:
 
 def _correction(record: Record) -> list[Block]:
     """Return picture and ends of a record without its baseline correction and with it."""
-    measured = record.as_measured()
+    measured = record.as_measured
     axes = [axis for axis in range(3) if measured.samples[:, axis].any()]
     rows = []
     for axis in axes:
@@ -46,7 +47,7 @@ def _correction(record: Record) -> list[Block]:
         Picture(
             image=image_of(record_figure(measured, record)),
             caption=f"The whole record {record.path.name} along {along}, as measured and as it is played, "
-            f"{baseline_words(record)}.",
+            f"{baseline_text(record)}.",
             alt=f"Histories of {record.path.name} along {along}, without the baseline correction and with it.",
         ),
         Table(

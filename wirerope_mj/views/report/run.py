@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria import Verdict, acceleration_verdicts
-from wirerope_mj.assessment.verdicts import body_peaks
+from wirerope_mj.assessment.criteria import Verdict, acceleration_verdicts, body_peaks
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable
@@ -42,7 +41,7 @@ class FinishedRun:
         duration: simulated time [s].
         sample_rate: of the response [Hz].
         motion: of the base.
-        record_warnings: of its measured records, a sentence each.
+        record_warnings: warnings of its measured records.
         response: what came out.
         isolators: of every mount, by the mount's name.
         gravity: of the model [m/s^2].
@@ -87,11 +86,11 @@ def worst_names(response: Response) -> list[str]:
     """
     found: list[str] = []
     peaks: list[tuple[float, ...]] = []
-    shares = dict.fromkeys((limit.name for limit in response.scene.limits), 0.0)
+    used = dict.fromkeys((limit.name for limit in response.scene.limits), 0.0)
     for verdict in acceleration_verdicts(response):  # from the peaks alone: rattle space would take every sample
-        if verdict.share is not None:
-            shares[verdict.subject] = max(verdict.share, shares[verdict.subject])
-    for row in sorted(body_peaks(response), key=lambda row: -shares.get(row.name, -1.0)):  # else as they are: by size
+        if verdict.utilisation is not None:
+            used[verdict.subject] = max(verdict.utilisation, used[verdict.subject])
+    for row in sorted(body_peaks(response), key=lambda row: -used.get(row.name, -1.0)):  # else as they are: by size
         size = (row.value, *row.axes)
         alike = any(np.allclose(size, other, rtol=1e-6, atol=1e-9) for other in peaks)  # a point of what cannot turn
         if row.kind != "base" and not alike:

@@ -1,38 +1,29 @@
-"""One run among several, and the parts whose accelerations are compared."""
+"""One run among several, and what is compared: base, bodies and points by their accelerations, mounts by their deflections."""
 
 from dataclasses import dataclass
 from typing import Literal
 
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.recording.frame import Color
-from wirerope_mj.views.recording.poses import Frame
-from wirerope_mj.views.recording.selection import Selection
 
 
 @dataclass(frozen=True, kw_only=True)
-class Run:
+class ComparedRun:
     """One of the runs.
 
     Attributes:
-        name: what it is called everywhere.
+        name: of the run in every output.
         response: its response, on the timeline that all runs share.
         moved: by how much it was moved to that timeline [s].
-        color: of its lines, mounts and ghosts.
-        selection: what of it a recording of its own would show, mounts in the run's colour.
-        frames: of its bodies.
     """
 
     name: str
     response: Response
     moved: float
-    color: Color
-    selection: Selection
-    frames: dict[str, Frame]
 
 
 @dataclass(frozen=True, kw_only=True, order=True)
-class Part:
+class Component:
     """Something whose acceleration is compared: the base, which every run may call as it likes, a body or a point."""
 
     kind: Literal["base", "body", "point"]
@@ -40,7 +31,7 @@ class Part:
 
     @property
     def label(self) -> str:
-        """What it is called in plots and tables."""
+        """Name in plots and tables."""
         return f"point {self.name}" if self.kind == "point" else self.name
 
     def acceleration(self, response: Response) -> Array:
@@ -57,19 +48,18 @@ class Part:
         return peaks.bodies[response.scene.base if self.kind == "base" else self.name].acceleration
 
 
-BASE = Part(kind="base", name="base")
+BASE = Component(kind="base", name="base")
+
+Subject = Component | str
+"""A component, or a mount by its name."""
 
 
-def parts_of(response: Response) -> list[Part]:
-    """Return the base, if there is one, the other bodies and the points."""
+def subjects_of(response: Response) -> list[Subject]:
+    """Return the base, if there is one, the other bodies, the points, and the mounts that are no stops."""
     base = response.scene.base
-    parts = [BASE] if base in response.peaks.bodies else []
-    parts += [Part(kind="body", name=name) for name in response.peaks.bodies if name != base]
-    return parts + [Part(kind="point", name=name) for name in response.peaks.points]
-
-
-def has(response: Response, thing: Part | str) -> bool:
-    """Return whether a response has a part, or a mount of that name."""
-    if isinstance(thing, str):
-        return any(mount.name == thing for mount in response.scene.isolating)
-    return thing in parts_of(response)
+    return [
+        *([BASE] if base in response.peaks.bodies else []),
+        *(Component(kind="body", name=name) for name in response.peaks.bodies if name != base),
+        *(Component(kind="point", name=name) for name in response.peaks.points),
+        *(mount.name for mount in response.scene.isolating),
+    ]

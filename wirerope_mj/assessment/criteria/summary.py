@@ -1,12 +1,12 @@
-"""Peaks, limits and verdicts as plain values."""
+"""Peaks, limits and verdicts of a run as plain values."""
 
 from collections.abc import Sequence
 from typing import Any
 
-from wirerope_mj.assessment.criteria import Verdict, contact_verdicts
-from wirerope_mj.assessment.verdicts.headline import headline
-from wirerope_mj.assessment.verdicts.peaks import body_peaks, mount_peaks
-from wirerope_mj.assessment.verdicts.sentences import verdict_lines
+from wirerope_mj.assessment.criteria.headline import headline
+from wirerope_mj.assessment.criteria.peaks import MountPeak, body_peaks, mount_peaks
+from wirerope_mj.assessment.criteria.sentences import verdict_lines
+from wirerope_mj.assessment.criteria.verdict import NOT_JUDGED, WITHIN, Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.mounts.isolator import AXES
 
@@ -16,7 +16,7 @@ def summary(response: Response, verdicts: Sequence[Verdict]) -> dict[str, Any]:
     travel = {mount.name: mount.travel for mount in response.scene.mounts}
     return {
         "headline": headline(verdicts),
-        "verdicts": verdict_lines(response),
+        "verdicts": verdict_lines(response, verdicts),
         "judged": [verdict.to_dict() for verdict in verdicts],
         "accelerations": [
             {"name": row.name, "kind": row.kind, "peak_g": row.value, "time_s": row.time, "axes_g": list(row.axes)}
@@ -26,8 +26,8 @@ def summary(response: Response, verdicts: Sequence[Verdict]) -> dict[str, Any]:
             {
                 "name": row.name,
                 "isolator": row.isolator,
-                "verdict": row.verdict,
-                "share_of_travel": row.shares,
+                "verdict": _travel_verdict(row),
+                "share_of_travel": {rating: verdict.utilisation for rating, verdict in row.travel.items()},
                 "rated_travel_m": travel[row.name],
                 "lowest_deflection_m": dict(zip(AXES, row.minimum, strict=True)),
                 "highest_deflection_m": dict(zip(AXES, row.maximum, strict=True)),
@@ -35,21 +35,29 @@ def summary(response: Response, verdicts: Sequence[Verdict]) -> dict[str, Any]:
             }
             for row in mount_peaks(response)
         ],
-        "contacts": _contacts(response),
+        "contacts": _contacts(response, verdicts),
     }
 
 
-def _contacts(response: Response) -> list[dict[str, Any]] | None:
-    """Return what is known of every pair of geoms that may touch and every stop; None where contacts were not recorded."""
+def _travel_verdict(row: MountPeak) -> str:
+    """Return "within", "exceeds compression, ..." or "not judged"."""
+    if row.exceeded:
+        return f"exceeds {', '.join(row.exceeded)}"
+    return NOT_JUDGED if row.utilisation is None else WITHIN
+
+
+def _contacts(response: Response, verdicts: Sequence[Verdict]) -> list[dict[str, Any]] | None:
+    """Return every pair of geoms that may touch and every stop; None where contacts were not recorded."""
     if response.peaks.contacts is None:
         return None
+    judged = {row.subject: row.verdict for row in verdicts if row.contact}
     return [
         {
             "name": name,
             "geoms": list(contact.geoms),
             "bodies": list(contact.bodies),
             "mount": contact.mount,
-            "verdict": verdict.verdict,
+            "verdict": judged[name],
             "from_start": contact.from_start,
             "touches": contact.touches,
             "first_touch_s": contact.first_touch,
@@ -59,5 +67,5 @@ def _contacts(response: Response) -> list[dict[str, Any]] | None:
             "penetration_m": contact.penetration,
             "penetration_time_s": contact.penetration_time,
         }
-        for (name, contact), verdict in zip(response.peaks.contacts.items(), contact_verdicts(response), strict=True)
+        for name, contact in response.peaks.contacts.items()
     ]

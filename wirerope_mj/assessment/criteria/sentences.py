@@ -1,17 +1,11 @@
-"""Verdicts in a few sentences: payload and mounts against their limits, and what nobody judges."""
+"""Verdicts in a few sentences: payload and mounts against their limits, contacts, and what is not judged."""
 
-from wirerope_mj.assessment.criteria import (
-    EXCEEDED,
-    NOT_JUDGED,
-    Verdict,
-    acceleration_verdicts,
-    bottoming_verdicts,
-    closing_words,
-    rattle_verdicts,
-    travel_verdicts,
-)
+from collections.abc import Sequence
+
+from wirerope_mj.assessment.criteria.contact import closing_text
+from wirerope_mj.assessment.criteria.peaks import mount_peaks
 from wirerope_mj.assessment.criteria.travel import COMBINED
-from wirerope_mj.assessment.verdicts.peaks import mount_peaks
+from wirerope_mj.assessment.criteria.verdict import EXCEEDED, NOT_JUDGED, Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.mounts.isolator.travel import RATINGS
@@ -19,9 +13,14 @@ from wirerope_mj.mounts.isolator.travel import RATINGS
 _NAMED = 4  # contact pairs that a sentence names
 
 
-def verdict_lines(response: Response) -> list[str]:
-    """Return the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged."""
-    return _payload_lines(response) + _travel_lines(response) + contact_lines(response)
+def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
+    """Return the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged.
+
+    Args:
+        response: of a run.
+        verdicts: what `judge` returns of it.
+    """
+    return _payload_lines(verdicts) + _travel_lines(response, verdicts) + contact_lines(response)
 
 
 def contact_lines(response: Response) -> list[str]:
@@ -49,8 +48,8 @@ def _stop_lines(response: Response, n_stops: int) -> list[str]:
     contacts = response.peaks.contacts or {}
     closed = [name for name in response.peaks.struck if contacts[name].mount]
     if closed:
-        words = _listed([closing_words(name, contacts[name]) for name in closed], "; ")
-        return [f"{words[0].upper()}{words[1:]}. From then on accelerations depend on what the stops are made of."]
+        text = _listed([closing_text(name, contacts[name]) for name in closed], "; ")
+        return [f"{text[0].upper()}{text[1:]}. From then on accelerations depend on what the stops are made of."]
     if n_stops and not any(contact.touches for contact in contacts.values() if contact.mount):
         return [f"No stop closes: {'there is one' if n_stops == 1 else f'there are {n_stops}'}."]
     return []
@@ -62,61 +61,60 @@ def _listed(names: list[str], between: str = ", ") -> str:
     return between.join(names[:_NAMED]) + more
 
 
-def _payload_lines(response: Response) -> list[str]:
+def _payload_lines(verdicts: Sequence[Verdict]) -> list[str]:
     """Return what exceeds the payload's limits, or comes nearest to them, and what has no limit."""
-    found = (*acceleration_verdicts(response), *rattle_verdicts(response))
-    judged = sorted((row for row in found if row.share is not None), key=lambda row: row.share or 0.0, reverse=True)
+    kinds = ("acceleration", "rattle space")
+    rows = [row for row in verdicts if row.criterion.startswith(kinds)]
+    judged = sorted((row for row in rows if row.verdict != NOT_JUDGED), key=lambda row: -(row.utilisation or 0.0))
     over = [row for row in judged if row.verdict == EXCEEDED]
-    lines = [f"Exceeded: {_words(row)}." for row in over]
+    lines = [f"Exceeded: {_against_limit(row)}." for row in over]
     if judged and not over:
-        lines.append(f"Payload within its limits; nearest is {_words(judged[0])}.")
-    unjudged = [
-        word
-        for word in ("acceleration", "rattle space")
-        if not any(row.criterion.startswith(word) and row.verdict != NOT_JUDGED for row in found)
-    ]
-    if unjudged and found:
+        lines.append(f"Payload within its limits; nearest is {_against_limit(judged[0])}.")
+    unjudged = [kind for kind in kinds if not any(row.criterion.startswith(kind) for row in judged)]
+    if unjudged and rows:
         lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")
     return lines
 
 
-def _words(row: Verdict) -> str:
+def _against_limit(row: Verdict) -> str:
     unit, factor = shown_in(row.unit)
     reached = f"{factor * row.value:.3g} of {factor * (row.limit or 0.0):.3g} {unit}"
-    return f"{row.criterion} of {row.subject}, {reached} ({100.0 * (row.share or 0.0):.0f} %)"
+    return f"{row.criterion} of {row.subject}, {reached} ({100.0 * (row.utilisation or 0.0):.0f} %)"
 
 
-def _travel_lines(response: Response) -> list[str]:
+def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     """Return what the worst mount uses of its rated travel, which mounts exceed it, and which are not judged."""
     mounts = mount_peaks(response)
-    judged = [row for row in mounts if row.share is not None]
+    judged = [row for row in mounts if row.utilisation is not None]
     lines = []
     if judged:
         worst = judged[0]
-        axis = max(RATINGS, key=lambda name: worst.shares[name] or 0.0)
-        lines.append(f"{worst.name} uses most of its rated travel: {100 * (worst.share or 0.0):.0f} % in {axis}.")
-        over = {rating: [row.name for row in judged if (row.shares[rating] or 0.0) > 1.0] for rating in RATINGS}
-        words = [f"in {rating} by {', '.join(names)}" for rating, names in over.items() if names]
+        used = 100 * (worst.utilisation or 0.0)
+        lines.append(f"{worst.name} uses most of its rated travel: {used:.0f} % in {worst.governing}.")
+        over = {rating: [row.name for row in judged if rating in row.exceeded] for rating in RATINGS}
+        exceeded = [f"in {rating} by {', '.join(names)}" for rating, names in over.items() if names]
         lines.append(
-            f"Rated travel exceeded {'; '.join(words)}." if words else "No mount exceeds a rated travel along one axis."
+            f"Rated travel exceeded {'; '.join(exceeded)}."
+            if exceeded
+            else "No mount exceeds a rated travel along one axis."
         )
-        lines += _combined_line(response)
-    flat = [row.subject for row in bottoming_verdicts(response) if row.verdict == EXCEEDED]
+        lines += _combined_line(verdicts)
+    flat = [row.subject for row in verdicts if row.criterion == "bottoming" and row.verdict == EXCEEDED]
     if flat:
         lines.append(
             f"Pressed beyond their own height, which cannot be: {', '.join(flat)}. A stop is missing in the model."
         )
-    untensioned = bool(judged) and all(row.shares["tension"] is None for row in judged)
+    untensioned = bool(judged) and all(row.travel["tension"].utilisation is None for row in judged)
     unjudged = ["tension of every mount"] if untensioned else []
-    unjudged += [row.name for row in mounts if row.share is None]
+    unjudged += [row.name for row in mounts if row.utilisation is None]
     if unjudged:
         lines.append(f"Not judged, because no travel is rated: {', '.join(unjudged)}.")
     return lines
 
 
-def _combined_line(response: Response) -> list[str]:
+def _combined_line(verdicts: Sequence[Verdict]) -> list[str]:
     """Return which mounts come to more than their ratings with all axes taken together."""
-    rows = [row for row in travel_verdicts(response) if row.criterion == COMBINED and row.verdict == EXCEEDED]
+    rows = [row for row in verdicts if row.criterion == COMBINED and row.verdict == EXCEEDED]
     if not rows:
         return []
     worst = max(rows, key=lambda row: row.value)

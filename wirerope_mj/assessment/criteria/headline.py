@@ -2,7 +2,8 @@
 
 from collections.abc import Sequence
 
-from wirerope_mj.assessment.criteria import EXCEEDED, STOP, STRUCK, WITHIN, Verdict
+from wirerope_mj.assessment.criteria.contact import STOP
+from wirerope_mj.assessment.criteria.verdict import EXCEEDED, STRUCK, WITHIN, Verdict
 
 
 def headline(verdicts: Sequence[Verdict]) -> str:
@@ -16,15 +17,15 @@ def headline(verdicts: Sequence[Verdict]) -> str:
         answer = f"Within {'its limit' if judged == 1 else f'all {judged} limits'}"
     else:
         answer = "Nothing is judged: no limit is stated for anything in this run"
-    parts = [answer]
+    clauses = [answer]
     for thing, of_mounts in (("contact pair", False), ("stop", True)):
-        found = [row.contact for row in verdicts if row.contact and (row.criterion == STOP) is of_mounts]
-        if STRUCK in found:
-            parts.append(f"{found.count(STRUCK)} of {_several(len(found), thing)} struck")
+        outcomes = [row.contact for row in verdicts if row.contact and (row.criterion == STOP) is of_mounts]
+        if STRUCK in outcomes:
+            clauses.append(f"{outcomes.count(STRUCK)} of {_several(len(outcomes), thing)} struck")
     left = len(verdicts) - judged - contacts
     if judged and left:
-        parts.append(f"{_several(left, 'figure')} {'is' if left == 1 else 'are'} not judged")
-    return f"{'; '.join(parts)}."
+        clauses.append(f"{_several(left, 'figure')} {'is' if left == 1 else 'are'} not judged")
+    return f"{'; '.join(clauses)}."
 
 
 def _several(count: int, thing: str) -> str:

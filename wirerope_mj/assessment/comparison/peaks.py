@@ -1,0 +1,112 @@
+"""Peaks of several runs beside each other."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirerope_mj.assessment.comparison.compared import Component, subjects_of
+from wirerope_mj.assessment.comparison.runs import Comparison
+from wirerope_mj.assessment.criteria import MountPeak, mount_peaks
+from wirerope_mj.engine.response import Peak
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+
+
+@dataclass(frozen=True, kw_only=True)
+class PeakRow:
+    """A peak in every run, in the order of the runs; None where a run does not have it.
+
+    Attributes:
+        label: whose it is.
+        values: in the row's unit.
+        times: instants [s]; NaN where the peak has none.
+        notes: what is said beside a value, such as the kind of travel.
+    """
+
+    label: str
+    values: tuple[float | None, ...]
+    times: tuple[float | None, ...]
+    notes: tuple[str, ...]
+
+    def difference(self, number: int) -> float | None:
+        """Return the relative difference of a run to the first; None if that makes no sense."""
+        first, value = self.values[0], self.values[number]
+        if first is None or value is None or not np.isfinite([first, value]).all() or (first == 0.0 != value):
+            return None
+        return 0.0 if value == first else value / first - 1.0
+
+
+def acceleration_rows(comparison: Comparison, axis: int | None = None) -> list[PeakRow]:
+    """Return the peak accelerations [g], norms or sizes along an axis: of what is shared, then of what one run has alone."""
+    alone = [subject for of_run in comparison.alone.values() for subject in of_run if isinstance(subject, Component)]
+    known = [subjects_of(run.response) for run in comparison.runs]
+    rows = []
+    for component in (*comparison.components, *alone):
+        peaks = [
+            component.peak(run.response) if component in of_run else None
+            for run, of_run in zip(comparison.runs, known, strict=True)
+        ]
+        rows.append(_row(component.label, peaks, axis, STANDARD_GRAVITY))
+    return rows
+
+
+def mount_rows(comparison: Comparison, quantity: str, axis: int | None, unit: float) -> list[PeakRow]:
+    """Return the peak "deflection" or "force" of the mounts in units of `unit`, the mount that uses most travel first."""
+    rows = []
+    for name in _mounts_of_runs(comparison):
+        entries = [run.response.peaks.mounts.get(name) for run in comparison.runs]
+        peaks = [getattr(entry, quantity) if entry else None for entry in entries]
+        rows.append(_row(name, peaks, axis, unit))
+    return rows
+
+
+def travel_rows(comparison: Comparison) -> list[PeakRow]:
+    """Return the largest utilisation of a rated travel of every mount, the largest first; NaN where none is rated."""
+    return [_travel_row(name, peaks) for name, peaks in _mounts_of_runs(comparison).items()]
+
+
+def largest_travel_row(comparison: Comparison) -> PeakRow | None:
+    """Return the largest utilisation of a rated travel of any mount of each run; None if nothing is rated."""
+    worst = [next(iter(mount_peaks(run.response)), None) for run in comparison.runs]
+    if not any(peak is not None and peak.governing for peak in worst):
+        return None
+    row = _travel_row("largest of any mount", worst)
+    notes = tuple(f"{peak.name}, {note}" if peak and note else "" for peak, note in zip(worst, row.notes, strict=True))
+    return PeakRow(label=row.label, values=row.values, times=row.times, notes=notes)
+
+
+def _mounts_of_runs(comparison: Comparison) -> dict[str, list[MountPeak | None]]:
+    """Return the peaks of every mount in every run; the largest utilisation in any run first, those not rated last."""
+    by_run = [{peak.name: peak for peak in mount_peaks(run.response)} for run in comparison.runs]
+    names = [mount.name for run in comparison.runs for mount in run.response.scene.isolating]
+    mounts = {name: [peaks.get(name) for peaks in by_run] for name in dict.fromkeys(names)}
+
+    def largest(name: str) -> float:
+        used = [-1.0 if peak is None or peak.utilisation is None else peak.utilisation for peak in mounts[name]]
+        return max(used)
+
+    return {name: mounts[name] for name in sorted(mounts, key=largest, reverse=True)}
+
+
+def _row(label: str, peaks: list[Peak | None], axis: int | None, unit: float) -> PeakRow:
+    sizes = [None if peak is None else _size(peak, axis) for peak in peaks]
+    return PeakRow(
+        label=label,
+        values=tuple(None if size is None else size[0] / unit for size in sizes),
+        times=tuple(None if size is None else size[1] for size in sizes),
+        notes=("",) * len(peaks),
+    )
+
+
+def _size(peak: Peak, axis: int | None) -> tuple[float, float]:
+    """Return size and instant of the largest norm, or of the extreme of a component that is farther from zero."""
+    if axis is None:
+        return peak.value, peak.time
+    low, high = float(peak.minimum[axis]), float(peak.maximum[axis])
+    return (high, float(peak.maximum_time[axis])) if high >= -low else (-low, float(peak.minimum_time[axis]))
+
+
+def _travel_row(label: str, peaks: Sequence[MountPeak | None]) -> PeakRow:
+    used = [None if peak is None else np.nan if peak.utilisation is None else peak.utilisation for peak in peaks]
+    notes = tuple("" if peak is None else peak.governing for peak in peaks)
+    return PeakRow(label=label, values=tuple(used), times=(np.nan,) * len(peaks), notes=notes)

@@ -1,0 +1,105 @@
+"""Runs that are compared: aligned in time, with what they share by name and what only one of them has."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+
+from wirerope_mj.assessment.comparison.compared import BASE, ComparedRun, Component, Subject, subjects_of
+from wirerope_mj.assessment.comparison.histories import HistoryDifference, largest_differences
+from wirerope_mj.engine.response import Peak, Response
+from wirerope_mj.engine.response.peaks import Peaks
+from wirerope_mj.foundation.errors import RecordError
+
+Align = Literal["start", "shock"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """Two or more runs and what they have in common.
+
+    Attributes:
+        runs: the runs; differences are those to the first.
+        components: what two of them or more have: the base first, then the largest peak.
+        mounts: names of the mounts that two of them or more have.
+        alone: components and mounts that only one of them has, by the run's name.
+        differences: where and when what is shared differs most from the first run, the largest first.
+    """
+
+    runs: tuple[ComparedRun, ...]
+    components: tuple[Component, ...]
+    mounts: tuple[str, ...]
+    alone: dict[str, tuple[Subject, ...]]
+    differences: tuple[HistoryDifference, ...]
+
+
+def compare_runs(responses: Mapping[str, Response], align: Align = "start") -> Comparison:
+    """Return the comparison of responses by name with the first of them.
+
+    Args:
+        responses: two or more, by the names of the runs.
+        align: "start": all begin together, as they were simulated; "shock": their first events fall together.
+
+    Raises:
+        ValueError: `align` is unknown.
+        RecordError: they share nothing, or a run has no shock to align.
+    """
+    if align not in get_args(Align):
+        raise ValueError(f"`align` must be start or shock, got {align!r}.")
+    runs = tuple(_aligned(name, responses, align) for name in responses)
+    subjects = {run.name: subjects_of(run.response) for run in runs}
+    every = [subject for of_run in subjects.values() for subject in of_run]
+    shared = [subject for subject in dict.fromkeys(every) if every.count(subject) > 1]
+    if not shared:
+        raise RecordError(f"{', '.join(responses)}: these runs share no base, body, point or mount to compare.")
+    largest = {
+        subject: max(subject.peak(run.response).value for run in runs if subject in subjects[run.name])
+        for subject in shared
+        if isinstance(subject, Component)
+    }
+    return Comparison(
+        runs=runs,
+        components=tuple(sorted(largest, key=lambda one: (one != BASE, -largest[one], one.name))),
+        mounts=tuple(subject for subject in shared if isinstance(subject, str)),
+        alone={name: tuple(one for one in of_run if one not in shared) for name, of_run in subjects.items()},
+        differences=largest_differences(runs, shared),
+    )
+
+
+def _aligned(name: str, responses: Mapping[str, Response], align: Align) -> ComparedRun:
+    """Return a run, moved so that its shock begins with that of the first if that is asked for."""
+    response, moved = responses[name], 0.0
+    if align == "shock":
+        first = next(iter(responses))
+        for wanted in (name, first):
+            if not responses[wanted].events:
+                raise RecordError(f"{wanted}: nothing begins in this run; align runs at their start.")
+        moved = responses[first].events[0][0] - response.events[0][0]
+    return ComparedRun(name=name, response=_moved(response, moved) if moved else response, moved=moved)
+
+
+def _moved(response: Response, by: float) -> Response:
+    """Return the response on a timeline `by` seconds later; its samples stay as they are."""
+
+    def later(peak: Peak) -> Peak:
+        return replace(
+            peak,
+            time=peak.time + by,
+            minimum_time=peak.minimum_time + by,
+            maximum_time=peak.maximum_time + by,
+        )
+
+    peaks = {
+        kind: {
+            name: replace(entry, **{key: later(getattr(entry, key)) for key in entry.__dataclass_fields__})
+            for name, entry in getattr(response.peaks, kind).items()
+        }
+        for kind in ("bodies", "points", "mounts")
+    }
+    known = response.peaks.contacts
+    contacts = None if known is None else {name: contact.later(by) for name, contact in known.items()}
+    return replace(
+        response,
+        time=response.time + by,
+        events=tuple((time + by, text) for time, text in response.events),
+        peaks=Peaks(**peaks, contacts=contacts),
+    )
