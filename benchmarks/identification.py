@@ -28,7 +28,8 @@ from twins import LAWS, NOISE, Twin, deviations_of_draws, noisy_loops, start_of,
 
 import wirerope_mj as wr
 from wirerope_mj.mounts.identification import compare_laws, compare_methods
-from wirerope_mj.mounts.identification.identify import family_of, identify
+from wirerope_mj.mounts.identification.families import family_of
+from wirerope_mj.mounts.identification.identify import identify
 from wirerope_mj.mounts.identification.measured import STEADY, MeasuredLoop, prepare
 from wirerope_mj.mounts.identification.residuals import loop_residual
 from wirerope_mj.mounts.laws import Law

@@ -6,7 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.identification.identify import Identification, family_of, identify
+from wirerope_mj.mounts.identification.families import family_of
+from wirerope_mj.mounts.identification.identify import Identification, identify
 from wirerope_mj.mounts.identification.uncertainty import OPEN
 from wirerope_mj.mounts.laws import Law, Loop
 from wirerope_mj.mounts.test_rig import cyclic_test, measured

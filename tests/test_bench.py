@@ -129,9 +129,9 @@ def test_internal_states_carry_from_cycle_to_cycle():
         ({"amplitudes": 0.0}, "`amplitudes` must be finite and > 0"),
         ({"amplitudes": []}, "`amplitudes` must be finite and > 0"),
         ({"amplitudes": [1.0, np.nan]}, "`amplitudes` must be finite and > 0"),
-        ({"operating_point": np.inf}, "`operating_point` must be finite"),
-        ({"frequency": 0.0}, "`frequency` must be finite and > 0"),
-        ({"cycles": 0}, "`cycles` must be >= 1"),
+        ({"operating_point": np.inf}, "`operating_point` must be a finite number"),
+        ({"frequency": 0.0}, "`frequency` must be > 0"),
+        ({"cycles": 0}, "`cycles` must be an integer >= 1"),
         ({"points_per_cycle": 30}, "`points_per_cycle` must be a multiple of 4"),
     ],
 )

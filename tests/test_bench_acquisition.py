@@ -76,11 +76,11 @@ def test_converter_rounds_to_its_steps():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"points_per_cycle": 4}, "`points_per_cycle` must be >= 8, got 4"),
-        ({"force_noise": -1.0}, "`force_noise` must be finite and >= 0, got -1.0"),
-        ({"deflection_noise": np.nan}, "`deflection_noise` must be finite"),
-        ({"force_resolution": np.inf}, "`force_resolution` must be finite"),
-        ({"deflection_resolution": -1e-6}, "`deflection_resolution` must be finite and >= 0"),
+        ({"points_per_cycle": 4}, "`points_per_cycle` must be an integer >= 8, got 4"),
+        ({"force_noise": -1.0}, "`force_noise` must be >= 0, got -1.0"),
+        ({"deflection_noise": np.nan}, "`deflection_noise` must be a finite number"),
+        ({"force_resolution": np.inf}, "`force_resolution` must be a finite number"),
+        ({"deflection_resolution": -1e-6}, "`deflection_resolution` must be >= 0"),
     ],
 )
 def test_bad_arguments_are_named(arguments, message):

@@ -9,10 +9,10 @@ from house import sdof, sdof_text
 import wirerope_mj as wr
 from wirerope_mj.dynamics.periodic import backbone, harmonic_content, resonances
 from wirerope_mj.dynamics.periodic.continuation import Continuation
-from wirerope_mj.dynamics.periodic.search import Search
+from wirerope_mj.dynamics.periodic.find import Search
+from wirerope_mj.dynamics.periodic.growing import Walk
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import Variational
-from wirerope_mj.dynamics.periodic.walk import Walk
 
 HARDENING = wr.SymmetricBoucWen(alpha=1.0, beta=0.5, gamma=0.5, n=1.0, k1=0.5, k2=0.0, k3=0.3)
 ALONG = {"direction": "z", "payload": "mass"}
@@ -106,7 +106,7 @@ def test_symmetry_breaking_is_told_from_a_fold():
     assert branch.folds == ()
     lost, regained = branch.bifurcations
     assert (lost.before, lost.after) == (0, 1)
-    assert "stability is lost" in lost.words
+    assert "stability is lost" in lost.description
     inside = (branch.frequency > lost.frequency * 1.001) & (branch.frequency < regained.frequency * 0.999)
     assert not branch.stable[inside].any()
     # at this frequency the motion that is reached by itself is another one, without the symmetry: even harmonics
@@ -282,7 +282,7 @@ BASE = {"start": 0.1, "stop": 0.2, "acceleration": 0.3, "direction": "z", "paylo
         ({"start": -1.0}, "`start` must be > 0"),
         ({"stop": 0.0}, "`stop` must be > 0"),
         ({"stop": 0.1}, "`stop` must differ from `start`.* periodic_orbit"),
-        ({"payload": "table"}, "`payload` must be one of mass; got 'table'"),
+        ({"payload": "table"}, "`payload` must be one of 'mass', got 'table'"),
         ({"direction": "w"}, "`direction` must be"),
         ({"response_direction": "w"}, "`response_direction` must be"),
         ({"frequency": 1.0}, "give either `acceleration`"),

@@ -101,7 +101,21 @@ def test_file_loads_and_says_where_it_comes_from(name):
 
 @pytest.mark.parametrize("name", SHEETS)
 def test_file_is_what_its_data_sheet_gives(name):
-    assert fit_datasheet(SHEETS[name]).to_dict() == isolator(name).to_dict()
+    assert leaves(fit_datasheet(SHEETS[name]).to_dict()) == nearly(isolator(name))
+
+
+def nearly(isolator):
+    """Return the leaves of an isolator to eight digits: files hold nine, and the ninth depends on the processor."""
+    expected = leaves(isolator.to_dict())
+    return {key: pytest.approx(x, rel=2e-8) if isinstance(x, float) else x for key, x in expected.items()}
+
+
+def leaves(content, path=""):
+    """Return the values in dictionaries and lists by their paths."""
+    if not isinstance(content, dict | list | tuple):
+        return {path: content}
+    entries = content.items() if isinstance(content, dict) else enumerate(content)
+    return {key: leaf for name, value in entries for key, leaf in leaves(value, f"{path}/{name}").items()}
 
 
 @pytest.mark.parametrize("name", STIFFNESS)
@@ -297,7 +311,7 @@ def test_secants_without_a_passive_law_are_said_with_what_they_ask_for():
 def test_command_writes_the_file_and_prints_the_table(tmp_path, capsys):
     name = "enidine_wr12_400"
     assert main(["isolators", "fit", str(SHEETS[name]), str(tmp_path / "a.toml")]) == 0
-    assert load_isolator(tmp_path / "a.toml") == isolator(name)
+    assert leaves(load_isolator(tmp_path / "a.toml").to_dict()) == nearly(isolator(name))
     printed = capsys.readouterr()
     assert re.search(r"45 degrees +shock stiffness +N/mm +65 +\d", printed.out)
     assert not printed.err

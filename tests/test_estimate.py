@@ -99,11 +99,11 @@ def test_rope_held_by_the_bars_would_fit_worse():
     free = np.array([check.bending_stiffness for check in checks])
     held, diagonal = [], []
     for check in checks:
-        part, pieces = check.part, list(check.part.shape.pieces)
+        part, segments = check.part, list(check.part.shape.segments)
         for end in (0, -1):
-            pieces[end] = (pieces[end][0] - 0.25 * part.bar, 0.0)
+            segments[end] = (segments[end][0] - 0.25 * part.bar, 0.0)
         secants = loop_secants(
-            LoopShape(pieces=tuple(pieces), arm=0.25 * part.bar),
+            LoopShape(segments=tuple(segments), arm=0.25 * part.bar),
             compression=part.travel["compression"],
             roll=part.travel["shear"],
             diagonal=part.travel["45"],
@@ -118,8 +118,8 @@ def test_estimates_leave_out_what_they_are_compared_with():
     part = next(index for index, row in enumerate(vendor_loops()) if row.name == "WR12-700")
     row = vendor_loops()[part]
     trends = find_trends([index for index in range(50) if index != part])
-    figures = trends.predict(height=row.height, width=row.width, rope=row.rope, bar=row.bar, loops=row.loops)
-    error = np.log(figures.shock["compression"] / row.shock["compression"])
+    values = trends.predict(height=row.height, width=row.width, rope=row.rope, bar=row.bar, loops=row.loops)
+    error = np.log(values.shock["compression"] / row.shock["compression"])
     assert left_out_errors("part")["compression shock"][part] == pytest.approx(error)
     mine = all_trends().predict(height=row.height, width=row.width, rope=row.rope, bar=row.bar, loops=row.loops)
     assert abs(np.log(mine.shock["compression"] / row.shock["compression"])) < abs(error)
@@ -146,16 +146,16 @@ def test_another_vendor_is_met_within_a_factor_of_two():
 
 def test_an_estimate_scales_with_its_loops_and_says_what_it_assumes():
     eight, six = estimate_loop(**WR16_400), estimate_loop(**WR16_400 | {"loops": 6})
-    for name, value in eight.figures.flat().items():
+    for name, value in eight.values.flat().items():
         share = 1.0 if "travel" in name else 0.75
-        assert six.figures.flat()[name] == pytest.approx(share * value)
+        assert six.values.flat()[name] == pytest.approx(share * value)
     assert eight.bar_assumed
     assert eight.bar == pytest.approx(0.0196)
     assert eight.left_out == "part"
     assert estimate_loop(**WR16_400 | {"rope": 0.011}).left_out == "rope size"
     assert np.isnan(eight.rotation[[0, 2]]).all()
     spread = estimate_loop(**WR16_400, bar_length=0.216).rotation
-    assert spread[0] == pytest.approx(eight.figures.vibration["compression"] * 0.216**2 * 63 / 768)
+    assert spread[0] == pytest.approx(eight.values.vibration["compression"] * 0.216**2 * 63 / 768)
     assert spread[1] == eight.rotation[1] > 0.0
 
 
@@ -181,7 +181,7 @@ def test_an_estimated_file_says_so_and_carries_its_scatter(tmp_path):
     assert isolator.provenance.kind == "estimated"
     assert "no measurement" in isolator.provenance.source
     assert any("within a factor of" in sentence for sentence in isolator.provenance.assumed)
-    assert isolator.limits.travel.compression == pytest.approx(estimate.figures.travel["compression"], rel=1e-3)
+    assert isolator.limits.travel.compression == pytest.approx(estimate.values.travel["compression"], rel=1e-3)
     spread = isolator.spread
     covariance = np.array(spread.covariance)
     assert np.linalg.eigvalsh(covariance / np.sqrt(np.outer(np.diag(covariance), np.diag(covariance)))).min() > -1e-6
@@ -190,7 +190,7 @@ def test_an_estimated_file_says_so_and_carries_its_scatter(tmp_path):
     assert np.sqrt(covariance[place, place]) / isolator.axial.k1 == pytest.approx(scatter, rel=1e-6)
 
 
-def test_the_command_prints_figures_errors_and_writes_a_file(tmp_path, capsys):
+def test_the_command_prints_values_errors_and_writes_a_file(tmp_path, capsys):
     out = tmp_path / "mine.toml"
     options = ["--height", "89", "--width", "105", "--rope", "12.7", "--loops", "8", "--bar-length", "216"]
     assert main(["isolators", "estimate", *options, "--out", str(out)]) == 0

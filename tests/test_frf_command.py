@@ -115,7 +115,7 @@ def test_a_result_is_replaced_only_by_force(written, both, capsys):
         (("--start", "40", "--stop", "20"), "`stop` must be above `start`, got 40 to 20 Hz"),
         (("--start", "-1"), "`start` must be > 0, got -1.0"),
         (("--stop", "0"), "`stop` must be > 0, got 0.0"),
-        (("--payload", "deck"), "`payload` must be one of mass; got 'deck'"),
+        (("--payload", "deck"), "`payload` must be one of 'mass', got 'deck'"),
         (("--direction", "up"), "`--direction` must be x, y, z or a vector such as 1,0,1; got 'up'"),
         (("--direction", "x"), "x"),
         (("--response-direction", "1,0"), "`--response-direction` must be x, y, z or a vector"),

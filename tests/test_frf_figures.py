@@ -87,9 +87,9 @@ def test_a_sweep_is_compared_with_the_stable_motions_and_its_jump_is_found():
     found = compare(SimpleNamespace(frequency=rising, amplitude=amplitude), branch, curve)
     assert found.median == pytest.approx(0.002, rel=1e-6)
     assert found.largest == pytest.approx(0.002, rel=1e-6)
-    ((fold, at),) = found.jumps
-    assert fold == turn
-    assert at == pytest.approx(jumped_at, abs=rising[1] - rising[0])
+    (jump,) = found.jumps
+    assert jump.fold == turn
+    assert jump.frequency == pytest.approx(jumped_at, abs=rising[1] - rising[0])
     falling = compare(SimpleNamespace(frequency=rising[::-1], amplitude=amplitude[::-1]), branch, curve)
     assert falling.jumps == ()  # this fold is no place where a falling sweep jumps
 

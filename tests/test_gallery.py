@@ -13,7 +13,10 @@ import wirerope_mj as wr
 from wirerope_mj.dynamics.single_mass.balance import harmonic_balance
 
 GALLERY = Path(__file__).parents[1] / "docs" / "gallery"
-pytestmark = pytest.mark.skipif(not GALLERY.is_dir(), reason="the gallery stands in a checkout only")
+pytestmark = [
+    pytest.mark.slow,  # all figures are computed anew, sweeps and branches among them
+    pytest.mark.skipif(not GALLERY.is_dir(), reason="the gallery stands in a checkout only"),
+]
 
 HERE = {f"3.{number}" for number in (*range(1, 11), *range(12, 23))} | {"S.1", "S.2"}
 # Peak force and area of closed loops, alpha = n = 1, from an event-split integration: (beta, gamma, amplitude).

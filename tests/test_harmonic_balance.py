@@ -201,14 +201,14 @@ def test_what_cannot_be_balanced_is_said():
     law, setting = BoucWen(alpha=1.0, beta=0.5, gamma=0.5, n=1.0), {"mass": 1.0, "frequency": 0.1, "acceleration": 0.3}
     with pytest.raises(ValueError, match="carries no weight"):
         harmonic_balance(law, gravity=9.81, **setting)
-    with pytest.raises(ValueError, match="`frequency` must be finite and > 0"):
+    with pytest.raises(ValueError, match="`frequency` must be > 0"):
         harmonic_balance(law, **{**setting, "frequency": 0.0})
-    with pytest.raises(ValueError, match="`harmonics` must be >= 1"):
+    with pytest.raises(ValueError, match="`harmonics` must be an integer >= 1"):
         harmonic_balance(law, harmonics=0, **setting)
     with pytest.raises(ValueError, match="at least 8 for each of 31"):
         harmonic_balance(law, samples=128, **setting)
     worn = BoucWenBaberNoori(alpha=1.0, beta=0.5, gamma=0.5, n=1.0, k=0.1)
     with pytest.raises(ValueError, match="no steady cycle"):
         harmonic_balance(worn, **setting)
-    with pytest.raises(ValueError, match="`start` and `stop` must be two frequencies"):
+    with pytest.raises(ValueError, match="`stop` must differ from `start`"):
         follow_harmonic_balance(law, mass=1.0, start=1.0, stop=1.0, acceleration=0.3)

@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.identification.coordinates import FAMILIES, Scales
+from wirerope_mj.mounts.identification.coordinates import Scales
+from wirerope_mj.mounts.identification.families import FAMILIES
 from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.identification.residuals import area_residual
-from wirerope_mj.mounts.identification.validity import validity_of
+from wirerope_mj.mounts.identification.result import validity_of
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 TRAVEL = 0.01
@@ -72,7 +73,7 @@ def test_pair_of_equal_sum_is_told_apart_by_loops_and_not_by_tips():
         assert abs(whole.value - truth.normalised.sigma) < 4.0 * whole.standard_error
         tips = wr.identify(loops, law=wr.BoucWen, data="skeleton", noise=NOISE)
         assert tips.parameters["sigma"].standard_error > 0.3  # the whole distance of the pair
-        assert any("sigma" in words for words in tips.open_combinations), tips.open_combinations
+        assert any("sigma" in words for words in tips.non_identifiable), tips.non_identifiable
 
 
 def test_constraints_hold():

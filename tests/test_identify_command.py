@@ -11,7 +11,7 @@ from rig_records import rig_record, write_record
 import wirerope_mj as wr
 from wirerope_mj.cli import identify as command
 from wirerope_mj.cli import main
-from wirerope_mj.mounts.identification.fitted import fitted_loops, neighbours_correlation
+from wirerope_mj.mounts.identification.result import fitted_loops, neighbours_correlation
 from wirerope_mj.mounts.test_rig import cyclic_test, read_cycles
 from wirerope_mj.views.plots.identification import fit_figure, measures_figure, residual_figure
 
@@ -65,7 +65,7 @@ def test_records_of_several_files_become_an_isolator_that_repeats_loops_nobody_m
         capsys, "small.csv", "large.csv", "preloaded.csv", "--law", "asymmetric-bouc-wen", "--out", "my_isolator.toml"
     )
     assert "my_isolator, axial: 7 loops of 3 files" in out
-    assert "the data fix every free parameter" in out
+    assert "the data identify every free parameter" in out
     assert "no noise" not in out
     isolator = wr.load_isolator(folder / "my_isolator.toml")
     for point in (0.0, -4e-3):
@@ -167,13 +167,13 @@ def test_kilonewtons_taken_for_newtons_are_asked_about(folder, capsys):
 
 
 def test_what_the_data_leave_open_stands_in_the_file(folder, simple, capsys, monkeypatch):
-    words = "z_max and x_y are not told apart to better than 229 %"
-    changed(monkeypatch, open_combinations=(words,))
+    text = "z_max and x_y are not identifiable apart to better than 229 %"
+    changed(monkeypatch, non_identifiable=(text,))
     out = run(capsys, simple, "--law", "bouc-wen", "--out", "a.toml")
-    assert f" open: {words} " in out
-    assert "the data fix every free parameter" not in out
+    assert f" not identifiable: {text} " in out
+    assert "the data identify every free parameter" not in out
     assumed = tomllib.loads((folder / "a.toml").read_text(encoding="utf-8"))["provenance"]["assumed"]
-    assert f"the data leave open: {words}" in assumed
+    assert f"the data do not identify: {text}" in assumed
 
 
 def test_a_fit_that_does_not_converge_exits_1_with_its_report_and_no_isolator(folder, simple, capsys, monkeypatch):

@@ -55,7 +55,7 @@ def test_a_stop_is_found_within_its_errors_from_noisy_loops(case):
     # Four standard errors: 6e-5 by chance, for each of some 20 values.
     assert_found(found, law, *gaps, *NAMES)
     assert found.converged
-    assert not found.open_combinations
+    assert not found.non_identifiable
     gap = found.parameters[gaps[0]]
     assert (
         gap.standard_error < 2e-5

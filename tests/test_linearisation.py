@@ -179,9 +179,9 @@ def test_the_simplified_method_is_near_time_integration_of_a_shock():
 def test_what_cannot_be_estimated_is_said():
     with pytest.raises(ValueError, match="carries no weight"):
         equivalent_linear(SOFT, mass=1.0, frequencies=0.1, acceleration=0.3, gravity=9.81)
-    with pytest.raises(ValueError, match="`acceleration` must be finite and > 0, got -1"):
+    with pytest.raises(ValueError, match="`acceleration` must be > 0, got -1"):
         equivalent_linear(SOFT, mass=1.0, frequencies=0.1, acceleration=-1.0)
     with pytest.raises(ValueError, match="`spectrum` must be finite and > 0, got nan"):
         simplified_peak(SOFT, mass=1.0, spectrum=lambda period, ratio: np.nan)
-    with pytest.raises(ConvergenceError, match="does not settle"):
+    with pytest.raises(ConvergenceError, match="does not converge"):
         simplified_peak(SOFT, mass=1.0, spectrum=lambda period, ratio: 2.0 if ratio < 0.1 else 0.01)

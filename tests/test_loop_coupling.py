@@ -15,12 +15,12 @@ from scipy.optimize import root
 import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.dynamics.modes.plane import loop_cycle, plane_cycle, plane_tangents
-from wirerope_mj.dynamics.periodic.search import Search
+from wirerope_mj.dynamics.periodic.find import Search
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import Variational
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts import laws
-from wirerope_mj.mounts.laws.loop_kernels import loop_force
+from wirerope_mj.mounts.laws.plane_kernels import loop_force
 from wirerope_mj.studies.inputs.variants import without_force
 
 G = wr.STANDARD_GRAVITY
@@ -432,7 +432,7 @@ def test_the_loop_is_kept_in_a_file(tmp_path):
         ('coupling = "loop"\n', "", "need each other; `coupling` is None"),
         ('coupling = "loop"', 'coupling = "biaxial"', "need each other; `coupling` is 'biaxial'"),
         ('coupling = "loop"', 'coupling = "ring"', "must be 'biaxial', 'loop' or None"),
-        ("roll = 0.02\n", "roll = -0.02\n", r"\[loop\] `roll` must be a finite number > 0 m, got -0\.02"),
+        ("roll = 0.02\n", "roll = -0.02\n", r"\[loop\] `roll` must be > 0 \[m\], got -0\.02"),
         ("roll = 0.02\n", "", r"\[loop\] `roll` is missing"),
     ):
         file.write_text(text.replace(old, new), encoding="utf-8")
@@ -456,9 +456,9 @@ def test_the_command_shows_what_joins_the_axes(tmp_path, capsys):
         ([[1.0], [1.0, 2.0]], r"rows of equally many numbers, got lengths \[1, 2\]"),
         ([[]], "rows of equally many numbers"),
         ([1.0, 2.0], "must be rows of numbers"),
-        ([[True]], "must be rows of numbers"),
-        ([["1"]], "must be rows of numbers"),
-        ([[math.nan]], "must be finite"),
+        ([[True]], "must be a finite number"),
+        ([["1"]], "must be a finite number"),
+        ([[math.nan]], "must be a finite number"),
     ],
 )
 def test_coefficients_that_are_no_table_are_refused(table, words):

@@ -104,10 +104,10 @@ def test_several_elements_are_described_as_lists(folder, capsys):
     [
         (["nosuch"], "no isolator 'nosuch'.*enidine_wr16_400"),
         (["law.toml"], "law without a rated travel: say at which `--amplitudes`"),
-        (["law.toml", "--amplitudes", "-3"], r"`--amplitudes` \[mm\] must be finite and > 0, got -3\."),
+        (["law.toml", "--amplitudes", "-3"], r"`--amplitudes` must be > 0 \[mm\], got -3\.0"),
         (["law.toml", "--amplitudes", "few"], "few"),
-        (["law.toml", "--amplitudes", "1", "--frequency", "0"], "`frequency` must be finite and > 0"),
-        (["law.toml", "--amplitudes", "1", "--cycles", "0"], "`cycles` must be >= 1"),
+        (["law.toml", "--amplitudes", "1", "--frequency", "0"], "`frequency` must be > 0"),
+        (["law.toml", "--amplitudes", "1", "--cycles", "0"], "`cycles` must be an integer >= 1"),
         (["law.toml", "--amplitudes", "1", "--cycles", "4.5"], r"--cycles: must be an integer, got 4\.5\."),
         (["law.toml", "--amplitudes", "1", "--axis", "up"], "--axis.*roll.*shear.*axial"),
         (["law.toml", "--amplitudes", "1", "--out", "loops.docx"], "must end with .png"),

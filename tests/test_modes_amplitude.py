@@ -175,13 +175,13 @@ def test_modes_do_not_become_one_another_where_frequencies_meet():
     small = modes(s, history="relaxed")
     for size in (5e-3, 10e-3, 15e-3):
         large = modes(s, history="relaxed", amplitude=size)
-        assert large.words.count("bounce z") == 1
-        assert sorted(small.places_in(large)) == list(range(6))
-        bounce = small.words.index("bounce z")
-        assert large.words[small.places_in(large)[bounce]] == "bounce z"
-        assert (large.frequencies[small.places_in(large)] < small.frequencies).all()
+        assert large.descriptions.count("bounce z") == 1
+        assert sorted(small.indices_in(large)) == list(range(6))
+        bounce = small.descriptions.index("bounce z")
+        assert large.descriptions[small.indices_in(large)[bounce]] == "bounce z"
+        assert (large.frequencies[small.indices_in(large)] < small.frequencies).all()
     assert small.frequencies[bounce] > small.frequencies[bounce - 1]
-    assert large.words.index("bounce z") == bounce - 1
+    assert large.descriptions.index("bounce z") == bounce - 1
 
 
 def swing(orbit):
@@ -201,7 +201,7 @@ def test_a_resonance_lies_at_the_frequency_of_its_amplitude(model, level, start,
     peak = int(np.argmax(branch.amplitude))
     assert 0 < peak < branch.frequency.size - 1
     found = modes(s, history="relaxed", amplitude=swing(branch.orbit(peak)))
-    at = found.words.index("bounce z")
+    at = found.descriptions.index("bounce z")
     assert found.frequencies[at] == pytest.approx(branch.frequency[peak], rel=5e-3)
     expected = np.sqrt(1.0 + 1.0 / (2.0 * found.damping_ratio[at]) ** 2)
     assert branch.amplitude[peak] / level == pytest.approx(expected, rel=3e-2)
@@ -222,7 +222,7 @@ def test_resonances_of_the_floor_lie_at_the_frequencies_of_their_amplitudes():
     peak = int(np.argmax(branch.amplitude))
     assert 0 < peak < branch.frequency.size - 1
     found = modes(s, history="relaxed", amplitude=swing(branch.orbit(peak)))
-    at = found.words.index("bounce z")
+    at = found.descriptions.index("bounce z")
     assert found.frequencies[at] == pytest.approx(branch.frequency[peak], rel=1e-2)
     assert branch.frequency[peak] == pytest.approx(10.34, abs=0.03)
 
@@ -243,7 +243,7 @@ def test_a_tiny_knock_rings_at_the_frequency_of_small_cycles():
     # 0.15 micrometres: one part in 1e4 below the limit, and the instants are as good as the samples' chords.
     frequency = crossings(r.time[ringing], r.mounts["m1"].deflection[ringing, 2])
     found = modes(s, history="relaxed")
-    assert frequency == pytest.approx(found.frequencies[found.words.index("bounce z")], rel=1e-3)
+    assert frequency == pytest.approx(found.frequencies[found.descriptions.index("bounce z")], rel=1e-3)
 
 
 def test_what_rests_on_a_stop_rings_on_the_stop_too():

@@ -10,7 +10,7 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.cli.app import main
 from wirerope_mj.dynamics.modes import modes
-from wirerope_mj.dynamics.modes.film import PERIODS, ROWS, film_of_modes
+from wirerope_mj.dynamics.modes.animation import PERIODS, ROWS, animated_modes
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.views.recording.modes import MODE, mode_text, record_modes
 from wirerope_mj.views.recording.viewer import viewer_binary
@@ -66,7 +66,7 @@ def test_two_equal_modes_show_equal_damping_and_none_that_rounds_to_nothing(caps
     shown = capsys.readouterr().out
     assert "(0.000)" not in shown
     found = modes(wr.load_system(models_folder() / "shock_table_frame.xml"))
-    assert found.words[3] == "frame: bounce z"
+    assert found.descriptions[3] == "frame: bounce z"
     assert f"{found.frequencies[3]:.3f} ({found.damping_ratio[3]:.3f})" in shown
     assert 0.01 < found.damping_ratio[3] < 0.03  # the frame's own 2 %; that of the block's rope is none in small cycles
 
@@ -95,7 +95,7 @@ def test_bad_input_is_one_message(capsys, tmp_path, monkeypatch, arguments):
 def test_the_recording_is_whole_and_holds_every_mode(tmp_path, cabinet, recordable):
     from rerun.chunk import RrdReader
 
-    path = record_modes(film_of_modes(*cabinet), tmp_path)
+    path = record_modes(animated_modes(*cabinet), tmp_path)
     assert path == tmp_path / "run.rrd"
     assert subprocess.run([str(viewer_binary()), "rrd", "verify", str(path)], capture_output=True).returncode == 0
     texts, moving = [], set()
@@ -106,14 +106,14 @@ def test_the_recording_is_whole_and_holds_every_mode(tmp_path, cabinet, recordab
         if str(chunk.entity_path) == "/world/deck/rack" and not chunk.is_static:
             moving |= set(batch.column(MODE).to_pylist())
     assert [text.split("\n")[0] for text in texts] == [
-        f"### Mode {number + 1}: {word}" for number, word in enumerate(cabinet[1].words)
+        f"### Mode {number + 1}: {word}" for number, word in enumerate(cabinet[1].descriptions)
     ]
     assert moving == {1, 2, 3, 4, 5, 6}
 
 
 def test_the_film_shows_the_shapes_and_ropes_end_on_the_rack(cabinet):
     system, found = cabinet
-    film = film_of_modes(system, found)
+    film = animated_modes(system, found)
     rack = film.response.bodies["rack"].position
     rest = found.equilibrium
     for mode in range(6):
@@ -130,7 +130,7 @@ def test_the_film_shows_the_shapes_and_ropes_end_on_the_rack(cabinet):
 
 def test_the_text_of_a_mode_has_its_figures(cabinet):
     found = cabinet[1]
-    bounce = found.words.index("bounce z")
+    bounce = found.descriptions.index("bounce z")
     text = mode_text(found, bounce)
     frequencies = [f"{values[bounce]:.3f} Hz" for values in (found.frequencies, found.loading, found.unloading)]
     share = f"{100 * found.participation[bounce, 2]:.1f} %"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from wirerope_mj.mounts.identification.fitted import FittedLoop
+from wirerope_mj.mounts.identification.result import FittedLoop
 from wirerope_mj.views.plots.identification import fit_figure, measures_figure, residual_figure
 
 POINTS = (-5e-3, -0.3e-3, 0.0)

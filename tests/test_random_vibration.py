@@ -239,7 +239,7 @@ def test_ten_minutes_to_two_thousand_hertz_keep_one_number_a_knot():
         ({"seed": -1}, "`seed` must be an integer >= 0, got -1"),
         ({"seed": 1.5}, "`seed` must be an integer >= 0, got 1.5"),
         ({"seed": True}, "`seed` must be an integer >= 0, got True"),
-        ({"amplitudes": "gauss"}, "`amplitudes` must be 'fixed' or 'random', got 'gauss'"),
+        ({"amplitudes": "gauss"}, "`amplitudes` must be one of 'fixed', 'random', got 'gauss'"),
     ],
 )
 def test_arguments_out_of_range_are_refused(change, message):

@@ -5,8 +5,8 @@ import pytest
 from rig_records import rig_record
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.identification.fitted import fitted_loops
 from wirerope_mj.mounts.identification.measured import prepare
+from wirerope_mj.mounts.identification.result import fitted_loops
 from wirerope_mj.mounts.test_rig import cyclic_test, steady_loops
 from wirerope_mj.mounts.test_rig.recorded import mean_of_cycles
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.frequency_response import Question, frequency_response
-from wirerope_mj.dynamics.frequency_response.summary import findings_of
+from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
+from wirerope_mj.dynamics.frequency_response.summary import level_summaries
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.views.recording.along import FREQUENCY, POINT
 from wirerope_mj.views.recording.branch import record_branches
@@ -20,13 +20,13 @@ from wirerope_mj.views.recording.viewer import viewer_binary
 @pytest.fixture(scope="module")
 def result():
     system = wr.load_system(models_folder() / "sdof_shaker.xml")
-    question = Question(accelerations=(2.0, 5.0), start=34.0, stop=40.0, largest_step=0.04)
-    return frequency_response(system, question, name="shaker")
+    options = ResponseOptions(accelerations=(2.0, 5.0), start=34.0, stop=40.0, largest_step=0.04)
+    return frequency_response(system, options, name="shaker")
 
 
 @pytest.fixture(scope="module")
 def findings(result):
-    return findings_of(result)
+    return level_summaries(result)
 
 
 @pytest.fixture(scope="module")
@@ -137,7 +137,7 @@ def test_words_say_amplitude_stability_and_multipliers(chunks, film):
 
 
 def test_sweeps_alone_are_no_branches_to_record(result, findings, tmp_path):
-    empty = type(result)(system=result.system, name="", question=result.question, levels=())
+    empty = type(result)(system=result.system, name="", options=result.options, levels=())
     with pytest.raises(ValueError, match="there is no branch to record"):
         record_branches(empty, [], tmp_path)
     assert not list(tmp_path.iterdir())

@@ -41,10 +41,10 @@ def test_a_ring_turned_at_its_bar_has_the_stiffness_of_castigliano():
 
 def held_by_bars(shape, held):
     """Return a shape of which the bars hold a length [m] of both straight ends."""
-    pieces = list(shape.pieces)
+    segments = list(shape.segments)
     for end in (0, -1):
-        pieces[end] = (pieces[end][0] - held, 0.0)
-    return LoopShape(pieces=tuple(pieces), arm=held)
+        segments[end] = (segments[end][0] - held, 0.0)
+    return LoopShape(segments=tuple(segments), arm=held)
 
 
 def guided_strip(load, length):
@@ -78,12 +78,12 @@ def test_a_straight_strip_bends_as_the_elliptic_integrals_say(bent):
     length = 0.3
     load = bent / length**2
     shortening, sag = guided_strip(load, length)
-    strip = HalfLoop(LoopShape(pieces=((length, 0.0),)), elements=40)
+    strip = HalfLoop(LoopShape(segments=((length, 0.0),)), elements=40)
     # A straight inextensible rope cannot be compressed without a guess of the side to which it gives way.
     nodes = np.linspace(0.0, 1.0, len(strip.mesh.natural))
     guess = 6.0 * nodes * (1.0 - nodes) * np.arctan2(sag, length + shortening)
     goal = np.array([[shortening / length, sag / length, 0.0]])
-    _, force, converged = strip.settle(guess[None], np.array([[0.0, load * length**2]]), goal)
+    _, force, converged = strip.equilibrium(guess[None], np.array([[0.0, load * length**2]]), goal)
     assert converged.all()
     assert force[0, 1] == pytest.approx(load * length**2, rel=1e-6)
     assert abs(force[0, 0]) < 1e-6 * max(1.0, bent)  # no axial load: the ends were moved by just the shortening

@@ -162,7 +162,7 @@ def test_rocking_of_six_mounts_rises_by_the_hand_calculation(turned_sites):
 
     def rocking(turns):
         found = wr.modes(frame(turns, turned_sites=turned_sites))
-        return found.frequencies[[word.startswith("rocking about x") for word in found.words]]
+        return found.frequencies[[word.startswith("rocking about x") for word in found.descriptions]]
 
     (before,), (after,) = rocking(None), rocking(turns)
     k, ixx = 5e4, 20.0
@@ -296,7 +296,7 @@ def test_the_rotation_is_kept_in_a_file(tmp_path):
     short = text.replace("roll = 11.0\nshear = 7.0\n", "")
     (tmp_path / "i.toml").write_text(short, encoding="utf-8")
     assert wr.load_isolator(tmp_path / "i.toml").rotation == wr.Rotation(axial=3.0)
-    for wrong, words in (("axial = -3.0", "`axial` must be a finite number >= 0"), ("yaw = 3.0", "`yaw` is not known")):
+    for wrong, words in (("axial = -3.0", "`axial` must be >= 0"), ("yaw = 3.0", "`yaw` is not known")):
         (tmp_path / "i.toml").write_text(short.replace("axial = 3.0", wrong), encoding="utf-8")
         with pytest.raises(ModelError, match=words):
             wr.load_isolator(tmp_path / "i.toml")

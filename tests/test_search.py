@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.identification.coordinates import FAMILIES
+from wirerope_mj.mounts.identification.families import FAMILIES
 from wirerope_mj.mounts.identification.measured import prepare, scales_of
 from wirerope_mj.mounts.identification.residuals import loop_residual
-from wirerope_mj.mounts.identification.search import Search, run_search
+from wirerope_mj.mounts.identification.search import Unknowns, run_search
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 
@@ -17,7 +17,7 @@ def test_jacobian_of_a_number_near_zero_is_no_rounding(k):
     loops = prepare(cyclic_test(law, [1e-3, 4e-3]))
     scales = scales_of(loops)
     family = FAMILIES[wr.BoucWen]
-    search = Search(family=family, coordinates=family.coordinates(scales), fixed={})
+    search = Unknowns(family=family, coordinates=family.coordinates(scales), fixed={})
     found = run_search(search, loop_residual(loops), family.read(law))
     # The force is linear in k: its column is the deflection without its mean, over the loop's weight, times k's scale.
     deflections = [(loop.deflection - loop.deflection.mean()) / loop.weight for loop in loops]
@@ -36,7 +36,7 @@ def test_a_fit_far_below_the_yield_deflection_ends_although_most_is_open(share):
         loops += measured([loop], points_per_cycle=200, force_noise=0.005 * np.ptp(loop.force), seed=seed)
     result = wr.identify(loops, law=wr.BoucWen)
     assert result.converged, result.message
-    assert len(result.open_combinations) >= 2
+    assert len(result.non_identifiable) >= 2
     # 800 samples know the noise within 2.5 %, three times that.
     assert result.residual == pytest.approx(0.01, rel=0.08)
 
@@ -45,7 +45,7 @@ def test_a_search_that_is_cut_short_has_not_converged():
     law = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.0, k=5e4)
     loops = prepare(cyclic_test(law, [1e-3, 4e-3]))
     family = FAMILIES[wr.BoucWen]
-    search = Search(family=family, coordinates=family.coordinates(scales_of(loops)), fixed={})
+    search = Unknowns(family=family, coordinates=family.coordinates(scales_of(loops)), fixed={})
     found = run_search(search, loop_residual(loops), {**family.read(law), "x_y": 1e-4, "sigma": 0.01}, most=3)
     assert not found.converged
     assert "still moved after 3" in found.message

@@ -40,7 +40,7 @@ def test_the_example_of_the_worksheet_is_reproduced_to_its_digits():
     assert found.travel * 1e3 == pytest.approx(49.5, abs=0.05)
     assert found.frequency == pytest.approx(8.33, abs=0.005)
     assert found.acceleration / G == pytest.approx(6.1, abs=0.05)
-    assert found.load_share == pytest.approx(490.5 / 712.0, rel=1e-12)  # rounding
+    assert found.utilisation("static load") == pytest.approx(490.5 / 712.0, rel=1e-12)  # rounding
 
 
 def test_standard_gravity_would_not_give_the_printed_digits():
@@ -172,7 +172,7 @@ def test_without_a_fragility_the_softest_that_fits_comes_first():
     found = select_isolators(mass=200.0, mounts=4, velocity=1.0).candidates
     for group in ([f for f in found if not f.unrated], [f for f in found if f.unrated]):
         assert [f.acceleration for f in group] == sorted(f.acceleration for f in group)
-    assert found[0].load_share > 0.5
+    assert found[0].utilisation("static load") > 0.5
     assert found[0].part.name != max(found, key=lambda f: f.margin).part.name
 
 
@@ -199,15 +199,15 @@ def test_a_rating_that_the_vendor_does_not_state_is_not_judged_and_not_passed():
     found = on(PARTS["CB1400-25"], mass=1e5, mounts=1, velocity=1e-3)  # a hundred times any rating
     verdict = found.verdicts[0]
     assert (verdict.criterion, verdict.verdict) == ("static load", "not judged")
-    assert found.load_share is None
+    assert found.utilisation("static load") is None
     assert found.unrated == ("static load",)
 
 
 def test_a_mode_without_figures_is_rejected_with_that_reason():
-    answer = on(PARTS["CB1400-15"], mass=200.0, mounts=4, velocity=1.0, loading="45")
-    assert isinstance(answer, Rejected)
-    assert answer.reasons == ("the table has no stiffness at 45 degrees",)
-    assert math.isnan(answer.margin)
+    rejected = on(PARTS["CB1400-15"], mass=200.0, mounts=4, velocity=1.0, loading="45")
+    assert isinstance(rejected, Rejected)
+    assert rejected.reasons == ("the table has no stiffness at 45 degrees",)
+    assert math.isnan(rejected.margin)
 
 
 def test_weight_and_shock_may_act_in_different_modes():
@@ -217,23 +217,23 @@ def test_weight_and_shock_may_act_in_different_modes():
         math.sqrt(613e3 / 200.0) / (2 * math.pi), rel=1e-12
     )  # stands in compression
     assert found.travel == pytest.approx(math.sqrt(200.0 / 173e3), rel=1e-12)  # is struck in roll
-    assert found.load_share == pytest.approx(200.0 * G / 2869.0, rel=1e-12)
+    assert found.utilisation("static load") == pytest.approx(200.0 * G / 2869.0, rel=1e-12)
     hung = on(part, mass=400.0, mounts=4, velocity=0.5, loading="shear")
-    assert hung.load_share == pytest.approx(100.0 * G / 1557.0, rel=1e-12)
+    assert hung.utilisation("static load") == pytest.approx(100.0 * G / 1557.0, rel=1e-12)
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"mass": -1.0}, "`mass` must be a finite number > 0, got -1.0"),
+        ({"mass": -1.0}, "`mass` must be > 0"),
         ({"mounts": 0}, "`mounts` must be an integer >= 1, got 0"),
         ({"drop": None}, "give one shock: `pulse`, `velocity` or `drop`; got 0"),
         ({"velocity": 1.0}, "give one shock.*got 2"),
-        ({"drop": -0.1}, "`drop` must be a finite number > 0, got -0.1"),
+        ({"drop": -0.1}, "`drop` must be > 0"),
         ({"rebound": 2.0}, "`rebound` must lie between 0 and 1"),
         ({"loading": "torsion"}, "`loading` must be one of compression, 45, shear or roll, got 'torsion'"),
-        ({"fragility": math.nan}, "`fragility` must be a finite number > 0"),
-        ({"loops": (0,)}, "`loops` must be integers >= 1, got 0"),
+        ({"fragility": math.nan}, "`fragility` must be a finite number"),
+        ({"loops": (0,)}, "`loops` must be an integer >= 1"),
         (
             {"drop": None, "pulse": wr.Sine(frequency=5.0, acceleration=1.0, direction="z")},
             "`pulse` must be a half-sine",
@@ -282,8 +282,12 @@ def test_a_table_that_breaks_a_rule_is_refused_with_its_place(tmp_path, text, me
 )
 def test_a_fitted_row_is_the_isolator_that_ships(name, shipped):
     fitted, catalogue = fit_part(PARTS[name]), wr.load_isolator(catalogue_folder() / f"{shipped}.toml")
-    assert fitted.axes == catalogue.axes
-    assert fitted.loop == catalogue.loop
+    # A file states nine digits, and the last of them hangs on the processor that the fit ran on.
+    for axis, law in catalogue.axes.items():
+        assert fitted.axes[axis].to_dict() == pytest.approx(law.to_dict(), rel=1e-8)
+    fitted_loop, loop = fitted.loop.to_dict(), catalogue.loop.to_dict()
+    np.testing.assert_allclose(fitted_loop.pop("coefficients"), loop.pop("coefficients"), rtol=1e-8)
+    assert fitted_loop == pytest.approx(loop, rel=1e-8)
     assert fitted.limits == catalogue.limits
     assert fitted.provenance.kind == "catalogue"
 

@@ -1,4 +1,4 @@
-"""Specimens: the scatter that was made comes back, and stands in the isolator file."""
+"""SpecimenFits: the scatter that was made comes back, and stands in the isolator file."""
 
 import numpy as np
 import pytest

@@ -90,10 +90,10 @@ def test_the_factor_grows_with_the_logarithm_of_the_cycles():
     [
         ({"after_50": -0.1}, r"`after_50` must be a number from 0 to 1, got -0\.1"),
         ({"after_50": 20.0}, r"`after_50` must be a number from 0 to 1, got 20"),
-        ({"after_50": True}, "`after_50` must be a number from 0 to 1, got True"),
-        ({"after_50": 0.2, "cycles": 0.5}, r"`cycles` must be a finite number >= 1, got 0\.5"),
-        ({"after_50": 0.2, "cycles": math.inf}, "`cycles` must be a finite number >= 1, got inf"),
-        ({"after_50": 0.2, "cycles": "50"}, "`cycles` must be a finite number >= 1, got '50'"),
+        ({"after_50": True}, "`after_50` must be a finite number, got True"),
+        ({"after_50": 0.2, "cycles": 0.5}, r"`cycles` must be >= 1, got 0\.5"),
+        ({"after_50": 0.2, "cycles": math.inf}, "`cycles` must be a finite number, got inf"),
+        ({"after_50": 0.2, "cycles": "50"}, "`cycles` must be a finite number, got '50'"),
     ],
 )
 def test_values_out_of_range_are_named(values, words):
@@ -133,7 +133,7 @@ def assert_scaled(law, factor, points):
 
 @pytest.mark.parametrize("factor", [0.0, -1.0, math.inf, math.nan])
 def test_a_law_is_scaled_by_a_number_above_zero(factor):
-    with pytest.raises(ValueError, match="`factor` must be finite and > 0"):
+    with pytest.raises(ValueError, match="`factor` must be (a finite number|> 0)"):
         ROPE.scaled(factor)
 
 
@@ -244,7 +244,7 @@ def test_a_model_is_written_with_the_isolator_as_it_was(tmp_path):
     [
         ("after_50 = 0.2", "after_50 = 20", r"\[stiffening\] `after_50` must be a number from 0 to 1, got 20\.0"),
         ("after_50 = 0.2\n", "", r"\[stiffening\] `after_50` is missing; the stiffening takes after_50, cycles"),
-        ("cycles = 20.0", "cycles = 0", r"\[stiffening\] `cycles` must be a finite number >= 1, got 0\.0"),
+        ("cycles = 20.0", "cycles = 0", r"\[stiffening\] `cycles` must be >= 1, got 0\.0"),
         ("cycles =", "cycle =", r"\[stiffening\] `cycle` is not known; the stiffening takes after_50, cycles"),
     ],
 )
@@ -314,7 +314,7 @@ def test_a_failed_mount_makes_no_force_however_often_it_has_moved():
     [
         ("cycles", wr.Uniform(1.0, 50.0), mount(), r"isolator 'a' of mount 'm1' has no \[stiffening\]"),
         ("number", wr.Uniform(1.0, 50.0), None, "stiffening has no 'number'; it has after_50, cycles"),
-        ("cycles", wr.Uniform(0.1, 0.9), None, r"mount 'm1': \[stiffening\] `cycles` must be a finite number >= 1"),
+        ("cycles", wr.Uniform(0.1, 0.9), None, r"mount 'm1': \[stiffening\] `cycles` must be >= 1"),
     ],
 )
 def test_what_a_study_cannot_vary_is_said(name, distribution, device, words):

@@ -93,7 +93,7 @@ def test_a_block_on_its_stops_rings_and_answers_as_a_spring_and_a_damper():
     k, c = spring.k + 4.0 * stop.k * share, spring.c + 4.0 * stop.c * share
     natural, ratio = np.sqrt(k / 50.0), c / (2.0 * np.sqrt(k * 50.0))
     found = wr.modes(system)
-    bounce = found.words.index("bounce z")
+    bounce = found.descriptions.index("bounce z")
     # both end with the equilibrium, whose depth is known to some 1e-9
     assert found.frequencies[bounce] * 2.0 * np.pi == pytest.approx(natural, rel=1e-6)
     assert found.damping_ratio[bounce] == pytest.approx(ratio, rel=1e-6)

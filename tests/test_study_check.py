@@ -48,7 +48,7 @@ def test_columns_hold_only_if_every_entry_does(name):
     for pair in pairs:
         for factors in [(1.0, 1.0, factor) for factor in FACTORS] + [(1.0, 0.97, 1.03)]:
             column = np.array(factors)
-            sure = law.surely_holds({key: scaled(getattr(law, key), column) for key in pair})
+            sure = law.certainly_valid({key: scaled(getattr(law, key), column) for key in pair})
             if sure or name not in ONE_BY_ONE:
                 each = all(holds(law, **{k: scaled(getattr(law, k), factor) for k in pair}) for factor in factors)
                 assert each or not sure, (pair, factors)
@@ -59,9 +59,9 @@ def test_columns_hold_only_if_every_entry_does(name):
 
 def test_columns_that_are_not_finite_do_not_hold():
     law = example("bouc-wen")
-    assert law.surely_holds({"alpha": np.array([1e5, 2e5])})
+    assert law.certainly_valid({"alpha": np.array([1e5, 2e5])})
     for wrong in (math.nan, math.inf):
-        assert not law.surely_holds({"alpha": np.array([1e5, wrong])})
+        assert not law.certainly_valid({"alpha": np.array([1e5, wrong])})
 
 
 def pinched_study(**others):
@@ -143,8 +143,8 @@ def test_only_what_columns_cannot_say_is_asked_one_by_one(monkeypatch):
 def test_a_law_that_ends_in_some_rows_alone_is_no_raw_error(gammas):
     # beta 0.6, n 2: with gamma < -0.6 the force is infinite at a finite deflection, and n stays one number for all rows.
     law = example("symmetric-bouc-wen")
-    assert not law.surely_holds({"gamma": np.array(gammas)})
-    assert law.surely_holds({"gamma": np.array([-0.5, -0.2])})
+    assert not law.certainly_valid({"gamma": np.array(gammas)})
+    assert law.certainly_valid({"gamma": np.array([-0.5, -0.2])})
 
 
 LIMIT_CURVES = {"kb": 3e4, "f0": 150.0, "alpha": 300.0, "b1": 20.0, "b2": 60.0}
@@ -175,9 +175,9 @@ def test_what_a_law_states_itself_does_not_follow():
 def test_columns_of_equal_limit_curves_are_checked_at_once():
     law = LAWS["vaiana-rosati"](**LIMIT_CURVES)
     column = np.array([0.9, 1.1])
-    assert law.surely_holds(law.completed({"kb": 3e4 * column, "f0": 150.0 * column}))
-    assert not law.surely_holds(law.completed({"f0": 150.0 * np.array([1.0, -0.1])}))
-    assert not law.surely_holds({"kb": 3e4 * column})  # other slopes downwards: the curves cross
+    assert law.certainly_valid(law.completed({"kb": 3e4 * column, "f0": 150.0 * column}))
+    assert not law.certainly_valid(law.completed({"f0": 150.0 * np.array([1.0, -0.1])}))
+    assert not law.certainly_valid({"kb": 3e4 * column})  # other slopes downwards: the curves cross
 
 
 def test_where_limit_curves_cross_is_where_the_force_of_both_is_one():

@@ -68,4 +68,4 @@ def test_the_circle_is_left_and_entered_again_along_the_branch(system, once):
     assert event.kind == "Neimark-Sacker"
     assert (event.before, event.after) == (2, 0)
     assert event.frequency == pytest.approx(0.1003, abs=1e-4)
-    assert "stability is regained" in event.words
+    assert "stability is regained" in event.description

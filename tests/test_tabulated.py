@@ -137,7 +137,7 @@ def test_beyond_the_table_the_end_slope_goes_on_if_that_is_stated():
         ({"symmetric": 1.0}, "`symmetric` must be a bool, got 1.0"),
         ({"curve": "shock"}, '`curve` must be "virgin" or "mid"'),
         ({"upper": "1, 2, 3"}, "`upper` must be a list of numbers"),
-        ({"upper": [0.0, math.nan, 1.0]}, "`upper` must be finite"),
+        ({"upper": [0.0, math.nan, 1.0]}, "`upper` must be a finite number"),
         ({"upper": [400.0, 50.0, -100.0], "lower": [300.0, -50.0, -200.0], "yield_deflection": 1.0}, "must not fall at zero"),
     ],
 )  # fmt: skip

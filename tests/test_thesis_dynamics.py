@@ -14,7 +14,7 @@ from scipy.integrate import solve_ivp
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.periodic import harmonic_content
-from wirerope_mj.dynamics.periodic.search import Search
+from wirerope_mj.dynamics.periodic.find import Search
 from wirerope_mj.dynamics.periodic.shooting import close, shot
 from wirerope_mj.dynamics.periodic.track import Drive
 from wirerope_mj.dynamics.single_mass import harmonic_balance

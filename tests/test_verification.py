@@ -28,6 +28,8 @@ LONG = {
     "iftomm-a05-lagrange",
     "iftomm-a05-published",
     "rack-850-kg",
+    "transmissibility-linear",
+    "noel-schoukens-multisine",
 }
 
 

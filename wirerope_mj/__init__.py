@@ -7,6 +7,8 @@ from wirerope_mj import motions as motions
 from wirerope_mj.assessment.criteria import Verdict as Verdict
 from wirerope_mj.assessment.criteria import judge as judge
 from wirerope_mj.assessment.criteria import judge_random as judge_random
+from wirerope_mj.assessment.criteria import random_verdicts as random_verdicts
+from wirerope_mj.assessment.criteria import spectrum_verdict as spectrum_verdict
 from wirerope_mj.assessment.selection import select_isolators as select_isolators
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse as FrequencyResponse
 from wirerope_mj.dynamics.frequency_response import frequency_response as frequency_response
@@ -14,8 +16,11 @@ from wirerope_mj.dynamics.modes import Modes as Modes
 from wirerope_mj.dynamics.modes import modes as modes
 from wirerope_mj.dynamics.periodic import Branch as Branch
 from wirerope_mj.dynamics.periodic import PeriodicOrbit as PeriodicOrbit
+from wirerope_mj.dynamics.periodic import backbone as backbone
 from wirerope_mj.dynamics.periodic import follow_branch as follow_branch
+from wirerope_mj.dynamics.periodic import harmonic_content as harmonic_content
 from wirerope_mj.dynamics.periodic import periodic_orbit as periodic_orbit
+from wirerope_mj.dynamics.periodic import resonances as resonances
 from wirerope_mj.dynamics.single_mass import HarmonicBranch as HarmonicBranch
 from wirerope_mj.dynamics.single_mass import HarmonicOrbit as HarmonicOrbit
 from wirerope_mj.dynamics.single_mass import equivalent_linear as equivalent_linear
@@ -77,6 +82,7 @@ from wirerope_mj.motions.spectra import ShockResponseSpectrum as ShockResponseSp
 from wirerope_mj.motions.spectra import power_spectral_density as power_spectral_density
 from wirerope_mj.motions.spectra import shock_response_spectrum as shock_response_spectrum
 from wirerope_mj.mounts.identification import compare_laws as compare_laws
+from wirerope_mj.mounts.identification import compare_methods as compare_methods
 from wirerope_mj.mounts.identification import identify_specimens as identify_specimens
 from wirerope_mj.mounts.identification import joint_spread as joint_spread
 from wirerope_mj.mounts.identification.identify import Identification as Identification
@@ -111,6 +117,7 @@ from wirerope_mj.mounts.laws import Zener as Zener
 from wirerope_mj.mounts.test_rig import cyclic_test as cyclic_test
 from wirerope_mj.mounts.test_rig import read_cycles as read_cycles
 from wirerope_mj.mounts.test_rig import read_cyclic_test as read_cyclic_test
+from wirerope_mj.mounts.test_rig import steady_loops as steady_loops
 from wirerope_mj.mounts.test_rig import write_cyclic_test as write_cyclic_test
 from wirerope_mj.runs import replay as replay
 from wirerope_mj.runs import run_scenario as run_scenario

@@ -214,7 +214,7 @@ def rest_and_shake(system, way):
         return f"equilibrium: residual {e.residual}"
     if way % 3:
         modes = wr.modes(system, history=e.history)
-        said = np.array(["(tips over)" in words for words in modes.words])
+        said = np.array(["(tips over)" in words for words in modes.descriptions])
         if not np.isfinite(modes.frequencies[~said]).all():
             return f"modes: {modes.frequencies}"
     motion = (

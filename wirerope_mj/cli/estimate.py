@@ -1,14 +1,15 @@
-"""`wirerope isolators estimate`: the figures of an isolator without data sheet, beside the errors of such estimates."""
+"""`wirerope isolators estimate`: the values of an isolator without data sheet, beside the errors of such estimates."""
 
 import math
 from pathlib import Path
 
-from rich import box
 from rich.markup import escape
-from rich.table import Table
 
-from wirerope_mj.cli.screen import console
+from wirerope_mj.cli.screen import console, print_table
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.atomic_files import check_place
+from wirerope_mj.foundation.tables import Cell, Column, Table
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.estimate import LoopEstimate, estimate_loop, estimated_isolator
 
 _MODES = {"compression": "compression", "45": "45 degrees", "shear": "shear, roll"}
@@ -27,8 +28,8 @@ def estimate_command(
     """Print the estimate of an isolator, lengths in mm, and write its file to `out` if it is given."""
     lengths = {"height": height, "width": width, "rope": rope, "bar": bar, "bar-length": bar_length}
     for option, value in lengths.items():
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"`--{option}` must be a finite number > 0 [mm], got {value:g}.")
+        if value is not None:
+            positive(f"--{option}", value, unit="mm")
     if out is not None:
         if out.suffix != ".toml":
             raise ValueError(f"`--out` must end with .toml, got {str(out)!r}.")
@@ -42,38 +43,34 @@ def estimate_command(
         bar_length=None if bar_length is None else 1e-3 * bar_length,
     )
     screen = console()
-    screen.print(figures_table(estimate))
-    for sentence in sentences(estimate):
-        screen.print(escape(sentence))
+    print_table(values_table(estimate))
+    for text in remarks(estimate):
+        screen.print(escape(text))
     if out is not None:
         estimated_isolator(estimate).save(out)
         screen.print(f"written: {escape(str(out))}", soft_wrap=True)
 
 
-def figures_table(estimate: LoopEstimate) -> Table:
-    """Return every estimated figure beside the errors of such estimates."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    for name in ("direction", "figure"):
-        table.add_column(name)
-    headings = ("estimate", "80 % of Enidine's\nwithin a factor", "worst\nfactor", "80 % of VMC's\nwithin a factor")
-    for heading in headings:
-        table.add_column(escape(heading), justify="right")
-    figures = estimate.figures
-    rows = [("compression", "static load [N]", figures.static_load, "static load")]
-    for mode, words in _MODES.items():
-        rows.append((words, "travel [mm]", 1e3 * figures.travel[mode], f"{mode} travel"))
-        rows.append((words, "vibration stiffness [N/mm]", 1e-3 * figures.vibration[mode], f"{mode} vibration"))
-        rows.append((words, "shock stiffness [N/mm]", 1e-3 * figures.shock[mode], f"{mode} shock"))
-    for words, label, value, name in rows:
+def values_table(estimate: LoopEstimate) -> Table:
+    """Return every estimated value beside the errors of such estimates."""
+    errors = ("80 % of Enidine's\nwithin a factor", "worst\nfactor", "80 % of VMC's\nwithin a factor")
+    columns = [Column("direction", align="left"), Column("value", align="left"), Column("estimate")]
+    values = estimate.values
+    rows = [("compression", "static load", "N", values.static_load, "static load")]
+    for mode, direction in _MODES.items():
+        rows.append((direction, "travel", "mm", values.travel[mode], f"{mode} travel"))
+        rows.append((direction, "vibration stiffness", "N/mm", values.vibration[mode], f"{mode} vibration"))
+        rows.append((direction, "shock stiffness", "N/mm", values.shock[mode], f"{mode} shock"))
+    cells: list[list[Cell]] = []
+    for direction, label, unit, value, name in rows:
         band = estimate.bands[name]
-        other = "-" if band.other is None else f"{1.0 + band.other:.2f}"
-        errors = (f"{1.0 + band.within:.2f}", f"{1.0 + band.worst:.2f}", other)
-        table.add_row(words, escape(label), f"{value:.4g}", *errors)
-    return table
+        factors = [None if error is None else 1.0 + error for error in (band.within, band.worst, band.other)]
+        cells.append([direction, f"{label} [{unit}]", f"{in_unit(value, unit):.4g}", *factors])
+    return Table(title="", columns=[*columns, *(Column(heading, form=".2f") for heading in errors)], rows=cells)
 
 
-def sentences(estimate: LoopEstimate) -> list[str]:
-    """Return what the estimate assumes, how its errors were found, and the rotational stiffness."""
+def remarks(estimate: LoopEstimate) -> list[str]:
+    """Return the assumptions of the estimate, the source of its errors, and the rotational stiffness."""
     without = (
         "each estimated without itself"
         if estimate.left_out == "part"
@@ -88,8 +85,8 @@ def sentences(estimate: LoopEstimate) -> list[str]:
         lines.append(
             f"Bars of {1e3 * estimate.bar:.3g} mm are assumed, as Enidine's parts of this rope have; --bar gives others."
         )
-    about = dict(zip(("roll", "shear", "axial"), estimate.rotation, strict=True))
-    known = [f"{value:.4g} about the {axis} axis" for axis, value in about.items() if math.isfinite(value)]
+    about = zip(("roll", "shear", "axial"), estimate.rotation, strict=True)
+    known = [f"{value:.4g} about the {axis} axis" for axis, value in about if math.isfinite(value)]
     more = "" if estimate.bar_length is not None else " The others need --bar-length."
     lines.append(
         f"Rotational stiffness of small vibration about mid-height [N m/rad]: {', '.join(known)}; no vendor states any to "

@@ -10,8 +10,8 @@ from rich.markup import escape
 from wirerope_mj.cli.frf_tables import print_response
 from wirerope_mj.cli.models import model_path
 from wirerope_mj.cli.screen import console
-from wirerope_mj.dynamics.frequency_response import Question, frequency_response
-from wirerope_mj.dynamics.frequency_response.summary import findings_of
+from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
+from wirerope_mj.dynamics.frequency_response.summary import level_summaries
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.plain_text import plain
@@ -26,7 +26,7 @@ DEFAULT = 1.0
 """Level where none is said [m/s^2]: a tenth of a g, as a resonance search on a shaker takes."""
 
 
-def frf_command(model: str, question: Question, *, keep: Path | None, out: Path | None, force: bool) -> int:
+def frf_command(model: str, options: ResponseOptions, *, keep: Path | None, out: Path | None, force: bool) -> int:
     """Compute a frequency response, write its folder, print what was found; return the exit code."""
     path = model_path(model)
     folder = out or Path("runs") / f"{path.stem}-frf-{datetime.now():%Y%m%d-%H%M%S}"
@@ -34,10 +34,10 @@ def frf_command(model: str, question: Question, *, keep: Path | None, out: Path 
     system = load_system(path)
     watched = sys.stderr.isatty()
     report = _report if watched else None
-    result = frequency_response(system, question, name=path.stem, report=report, keep=keep, progress=watched)
+    result = frequency_response(system, options, name=path.stem, report=report, keep=keep, progress=watched)
     if watched:
         _report("writing tables, pictures and the recording")
-    findings = findings_of(result)
+    findings = level_summaries(result)
     write_frequency_response(result, findings, folder, force=force)
     print_response(result, findings)
     _print_written(folder)
@@ -64,9 +64,9 @@ def direction_of(option: str, text: str) -> Direction:
     return (x, y, z)
 
 
-def _report(words: str) -> None:
+def _report(text: str) -> None:
     """Say what is being done on standard error."""
-    print(plain(f"{words} .."), file=sys.stderr, flush=True)
+    print(plain(f"{text} .."), file=sys.stderr, flush=True)
 
 
 def _print_written(folder: Path) -> None:

@@ -29,7 +29,7 @@ def frf(
     """Compute the frequency response of a model: resonances, folds and jumps, what is stable, and pictures of it.
 
     Periodic motions are followed over frequency around folds, with their Floquet multipliers; sweeps up and down show what a
-    shaker would see. The folder holds settings, figures, tables, pictures and a recording in which one scrubs along the
+    shaker would see. The folder holds settings, summary, tables, pictures and a recording in which one scrubs along the
     resonance. A branch that ends before the end of the range exits 1.
 
     Args:
@@ -37,7 +37,7 @@ def frf(
         acceleration: levels of the base's acceleration [m/s^2], one or several; 1 by default.
         acceleration_g: the same in g.
         method: follow periodic motions, sweep up and down, or both beside each other.
-        start: lowest frequency [Hz]; from the system's own frequencies by default.
+        start: lowest frequency [Hz]; from the system's natural frequencies by default.
         stop: highest frequency [Hz].
         direction: along which the base moves: x, y, z or a vector such as 1,0,1.
         response_direction: along which the payload's acceleration is taken; that of the base by default.
@@ -46,15 +46,15 @@ def frf(
         periods: of the base after which the motions repeat themselves; 2, 3, .. for subharmonics.
         largest_step: largest relative change of the frequency between two points of a branch.
         smallest_step: smallest one before a branch is given up.
-        smoothing: share of the mounts' largest velocity over which the continuation smooths the laws; as they are by default.
-        keep: folder that keeps the points as they are found: the same command goes on there after it was interrupted.
+        smoothing: fraction of the mounts' largest velocity over which the continuation smooths the laws; none by default.
+        keep: folder that keeps the points as they are found: the same command resumes there after it was interrupted.
         out: folder of the result; runs/MODEL-frf-DATE-TIME by default.
         force: replace a frequency response that is there.
     """
     from wirerope_mj.cli.frf import direction_of, frf_command, levels
-    from wirerope_mj.dynamics.frequency_response import Question
+    from wirerope_mj.dynamics.frequency_response import ResponseOptions
 
-    question = Question(
+    options = ResponseOptions(
         accelerations=levels(acceleration, acceleration_g), method=method, start=start, stop=stop,
         direction=direction_of("--direction", direction), payload=payload, rate=rate,
         periods=int(periods) if float(periods).is_integer() else periods,  # type: ignore[arg-type]  # refused by name below
@@ -62,4 +62,4 @@ def frf(
         else direction_of("--response-direction", response_direction),
         largest_step=largest_step, smallest_step=smallest_step, smoothing=smoothing,
     )  # fmt: skip
-    return frf_command(model, question, keep=keep, out=out, force=force)
+    return frf_command(model, options, keep=keep, out=out, force=force)

@@ -1,4 +1,4 @@
-"""What `wirerope frf` prints: for every level its peaks, folds and changes of stability, and what it cost."""
+"""Tables of `wirerope frf`: for every level its peaks, folds and changes of stability, and what it cost."""
 
 import math
 from collections.abc import Sequence
@@ -9,41 +9,41 @@ from rich.table import Table
 
 from wirerope_mj.cli.screen import console
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
-from wirerope_mj.dynamics.frequency_response.findings import ResonancePeak
-from wirerope_mj.dynamics.frequency_response.summary import Findings
+from wirerope_mj.dynamics.frequency_response.peaks import ResonancePeak
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.directions import direction_text
 
 Row = tuple[str, float, float, float, str]
-"""What it is, frequency [Hz], amplitude [m/s^2], transmissibility, and a note."""
+"""Name, frequency [Hz], amplitude [m/s^2], transmissibility, and a note."""
 
 _MARKED = 0.1
-"""Share of the fundamental from which another harmonic gives a peak its name."""
+"""Ratio to the fundamental from which another harmonic gives a peak its name."""
 
 _COLUMNS = ("frequency\n[Hz]", "amplitude\n[m/s^2]", "transmis-\nsibility")
 
 
-def print_response(result: FrequencyResponse, findings: Sequence[Findings]) -> None:
+def print_response(result: FrequencyResponse, findings: Sequence[LevelSummary]) -> None:
     """Print what every level shows."""
-    asked, screen = result.question, console()
-    start, stop = asked.range
-    assert asked.response_direction is not None
+    options, screen = result.options, console()
+    start, stop = options.range
+    assert options.response_direction is not None
     screen.print(
-        f"\n[bold]{escape(result.name)}[/]  base along {direction_text(asked.direction)}, acceleration of "
-        f"{escape(str(asked.payload))} along {direction_text(asked.response_direction)}, {start:g} to {stop:g} Hz "
-        f"({asked.range_from})",
+        f"\n[bold]{escape(result.name)}[/]  base along {direction_text(options.direction)}, acceleration of "
+        f"{escape(str(options.payload))} along {direction_text(options.response_direction)}, {start:g} to {stop:g} Hz "
+        f"({options.range_from})",
         soft_wrap=True,
     )
-    for found in findings:
+    for summary in findings:
         screen.print()
-        screen.print(_table(found))
-        for sentence in _sentences(found, asked.rate):
+        screen.print(_table(summary))
+        for sentence in _sentences(summary, options.rate):
             screen.print(f"  {escape(sentence)}", soft_wrap=True)
 
 
-def _table(found: Findings) -> Table:
-    level = found.level
+def _table(summary: LevelSummary) -> Table:
+    level = summary.level
     table = Table(
         box=box.SIMPLE_HEAD, title=f"Level {level.acceleration:.4g} m/s^2", title_style="bold", title_justify="left",
         show_edge=False,
@@ -52,24 +52,24 @@ def _table(found: Findings) -> Table:
     for name in _COLUMNS:
         table.add_column(escape(name), justify="right", no_wrap=True)
     table.add_column("")
-    for what, frequency, amplitude, transmissibility, note in _rows(found):
+    for what, frequency, amplitude, transmissibility, note in _rows(summary):
         numbers = [f"{frequency:.5g}", f"{amplitude:.4g}", f"{transmissibility:.4g}"]
         table.add_row(escape(what), *numbers, escape(note))
     return table
 
 
-def _rows(found: Findings) -> list[Row]:
+def _rows(summary: LevelSummary) -> list[Row]:
     """Return the rows of a level's table: peaks, then what happens on the branch in its order, then the sweeps."""
-    level, rows = found.level, [_peak_row(peak, first=n == 0) for n, peak in enumerate(found.peaks)]
+    level, rows = summary.level, [_peak_row(peak, first=n == 0) for n, peak in enumerate(summary.peaks)]
     if level.branch is not None:
         rows += _event_rows(level.branch)
-    for way, sweep in level.sweeps.items():
-        seen = found.comparisons[way]
-        rows.append((f"peak of the sweep {way}", seen.peak_frequency, seen.peak, seen.peak / level.acceleration, ""))
-        for fold, at in seen.jumps:
-            a = float(sweep.amplitude[abs(sweep.frequency - at).argmin()])
-            note = f"{100.0 * (at / fold - 1.0):+.2f} % from the fold"
-            rows.append((f"jump of the sweep {way}", at, a, a / level.acceleration, note))
+    for direction, seen in summary.comparisons.items():
+        rows.append(
+            (f"peak of the sweep {direction}", seen.peak_frequency, seen.peak, level.transmissibility(seen.peak), "")
+        )
+        for jump in seen.jumps:
+            ratio, note = level.transmissibility(jump.amplitude), f"{100.0 * jump.past_fold:+.2f} % from the fold"
+            rows.append((f"jump of the sweep {direction}", jump.frequency, jump.amplitude, ratio, note))
     return rows
 
 
@@ -86,32 +86,31 @@ def _event_rows(branch: Branch) -> list[Row]:
     rows: list[Row] = []
     jumps = {jump.parameter: jump for jump in branch.jumps}
     for event in branch.bifurcations:
-        size = abs(event.acceleration)
         jump = jumps.get(event.frequency) if event.kind == "fold" else None
         notes = [f"{event.before} -> {event.after} multipliers outside the unit circle"]
         if jump is not None:
             landing = "nowhere on this branch" if math.isnan(jump.landing) else f"{jump.landing:.4g} m/s^2"
             notes.append(f"a sweep {'up' if jump.rising else 'down'} jumps to {landing}")
-        rows.append((event.kind, event.frequency, event.amplitude, event.amplitude / size, "; ".join(notes)))
+        rows.append((event.kind, event.frequency, event.amplitude, event.transmissibility, "; ".join(notes)))
     return rows
 
 
-def _sentences(found: Findings, rate: float) -> list[str]:
+def _sentences(summary: LevelSummary, rate: float) -> list[str]:
     """Return what the level's computations say of themselves."""
-    level, words = found.level, []
+    level, lines = summary.level, []
     if level.branch is not None:
         branch = level.branch
         start = "continuation" if branch.complete else "continuation ENDED EARLY"
-        words.append(
+        lines.append(
             f"{start}: {branch.frequency.size} points, {branch.model_steps} model steps, {level.branch_seconds:.1f} s; "
             f"{branch.message}"
         )
-        words.append(_stability(branch))
-    for way, sweep in level.sweeps.items():
-        words += _sweep_sentences(found, way, sweep, rate)
+        lines.append(_stability(branch))
+    for direction, sweep in level.sweeps.items():
+        lines += _sweep_sentences(summary, direction, sweep, rate)
     if level.sweeps:
-        words.append(f"sweeps: {level.sweep_seconds:.1f} s together")
-    return words
+        lines.append(f"sweeps: {level.sweep_seconds:.1f} s together")
+    return lines
 
 
 def _stability(branch: Branch) -> str:
@@ -123,12 +122,12 @@ def _stability(branch: Branch) -> str:
     return f"{unstable} points between {range_.min():.5g} and {range_.max():.5g} Hz are unstable{neutral}"
 
 
-def _sweep_sentences(found: Findings, way: str, sweep: FrequencySweep, rate: float) -> list[str]:
-    seen = found.comparisons[way]
-    words = f"sweep {way} at {rate:g} octaves/min: {sweep.frequency.size} cycles, {sweep.model_steps} model steps"
+def _sweep_sentences(summary: LevelSummary, direction: str, sweep: FrequencySweep, rate: float) -> list[str]:
+    seen = summary.comparisons[direction]
+    text = f"sweep {direction} at {rate:g} octaves/min: {sweep.frequency.size} cycles, {sweep.model_steps} model steps"
     if not math.isnan(seen.largest):
-        words += (
+        text += (
             f"; away from jumps within {100.0 * seen.largest:.2g} % of the branch (at {seen.at:.4g} Hz), half of it within "
             f"{100.0 * seen.median:.2g} %"
         )
-    return [words, *(f"sweep {way}: {warning}" for warning in sweep.warnings)]
+    return [text, *(f"sweep {direction}: {warning}" for warning in sweep.warnings)]

@@ -1,36 +1,34 @@
-"""`wirerope identify`: cyclic tests -> an isolator file, a table of what the data fix, and a report with pictures."""
+"""`wirerope identify`: cyclic tests -> an isolator file, a table of the parameters, and a report with pictures."""
 
 import math
 import shutil
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from rich import box
 from rich.markup import escape
-from rich.table import Table
 
-from wirerope_mj.cli.identify_records import Tests, held, read_tests, remarks
-from wirerope_mj.cli.identify_report import (
-    PICTURES,
-    Rows,
-    law_words,
-    loop_rows,
-    parameter_rows,
-    report_text,
-    sentences,
-    stage_rows,
-)
-from wirerope_mj.cli.screen import console
+from wirerope_mj.cli.screen import console, print_table
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
-from wirerope_mj.mounts.identification.fitted import FittedLoop, fitted_loops
-from wirerope_mj.mounts.identification.identify import Constraint, family_of, identify
-from wirerope_mj.mounts.identification.result import Identification
-from wirerope_mj.mounts.isolator import Isolator, Provenance, load_isolator, read_law
-from wirerope_mj.mounts.laws import LAWS, AsymmetricBoucWen, Law, Masing, Stop
+from wirerope_mj.mounts.identification.families import family_of
+from wirerope_mj.mounts.identification.identify import identify
+from wirerope_mj.mounts.identification.isolator_file import assumptions, identified_isolator
+from wirerope_mj.mounts.identification.options import Constraint
+from wirerope_mj.mounts.identification.records import Tests, contents, loop_warnings, read_tests
+from wirerope_mj.mounts.identification.result import FittedLoop, Identification, fitted_loops
+from wirerope_mj.mounts.isolator import Isolator, load_isolator, read_law
+from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop
 from wirerope_mj.runs.folder import atomic_run, check_target
+from wirerope_mj.views.report.identification import (
+    PICTURES,
+    findings,
+    law_text,
+    loop_table,
+    parameter_table,
+    report_text,
+    stage_table,
+)
 
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
@@ -41,13 +39,13 @@ _ELEMENTS = 5  # of a Masing law: with eleven parameters within what an identifi
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """What is to be identified and where it goes.
+    """Arguments of the command.
 
     Attributes:
         files: records of cyclic tests.
         law: name of the law.
         out: isolator file.
-        axis: which the tests moved.
+        axis: along which the tests moved.
         report: folder; None: beside `out`.
         name: of the isolator; None: that of its file.
         constraint: on Bouc-Wen's beta and gamma.
@@ -77,25 +75,34 @@ class Request:
 
     @property
     def folder(self) -> Path:
-        """Where the report goes."""
+        """Folder of the report."""
         return self.report or self.out.with_name(f"{self.out.stem}-report")
+
+    @property
+    def given(self) -> list[str]:
+        """What is given to the fit."""
+        texts = [*self.fix, *([self.constraint] if self.constraint is not None else [])]
+        return [*texts, f"the law of {self.beside.name} beside it"] if self.beside is not None else texts
 
 
 def identify_command(request: Request) -> int:
-    """Fit a law to records, print what was found, write report and isolator; return the exit code."""
+    """Fit a law to records, print the fit, write report and isolator; return the exit code."""
     kind, fixed = _kind(request), _fixed(request.fix)
     start = None if request.start is None else _start(request.start, request.axis)
     known = None if request.beside is None else load_isolator(request.beside)
     known_law = None if known is None else _known_law(known, request)
-    _check_places(request)
+    _check_outputs(request)
     tests = read_tests(request.files, stop=kind is Stop and known is None)
-    loops = [loop for part in tests.values() for loop in part]
+    loops = [loop for one in tests.values() for loop in one]
     result = identify(
         loops, law=kind, start=start, fixed=fixed, free=request.free, beside=known_law, constraint=request.constraint,
         elements=request.elements or _ELEMENTS,
     )  # fmt: skip
     fits = fitted_loops(result)
-    isolator = _isolator(request, result, fits, _given(request, result), known)
+    isolator = identified_isolator(
+        result, name=request.name or request.out.stem, axis=request.axis, files=request.files, given=request.given,
+        known=known,
+    )  # fmt: skip
     wanted = result.converged or request.accept_unconverged
     with atomic_run(request.folder, force=request.force, kind="report", marks=(_REPORT,)) as folder:
         _write_report(folder, request, result, fits, tests)
@@ -141,17 +148,17 @@ def _known_law(known: Isolator, request: Request) -> Law:
     return law
 
 
-def _fixed(words: Sequence[str]) -> dict[str, float]:
+def _fixed(options: Sequence[str]) -> dict[str, float]:
     """Return the values of NAME=VALUE."""
     values = {}
-    for word in words:
-        name, sign, text = word.partition("=")
+    for option in options:
+        name, sign, text = option.partition("=")
         try:
             value = float(text)
         except ValueError:
             value = math.nan
         if not (name and sign and math.isfinite(value)):
-            raise ValueError(f"`--fix` must be NAME=VALUE with a number in SI units, got {word!r}.")
+            raise ValueError(f"`--fix` must be NAME=VALUE with a number in SI units, got {option!r}.")
         if name in values:
             raise ValueError(f"`--fix` names {name!r} twice.")
         values[name] = value
@@ -163,15 +170,15 @@ def _start(path: Path, axis: str) -> Law:
     if not path.is_file():
         raise ModelError(f"{path}: no such file. A search starts at a law file or at an isolator file.")
     content = read_toml(path, "start of a search")
-    table, place = (
-        (content, f"{path}:") if {"law", "laws"} & content.keys() else (content.get(axis), f"{path}: [{axis}]")
-    )
+    if {"law", "laws"} & content.keys():
+        return read_law(content, f"{path}:", path.parent)
+    table, location = content.get(axis), f"{path}: [{axis}]"
     if not isinstance(table, dict):
-        raise ModelError(f"{place} is missing; a search on this axis has no start there.")
-    return read_law(table, place, path.parent)
+        raise ModelError(f"{location} is missing; a search on this axis has no start there.")
+    return read_law(table, location, path.parent)
 
 
-def _check_places(request: Request) -> None:
+def _check_outputs(request: Request) -> None:
     """Raise an error unless isolator and report can be written."""
     out = request.out
     if out.suffix != ".toml":
@@ -181,50 +188,12 @@ def _check_places(request: Request) -> None:
     if out.is_dir():
         raise ValueError(f"`--out`: {out} is a folder.")
     if out.exists() and not request.force:
-        raise ValueError(f"{out}: there is an isolator file already. Replace it with --force, or choose another place.")
+        raise ValueError(f"{out}: there is an isolator file already. Replace it with --force, or choose another path.")
     check_target(request.folder, force=request.force, kind="report", marks=(_REPORT,))
 
 
-def _given(request: Request, result: Identification) -> list[str]:
-    """Return what was assumed and not found, one sentence each."""
-    words = [f"{word}: given, not fitted" for word in request.fix]
-    if request.constraint is not None:
-        words.append(f"{request.constraint}: given, not fitted")
-    if request.beside is not None:
-        words.append(f"the law of {request.beside.name} beside it: given, not fitted")
-    if isinstance(result.law, AsymmetricBoucWen):
-        words.append("b = e: of b and c only the product c ln b acts on the force")
-    words.append("the force's zero: the mean of each loop's force was free, so that the law has no force unloaded")
-    words += [f"the data leave open: {open_words}" for open_words in result.open_combinations]
-    if not result.converged:
-        words.append(f"the fit did not converge ({result.message})")
-    return words
-
-
-def _isolator(
-    request: Request, result: Identification, fits: Sequence[FittedLoop], assumed: Sequence[str], known: Isolator | None
-) -> Isolator:
-    """Return the isolator with its provenance; everything else of one that was known stays."""
-    sizes = ", ".join(f"{1e3 * fit.amplitude:.3g} ({100.0 * fit.error:.2g} %)" for fit in fits)
-    points = sorted({round(1e3 * fit.operating_point, 1) + 0.0 for fit in fits})
-    provenance = Provenance(
-        kind="identified",
-        source=f"cyclic tests: {', '.join(path.name for path in request.files)}",
-        fitted_to=(
-            f"{request.axis} force over cycles of amplitude [mm] (error of the force over half its range) {sizes}, "
-            f"about {', '.join(f'{point:g}' for point in points)} mm; {result.validity}"
-        ),
-        assumed=tuple(assumed),
-    )
-    axes: Mapping[str, Any] = {request.axis: result.law}
-    name = request.name or request.out.stem
-    if known is not None:
-        return replace(known.conditioned, name=name, provenance=provenance, spread=None, **axes)
-    return Isolator(name=name, provenance=provenance, **axes)
-
-
 def _keep_others(before: Path, folder: Path) -> None:
-    """Copy what a report's folder holds beside the report into the one that takes its place."""
+    """Copy the other files of a report's folder into the one that replaces it."""
     for path in before.iterdir() if before.is_dir() else ():
         if path.name == _REPORT or path.name in PICTURES:
             continue
@@ -235,11 +204,7 @@ def _keep_others(before: Path, folder: Path) -> None:
 
 
 def _write_report(
-    folder: Path,
-    request: Request,
-    result: Identification,
-    fits: Sequence[FittedLoop],
-    tests: Tests,
+    folder: Path, request: Request, result: Identification, fits: Sequence[FittedLoop], tests: Tests
 ) -> None:
     """Write text and pictures into a folder."""
     from wirerope_mj.views.plots.identification import fit_figure, measures_figure, residual_figure
@@ -248,45 +213,22 @@ def _write_report(
     title = f"{request.name or request.out.stem}, {request.axis}: {kinds}"
     for name, figure in zip(PICTURES, (fit_figure, residual_figure, measures_figure), strict=True):
         figure(fits, title=title).savefig(folder / name)
-    sources = [f"{path}: {held(loops)}" for path, loops in tests.items()] + remarks(tests, result)
-    given = [words for words in _given(request, result) if not words.startswith(("the data leave", "the fit did"))]
-    text = report_text(result, fits, title=title, sources=sources, given=given)
+    sources = [f"{path}: {contents(loops)}" for path, loops in tests.items()] + loop_warnings(tests, result)
+    text = report_text(result, fits, title=title, sources=sources, given=assumptions(result, request.given))
     (folder / _REPORT).write_text(text, encoding="utf-8")
 
 
-def _print(
-    request: Request,
-    name: str,
-    result: Identification,
-    fits: Sequence[FittedLoop],
-    tests: Tests,
-) -> None:
-    """Print what was found."""
+def _print(request: Request, name: str, result: Identification, fits: Sequence[FittedLoop], tests: Tests) -> None:
     screen = console()
     screen.print(
         f"[bold]{escape(name)}[/], {request.axis}: {_count(len(fits), 'loop')} of {_count(len(tests), 'file')}"
     )
-    screen.print(f"  {escape(law_words(result))}", soft_wrap=True)
-    for rows in (parameter_rows(result), loop_rows(fits), stage_rows(result)):
-        screen.print(_table(rows))
-    for words in sentences(result, fits) + remarks(tests, result):
-        screen.print(f"  {escape(words)}", soft_wrap=True)
+    screen.print(f"  {escape(law_text(result))}", soft_wrap=True)
+    for table in (parameter_table(result), loop_table(fits), stage_table(result)):
+        print_table(table)
+    for text in findings(result, fits) + loop_warnings(tests, result):
+        screen.print(f"  {escape(text)}", soft_wrap=True)
 
 
-def _count(number: int, word: str) -> str:
-    """Return a number of things in words."""
-    return f"{number} {word}" if number == 1 else f"{number} {word}s"
-
-
-def _table(rows: Rows) -> Table:
-    """Return a table for the screen; long headings stand on two lines."""
-    table = Table(
-        box=box.SIMPLE_HEAD, title=escape(rows.title), title_style="bold", title_justify="left", pad_edge=False
-    )
-    for place, name in enumerate(rows.columns):
-        words = name.replace(" [", "\n[") if place else name
-        text = place == 0 or name in ("unit", "note")
-        table.add_column(escape(words), justify="left" if text else "right")
-    for row in rows.rows:
-        table.add_row(*[escape(cell) for cell in row])
-    return table
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

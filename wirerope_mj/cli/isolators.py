@@ -3,14 +3,13 @@
 from pathlib import Path
 from typing import Any
 
-from rich import box
 from rich.markup import escape
-from rich.table import Table
 
-from wirerope_mj.cli.screen import console
-from wirerope_mj.foundation.atomic_files import check_place as check_writable
+from wirerope_mj.cli.screen import console, print_table
+from wirerope_mj.foundation.atomic_files import check_place
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.mounts.isolator import AXES, Isolator, find_isolator, load_isolator
 from wirerope_mj.mounts.laws import Law, Parallel
 from wirerope_mj.mounts.laws.stop import largest_gap
@@ -18,7 +17,7 @@ from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.mounts.vendor_parts.comparison import compare
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
 
-_SHARES = (0.25, 0.5, 1.0)
+_FRACTIONS = (0.25, 0.5, 1.0)
 _FREQUENCY = 5.0
 """Of the tests [Hz], table and picture alike; without effect on a rate-independent law."""
 
@@ -27,31 +26,28 @@ _UNRATED = 0.002
 
 
 def print_isolators() -> None:
-    """Print what the isolators of the catalogue are rated for."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("isolator", no_wrap=True)
-    table.add_column("name")
-    for name in ("load\n[N]", "compr.\n[mm]", "tension\n[mm]", "shear\n[mm]", "roll\n[mm]"):
-        table.add_column(escape(name), justify="right")
-    table.add_column("kind")
+    """Print the ratings of the isolators of the catalogue."""
+    rows = []
     for path in sorted(catalogue_folder().glob("*.toml")):
         isolator = load_isolator(path)
-        travel = isolator.limits.travel
-        rated = [_number(v, 1e3) for v in (travel.compression, travel.tension, travel.shear, travel.roll)]
-        table.add_row(
-            escape(path.stem),
-            escape(isolator.name),
-            _number(isolator.limits.static_load, 1.0),
-            *rated,
-            isolator.provenance.kind,
-        )
-    console().print(table, "- not rated: not judged. `wirerope isolators NAME` shows one.")
+        limits, travel = isolator.limits, isolator.limits.travel
+        rated = [limits.static_load, travel.compression, travel.tension, travel.shear, travel.roll]
+        rows.append([path.stem, isolator.name, *rated, isolator.provenance.kind])
+    columns = [
+        Column("isolator", align="left"),
+        Column("name", align="text"),
+        Column("load", "N", ".4g"),
+        *(Column(name, "mm", ".4g") for name in ("compr.", "tension", "shear", "roll")),
+        Column("kind", align="left"),
+    ]
+    note = "- not rated: not judged. `wirerope isolators NAME` shows one."
+    print_table(Table(title="", columns=columns, rows=rows, note=note))
 
 
 def print_isolator(name: str, out: Path | None) -> None:
-    """Print parameters of an isolator and what its steady loops measure; write their picture to `out` if it is given."""
+    """Print parameters of an isolator and measures of its steady loops; write their picture to `out` if it is given."""
     if out is not None:
-        check_place(out)
+        check_picture(out)
     given = Path(name)
     path = given if given.is_file() else find_isolator(name, beside=catalogue_folder())
     isolator = load_isolator(path)
@@ -67,9 +63,9 @@ def print_isolator(name: str, out: Path | None) -> None:
         screen.print(f"  {axis}: {escape(describe(law))}")
     for line in _joint_lines(isolator):
         screen.print(f"  {escape(line)}")
-    for sentence in isolator.provenance.assumed:
-        screen.print(f"  assumed: {escape(sentence)}")
-    screen.print(_measures(isolator))
+    for text in isolator.provenance.assumed:
+        screen.print(f"  assumed: {escape(text)}")
+    print_table(_measures(isolator))
     if out is not None:
         from wirerope_mj.views.plots.loops import save_loops
 
@@ -109,57 +105,50 @@ def _joint_lines(isolator: Isolator) -> list[str]:
 
 
 def _measures(isolator: Isolator) -> Table:
-    """Return what steady loops about zero at 25, 50 and 100 % of the rated travel measure, unrated ones behind the gap."""
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("axis")
-    for name in (
-        "amplitude [mm]",
-        "of rated [%]",
-        "secant stiffness [kN/m]",
-        "energy per cycle [J]",
-        "damping ratio [%]",
-    ):
-        table.add_column(escape(name), justify="right")
+    """Return measures of steady loops about zero at 25, 50 and 100 % of the rated travel, unrated ones behind the gap."""
+    columns = [
+        Column("axis", align="left"),
+        Column("amplitude", "mm", ".3g"),
+        Column("of rated", "%", ".0f"),
+        Column("secant stiffness", "kN/m", ".4g"),
+        Column("energy per cycle", "J", ".4g"),
+        Column("damping ratio", "%", ".4g"),
+    ]
+    rows: list[list[Cell]] = []
     for axis in AXES:
         law = isolator.axes[axis]
         if law is None:
             continue
         rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
-        gap = largest_gap(law)
-        for share in _SHARES:
-            wanted = gap + share * _UNRATED if rated is None else share * rated
-            amplitude = min(wanted, share * law.finite_travel)
+        for fraction in _FRACTIONS:
+            wanted = largest_gap(law) + fraction * _UNRATED if rated is None else fraction * rated
+            amplitude = min(wanted, fraction * law.finite_travel)
             loop = cyclic_test(law, amplitude, frequency=_FREQUENCY)[0]
-            values = (1e-3 * loop.secant_stiffness, loop.dissipated_energy, 100.0 * loop.damping_ratio)
-            part = "-" if rated is None else f"{100 * amplitude / rated:.0f}"
-            table.add_row(axis, f"{1e3 * amplitude:.3g}", part, *[f"{value:.4g}" for value in values])
-    return table
+            used = None if rated is None else amplitude / rated
+            rows.append([axis, amplitude, used, loop.secant_stiffness, loop.dissipated_energy, loop.damping_ratio])
+    return Table(title="", columns=columns, rows=rows)
 
 
 def describe(law: Law) -> str:
-    """Return a law's name and parameters in words, those of several one after the other."""
+    """Return a law's name and parameters as text, those of several one after the other."""
     if isinstance(law, Parallel):
         return " and ".join(describe(one) for one in law.components)
     values = law.to_dict()
-    words = [f"{key} = {_value(value)}" for key, value in values.items() if key != "law"]
-    return f"{values['law']}: {', '.join(words)}"
+    parameters = [f"{key} = {_value(value)}" for key, value in values.items() if key != "law"]
+    return f"{values['law']}: {', '.join(parameters)}"
 
 
 def _value(value: Any) -> str:
-    """Return a parameter in words: a number, a list of them, or a choice."""
+    """Return a parameter as text: a number, a list of them, or a choice."""
     if isinstance(value, list):
         return f"[{', '.join(map(_value, value))}]"
     return f"{value:.6g}" if isinstance(value, int | float) and not isinstance(value, bool) else str(value).lower()
 
 
-def check_place(out: Path) -> None:
+def check_picture(out: Path) -> None:
     """Raise ValueError or RecordError unless a picture can be written as `out`."""
     if out.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise ValueError(f"`--out` must end with .png, .svg or .pdf, got {str(out)!r}.")
     if not out.resolve().parent.is_dir():
         raise ValueError(f"`--out`: there is no folder {str(out.resolve().parent)!r}.")
-    check_writable(out)
-
-
-def _number(value: float | None, scale: float) -> str:
-    return "-" if value is None else f"{scale * value:.4g}"
+    check_place(out)

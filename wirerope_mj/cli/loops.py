@@ -6,29 +6,31 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rich import box
 from rich.markup import escape
-from rich.table import Table
 
-from wirerope_mj.cli.isolators import check_place, describe
-from wirerope_mj.cli.screen import console
+from wirerope_mj.cli.isolators import check_picture, describe
+from wirerope_mj.cli.screen import console, print_table
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.mounts.isolator import Isolator, Limits, Travel, find_isolator, load_isolator, read_law
+from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of, distinct_axes
 from wirerope_mj.mounts.laws import EnhancedDryFriction, Hysteresis, Law, Loop
 from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, softening_to_hardening, write_cyclic_test
 
-_SHARES = (0.05, 0.1, 0.25, 0.5, 1.0)
-"""Default amplitudes as shares of the rated travel: enough to see where softening ends."""
+_FRACTIONS = (0.05, 0.1, 0.25, 0.5, 1.0)
+"""Default amplitudes as fractions of the rated travel: enough to see where softening ends."""
 
 _COLUMNS = (
-    "amplitude\n[mm]",
-    "secant\nstiffness\n[kN/m]",
-    "energy\nper cycle\n[J]",
-    "damping\nratio\n[%]",
-    "tangent after\nlargest defl.\n[kN/m]",
-    "tangent after\nsmallest defl.\n[kN/m]",
-    "cycles\nto close",
+    Column("axis", align="left"),
+    Column("amplitude", "mm", ".4g"),
+    Column("secant\nstiffness", "kN/m", ".4g"),
+    Column("energy\nper cycle", "J", ".4g"),
+    Column("damping\nratio", "%", ".4g"),
+    Column("tangent after\nlargest defl.", "kN/m", "z.4g"),
+    Column("tangent after\nsmallest defl.", "kN/m", "z.4g"),
+    Column("cycles\nto close"),
 )
 
 
@@ -43,11 +45,11 @@ def print_loops(
     out: Path | None,
     csv: Path | None,
 ) -> None:
-    """Test an isolator or a law cyclically, print what its loops measure, draw them, and write them if asked.
+    """Test an isolator or a law cyclically, print measures of its loops, draw them, and write them if asked.
 
     Args:
         source: isolator of the catalogue, or the path of an isolator file or of a law file.
-        amplitudes: of the tests [m]; None: shares of the rated travel.
+        amplitudes: of the tests [m]; None: fractions of the rated travel.
         operating_point: mean deflection [m].
         axis: the only axis to test; None: every axis with a force.
         frequency: of the tests [Hz].
@@ -57,18 +59,17 @@ def print_loops(
     """
     isolator, stem, rated = _load(source, axis)
     picture = Path(f"{stem}-loops.png") if out is None else out
-    check_place(picture)
+    check_picture(picture)
     laws = _chosen(isolator, axis)
     if csv is not None:
         _check_csv(csv, laws)
     if amplitudes is None and not rated:
         raise ValueError(f"{source} is a law without a rated travel: say at which `--amplitudes` [mm] to test it.")
     for size in amplitudes or ():
-        if not 0.0 < size < math.inf:
-            raise ValueError(f"`--amplitudes` [mm] must be finite and > 0, got {1e3 * size:g}.")
+        positive("--amplitudes", 1e3 * size, unit="mm")
     tests = {}
-    for title, (where, law) in laws.items():
-        sizes = amplitudes if amplitudes is not None else _default_amplitudes(isolator, where)
+    for title, (one, law) in laws.items():
+        sizes = amplitudes if amplitudes is not None else amplitudes_of(isolator, one, _FRACTIONS)
         tests[title] = cyclic_test(law, sizes, operating_point=operating_point, frequency=frequency, cycles=cycles)
     _print(isolator, {title: law for title, (_, law) in laws.items()}, tests, operating_point, frequency)
     _write(isolator, laws, tests, frequency, picture, csv)
@@ -95,10 +96,8 @@ def _load(source: str, axis: str | None) -> tuple[Isolator, str, bool]:
 
 def _chosen(isolator: Isolator, axis: str | None) -> dict[str, tuple[str, Law]]:
     """Return axis and law by title of what is tested."""
-    from wirerope_mj.views.plots.loops import distinct_axes
-
     if axis is None:
-        return {title: (where, law) for title, where, law in distinct_axes(isolator)}
+        return {title: (one, law) for title, one, law in distinct_axes(isolator)}
     law = isolator.axes[axis]
     if law is None:
         present = ", ".join(name for name, other in isolator.axes.items() if other is not None)
@@ -114,12 +113,6 @@ def _check_csv(csv: Path, laws: Mapping[str, tuple[str, Law]]) -> None:
         raise ValueError(f"`--csv` must be a file, got the folder {str(csv)!r}.")
     if not csv.resolve().parent.is_dir():
         raise ValueError(f"`--csv`: there is no folder {str(csv.resolve().parent)!r}.")
-
-
-def _default_amplitudes(isolator: Isolator, axis: str) -> list[float]:
-    from wirerope_mj.views.plots.loops import amplitudes_of
-
-    return amplitudes_of(isolator, axis, _SHARES)
 
 
 def _print(
@@ -138,44 +131,40 @@ def _print(
         screen.print(f"  {title}: {escape(describe(law))}")
         if isinstance(law, Hysteresis | EnhancedDryFriction) and law.z_max < math.inf:
             form = law.normalised
-            words = (
-                f"z_max = {form.z_max:.6g} N, x_y = {1e3 * form.x_y:.6g} mm, sigma = {form.sigma:.6g}, n = {form.n:.6g}"
+            screen.print(
+                f"  {title}, normalised: z_max = {form.z_max:.6g} N, x_y = {1e3 * form.x_y:.6g} mm, "
+                f"sigma = {form.sigma:.6g}, n = {form.n:.6g}",
+                soft_wrap=True,
             )
-            screen.print(f"  {title}, normalised: {words}")
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column("axis")
-    for name in _COLUMNS:
-        table.add_column(escape(name), justify="right")
+    rows = [[title, *_row(loop, laws[title])] for title, loops in tests.items() for loop in loops]
+    print_table(Table(title="", columns=_COLUMNS, rows=rows))
     for title, loops in tests.items():
-        for loop in loops:
-            table.add_row(title, *_row(loop, laws[title]))
-    screen.print(table)
-    for title, loops in tests.items():
-        for sentence in _sentences(loops):
-            screen.print(f"  {title}: {escape(sentence)}", soft_wrap=True)
+        for text in _findings(loops):
+            screen.print(f"  {title}: {escape(text)}", soft_wrap=True)
 
 
-def _row(loop: Loop, law: Law) -> list[str]:
-    """Return a loop's measures in words; a rate-dependent force turns round smoothly and has no tangent to state."""
-    values = (1e3 * loop.amplitude, loop.secant_stiffness / 1e3, loop.dissipated_energy, 100.0 * loop.damping_ratio)
-    tangents = [f"{slope / 1e3 + 0.0:.4g}" if law.rate_independent else "-" for slope in loop.tangents_at_reversal]
+def _row(loop: Loop, law: Law) -> list[Cell]:
+    """Return a loop's measures; a rate-dependent force turns round smoothly and has no tangent to state."""
+    tangents = loop.tangents_at_reversal if law.rate_independent else (None, None)
     closed = f"{loop.cycles}" if loop.closure <= 1e-10 else f"{loop.cycles}, open by {loop.closure:.1g}"
-    return [*["-" if math.isnan(value) else f"{value:.4g}" for value in values], *tangents, closed]
+    return [
+        loop.amplitude, loop.secant_stiffness, loop.dissipated_energy, loop.damping_ratio, *tangents, closed,
+    ]  # fmt: skip
 
 
-def _sentences(loops: Sequence[Loop]) -> list[str]:
-    """Return what the loops of an axis show together, as far as their number allows."""
-    sentences = []
+def _findings(loops: Sequence[Loop]) -> list[str]:
+    """Return measures of the loops of an axis together, as far as their number allows."""
+    texts = []
     amplitudes = {loop.amplitude for loop in loops}
     if len(amplitudes) >= 2 and max(loop.damping_ratio for loop in loops) > 1e-9:
         try:
             overlap = hardening_overlap(loops)
-            sentences.append(f"hardening overlap {overlap:.3f} (0: all amplitudes load along one path in tension)")
+            texts.append(f"hardening overlap {overlap:.3f} (0: all amplitudes load along one path in tension)")
         except ValueError as error:
-            sentences.append(f"no hardening overlap: {error}")
+            texts.append(f"no hardening overlap: {error}")
     if len(amplitudes) >= 3:
-        sentences.append(softening_to_hardening(loops).message)
-    return sentences
+        texts.append(softening_to_hardening(loops).message)
+    return texts
 
 
 def _write(
@@ -186,7 +175,7 @@ def _write(
     picture: Path,
     csv: Path | None,
 ) -> None:
-    """Write picture and file and say where they are."""
+    """Write picture and file and print their paths."""
     from wirerope_mj.views.plots.loops import save_cyclic_tests
 
     titled = {

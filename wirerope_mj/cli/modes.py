@@ -19,7 +19,7 @@ def modes(
     Frequencies of small cycles stand first, the limit as their amplitude vanishes; then those of the tangents at rest on
     further loading and on unloading from the chosen history; then, for every amplitude, those of cycles of that size with their
     damping. Small cycles lie between the tangents unless a law has gamma > beta or an elastic part that bends. The folder holds
-    the figures and a recording in which the model swings in one mode after the other.
+    the values and a recording in which the model moves in one mode shape after the other.
 
     Args:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.

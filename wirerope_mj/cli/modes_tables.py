@@ -1,11 +1,10 @@
-"""What `wirerope modes` does and prints."""
+"""`wirerope modes`: computing, writing and printing the modes of a model."""
 
 import math
 from collections.abc import Iterator, Sequence
 from datetime import datetime
 from pathlib import Path
 
-import numpy as np
 from rich.markup import escape
 from rich.table import Table
 
@@ -14,17 +13,15 @@ from wirerope_mj.cli.screen import console
 from wirerope_mj.cli.statics_tables import plain_table, stability_words
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.dynamics.modes.carried import carried
+from wirerope_mj.dynamics.modes.travel import travel_utilisation
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.atomic_files import check_place
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.mounts.isolator.travel import travel_reached, travel_utilisation
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 from wirerope_mj.runs.folder import check_target
 from wirerope_mj.runs.modes import KIND, MARKS, write_modes
-
-APART = 0.01
-"""Relative difference of the frequencies about rest and about where the weight is carried, from which on it is said."""
 
 
 def modes_command(
@@ -32,8 +29,7 @@ def modes_command(
 ) -> int:
     """Find the modes of a model, write them, print them; return the exit code."""
     for size in amplitudes_mm:
-        if not (math.isfinite(size) and size > 0.0):
-            raise ValueError(f"`--amplitude-mm` must be finite and > 0, got {size}.")
+        positive("--amplitude-mm", size)
     path = model_path(model)
     target = out or Path("runs") / f"{path.stem}-modes-{datetime.now():%Y%m%d-%H%M%S}"
     alone = target.suffix == ".rrd"
@@ -47,10 +43,10 @@ def modes_command(
     small = modes(system, history=history)
     large = [modes(system, history=history, amplitude=size / 1e3) for size in amplitudes_mm]
     if alone:
-        from wirerope_mj.dynamics.modes.film import film_of_modes
+        from wirerope_mj.dynamics.modes.animation import animated_modes
         from wirerope_mj.views.recording.modes import record_modes
 
-        record_modes(film_of_modes(system, small), target, title=path.stem, larger=large)
+        record_modes(animated_modes(system, small), target, title=path.stem, larger=large)
     else:
         write_modes(system, path.stem, [small, *large], target, force=force)
     print_modes(path.stem, small, large)
@@ -59,8 +55,8 @@ def modes_command(
         screen.print(f"  {sentence}", soft_wrap=True, markup=False)
     for sentence in (*beyond_rating(system, large), *about_rest(system, small, large)):
         screen.print(f"  {sentence}", soft_wrap=True, markup=False)
-    place = f"{target}" if alone else f"{target}/"
-    screen.print(f"\n  written to {escape(place)}", soft_wrap=True)
+    written = f"{target}" if alone else f"{target}/"
+    screen.print(f"\n  written to {escape(written)}", soft_wrap=True)
     screen.print(f"  [bold]wirerope show {escape(str(target))}[/] opens the view", soft_wrap=True)
     return 0
 
@@ -78,21 +74,15 @@ def print_modes(name: str, small: Modes, large: Sequence[Modes]) -> None:
 
 
 def about_small(system: System, small: Modes) -> Iterator[str]:
-    """Yield what the frequencies of small cycles are, beside those of the tangents at rest."""
-    slack = 1e-6  # of a frequency: laws whose tangents are all one differ by the rounding of their differences
-    pair = np.nan_to_num(
-        np.stack([small.loading, small.unloading])
-    )  # one that tips over has a frequency below all others
-    outside = (small.frequencies > (1.0 + slack) * pair.max(axis=0)) | (
-        small.frequencies < (1.0 - slack) * pair.min(axis=0)
-    )
-    words = "Small cycles: their limit as the amplitude vanishes, in which the hysteretic force has faded"
-    if not outside.any():
-        yield f"{words}; between the tangents at rest on further loading and on unloading."
+    """Yield the meaning of the frequencies of small amplitude, compared with those of the tangents at rest."""
+    outside = small.outside_tangents
+    text = "Small cycles: their limit as the amplitude vanishes, in which the hysteretic force has faded"
+    if not outside.size:
+        yield f"{text}; between the tangents at rest on further loading and on unloading."
     else:
-        which = ", ".join(str(row + 1) for row in np.flatnonzero(outside))
+        which = ", ".join(str(row + 1) for row in outside)
         yield (
-            f"{words}. In mode {which} it is not between the tangents at rest on further loading and on unloading: with "
+            f"{text}. In mode {which} it is not between the tangents at rest on further loading and on unloading: with "
             "gamma > beta, and with an elastic part that bends, both can lie to one side of it."
         )
     laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
@@ -105,42 +95,32 @@ def about_small(system: System, small: Modes) -> Iterator[str]:
 
 def beyond_rating(system: System, large: Sequence[Modes]) -> Iterator[str]:
     """Yield for each amplitude a sentence on the mounts that it takes beyond a rated travel in some mode, sag included."""
-    for found in large:
-        beyond = {name: used for name in system.mounts if (used := _utilisation(system, found, name)) > 1.0}
+    for result in large:
+        beyond = {name: used for name in system.mounts if (used := travel_utilisation(system, result, name)) > 1.0}
         if beyond:
             worst = max(beyond, key=lambda name: beyond[name])
             yield (
-                f"{1e3 * (found.amplitude or 0.0):g} mm takes mounts beyond their rated travel: {', '.join(beyond)} "
+                f"{1e3 * (result.amplitude or 0.0):g} mm takes mounts beyond their rated travel: {', '.join(beyond)} "
                 f"({worst} up to {100.0 * beyond[worst]:.0f} % of it, sag included). Nobody vouches for the law there."
             )
 
 
 def about_rest(system: System, small: Modes, large: Sequence[Modes]) -> Iterator[str]:
     """Yield for each amplitude a sentence on the modes that lie elsewhere where the cycles' mean force carries the weight."""
-    for found in large:
-        there = carried(system, found)
-        with np.errstate(invalid="ignore"):
-            off = ~(np.abs(there.frequencies / found.frequencies - 1.0) <= APART) & np.isfinite(found.frequencies)
-        if not off.any():
+    for result in large:
+        there = carried(system, result)
+        if not there.apart.size:
             continue
-        rows = {place: row + 1 for row, place in enumerate(small.places_in(found))}
-        words = ", ".join(
-            f"mode {rows[int(at)]} at {there.frequencies[at]:.3f} instead of {found.frequencies[at]:.3f} Hz "
+        rows = {index: row + 1 for row, index in enumerate(small.indices_in(result))}
+        text = ", ".join(
+            f"mode {rows[int(at)]} at {there.frequencies[at]:.3f} instead of {result.frequencies[at]:.3f} Hz "
             f"({there.mounts[at]} {1e3 * there.shift[at]:.2g} mm from rest)"
-            for at in np.flatnonzero(off)
+            for at in there.apart
         )
         yield (
-            f"{1e3 * (found.amplitude or 0.0):g} mm about the {found.history} position does not carry on average what rests on "
-            f"the mounts. In lasting vibration they move to where it does: {words}."
+            f"{1e3 * (result.amplitude or 0.0):g} mm about the {result.history} position does not carry on average what rests "
+            f"on the mounts. In lasting vibration they move to where it does: {text}."
         )
-
-
-def _utilisation(system: System, found: Modes, name: str) -> float:
-    """Return the largest utilisation of a rated travel of a mount in any mode of an amplitude [-]; 0 if none is rated."""
-    rest, amplitude = found.equilibrium.mounts[name].deflection, (found.amplitude or 0.0) * abs(found.mounts[name])
-    swing = amplitude.max(axis=0, initial=0.0)  # (n_modes, 3) -> (3,)
-    reached = travel_reached(rest - swing, rest + swing)
-    return max(travel_utilisation(reached, system.mounts[name].isolator.limits.travel.stated).values(), default=0.0)
 
 
 def _table(name: str, small: Modes, large: Sequence[Modes]) -> Table:
@@ -149,15 +129,15 @@ def _table(name: str, small: Modes, large: Sequence[Modes]) -> Table:
     headings += ["x\n[%]", "y\n[%]", "z\n[%]"]
     table = plain_table(f"{name}: modes about the {small.history} position", "", headings)
     table.add_column("")
-    places = [small.places_in(modes) for modes in large]
-    for row, word in enumerate(small.words):
+    indices = [small.indices_in(modes) for modes in large]
+    for row, description in enumerate(small.descriptions):
         cells = [_hertz(small.frequencies[row], small.damping_ratio[row])]
         cells += [_hertz(value) for value in (small.loading[row], small.unloading[row])]
-        for modes_of_size, place in zip(large, places, strict=True):
-            at = place[row]
+        for modes_of_size, index in zip(large, indices, strict=True):
+            at = index[row]
             cells.append(_hertz(modes_of_size.frequencies[at], modes_of_size.damping_ratio[at]))
-        cells += [f"{100.0 * share:.1f}" for share in small.participation[row]]
-        table.add_row(str(row + 1), *cells, escape(word))
+        cells += [f"{100.0 * ratio:.1f}" for ratio in small.participation[row]]
+        table.add_row(str(row + 1), *cells, escape(description))
     return table
 
 

@@ -1,58 +1,34 @@
 """`wirerope select`: the catalogue parts that meet a worksheet, and what a simulation says of the best of them."""
 
 import math
-import re
 import sys
 from collections.abc import Mapping
 
 from rich.markup import escape
 from rich.table import Table
 
-from wirerope_mj.assessment.selection import Candidate, Selection, SimulatedShock, Worksheet, simulate_candidate
-from wirerope_mj.assessment.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY, Shock
+from wirerope_mj.assessment.selection import (
+    Candidate,
+    PartSelection,
+    SimulatedShock,
+    Worksheet,
+    mode_text,
+    simulate_candidate,
+)
+from wirerope_mj.assessment.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY
 from wirerope_mj.cli.screen import console
 from wirerope_mj.cli.tables import _table
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.plain_text import plain
-from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep
 
 NOTHING_FOUND = 1
 """Exit code if no part meets the worksheet."""
 
-_RISE = 0.1
-"""Rise and fall of a trapezoid over its length, as the shock standards draw it."""
-
 _FIRST, _NEAREST = 12, 5
 """Candidates shown unless all are asked for; parts shown with their reasons if none does."""
 
-_PULSE = re.compile(r"([-+.\deE]+)\s*g[\s,]+([-+.\deE]+)\s*ms[\s,]+([a-z][a-z -]*)", re.IGNORECASE)
-_STEP = re.compile(r"([-+.\deE]+)\s*m/s", re.IGNORECASE)
-_EXAMPLES = '"15 g 11 ms half-sine", "20 g 11 ms sawtooth", "10 g 18 ms trapezoid" or "2 m/s"'
 
-
-def g_units(value: float) -> float:
-    """Return in m/s^2 what the worksheet calls so many g."""
-    return value * WORKSHEET_GRAVITY
-
-
-def parse_shock(text: str) -> Shock:
-    """Return the shock that a text such as `15 g 11 ms half-sine` or `2 m/s` says."""
-    step = _STEP.fullmatch(text.strip())
-    if step:
-        return VelocityStep(velocity=_positive(text, step[1]), direction="z")
-    found = _PULSE.fullmatch(text.strip())
-    shape = re.sub(r"[ -]", "", found[3].lower()) if found else ""
-    if found is None or shape not in ("halfsine", "sawtooth", "terminalpeaksawtooth", "trapezoid"):
-        raise ValueError(f"`--shock` must be like {_EXAMPLES}; got {text!r}.")
-    peak, duration = g_units(_positive(text, found[1])), 1e-3 * _positive(text, found[2])
-    if shape == "halfsine":
-        return HalfSine(peak=peak, duration=duration, direction="z")
-    if shape == "trapezoid":
-        return Trapezoid(peak=peak, duration=duration, rise=_RISE * duration, direction="z")
-    return Sawtooth(peak=peak, duration=duration, direction="z")
-
-
-def select_command(selection: Selection, *, rejected: bool, best: int) -> int:
+def select_command(selection: PartSelection, *, rejected: bool, best: int) -> int:
     """Print a selection, and the simulation of its best candidates; return the exit code."""
     simulated, failures = _simulate(selection, best)
     screen = console()
@@ -77,7 +53,7 @@ def select_command(selection: Selection, *, rejected: bool, best: int) -> int:
     return 0 if selection.candidates else NOTHING_FOUND
 
 
-def _simulate(selection: Selection, best: int) -> tuple[dict[str, SimulatedShock], dict[str, str]]:
+def _simulate(selection: PartSelection, best: int) -> tuple[dict[str, SimulatedShock], dict[str, str]]:
     """Return the simulated candidates by name, and why others could not be simulated."""
     simulated, failures = {}, {}
     for candidate in selection.candidates[:best]:
@@ -93,8 +69,8 @@ def _simulate(selection: Selection, best: int) -> tuple[dict[str, SimulatedShock
 
 def _print_worksheet(sheet: Worksheet) -> None:
     """Print what the mounts must be like."""
-    rows = [f"{sheet.load:.1f} N on each of {sheet.mounts} mounts, {_words(sheet.loading)}"]
-    rows.append(f"velocity change {sheet.velocity:.3f} m/s, {_words(sheet.direction)}")
+    rows = [f"{sheet.load:.1f} N on each of {sheet.mounts} mounts, {_loading(sheet.loading)}"]
+    rows.append(f"velocity change {sheet.velocity:.3f} m/s, {_loading(sheet.direction)}")
     if sheet.largest_frequency is not None and sheet.largest_vibration_stiffness is not None:
         stiffness = 1e-3 * sheet.largest_vibration_stiffness
         rows.append(
@@ -114,7 +90,7 @@ def _print_worksheet(sheet: Worksheet) -> None:
         screen.print(f"  {escape(row)}")
 
 
-def _candidates(selection: Selection, simulated: Mapping[str, SimulatedShock], most: int | None) -> Table:
+def _candidates(selection: PartSelection, simulated: Mapping[str, SimulatedShock], most: int | None) -> Table:
     """Return the table of candidates in their order."""
     heads = ["load\n[%]", "f\n[Hz]", "travel\n[mm]", "of rated\n[%]", "peak\n[g]", "margin\n[%]"]
     of = "" if most is None or len(selection.candidates) <= most else f", the first {most}"
@@ -123,28 +99,25 @@ def _candidates(selection: Selection, simulated: Mapping[str, SimulatedShock], m
     table.add_column("governs", no_wrap=True)
     for head in simulating:
         table.add_column(escape(head), justify="right", no_wrap=True)
-    for found in selection.candidates[:most]:
-        rated = found.part.modes[selection.worksheet.direction].travel
-        cells = [_percent(found.load_share), f"{found.frequency:.2f}", f"{1e3 * found.travel:.1f}"]
-        mark = "*" if amplifies(found, selection.worksheet) else ""
-        cells += [_percent(None if rated is None else found.travel / rated), f"{_g(found.acceleration):.2f}{mark}"]
-        cells += [_margin(found.margin), _governing(found)]
+    for one in selection.candidates[:most]:
+        cells = [_percent(one.utilisation("static load")), f"{one.frequency:.2f}", f"{1e3 * one.travel:.1f}"]
+        mark = "*" if selection.worksheet.amplifies(one.acceleration) else ""
+        cells += [_percent(one.utilisation("rated travel")), f"{_g(one.acceleration):.2f}{mark}"]
+        cells += [_margin(one.margin), _governing(one)]
         if simulated:
-            cells += _simulated_cells(simulated.get(found.part.name), rated)
-        table.add_row(escape(found.part.name), *cells)
+            cells += _simulated_cells(simulated.get(one.part.name))
+        table.add_row(escape(one.part.name), *cells)
     return table
 
 
-def _simulated_cells(run: SimulatedShock | None, rated: float | None) -> list[str]:
+def _simulated_cells(run: SimulatedShock | None) -> list[str]:
     if run is None:
         return ["", "", "", ""]
-    share = None if rated is None else run.deflection / rated
-    judged = [verdict.margin for verdict in run.verdicts if verdict.margin is not None]
     peak = f"{_g(run.acceleration):.2f}"
-    return [f"{1e3 * run.travel:.1f}", _percent(share), peak, _margin(min(judged, default=math.inf))]
+    return [f"{1e3 * run.travel:.1f}", _percent(run.travel_utilisation), peak, _margin(run.margin)]
 
 
-def _rejected(selection: Selection, most: int | None) -> Table:
+def _rejected(selection: PartSelection, most: int | None) -> Table:
     """Return the table of parts that do not meet the worksheet, nearest first."""
     shown = selection.rejected[:most]
     of = "" if len(shown) == len(selection.rejected) else f", the nearest {len(shown)}"
@@ -156,11 +129,13 @@ def _rejected(selection: Selection, most: int | None) -> Table:
     return table
 
 
-def _print_notes(selection: Selection, simulated: Mapping[str, SimulatedShock], failures: Mapping[str, str]) -> None:
+def _print_notes(
+    selection: PartSelection, simulated: Mapping[str, SimulatedShock], failures: Mapping[str, str]
+) -> None:
     """Print what the table rests on."""
     screen, sheet = console(), selection.worksheet
     notes = [f"{name} is not simulated: {reason}" for name, reason in failures.items()]
-    stiff = sum(amplifies(found, sheet) for found in selection.candidates)
+    stiff = sum(sheet.amplifies(one.acceleration) for one in selection.candidates)
     if stiff:
         notes.append(
             f"* by the worksheet {stiff} of them pass on more than the pulse's own peak of {_g(sheet.peak):.4g} g: too stiff "
@@ -168,8 +143,8 @@ def _print_notes(selection: Selection, simulated: Mapping[str, SimulatedShock], 
         )
     if sheet.fragility is None:
         notes.append("without --fragility the part that passes on least, the softest that fits, comes first")
-    longest = max(found.impulse for found in selection.candidates)
-    if not all(found.impulse_holds for found in selection.candidates):
+    longest = max(one.impulse for one in selection.candidates)
+    if not all(one.impulse_holds for one in selection.candidates):
         notes.append(
             f"the pulse is long for some parts (natural frequency x length up to {longest:.3f}, the rule holds below "
             f"{IMPULSE:g}): their travel and acceleration are on the safe side"
@@ -178,15 +153,15 @@ def _print_notes(selection: Selection, simulated: Mapping[str, SimulatedShock], 
         notes.append(
             f"natural frequency x length of the pulse is below {IMPULSE:g} for each: its velocity change alone counts"
         )
-    if any(found.unrated for found in selection.candidates):
+    if any(one.unrated for one in selection.candidates):
         notes.append("- is not rated by the vendor: not judged; those parts come last")
-    for value, words in (
+    for value, option in (
         (sheet.fragility, "--fragility"),
         (sheet.travel, "--travel"),
         (sheet.disturbance, "--disturbance-rpm"),
     ):
         if value is None:
-            notes.append(f"{words} is not given: not judged")
+            notes.append(f"{option} is not given: not judged")
     if simulated and "45" in (sheet.loading, sheet.direction):
         notes.append(
             "fitted along the axes alone, the parts are 40 to 60 % stiffer at 45 degrees than the vendor states for shock"
@@ -194,19 +169,14 @@ def _print_notes(selection: Selection, simulated: Mapping[str, SimulatedShock], 
     if simulated:
         notes.append(
             "simulated: isolators fitted from the rows, with tension and damping as assumed for the catalogue; travel from the "
-            "settled position, its share of the rated one from the unloaded position, sag included"
+            "settled position, its utilisation from the unloaded position, sag included"
         )
     for note in notes:
         screen.print(f"  {escape(note)}", soft_wrap=True)
 
 
-def amplifies(found: Candidate, sheet: Worksheet) -> bool:
-    """Return whether a part passes on more than the pulse's own peak."""
-    return sheet.peak is not None and found.acceleration > sheet.peak
-
-
-def _governing(found: Candidate) -> str:
-    verdict = found.governing
+def _governing(candidate: Candidate) -> str:
+    verdict = candidate.governing
     return "[dim]nothing judged[/]" if verdict is None else verdict.criterion
 
 
@@ -217,26 +187,14 @@ def _margin(value: float) -> str:
     return f"[{style}]{100.0 * value:+.0f}[/]"
 
 
-def _percent(share: float | None) -> str:
-    return "[dim]-[/]" if share is None else f"{100.0 * share:.0f}"
+def _percent(used: float | None) -> str:
+    return "[dim]-[/]" if used is None else f"{100.0 * used:.0f}"
 
 
 def _g(value: float | None) -> float:
     return math.nan if value is None else value / WORKSHEET_GRAVITY
 
 
-def _words(mode: str) -> str:
-    """Return a mode's name in a sentence."""
-    return {"45": "at 45 degrees", "shear": "in shear or roll"}.get(mode, f"in {mode}")
-
-
-def _positive(text: str, number: str) -> float:
-    try:
-        value = float(number)
-    except ValueError:
-        value = math.nan
-    if not 0.0 < value < math.inf:
-        raise ValueError(
-            f"`--shock`: {number!r} must be a finite number > 0 in {text!r}; write for instance {_EXAMPLES}."
-        )
-    return value
+def _loading(mode: str) -> str:
+    """Return a mode as the worksheet is printed."""
+    return "in shear or roll" if mode == "shear" else mode_text(mode)

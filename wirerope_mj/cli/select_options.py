@@ -1,12 +1,12 @@
 """The options of `wirerope select`."""
 
-import math
 from collections.abc import Mapping
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 from wirerope_mj.cli.integers import Integer, Integers
+from wirerope_mj.foundation.arguments import integer, positive
 
 Mode = Literal["compression", "45", "shear", "roll"]
 
@@ -55,8 +55,9 @@ def select(
         simulate: fit the best parts from their rows and put their simulated shock beside the worksheet.
         best: how many are simulated.
     """
-    from wirerope_mj.assessment.selection import select_isolators
-    from wirerope_mj.cli.select import g_units, parse_shock, select_command
+    from wirerope_mj.assessment.selection import select_isolators, shock_from_text
+    from wirerope_mj.assessment.selection.worksheet import WORKSHEET_GRAVITY
+    from wirerope_mj.cli.select import select_command
 
     _require(
         {
@@ -68,24 +69,22 @@ def select(
     if disturbance_rpm is not None:
         disturbance_hz = disturbance_rpm / 60.0
     selection = select_isolators(
-        mass=mass, mounts=mounts, pulse=None if shock is None else parse_shock(shock), velocity=velocity, drop=drop,
+        mass=mass, mounts=mounts, pulse=None if shock is None else shock_from_text(shock), velocity=velocity, drop=drop,
         rebound=rebound, travel=None if travel is None else 1e-3 * travel,
-        fragility=None if fragility is None else g_units(fragility), disturbance=disturbance_hz, loading=loading,
+        fragility=None if fragility is None else fragility * WORKSHEET_GRAVITY, disturbance=disturbance_hz, loading=loading,
         direction=direction, isolation_ratio=isolation_ratio, loops=loops or (),
     )  # fmt: skip
     return select_command(selection, rejected=all, best=best if simulate else 0)
 
 
-def _require(positive: Mapping[str, float | None], *, mounts: int, shocks: int, best: int) -> None:
+def _require(values: Mapping[str, float | None], *, mounts: int, shocks: int, best: int) -> None:
     """Raise ValueError unless the options are in range and go together."""
-    if mounts < 1:
-        raise ValueError(f"`--mounts` must be an integer >= 1, got {mounts}.")
-    for option, value in positive.items():
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"`--{option}` must be a finite number > 0, got {value:g}.")
-    if positive["disturbance-rpm"] is not None and positive["disturbance-hz"] is not None:
+    integer("--mounts", mounts, least=1)
+    for option, value in values.items():
+        if value is not None:
+            positive(f"--{option}", value)
+    if values["disturbance-rpm"] is not None and values["disturbance-hz"] is not None:
         raise ValueError("give the disturbance as `--disturbance-rpm` or as `--disturbance-hz`, not both.")
     if shocks != 1:
         raise ValueError('give one shock: `--shock "15 g 11 ms half-sine"`, `--velocity` [m/s] or `--drop` [m].')
-    if best < 1:
-        raise ValueError(f"`--best` must be >= 1, got {best}.")
+    integer("--best", best, least=1)

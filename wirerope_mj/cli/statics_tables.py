@@ -9,14 +9,16 @@ from rich.table import Table
 
 from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.cli.screen import console
-from wirerope_mj.dynamics.modes import Stability
+from wirerope_mj.dynamics.modes import TippingStability
 from wirerope_mj.engine.statics import Sag, StaticTable
 
 _FAR = 100.0
 """Gravity factor and rise [m] from which both say no more than: far."""
 
 
-def print_statics(name: str, table: StaticTable, verdicts: Sequence[Verdict], stability: dict[str, Stability]) -> None:
+def print_statics(
+    name: str, table: StaticTable, verdicts: Sequence[Verdict], stability: dict[str, TippingStability]
+) -> None:
     """Print where a system rests."""
     screen = console()
     screen.print()
@@ -28,7 +30,7 @@ def print_statics(name: str, table: StaticTable, verdicts: Sequence[Verdict], st
         screen.print(f"  {sentence}", soft_wrap=True, markup=False)
 
 
-def stability_words(stability: Stability) -> str:
+def stability_words(stability: TippingStability) -> str:
     """Return a sentence on how far a system is from tipping over."""
     if stability.word == "tips over":
         return "it tips over: its mounts do not hold its weight upright."
@@ -98,7 +100,9 @@ def plain_table(title: str, first: str, numbers: list[str]) -> Table:
     return found
 
 
-def _sentences(table: StaticTable, verdicts: Sequence[Verdict], stability: dict[str, Stability]) -> Iterator[str]:
+def _sentences(
+    table: StaticTable, verdicts: Sequence[Verdict], stability: dict[str, TippingStability]
+) -> Iterator[str]:
     for history, sag in table.sags.items():
         rest = "" if abs(sag.elsewhere) < 1e-6 * abs(sag.weight) else f", joints {1e-3 * sag.elsewhere:.4f} kN"
         yield (

@@ -1,7 +1,7 @@
 """Checks of arguments: each returns the value as plain Python, or a ValueError says what must hold of it and what it is."""
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -37,6 +37,14 @@ def not_negative(name: str, value: Any, *, unit: str = "") -> float:
     return number
 
 
+def between(name: str, value: Any, low: float, high: float) -> float:
+    """Return a number from `low` to `high`, both included, as a float."""
+    number = finite(name, value)
+    if not low <= number <= high:
+        raise ValueError(f"`{name}` must lie between {low:g} and {high:g}, got {number!r}.")
+    return number
+
+
 def nonzero(name: str, value: Any) -> float:
     """Return a finite number of either sign as a float."""
     number = finite(name, value)
@@ -57,6 +65,16 @@ def one_of(name: str, value: Any, choices: Collection[str]) -> str:
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"`{name}` must be one of {', '.join(map(repr, choices))}, got {value!r}.")
     return value
+
+
+def the_one_given(arguments: Mapping[str, Any]) -> tuple[str, Any]:
+    """Return name and value of the one argument that is not None; ValueError if none or several are given."""
+    given = {name: value for name, value in arguments.items() if value is not None}
+    if len(given) != 1:
+        *others, last = (f"`{name}`" for name in arguments)
+        got = " and ".join(f"`{name}`" for name in given) or "none"
+        raise ValueError(f"exactly one of {', '.join(others)} and {last} must be given, got {got}.")
+    return next(iter(given.items()))
 
 
 def as_times(time: ArrayLike) -> Array:

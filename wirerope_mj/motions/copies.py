@@ -10,7 +10,7 @@ from wirerope_mj.motions.motion import BaseMotion
 
 
 def copy_records(motions: Sequence[BaseMotion], folder: Path) -> dict[Path, str]:
-    """Copies the files of some motions to `folder`/inputs and returns what to call them, relative to `folder`."""
+    """Copy the files of some motions to `folder`/inputs and return their names there, relative to `folder`."""
     names: dict[Path, str] = {}
     for path in dict.fromkeys(path for motion in motions for path in motion.files):
         name, number = f"inputs/{path.name}", 1
@@ -24,7 +24,7 @@ def copy_records(motions: Sequence[BaseMotion], folder: Path) -> dict[Path, str]
 
 
 def check_records(motion: Mapping[str, Any], folder: Path) -> None:
-    """Raises RecordError if a motion that `folder` holds, as `to_dict` stored it, names a record that is not in the folder."""
+    """Raise RecordError if a motion that `folder` holds, as `to_dict` stored it, names a record that is not in the folder."""
     if "path" in motion:
         file_inside(folder, motion["path"], "record")
     for part in (*motion.get("terms", []), *([motion["motion"]] if "motion" in motion else [])):

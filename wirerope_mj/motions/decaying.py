@@ -10,18 +10,17 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite, positive
+from wirerope_mj.foundation.arguments import finite, nonzero, not_negative, positive, the_one_given
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
-from wirerope_mj.motions.harmonic import the_one_level
-from wirerope_mj.motions.motion import StraightMotion, unique_times
+from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
+from wirerope_mj.motions.motion import StartedMotion, unique_times
 
 LEFT_AT_END = 1e-3
-"""Share of the oscillation that is left at `end`."""
+"""Fraction of the oscillation that is left at `end`."""
 
 
 @dataclass(frozen=True, init=False)
-class DecayingSine(StraightMotion):
+class DecayingSine(StartedMotion):
     """Deck of one frequency that is struck and swings out: velocity and displacement return to zero by themselves.
 
     The displacement x of the deck, at rest before `start`, obeys
@@ -37,18 +36,18 @@ class DecayingSine(StraightMotion):
     fixture is common practice; official amplitudes are not given here. Decks of several frequencies are sums of such motions.
 
     Args:
-        frequency: Undamped frequency of the deck [Hz].
-        damping: Damping ratio zeta, above 0 and below 1.
-        velocity: Velocity V that the blow gives [m/s]; negative for a blow against the direction.
-        acceleration: Instead of the velocity: amplitude [m/s^2] of the free oscillation's acceleration, its envelope drawn
+        frequency: undamped frequency of the deck [Hz].
+        damping: damping ratio zeta, above 0 and below 1.
+        velocity: velocity V that the blow gives [m/s]; negative for a blow against the direction.
+        acceleration: instead of the velocity: amplitude [m/s^2] of the free oscillation's acceleration, its envelope drawn
             back to `start`.
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        impact_duration: Length D of the blow [s]; 0: the velocity jumps.
-        start: Instant at which the deck is struck [s].
+        impact_duration: length D of the blow [s]; 0: the velocity jumps.
+        start: instant at which the deck is struck [s].
 
     Attributes:
         velocity_change: V [m/s], whichever level was given.
-        duration: Time until a thousandth of the oscillation is left [s]; it goes on, exactly, after that.
+        duration: time until a thousandth of the oscillation is left [s]; it goes on, exactly, after that.
     """
 
     kind: ClassVar[str] = "decaying-sine"
@@ -79,13 +78,11 @@ class DecayingSine(StraightMotion):
                 f"`damping` must lie above 0 and below 1, for the deck must come to rest, got {damping!r}."
             )
         object.__setattr__(self, "damping", float(damping))
-        quantity, level = the_one_level({"velocity": velocity, "acceleration": acceleration})
+        quantity, level = the_one_given({"velocity": velocity, "acceleration": acceleration})
         object.__setattr__(self, "quantity", quantity)
-        object.__setattr__(self, "level", level)
+        object.__setattr__(self, "level", nonzero(quantity, level))
         object.__setattr__(self, "direction", checked_direction(direction))
-        if finite("impact_duration", impact_duration) < 0:
-            raise ValueError(f"`impact_duration` must be >= 0, got {impact_duration!r}.")
-        object.__setattr__(self, "impact_duration", float(impact_duration))
+        object.__setattr__(self, "impact_duration", not_negative("impact_duration", impact_duration))
         object.__setattr__(self, "start", finite("start", start))
         fading = -math.log(LEFT_AT_END) / (self.damping * self._omega)
         object.__setattr__(self, "duration", self.impact_duration + fading)
@@ -98,13 +95,8 @@ class DecayingSine(StraightMotion):
         return self.level / (self._omega**2 * abs(self._free))
 
     @property
-    def end(self) -> float:
-        """Instant at which a thousandth of the oscillation is left [s]."""
-        return self.start + self.duration
-
-    @property
     def corners(self) -> Array:
-        """Start and end of the blow [s], shape (n,)."""
+        """Start and end of the blow [s], (n,)."""
         return unique_times([self.start, self.start + self.impact_duration])
 
     @property
@@ -117,8 +109,7 @@ class DecayingSine(StraightMotion):
         """For instance `deck of 14 Hz, damping 0.05, struck to 2 m/s along z`."""
         deck = f"deck of {self.frequency:.4g} Hz, damping {self.damping:.4g}, struck to {self.velocity_change:.4g} m/s"
         blow = f" in {1e3 * self.impact_duration:.4g} ms" if self.impact_duration else ""
-        when = f" at {self.start:.4g} s" if self.start else ""
-        return f"{deck}{blow} along {direction_text(self.direction)}{when}"
+        return f"{deck}{blow} {self._line_text}"
 
     @property
     def events(self) -> tuple[tuple[float, str], ...]:
@@ -160,8 +151,7 @@ class DecayingSine(StraightMotion):
         # The half-sine is a sine that starts at 0 and the same sine that starts at D: after that their forces cancel.
         return self._forced[1] * (1 + cmath.exp(-self._root * self.impact_duration))
 
-    def _derivative(self, t: Array, order: int) -> Array:
-        """Return the displacement (0), the velocity (1) or the acceleration (2)."""
+    def _along(self, t: Array, order: int) -> Array:
         since = np.maximum(t - self.start, 0.0)
         value = np.real(self._free * self._root**order * np.exp(self._root * since))
         if self.impact_duration:
@@ -172,12 +162,3 @@ class DecayingSine(StraightMotion):
             )
             value = np.where(t < self.start + self.impact_duration, during, value)
         return np.where(t >= self.start, self.velocity_change * value, 0.0)
-
-    def _acceleration(self, t: Array) -> Array:
-        return self._derivative(t, 2)
-
-    def _velocity(self, t: Array) -> Array:
-        return self._derivative(t, 1)
-
-    def _displacement(self, t: Array) -> Array:
-        return self._derivative(t, 0)

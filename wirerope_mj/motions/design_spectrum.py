@@ -28,9 +28,9 @@ class DesignSpectrum:
     the spectrum of every pulse does.
 
     Attributes:
-        displacement: Spectral displacement d0 of the low branch [m].
-        velocity: Spectral pseudo-velocity v0 of the middle branch [m/s].
-        acceleration: Spectral acceleration a0 of the high branch [m/s^2].
+        displacement: spectral displacement d0 of the low branch [m].
+        velocity: spectral pseudo-velocity v0 of the middle branch [m/s].
+        acceleration: spectral acceleration a0 of the high branch [m/s^2].
     """
 
     displacement: float
@@ -67,8 +67,8 @@ class DesignSpectrum:
 
         Args:
             direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-            factors: First peak over a0, velocity over v0 and final displacement over d0.
-            start: Instant at which the first pulse begins [s].
+            factors: first peak over a0, velocity over v0 and final displacement over d0.
+            start: instant at which the first pulse begins [s].
         """
         peak, velocity, displacement = self._pulse(factors)
         return DoubleHalfSine(peak=peak, velocity=velocity, displacement=displacement, direction=direction, start=start)
@@ -86,10 +86,10 @@ class DesignSpectrum:
 
         Args:
             direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-            factors: First peak over a0, velocity over v0 and final displacement over d0.
-            start: Instant at which the first pulse begins [s].
-            r1: Where the first peak lies in its triangle, from 0 to 1.
-            r2: Where the second peak lies in its triangle, from 0 to 1; sources give 0.4 and 0.6.
+            factors: first peak over a0, velocity over v0 and final displacement over d0.
+            start: instant at which the first pulse begins [s].
+            r1: where the first peak lies in its triangle, from 0 to 1.
+            r2: where the second peak lies in its triangle, from 0 to 1; sources give 0.4 and 0.6.
         """
         peak, velocity, displacement = self._pulse(factors)
         return DoubleTriangle(

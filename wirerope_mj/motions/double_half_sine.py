@@ -22,12 +22,12 @@ class DoubleHalfSine(DoublePulse):
     a motion if t2 > 0, which is D > (pi/4) V^2/a1.
 
     Args:
-        peak: Peak acceleration a1 of the first pulse [m/s^2]; negative, with the other two, for a shock against the
+        peak: peak acceleration a1 of the first pulse [m/s^2]; negative, with the other two, for a shock against the
             direction.
-        velocity: Velocity V between the pulses [m/s].
-        displacement: Displacement D after the second pulse [m].
+        velocity: velocity V between the pulses [m/s].
+        displacement: displacement D after the second pulse [m].
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: Instant at which the first pulse begins [s].
+        start: instant at which the first pulse begins [s].
     """
 
     kind: ClassVar[str] = "double-half-sine"
@@ -51,24 +51,17 @@ class DoubleHalfSine(DoublePulse):
     def _travel_factor(self) -> float:
         return math.pi / 4
 
-    def _phases(self, t: Array) -> tuple[Array, Array]:
-        """Return the phases of the two half-sines, each held at 0 before it and at pi after it."""
+    def _along(self, t: Array, order: int) -> Array:
+        # The phases of the two half-sines, each held at 0 before it and at pi after it.
         first = np.clip(math.pi * (t - self.start) / self.first_duration, 0.0, math.pi)
         second = np.clip(math.pi * (t - self.middle) / self.second_duration, 0.0, math.pi)
-        return first, second
-
-    def _acceleration(self, t: Array) -> Array:
-        first, second = self._phases(t)
-        value = np.where(t < self.middle, self.peak * np.sin(first), self.second_peak * np.sin(second))
-        return np.where((t >= self.start) & (t < self.end), value, 0.0)
-
-    def _velocity(self, t: Array) -> Array:
-        first, second = self._phases(t)
-        # Written with squares of sines because 1 - cos cancels at the start; pi - second makes the end exactly zero.
-        return self.peak_velocity * np.where(t < self.middle, np.sin(first / 2), np.sin((math.pi - second) / 2)) ** 2
-
-    def _displacement(self, t: Array) -> Array:
-        first, second = self._phases(t)
+        if order == 2:
+            value = np.where(t < self.middle, self.peak * np.sin(first), self.second_peak * np.sin(second))
+            return np.where((t >= self.start) & (t < self.end), value, 0.0)
+        if order == 1:
+            # Written with squares of sines because 1 - cos cancels at the start; pi - second makes the end exactly zero.
+            root = np.where(t < self.middle, np.sin(first / 2), np.sin((math.pi - second) / 2))
+            return self.peak_velocity * root**2
         ahead = self.first_duration / math.pi * (first - np.sin(first))
         back = self.second_duration / math.pi * (second + np.sin(second))
         return self.peak_velocity / 2 * (ahead + back)

@@ -9,22 +9,22 @@ from typing import Any
 
 from wirerope_mj.foundation.arguments import finite, nonzero
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
+from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.motions.motion import StraightMotion, unique_times
+from wirerope_mj.motions.motion import StartedMotion, unique_times
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class DoublePulse(StraightMotion):
+class DoublePulse(StartedMotion):
     """Two opposite acceleration pulses: at rest before `start`, at rest at the displacement after the second.
 
     Attributes:
-        peak: Peak acceleration of the first pulse [m/s^2].
-        peak_velocity: Velocity between the pulses, the largest there is [m/s].
-        final_displacement: Displacement after the second pulse, the largest there is [m].
+        peak: peak acceleration of the first pulse [m/s^2].
+        peak_velocity: velocity between the pulses, the largest there is [m/s].
+        final_displacement: displacement after the second pulse, the largest there is [m].
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: Instant at which the first pulse begins [s].
-        duration: Length of both pulses together [s].
+        start: instant at which the first pulse begins [s].
+        duration: length of both pulses together [s].
     """
 
     peak: float
@@ -51,7 +51,7 @@ class DoublePulse(StraightMotion):
         object.__setattr__(self, "duration", self.first_duration + self.second_duration)
 
     def __repr__(self) -> str:
-        """Return the call that makes this motion: the constructor's words, not those of the attributes."""
+        """Return the call that makes this motion: the constructor's names, not those of the attributes."""
         given = ", ".join(f"{name}={value!r}" for name, value in self._parameters({}).items())
         return f"{type(self).__name__}({given})"
 
@@ -91,18 +91,13 @@ class DoublePulse(StraightMotion):
         )
 
     @property
-    def end(self) -> float:
-        """Instant at which the second pulse is over [s]."""
-        return self.start + self.duration
-
-    @property
     def middle(self) -> float:
         """Instant at which the first pulse ends and the second begins [s]."""
         return self.start + self.first_duration
 
     @property
     def corners(self) -> Array:
-        """Start, middle and end [s], shape (3,)."""
+        """Start, middle and end [s], (3,)."""
         return unique_times([self.start, self.middle, self.end])
 
     @property
@@ -110,8 +105,7 @@ class DoublePulse(StraightMotion):
         """For instance `double half-sine 60 g, 2.25 m/s, 52.5 mm along z`."""
         level = f"{self.peak / STANDARD_GRAVITY:.4g} g, {self.peak_velocity:.4g} m/s"
         size = f"{level}, {1e3 * self.final_displacement:.4g} mm"
-        when = f" at {self.start:.4g} s" if self.start else ""
-        return f"{self.kind.replace('-', ' ', 1)} {size} along {direction_text(self.direction)}{when}"
+        return f"{self.kind.replace('-', ' ', 1)} {size} {self._line_text}"
 
     @property
     def events(self) -> tuple[tuple[float, str], ...]:

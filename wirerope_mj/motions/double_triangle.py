@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite
+from wirerope_mj.foundation.arguments import between
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.double_pulse import DoublePulse
 from wirerope_mj.motions.motion import unique_times
@@ -29,14 +29,14 @@ class DoubleTriangle(DoublePulse):
     D > V t3 (2 - r1)/3.
 
     Args:
-        peak: Peak acceleration a2 of the first triangle [m/s^2]; negative, with the other two, for a shock against the
+        peak: peak acceleration a2 of the first triangle [m/s^2]; negative, with the other two, for a shock against the
             direction.
-        velocity: Velocity V between the pulses [m/s].
-        displacement: Displacement D after the second pulse [m].
+        velocity: velocity V between the pulses [m/s].
+        displacement: displacement D after the second pulse [m].
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: Instant at which the first pulse begins [s].
-        r1: Where the first peak lies in its triangle, from 0 to 1.
-        r2: Where the second peak lies in its triangle, from 0 to 1.
+        start: instant at which the first pulse begins [s].
+        r1: where the first peak lies in its triangle, from 0 to 1.
+        r2: where the second peak lies in its triangle, from 0 to 1.
     """
 
     kind: ClassVar[str] = "double-triangle"
@@ -56,9 +56,7 @@ class DoubleTriangle(DoublePulse):
         r2: float = 0.4,
     ) -> None:
         for name, value in (("r1", r1), ("r2", r2)):
-            if not 0 <= finite(name, value) <= 1:
-                raise ValueError(f"`{name}` must lie between 0 and 1, got {value!r}.")
-            object.__setattr__(self, name, float(value))
+            object.__setattr__(self, name, between(name, value, 0.0, 1.0))
         super().__init__(peak=peak, velocity=velocity, displacement=displacement, direction=direction, start=start)
 
     @property
@@ -85,7 +83,7 @@ class DoubleTriangle(DoublePulse):
 
     @property
     def corners(self) -> Array:
-        """Start, peaks, middle and end [s], shape (n,)."""
+        """Start, peaks, middle and end [s], (n,)."""
         return unique_times(self._knots)
 
     @property
@@ -103,11 +101,5 @@ class DoubleTriangle(DoublePulse):
     def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
         return {**super()._parameters(files), "r1": self.r1, "r2": self.r2}
 
-    def _acceleration(self, t: Array) -> Array:
-        return self._piecewise.acceleration(t)
-
-    def _velocity(self, t: Array) -> Array:
-        return self._piecewise.velocity(t)
-
-    def _displacement(self, t: Array) -> Array:
-        return self._piecewise.displacement(t)
+    def _along(self, t: Array, order: int) -> Array:
+        return self._piecewise.derivative(t, order)

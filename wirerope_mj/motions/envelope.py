@@ -11,8 +11,8 @@ from wirerope_mj.motions.motion import unique_times
 USUAL_PERIODS = 10.0
 """Periods of the lowest frequency in a rise that is not given: it disturbs that frequency by 1/(2 * 10) at most."""
 
-USUAL_SHARE = 0.1
-"""Share of the duration that a rise that is not given may take, if that leaves one period of the lowest frequency."""
+USUAL_FRACTION = 0.1
+"""Fraction of the duration that a rise that is not given may take, if that leaves one period of the lowest frequency."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,10 +20,10 @@ class Envelope:
     """Factor that rises from 0 to 1 as s^3 (10 - 15 s + 6 s^2), s from 0 to 1, and falls likewise: its curvature has no jump.
 
     Attributes:
-        start: Instant at which the rise begins [s].
-        stop: Instant at which the fall ends [s]; infinite: it never falls.
-        rise: Length of the rise [s]; 0: the factor was always 1.
-        fall: Length of the fall [s].
+        start: instant at which the rise begins [s].
+        stop: instant at which the fall ends [s]; infinite: it never falls.
+        rise: length of the rise [s]; 0: the factor was always 1.
+        fall: length of the fall [s].
     """
 
     start: float
@@ -44,7 +44,7 @@ class Envelope:
 
     @property
     def corners(self) -> Array:
-        """Instants at which the third derivative jumps [s], shape (n,)."""
+        """Instants at which the third derivative jumps [s], (n,)."""
         rises = [self.start, self.start + self.rise] if self.rise else []
         falls = [self.stop - self.fall, self.stop] if np.isfinite(self.stop) else []
         return unique_times([*rises, *falls])
@@ -54,15 +54,15 @@ def usual_ramp(name: str, given: float | None, *, lowest: float, duration: float
     """Return the length of a rise or fall [s]: the given one, checked, or the usual one.
 
     Args:
-        name: Name of the argument.
-        given: Length asked for [s]; None: ten periods of the lowest frequency or a tenth of the duration, whichever is
+        name: name of the argument.
+        given: length asked for [s]; None: ten periods of the lowest frequency or a tenth of the duration, whichever is
             shorter, but at least one period.
-        lowest: Lowest frequency of the vibration [Hz].
-        duration: Length of the vibration [s].
+        lowest: lowest frequency of the vibration [Hz].
+        duration: length of the vibration [s].
     """
     period = 1 / lowest
     if given is None:
-        return max(min(USUAL_PERIODS * period, USUAL_SHARE * duration), period)
+        return max(min(USUAL_PERIODS * period, USUAL_FRACTION * duration), period)
     if positive(name, given) < period * (1 - 1e-9):
         raise ValueError(
             f"`{name}` must be at least one period of the lowest frequency, {period:.6g} s, for the base to start and end "

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import as_times, nonzero, positive
+from wirerope_mj.foundation.arguments import as_times, nonzero, positive, the_one_given
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
@@ -29,10 +29,10 @@ class Sine(StraightMotion):
     zero if the duration is an odd multiple of a quarter period.
 
     Args:
-        frequency: Frequency [Hz].
-        acceleration: Acceleration amplitude A [m/s^2].
+        frequency: frequency [Hz].
+        acceleration: acceleration amplitude A [m/s^2].
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        duration: Instant at which the acceleration ends [s]; None: never.
+        duration: instant at which the acceleration ends [s]; None: never.
     """
 
     kind: ClassVar[str] = "sine"
@@ -52,7 +52,7 @@ class Sine(StraightMotion):
 
     @property
     def corners(self) -> Array:
-        """End of the sine [s], shape (1,), or nothing if it has none."""
+        """End of the sine [s], (1,), or nothing if it has none."""
         return np.array([self.duration] if math.isfinite(self.duration) else [])
 
     @property
@@ -81,16 +81,14 @@ class Sine(StraightMotion):
     def _omega(self) -> float:
         return 2 * math.pi * self.frequency
 
-    def _acceleration(self, t: Array) -> Array:
-        return np.where(t < self.duration, self.amplitude * np.sin(self._omega * t), 0.0)
-
-    def _velocity(self, t: Array) -> Array:
-        return -self.amplitude / self._omega * np.cos(self._omega * np.minimum(t, self.duration))
-
-    def _displacement(self, t: Array) -> Array:
+    def _along(self, t: Array, order: int) -> Array:
+        if order == 2:
+            return np.where(t < self.duration, self.amplitude * np.sin(self._omega * t), 0.0)
         within = np.minimum(t, self.duration)
-        oscillation = -self.amplitude / self._omega**2 * np.sin(self._omega * within)
-        return oscillation + self._velocity(within) * (t - within)
+        velocity = -self.amplitude / self._omega * np.cos(self._omega * within)
+        if order == 1:
+            return velocity
+        return -self.amplitude / self._omega**2 * np.sin(self._omega * within) + velocity * (t - within)
 
 
 @dataclass(frozen=True, init=False)
@@ -106,22 +104,22 @@ class Sweep(StraightMotion):
         displacement X:  a = X (w^2 sin(phase) - s K w cos(phase)),   v = -X w cos(phase),   x = -X sin(phase)
 
     where h1 and h2 are the integrals of `oscillating_tails`. Their constants of integration are those that vanish for
-    large u, so that each differs from what a steady sine of that frequency would have by a share of the order of 1/u
+    large u, so that each differs from what a steady sine of that frequency would have by a fraction of the order of 1/u
     only: the base starts on the steady oscillation and drifts nowhere, however long the sweep.
 
     After `duration` the oscillation goes on at the stop frequency with neither velocity nor displacement jumping. The
-    share of 1/u by which the velocity of a sweep of constant acceleration then differs from that of a steady sine stays
+    fraction of 1/u by which the velocity of a sweep of constant acceleration then differs from that of a steady sine stays
     as a slow drift; for 2 octaves/min and 30 Hz it is at most 1/8160 of the velocity amplitude. With a constant velocity
-    the same share of the displacement stays as an offset. A run is best ended where the sweep ends.
+    the same fraction of the displacement stays as an offset. A run is best ended where the sweep ends.
 
     Args:
-        start: Frequency at time 0 [Hz].
-        stop: Frequency at the end [Hz]; below `start` the sweep goes down.
-        rate: Sweep rate [octaves/min], positive in both directions.
+        start: frequency at time 0 [Hz].
+        stop: frequency at the end [Hz]; below `start` the sweep goes down.
+        rate: sweep rate [octaves/min], positive in both directions.
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        acceleration: Acceleration amplitude A [m/s^2]; exactly one of the three amplitudes is given.
-        velocity: Velocity amplitude V [m/s].
-        displacement: Displacement amplitude X [m], half of what runs from peak to peak.
+        acceleration: acceleration amplitude A [m/s^2]; exactly one of the three amplitudes is given.
+        velocity: velocity amplitude V [m/s].
+        displacement: displacement amplitude X [m], half of what runs from peak to peak.
     """
 
     kind: ClassVar[str] = "sweep"
@@ -153,10 +151,11 @@ class Sweep(StraightMotion):
         if self.start == self.stop:
             raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")
         object.__setattr__(self, "rate", positive("rate", rate))
-        levels = {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
-        quantity, amplitude = the_one_level(levels)
+        quantity, amplitude = the_one_given(
+            {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
+        )
         object.__setattr__(self, "quantity", quantity)
-        object.__setattr__(self, "amplitude", amplitude)
+        object.__setattr__(self, "amplitude", nonzero(quantity, amplitude))
         object.__setattr__(self, "direction", checked_direction(direction))
         object.__setattr__(self, "duration", self.course.duration)
 
@@ -166,12 +165,12 @@ class Sweep(StraightMotion):
         return Course(start=self.start, stop=self.stop, rate=self.rate)
 
     def frequency(self, time: ArrayLike) -> Array:
-        """Return the instantaneous frequency [Hz] at the times [s], shape (n_t,)."""
+        """Return the instantaneous frequency [Hz] at the times [s], (n_t,)."""
         return self.course.frequency(as_times(time))
 
     @property
     def corners(self) -> Array:
-        """End of the sweep [s], shape (1,)."""
+        """End of the sweep [s], (1,)."""
         return np.array([self.duration])
 
     @property
@@ -199,22 +198,5 @@ class Sweep(StraightMotion):
         values = {"start": self.start, "stop": self.stop, "rate": self.rate, self.quantity: self.amplitude}
         return {**values, "direction": plain_direction(self.direction)}
 
-    def _acceleration(self, t: Array) -> Array:
-        return self.amplitude * FORMS[self.quantity][0](self.course, t)
-
-    def _velocity(self, t: Array) -> Array:
-        return self.amplitude * FORMS[self.quantity][1](self.course, t)
-
-    def _displacement(self, t: Array) -> Array:
-        return self.amplitude * FORMS[self.quantity][2](self.course, t)
-
-
-def the_one_level(levels: Mapping[str, float | None]) -> tuple[str, float]:
-    """Return name and value of the one amplitude that is given; none, several or zero are a ValueError."""
-    given = {name: value for name, value in levels.items() if value is not None}
-    if len(given) != 1:
-        got = " and ".join(f"`{name}`" for name in given) or "none"
-        *others, last = (f"`{name}`" for name in levels)
-        raise ValueError(f"exactly one of {', '.join(others)} and {last} must be given, got {got}.")
-    ((name, value),) = given.items()
-    return name, nonzero(name, value)
+    def _along(self, t: Array, order: int) -> Array:
+        return self.amplitude * FORMS[self.quantity][order](self.course, t)

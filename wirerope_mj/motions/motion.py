@@ -1,4 +1,4 @@
-"""What a base motion is: acceleration, velocity and displacement that are exact closed forms of each other."""
+"""Base motions: acceleration, velocity and displacement that are exact closed forms of each other."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import as_times
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import Direction, unit_vector
+from wirerope_mj.foundation.directions import Direction, direction_text, unit_vector
 
 SAME_TIME = 1e-10
 """Corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours."""
@@ -25,7 +25,7 @@ class BaseMotion(ABC):
     Nothing is compensated in secret: a pulse leaves the base coasting at the pulse's velocity change.
 
     Attributes:
-        duration: Length of the motion [s]: of a pulse or a record from its own start, of a sweep from start to stop,
+        duration: length of the motion [s]: of a pulse or a record from its own start, of a sweep from start to stop,
             of a sum from time zero; infinite for an endless sine. `end` is the instant after which it is over.
     """
 
@@ -34,17 +34,21 @@ class BaseMotion(ABC):
 
     duration: float
 
-    @abstractmethod
     def acceleration(self, time: ArrayLike) -> Array:
-        """Return the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
+        """Return the base's acceleration [m/s^2] at the times [s], (n_t, 3)."""
+        return self._derivative(as_times(time), 2)
 
-    @abstractmethod
     def velocity(self, time: ArrayLike) -> Array:
-        """Return the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
+        """Return the base's velocity [m/s] at the times [s], (n_t, 3)."""
+        return self._derivative(as_times(time), 1)
+
+    def displacement(self, time: ArrayLike) -> Array:
+        """Return the base's displacement [m] at the times [s], (n_t, 3)."""
+        return self._derivative(as_times(time), 0)
 
     @abstractmethod
-    def displacement(self, time: ArrayLike) -> Array:
-        """Return the base's displacement [m] at the times [s], shape (n_t, 3)."""
+    def _derivative(self, t: Array, order: int) -> Array:
+        """Return displacement (order 0), velocity (1) or acceleration (2) at the times, (n_t, 3)."""
 
     @property
     def end(self) -> float:
@@ -54,7 +58,7 @@ class BaseMotion(ABC):
     @property
     @abstractmethod
     def corners(self) -> Array:
-        """Instants where velocity, acceleration or one of its derivatives jumps [s], sorted and unique, shape (n,)."""
+        """Instants where velocity, acceleration or one of its derivatives jumps [s], sorted and unique, (n,)."""
 
     @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
@@ -79,7 +83,7 @@ class BaseMotion(ABC):
     @property
     @abstractmethod
     def directions(self) -> Array:
-        """Vectors that span the directions in which the base moves, shape (n, 3)."""
+        """Vectors that span the directions in which the base moves, (n, 3)."""
 
     @property
     def files(self) -> tuple[Path, ...]:
@@ -95,7 +99,7 @@ class BaseMotion(ABC):
         """Return every parameter as plain TOML values, from which `motion_from_dict` rebuilds the motion exactly.
 
         Args:
-            files: What to write instead of the path of each of `self.files`, for instance the name of the copy that
+            files: what to write instead of the path of each of `self.files`, for instance the name of the copy that
                 stands beside the stored parameters. A file that is not named keeps its absolute path.
         """
         return {"kind": self.kind, **self._parameters(files or {})}
@@ -112,43 +116,46 @@ class BaseMotion(ABC):
 
 
 class StraightMotion(BaseMotion):
-    """Base motion along one direction; a subclass gives the three scalar functions of time."""
+    """Base motion along one direction; a subclass gives the scalar functions of time."""
 
     direction: Direction
 
     @cached_property
     def unit(self) -> Array:
-        """Unit vector of the direction, shape (3,)."""
+        """Unit vector of the direction, (3,)."""
         return unit_vector(self.direction)
 
     @property
     def directions(self) -> Array:
-        """The unit vector of the direction, shape (1, 3)."""
+        """The unit vector of the direction, (1, 3)."""
         return self.unit[np.newaxis]
 
-    def acceleration(self, time: ArrayLike) -> Array:
-        """Return the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
-        return np.outer(self._acceleration(as_times(time)), self.unit)
-
-    def velocity(self, time: ArrayLike) -> Array:
-        """Return the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
-        return np.outer(self._velocity(as_times(time)), self.unit)
-
-    def displacement(self, time: ArrayLike) -> Array:
-        """Return the base's displacement [m] at the times [s], shape (n_t, 3)."""
-        return np.outer(self._displacement(as_times(time)), self.unit)
+    def _derivative(self, t: Array, order: int) -> Array:
+        return np.outer(self._along(t, order), self.unit)
 
     @abstractmethod
-    def _acceleration(self, t: Array) -> Array:
-        """Return the acceleration along the direction [m/s^2], shape (n_t,)."""
+    def _along(self, t: Array, order: int) -> Array:
+        """Return displacement (order 0), velocity (1) or acceleration (2) along the direction, (n_t,)."""
 
-    @abstractmethod
-    def _velocity(self, t: Array) -> Array:
-        """Return the velocity along the direction [m/s], shape (n_t,)."""
 
-    @abstractmethod
-    def _displacement(self, t: Array) -> Array:
-        """Return the displacement along the direction [m], shape (n_t,)."""
+class StartedMotion(StraightMotion):
+    """Base motion along one direction that begins at an instant of its own.
+
+    Attributes:
+        start: instant at which the motion begins [s].
+    """
+
+    start: float
+
+    @property
+    def end(self) -> float:
+        """Instant at which the motion is over [s]."""
+        return self.start + self.duration
+
+    @property
+    def _line_text(self) -> str:
+        """Direction and start, as descriptions end."""
+        return f"along {direction_text(self.direction)}" + (f" at {self.start:.4g} s" if self.start else "")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -156,7 +163,7 @@ class SumOfMotions(BaseMotion):
     """Several base motions at once; made by `a + b`.
 
     Attributes:
-        terms: The motions that are added, none of them a sum itself.
+        terms: the motions that are added, none of them a sum itself.
     """
 
     kind: ClassVar[str] = "sum"
@@ -170,21 +177,12 @@ class SumOfMotions(BaseMotion):
         object.__setattr__(self, "terms", tuple(part for term in self.terms for part in _terms(term)))
         object.__setattr__(self, "duration", max(term.end for term in self.terms))
 
-    def acceleration(self, time: ArrayLike) -> Array:
-        """Return the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
-        return np.sum([term.acceleration(time) for term in self.terms], axis=0)
-
-    def velocity(self, time: ArrayLike) -> Array:
-        """Return the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
-        return np.sum([term.velocity(time) for term in self.terms], axis=0)
-
-    def displacement(self, time: ArrayLike) -> Array:
-        """Return the base's displacement [m] at the times [s], shape (n_t, 3)."""
-        return np.sum([term.displacement(time) for term in self.terms], axis=0)
+    def _derivative(self, t: Array, order: int) -> Array:
+        return np.sum([term._derivative(t, order) for term in self.terms], axis=0)
 
     @cached_property
     def corners(self) -> Array:
-        """Corners of all terms [s], sorted and unique, shape (n,)."""
+        """Corners of all terms [s], sorted and unique, (n,)."""
         return unique_times(np.concatenate([term.corners for term in self.terms]))
 
     @property
@@ -211,7 +209,7 @@ class SumOfMotions(BaseMotion):
 
     @property
     def directions(self) -> Array:
-        """Directions of all terms, shape (n, 3)."""
+        """Directions of all terms, (n, 3)."""
         return np.concatenate([term.directions for term in self.terms])
 
     @property

@@ -25,8 +25,8 @@ class PiecewiseLinear:
     from knot to knot; only every 4096th is kept, and those between are summed again when they are asked for.
 
     Args:
-        knots: Instants [s], in order, shape (n,). Two equal ones are a jump. Not copied.
-        values: Acceleration at the knots [m/s^2], shape (n,) or (n, 3). Not copied.
+        knots: instants [s], in order, (n,). Two equal ones are a jump. Not copied.
+        values: acceleration at the knots [m/s^2], (n,) or (n, 3). Not copied.
     """
 
     def __init__(self, knots: Array, values: Array) -> None:
@@ -38,26 +38,30 @@ class PiecewiseLinear:
             velocity, displacement = self._sums(block)
             self._velocity[block + 1], self._displacement[block + 1] = velocity[-1], displacement[-1]
 
+    def derivative(self, t: Array, order: int) -> Array:
+        """Return displacement (order 0), velocity (1) or acceleration (2) at the times (n_t,) [s]."""
+        return (self.displacement, self.velocity, self.acceleration)[order](t)
+
     def acceleration(self, t: Array) -> Array:
         """Return the acceleration [m/s^2] at the times (n_t,) [s]."""
-        value, slope, tau = self._pieces(t, np.searchsorted(self._knots, t, side="right"))
+        value, slope, tau = self._segments(t, np.searchsorted(self._knots, t, side="right"))
         return value + slope * tau
 
     def velocity(self, t: Array) -> Array:
         """Return the velocity [m/s] at the times (n_t,) [s]."""
-        found = np.zeros((t.size, *self._values.shape[1:]))
-        for at, row, (velocity, _), (value, slope, tau) in self._by_block(t):
-            found[at] = velocity[row] + tau * (value + tau * slope / 2)
-        return found
+        result = np.zeros((t.size, *self._values.shape[1:]))
+        for rows, knot, (velocity, _), (value, slope, tau) in self._by_block(t):
+            result[rows] = velocity[knot] + tau * (value + tau * slope / 2)
+        return result
 
     def displacement(self, t: Array) -> Array:
         """Return the displacement [m] at the times (n_t,) [s]."""
-        found = np.zeros((t.size, *self._values.shape[1:]))
-        for at, row, (velocity, displacement), (value, slope, tau) in self._by_block(t):
-            found[at] = displacement[row] + tau * (velocity[row] + tau * (value / 2 + tau * slope / 6))
-        return found
+        result = np.zeros((t.size, *self._values.shape[1:]))
+        for rows, knot, (velocity, displacement), (value, slope, tau) in self._by_block(t):
+            result[rows] = displacement[knot] + tau * (velocity[knot] + tau * (value / 2 + tau * slope / 6))
+        return result
 
-    def _pieces(self, t: Array, after: NDArray[np.intp]) -> tuple[Array, Array, Array]:
+    def _segments(self, t: Array, after: NDArray[np.intp]) -> tuple[Array, Array, Array]:
         """Return value and slope at the knot before each time, and the time since it; `after` is the knot behind it.
 
         A knot belongs to what follows it.
@@ -73,17 +77,17 @@ class PiecewiseLinear:
         return value, slope, (t - self._knots[left]).reshape(shape)
 
     def _by_block(self, t: Array) -> Iterator[tuple[Any, ...]]:
-        """Yields places in `t` that lie in one block of knots, their rows in its sums, the sums, and their pieces."""
+        """Yield the times in one block of knots by their indices, their knots in its sums, the sums, and their segments."""
         after = np.searchsorted(self._knots, t, side="right")
         blocks = (after - 1) // _BLOCK  # -1 before the first knot
         for block in np.unique(blocks[after > 0]):
-            at = np.flatnonzero(blocks == block)
-            yield at, after[at] - 1 - block * _BLOCK, self._sums(int(block)), self._pieces(t[at], after[at])
+            rows = np.flatnonzero(blocks == block)
+            yield rows, after[rows] - 1 - block * _BLOCK, self._sums(int(block)), self._segments(t[rows], after[rows])
 
     def _sums(self, block: int) -> tuple[Array, Array]:
         """Return velocity and displacement at the knots of a block and at the first one behind it."""
-        part = slice(block * _BLOCK, (block + 1) * _BLOCK + 1)
-        knots, values = self._knots[part], self._values[part]
+        rows = slice(block * _BLOCK, (block + 1) * _BLOCK + 1)
+        knots, values = self._knots[rows], self._values[rows]
         step = np.diff(knots).reshape((-1,) + (1,) * (values.ndim - 1))
         left, right = values[:-1], values[1:]
         velocity = np.cumsum(np.concatenate([self._velocity[block][None], step * (left + right) / 2]), axis=0)

@@ -17,10 +17,10 @@ def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: st
     """Return points (frequency [Hz], level) as plain floats; frequencies rise, and both are positive.
 
     Args:
-        name: Name of the argument.
-        points: The points.
-        quantity: What the level is, for the messages.
-        least: How many points there must be.
+        name: name of the argument.
+        points: the points.
+        quantity: of the level, for messages.
+        least: number of points there must be.
     """
     plain: list[tuple[float, float]] = []
     for number, point in enumerate(points, start=1):
@@ -30,7 +30,10 @@ def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: st
             raise ValueError(
                 f"`{name}` must be pairs of frequency [Hz] and {quantity}, got {point!r} as point {number}."
             ) from None
-        plain.append((_positive(name, number, "frequency", frequency), _positive(name, number, quantity, level)))
+        try:
+            plain.append((positive("frequency", frequency), positive(quantity, level)))
+        except ValueError as error:
+            raise ValueError(f"`{name}`, point {number}: {error}") from None
         if number > 1 and plain[-1][0] <= plain[-2][0]:
             raise ValueError(
                 f"the frequencies of `{name}` must increase, got {plain[-1][0]:g} Hz after {plain[-2][0]:g} Hz, "
@@ -41,24 +44,17 @@ def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: st
     return tuple(plain)
 
 
-def _positive(name: str, number: int, what: str, value: float) -> float:
-    try:
-        return positive(what, value)
-    except ValueError as fault:
-        raise ValueError(f"`{name}`, point {number}: {fault}") from None
-
-
 def psd_level(psd: Sequence[Sequence[float]], frequencies: ArrayLike) -> Array:
     """Return the level of a power spectral density at the frequencies [Hz], in the unit of its points.
 
     Args:
-        psd: Points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
-        frequencies: Frequencies [Hz], any shape.
+        psd: points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
+        frequencies: frequencies [Hz], any shape.
     """
     f, levels = np.array(checked_points("psd", psd, quantity="level")).T
-    asked = np.asarray(frequencies, dtype=float)
-    inside = (asked >= f[0]) & (asked <= f[-1])
-    logarithm = np.interp(np.log(np.where(inside, asked, f[0])), np.log(f), np.log(levels))
+    at = np.asarray(frequencies, dtype=float)
+    inside = (at >= f[0]) & (at <= f[-1])
+    logarithm = np.interp(np.log(np.where(inside, at, f[0])), np.log(f), np.log(levels))
     return np.where(inside, np.exp(logarithm), 0.0)
 
 
@@ -68,18 +64,18 @@ def psd_power(psd: Sequence[Sequence[float]], up_to: ArrayLike) -> Array:
     Between two points, S = S1 (f/f1)^m, it is S1 f1 ((f/f1)^(m+1) - 1)/(m+1), or S1 f1 ln(f/f1) for m = -1.
 
     Args:
-        psd: Points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
-        up_to: Frequencies [Hz], any shape.
+        psd: points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
+        up_to: frequencies [Hz], any shape.
     """
     f, levels = np.array(checked_points("psd", psd, quantity="level")).T
     slopes = np.diff(np.log(levels)) / np.diff(np.log(f))
-    asked = np.asarray(up_to, dtype=float)
-    power = np.zeros(asked.shape)
+    end = np.asarray(up_to, dtype=float)
+    power = np.zeros(end.shape)
     for low, high, level, slope in zip(f[:-1], f[1:], levels[:-1], slopes, strict=True):
-        octaves = np.log(np.clip(asked, low, high) / low)
+        octaves = np.log(np.clip(end, low, high) / low)
         exponent = (slope + 1) * octaves
         # (e^x - 1)/x is 1 at x = 0, that is for slope -1 or nothing passed.
-        growth = np.divide(np.expm1(exponent), exponent, out=np.ones(asked.shape), where=exponent != 0)
+        growth = np.divide(np.expm1(exponent), exponent, out=np.ones(end.shape), where=exponent != 0)
         power += level * low * octaves * growth
     return power
 
@@ -88,7 +84,7 @@ def psd_rms(psd: Sequence[Sequence[float]]) -> float:
     """Return the rms value of a stationary signal of that power spectral density, in the root of its unit times Hz.
 
     Args:
-        psd: Points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
+        psd: points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
     """
     points = checked_points("psd", psd, quantity="level")
     return math.sqrt(float(psd_power(points, points[-1][0])))

@@ -12,21 +12,21 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import finite, nonzero, positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
+from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.motions.motion import StraightMotion, unique_times
+from wirerope_mj.motions.motion import StartedMotion, unique_times
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pulse(StraightMotion):
+class Pulse(StartedMotion):
     """Acceleration pulse along one direction: at rest before `start`, coasting at its velocity change after its end.
 
     Attributes:
-        peak: Peak acceleration [m/s^2]; negative for a shock against the direction.
-        duration: Length of the pulse [s].
+        peak: peak acceleration [m/s^2]; negative for a shock against the direction.
+        duration: length of the pulse [s].
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: Instant at which the pulse begins [s].
+        start: instant at which the pulse begins [s].
     """
 
     peak: float
@@ -41,25 +41,20 @@ class Pulse(StraightMotion):
         object.__setattr__(self, "start", finite("start", self.start))
 
     @property
-    def end(self) -> float:
-        """Instant at which the pulse is over [s]."""
-        return self.start + self.duration
-
-    @property
     @abstractmethod
     def velocity_change(self) -> float:
         """Velocity along the direction that the pulse leaves behind [m/s]."""
 
     @property
     def corners(self) -> Array:
-        """Start and end of the pulse [s], shape (n,)."""
+        """Start and end of the pulse [s], (n,)."""
         return unique_times([self.start, self.end])
 
     @property
     def description(self) -> str:
         """For instance `half-sine 15 g 11 ms along z`."""
         size = f"{self.peak / STANDARD_GRAVITY:.4g} g {self.duration * 1e3:.4g} ms"
-        return f"{self.kind} {size} along {direction_text(self.direction)}{_at(self.start)}"
+        return f"{self.kind} {size} {self._line_text}"
 
     @property
     def events(self) -> tuple[tuple[float, str], ...]:
@@ -81,10 +76,10 @@ class HalfSine(Pulse):
     """Half-sine pulse, a = A sin(pi t / D); velocity change 2 A D / pi.
 
     Attributes:
-        peak: Peak acceleration A [m/s^2]; negative for a shock against the direction.
-        duration: Length D of the pulse [s].
+        peak: peak acceleration A [m/s^2]; negative for a shock against the direction.
+        duration: length D of the pulse [s].
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: Instant at which the pulse begins [s].
+        start: instant at which the pulse begins [s].
     """
 
     kind: ClassVar[str] = "half-sine"
@@ -94,16 +89,13 @@ class HalfSine(Pulse):
         """Velocity along the direction that the pulse leaves behind [m/s]."""
         return 2 * self.peak * self.duration / math.pi
 
-    def _acceleration(self, t: Array) -> Array:
-        inside = (t >= self.start) & (t < self.end)
-        return np.where(inside, self.peak * np.sin(self._phase(t)), 0.0)
-
-    def _velocity(self, t: Array) -> Array:
-        # 2 sin^2(p/2) is 1 - cos p without its cancellation at the start of the pulse.
-        return self.velocity_change * np.sin(self._phase(t) / 2) ** 2
-
-    def _displacement(self, t: Array) -> Array:
+    def _along(self, t: Array, order: int) -> Array:
         phase = self._phase(t)
+        if order == 2:
+            return np.where((t >= self.start) & (t < self.end), self.peak * np.sin(phase), 0.0)
+        if order == 1:
+            # 2 sin^2(p/2) is 1 - cos p without its cancellation at the start of the pulse.
+            return self.velocity_change * np.sin(phase / 2) ** 2
         within = self.velocity_change / 2 * self.duration / math.pi * (phase - np.sin(phase))
         return within + self.velocity_change * np.maximum(t - self.end, 0.0)
 
@@ -121,14 +113,8 @@ class _PiecewisePulse(Pulse):
     def _piecewise(self) -> PiecewiseLinear:
         """The acceleration and its integrals."""
 
-    def _acceleration(self, t: Array) -> Array:
-        return self._piecewise.acceleration(t)
-
-    def _velocity(self, t: Array) -> Array:
-        return self._piecewise.velocity(t)
-
-    def _displacement(self, t: Array) -> Array:
-        return self._piecewise.displacement(t)
+    def _along(self, t: Array, order: int) -> Array:
+        return self._piecewise.derivative(t, order)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,10 +122,10 @@ class Sawtooth(_PiecewisePulse):
     """Terminal-peak sawtooth, a = A t / D and then at once zero; velocity change A D / 2.
 
     Attributes:
-        peak: Peak acceleration A at the end of the pulse [m/s^2]; negative for a shock against the direction.
-        duration: Length D of the pulse [s].
+        peak: peak acceleration A at the end of the pulse [m/s^2]; negative for a shock against the direction.
+        duration: length D of the pulse [s].
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: Instant at which the pulse begins [s].
+        start: instant at which the pulse begins [s].
     """
 
     kind: ClassVar[str] = "sawtooth"
@@ -159,11 +145,11 @@ class Trapezoid(_PiecewisePulse):
     """Trapezoidal pulse with equal rise and fall r; velocity change A (D - r). With r = 0 it is a rectangle.
 
     Attributes:
-        peak: Acceleration A of the plateau [m/s^2]; negative for a shock against the direction.
-        duration: Length D of the whole pulse, rise and fall included [s].
-        rise: Length r of the rise, and of the fall [s].
+        peak: acceleration A of the plateau [m/s^2]; negative for a shock against the direction.
+        duration: length D of the whole pulse, rise and fall included [s].
+        rise: length r of the rise, and of the fall [s].
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: Instant at which the pulse begins [s].
+        start: instant at which the pulse begins [s].
     """
 
     kind: ClassVar[str] = "trapezoid"
@@ -184,7 +170,7 @@ class Trapezoid(_PiecewisePulse):
 
     @property
     def corners(self) -> Array:
-        """Start, ends of the plateau and end of the pulse [s], shape (n,)."""
+        """Start, ends of the plateau and end of the pulse [s], (n,)."""
         return unique_times(self._knots)
 
     @property
@@ -197,15 +183,15 @@ class Trapezoid(_PiecewisePulse):
 
 
 @dataclass(frozen=True, init=False)
-class VelocityStep(StraightMotion):
+class VelocityStep(StartedMotion):
     """Sudden velocity of the base: at rest before `start`, at constant velocity from there on.
 
     The acceleration is zero; the jump itself stands in `velocity_jumps`.
 
     Args:
-        velocity: Velocity after the step [m/s]; negative for a step against the direction.
+        velocity: velocity after the step [m/s]; negative for a step against the direction.
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: Instant of the step [s].
+        start: instant of the step [s].
     """
 
     kind: ClassVar[str] = "velocity-step"
@@ -222,13 +208,8 @@ class VelocityStep(StraightMotion):
         object.__setattr__(self, "duration", 0.0)
 
     @property
-    def end(self) -> float:
-        """Instant of the step [s]."""
-        return self.start
-
-    @property
     def corners(self) -> Array:
-        """Instant of the step [s], shape (1,)."""
+        """Instant of the step [s], (1,)."""
         return np.array([self.start])
 
     @property
@@ -239,7 +220,7 @@ class VelocityStep(StraightMotion):
     @property
     def description(self) -> str:
         """For instance `velocity step 2 m/s along z`."""
-        return f"velocity step {self.velocity_change:.4g} m/s along {direction_text(self.direction)}{_at(self.start)}"
+        return f"velocity step {self.velocity_change:.4g} m/s {self._line_text}"
 
     @property
     def events(self) -> tuple[tuple[float, str], ...]:
@@ -255,15 +236,9 @@ class VelocityStep(StraightMotion):
         direction = plain_direction(self.direction)
         return {"velocity": self.velocity_change, "direction": direction, "start": self.start}
 
-    def _acceleration(self, t: Array) -> Array:
-        return np.zeros_like(t)
-
-    def _velocity(self, t: Array) -> Array:
-        return np.where(t >= self.start, self.velocity_change, 0.0)
-
-    def _displacement(self, t: Array) -> Array:
+    def _along(self, t: Array, order: int) -> Array:
+        if order == 2:
+            return np.zeros_like(t)
+        if order == 1:
+            return np.where(t >= self.start, self.velocity_change, 0.0)
         return self.velocity_change * np.maximum(t - self.start, 0.0)
-
-
-def _at(start: float) -> str:
-    return f" at {start:.4g} s" if start else ""

@@ -6,7 +6,7 @@ from wirerope_mj.foundation.arrays import Array
 
 
 def random_phases(seed: int, count: int) -> Array:
-    """Return phases from 0 to 2 pi [rad], shape (count,).
+    """Return phases from 0 to 2 pi [rad], (count,).
 
     They are made here from the raw bits of PCG64, whose stream is fixed; NumPy's distributions may change.
     """
@@ -14,7 +14,7 @@ def random_phases(seed: int, count: int) -> Array:
 
 
 def random_amplitudes(seed: int, count: int) -> Array:
-    """Return amplitudes of Rayleigh's distribution whose mean square is 1, shape (count,); independent of the phases.
+    """Return amplitudes of Rayleigh's distribution whose mean square is 1, (count,); independent of the phases.
 
     With phases of `random_phases` they make sines and cosines of normal distribution: A = sqrt(-ln(1 - U)), U from 0 to 1
     being the numbers of the stream that follow those of the phases.

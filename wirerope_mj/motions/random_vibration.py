@@ -10,12 +10,12 @@ from typing import Any, ClassVar, Literal, get_args
 import numpy as np
 from scipy.fft import irfft, next_fast_len
 
-from wirerope_mj.foundation.arguments import finite, integer, positive
+from wirerope_mj.foundation.arguments import finite, integer, one_of, positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
+from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
-from wirerope_mj.motions.motion import StraightMotion
+from wirerope_mj.motions.motion import StartedMotion
 from wirerope_mj.motions.psd_lines import Points, checked_points, psd_power, psd_rms
 from wirerope_mj.motions.random_phases import random_amplitudes, random_phases
 from wirerope_mj.motions.spline import UniformSpline
@@ -31,20 +31,20 @@ MOST_POINTS = 1e8
 
 
 @dataclass(frozen=True, init=False)
-class RandomVibration(StraightMotion):
+class RandomVibration(StartedMotion):
     """Gaussian vibration of a power spectral density, between a smooth rise from rest and a smooth fall back to it.
 
     The displacement is a sum of sines of all frequencies k/T in the band with independent random phases, T being the
     duration or a little more, times the envelope. With `amplitudes="fixed"` each sine carries the power of its band 1/T, so
     that rms and density are those asked for in every motion, as a controlled shaker has them, and only the phases are
     random: the rms of a response over a time t scatters from seed to seed with sqrt(1 - t/T) of what Gaussian noise gives.
-    With `amplitudes="random"` they are of Rayleigh's distribution with that power in the mean. Such a motion is a piece of a
+    With `amplitudes="random"` they are of Rayleigh's distribution with that power in the mean. Such a motion is a segment of a
     true Gaussian process: its rms, and that of a response, scatter by 1/(2 sqrt(B t)), B being the bandwidth. A Monte-Carlo
     study wants these.
 
     The displacement is kept as a cubic spline, whose acceleration is linear between knots, 8 in a period of the highest
     frequency. What the spline takes from a sine is given back to it beforehand, so the density holds within the band; what
-    is left of the linear pieces are images beyond seven times the highest frequency, at most 2 % of the amplitude (0.04 % of
+    is left of the linear segments are images beyond seven times the highest frequency, at most 2 % of the amplitude (0.04 % of
     the power) of the sines that cause them. Velocity and displacement have no drift, and are zero before the start and after
     the end.
 
@@ -53,15 +53,15 @@ class RandomVibration(StraightMotion):
     in different directions move together.
 
     Args:
-        psd: Points (frequency [Hz], level [(m/s^2)^2/Hz]) with straight lines between them on logarithmic axes; zero
+        psd: points (frequency [Hz], level [(m/s^2)^2/Hz]) with straight lines between them on logarithmic axes; zero
             outside. `psd_from_g` makes them from g^2/Hz.
-        duration: Length of the vibration with rise and fall [s].
-        seed: Integer number that chooses the phases, and the amplitudes if they are random.
+        duration: length of the vibration with rise and fall [s].
+        seed: integer >= 0 that chooses the phases, and the amplitudes if they are random.
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        rise: Length of the rise [s], at least a period of the lowest frequency; None: ten such periods, or a tenth of
+        rise: length of the rise [s], at least a period of the lowest frequency; None: ten such periods, or a tenth of
             the duration if that is shorter.
-        fall: The same for the fall.
-        start: Instant at which the vibration begins [s].
+        fall: the same for the fall.
+        start: instant at which the vibration begins [s].
         amplitudes: `"fixed"` or `"random"`, see above; the phases of a seed are the same in both.
     """
 
@@ -96,19 +96,12 @@ class RandomVibration(StraightMotion):
             object.__setattr__(self, name, usual_ramp(name, length, lowest=self.psd[0][0], duration=self.duration))
         check_room(self.duration, self.rise, self.fall)
         object.__setattr__(self, "start", finite("start", start))
-        if amplitudes not in get_args(Amplitudes):
-            raise ValueError(f"`amplitudes` must be 'fixed' or 'random', got {amplitudes!r}.")
-        object.__setattr__(self, "amplitudes", amplitudes)
+        object.__setattr__(self, "amplitudes", one_of("amplitudes", amplitudes, get_args(Amplitudes)))
 
     @property
     def rms(self) -> float:
         """Rms acceleration between rise and fall [m/s^2]: of the density, about which that of random amplitudes scatters."""
         return psd_rms(self.psd)
-
-    @property
-    def end(self) -> float:
-        """Instant at which the base is at rest again [s]."""
-        return self.start + self.duration
 
     @property
     def steady(self) -> tuple[float, float]:
@@ -117,16 +110,15 @@ class RandomVibration(StraightMotion):
 
     @property
     def corners(self) -> Array:
-        """Every knot [s], shape (n,): the slope of the acceleration changes at each."""
+        """Every knot [s], (n,): the slope of the acceleration changes at each."""
         return self.start + self._spacing * np.arange(self._intervals + 1.0)
 
     @property
     def description(self) -> str:
         """For instance `random 20 to 2000 Hz, 7.69 g rms, 60 s, seed 1 along z`."""
         level = f"{self.psd[0][0]:.4g} to {self.psd[-1][0]:.4g} Hz, {self.rms / STANDARD_GRAVITY:.4g} g rms"
-        when = f" at {self.start:.4g} s" if self.start else ""
         seed = f"seed {self.seed}" + (", random amplitudes" if self.amplitudes == "random" else "")
-        return f"random {level}, {self.duration:.4g} s, {seed} along {direction_text(self.direction)}{when}"
+        return f"random {level}, {self.duration:.4g} s, {seed} {self._line_text}"
 
     @property
     def events(self) -> tuple[tuple[float, str], ...]:
@@ -182,15 +174,9 @@ class RandomVibration(StraightMotion):
         # One knot inside start and end, so that the two outermost coefficients at either end are zero.
         inner = Envelope(start=h, stop=self.duration - h, rise=self.rise, fall=self.fall)
         rising, falling = math.ceil(self.rise / h) + 2, knots - math.ceil(self.fall / h) - 2
-        for part in (slice(0, rising), slice(max(falling, rising), knots)):
-            coefficients[part] *= inner.derivatives(h * np.arange(float(part.start), float(part.stop)))[0]
+        for first, last in ((0, rising), (max(falling, rising), knots)):
+            coefficients[first:last] *= inner.derivatives(h * np.arange(float(first), float(last)))[0]
         return UniformSpline(self.start, h, coefficients)
 
-    def _acceleration(self, t: Array) -> Array:
-        return self._spline.acceleration(t)
-
-    def _velocity(self, t: Array) -> Array:
-        return self._spline.velocity(t)
-
-    def _displacement(self, t: Array) -> Array:
-        return self._spline.displacement(t)
+    def _along(self, t: Array, order: int) -> Array:
+        return self._spline.derivative(t, order)

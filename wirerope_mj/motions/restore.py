@@ -18,7 +18,7 @@ from wirerope_mj.motions.scaled import Scaled, Turned
 from wirerope_mj.motions.table_shock import ShockTableImpact
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
-_MAKERS: dict[str, Callable[..., BaseMotion]] = {
+_FACTORIES: dict[str, Callable[..., BaseMotion]] = {
     HalfSine.kind: HalfSine,
     Sawtooth.kind: Sawtooth,
     Trapezoid.kind: Trapezoid,
@@ -41,12 +41,12 @@ def motion_from_dict(stored: Mapping[str, Any], *, folder: str | Path | None = N
     """Return the motion that `BaseMotion.to_dict` stored; its numbers are the same to the last bit.
 
     Args:
-        stored: The parameters, as `to_dict` wrote them.
-        folder: Where relative paths of records start; None: the current folder.
+        stored: the parameters, as `to_dict` wrote them.
+        folder: where relative paths of records start; None: the current folder.
 
     Raises:
-        ModelError: The kind of motion is unknown, or a parameter is missing or unknown.
-        RecordError: The file of a record is missing or not a record.
+        ModelError: the kind of motion is unknown, or a parameter is missing or unknown.
+        RecordError: the file of a record is missing or not a record.
         ValueError: A parameter is out of its range.
     """
     parameters = dict(stored)
@@ -54,18 +54,20 @@ def motion_from_dict(stored: Mapping[str, Any], *, folder: str | Path | None = N
     if kind == SumOfMotions.kind:
         _check_names(kind, parameters, SumOfMotions)
         return SumOfMotions(terms=tuple(motion_from_dict(term, folder=folder) for term in parameters["terms"]))
-    if kind not in _MAKERS:
-        raise ModelError(f"Unknown kind of motion {kind!r}; known kinds: {', '.join([*_MAKERS, SumOfMotions.kind])}.")
-    _check_names(kind, parameters, _MAKERS[kind])
+    if kind not in _FACTORIES:
+        raise ModelError(
+            f"Unknown kind of motion {kind!r}; known kinds: {', '.join([*_FACTORIES, SumOfMotions.kind])}."
+        )
+    _check_names(kind, parameters, _FACTORIES[kind])
     if kind == Record.kind and folder is not None:
         parameters["path"] = Path(folder) / parameters["path"]
     if kind in (Scaled.kind, Turned.kind):
         parameters["motion"] = motion_from_dict(parameters["motion"], folder=folder)
-    return _MAKERS[kind](**parameters)
+    return _FACTORIES[kind](**parameters)
 
 
-def _check_names(kind: str, parameters: Mapping[str, Any], maker: Callable[..., BaseMotion]) -> None:
-    known = inspect.signature(maker).parameters
+def _check_names(kind: str, parameters: Mapping[str, Any], factory: Callable[..., BaseMotion]) -> None:
+    known = inspect.signature(factory).parameters
     unknown = [name for name in parameters if name not in known]
     missing = [name for name, item in known.items() if item.default is item.empty and name not in parameters]
     for names, fault in ((unknown, "unknown"), (missing, "missing")):

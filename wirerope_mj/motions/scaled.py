@@ -37,17 +37,8 @@ class _Changed(BaseMotion):
     def _changed(self, vectors: Array) -> Array:
         """Return vectors of the other motion, (n, 3), as those of this one."""
 
-    def acceleration(self, time: ArrayLike) -> Array:
-        """Return the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
-        return self._changed(self.motion.acceleration(time))
-
-    def velocity(self, time: ArrayLike) -> Array:
-        """Return the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
-        return self._changed(self.motion.velocity(time))
-
-    def displacement(self, time: ArrayLike) -> Array:
-        """Return the base's displacement [m] at the times [s], shape (n_t, 3)."""
-        return self._changed(self.motion.displacement(time))
+    def _derivative(self, t: Array, order: int) -> Array:
+        return self._changed(self.motion._derivative(t, order))
 
     @property
     def end(self) -> float:
@@ -56,7 +47,7 @@ class _Changed(BaseMotion):
 
     @property
     def corners(self) -> Array:
-        """Corners of the other motion [s], shape (n,)."""
+        """Corners of the other motion [s], (n,)."""
         return self.motion.corners
 
     @property
@@ -96,8 +87,8 @@ class Scaled(_Changed):
     """Another motion at another level: acceleration, velocity, displacement and velocity jumps times a factor.
 
     Attributes:
-        motion: The motion that is scaled; of a record, what `load_record` made of it.
-        factor: The factor, not zero; negative for the motion with its sense reversed.
+        motion: the motion that is scaled; of a record, what `load_record` made of it.
+        factor: the factor, not zero; negative for the motion with its sense reversed.
     """
 
     kind: ClassVar[str] = "scaled"
@@ -110,7 +101,7 @@ class Scaled(_Changed):
 
     @property
     def directions(self) -> Array:
-        """Directions of the other motion, shape (n, 3)."""
+        """Directions of the other motion, (n, 3)."""
         return self.motion.directions
 
     @property
@@ -130,8 +121,8 @@ class Turned(_Changed):
     """Another motion in another direction; exactly one of `rotation` and `direction` is given.
 
     Args:
-        motion: The motion that is turned.
-        rotation: Rotation matrix R, (3, 3): the base moves along R v where the other motion moves along v.
+        motion: the motion that is turned.
+        rotation: rotation matrix R, (3, 3): the base moves along R v where the other motion moves along v.
         direction: `"x"`, `"y"`, `"z"` or a 3-vector into which the line of a motion along one line is turned, as if the
             motion had been written with it.
     """
@@ -161,14 +152,14 @@ class Turned(_Changed):
 
     @cached_property
     def matrix(self) -> Array:
-        """What turns the other motion's vectors into this one's, shape (3, 3); with `direction` it holds on their line only."""
+        """Matrix from the other motion's vectors to this one's, (3, 3); with `direction` it holds on their line only."""
         if self.direction is None:
             return np.array(self.rotation)
         return np.outer(unit_vector(self.direction), _line(self.motion))
 
     @property
     def directions(self) -> Array:
-        """Directions of the other motion, turned, shape (n, 3)."""
+        """Directions of the other motion, turned, (n, 3)."""
         return self._changed(self.motion.directions)
 
     @property
@@ -191,7 +182,7 @@ class Turned(_Changed):
 
 
 def _line(motion: BaseMotion) -> Array:
-    """Return the unit vector of the line along which a motion moves, shape (3,); a ValueError if it is no line."""
+    """Return the unit vector of the line along which a motion moves, (3,); a ValueError if it is no line."""
     directions = motion.directions
     if np.linalg.matrix_rank(directions, tol=1e-9) != 1:
         raise ValueError(

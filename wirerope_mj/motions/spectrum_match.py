@@ -39,7 +39,7 @@ REGULARISATION = 1e-3
 ten times as much or a tenth the search was seen to take two or three times as many corrections."""
 
 FORGOTTEN = 1e-6
-"""Share of an impulse response below which it does not matter for a correction."""
+"""Fraction of an impulse response below which it does not matter for a correction."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,12 +47,12 @@ class SpectrumMatch:
     """A motion and how well its response spectrum meets the target.
 
     Attributes:
-        motion: The motion: lines between a rise from rest and a fall back to it.
-        frequencies: Frequencies of the comparison [Hz], shape (n,), at least twelve to an octave.
-        target: Absolute acceleration asked for [m/s^2], shape (n,).
-        achieved: Absolute acceleration of the motion's response spectrum [m/s^2], shape (n,).
-        damping: Damping ratio of the oscillators.
-        iterations: Corrections that were made.
+        motion: the motion: lines between a rise from rest and a fall back to it.
+        frequencies: frequencies of the comparison [Hz], (n,), at least twelve to an octave.
+        target: absolute acceleration asked for [m/s^2], (n,).
+        achieved: absolute acceleration of the motion's response spectrum [m/s^2], (n,).
+        damping: damping ratio of the oscillators.
+        iterations: corrections that were made.
     """
 
     motion: VibrationLines
@@ -64,7 +64,7 @@ class SpectrumMatch:
 
     @property
     def mismatch(self) -> Array:
-        """Achieved over target, less one, shape (n,)."""
+        """Achieved over target, less one, (n,)."""
         return self.achieved / self.target - 1
 
     @property
@@ -99,20 +99,20 @@ def match_spectrum(
     ends there. Let the target go on to the highest frequency that matters.
 
     Args:
-        target: Points (frequency [Hz], absolute acceleration [m/s^2]), straight on logarithmic axes between them.
-        duration: Length of the motion with rise and fall [s].
-        seed: Integer number that chooses the phases to begin with.
+        target: points (frequency [Hz], absolute acceleration [m/s^2]), straight on logarithmic axes between them.
+        duration: length of the motion with rise and fall [s].
+        seed: integer >= 0 that chooses the phases to begin with.
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        damping: Damping ratio of the spectrum's oscillators, 0.01 or more.
-        tolerance: Largest relative mismatch at the frequencies of the comparison.
-        rise: Length of the rise [s], at least a period of the lowest frequency; None: ten such periods, or a tenth of
+        damping: damping ratio of the spectrum's oscillators, 0.01 or more.
+        tolerance: largest relative mismatch at the frequencies of the comparison.
+        rise: length of the rise [s], at least a period of the lowest frequency; None: ten such periods, or a tenth of
             the duration if that is shorter.
-        fall: The same for the fall.
-        start: Instant at which the motion begins [s].
+        fall: the same for the fall.
+        start: instant at which the motion begins [s].
 
     Raises:
-        ValueError: An argument is out of its range.
-        ConvergenceError: The tolerance was not reached.
+        ValueError: an argument is out of its range.
+        ConvergenceError: the tolerance was not reached.
     """
     points = checked_points("target", target, quantity="acceleration [m/s^2]")
     if not LEAST_DAMPING <= finite("damping", damping) < 1:
@@ -129,7 +129,7 @@ def match_spectrum(
 
     frequencies, wanted = _comparison(points, float(damping))
     envelope = Envelope(start=0.0, stop=length, rise=first, fall=last)
-    amplitudes, achieved, iterations = _Search(frequencies, wanted, float(damping), envelope).run(seed, tolerance)
+    amplitudes, achieved, iterations = _Matching(frequencies, wanted, float(damping), envelope).run(seed, tolerance)
     phases = np.arctan2(amplitudes[1], amplitudes[0]) - 2 * np.pi * frequencies * finite("start", start)
     motion = VibrationLines(
         acceleration=list(zip(frequencies.tolist(), np.hypot(*amplitudes).tolist(), strict=True)),
@@ -151,7 +151,7 @@ def match_spectrum(
 
 
 def _comparison(points: Points, damping: float) -> tuple[Array, Array]:
-    """Return the frequencies of the comparison [Hz] and the target there [m/s^2], shape (n,)."""
+    """Return the frequencies of the comparison [Hz] and the target there [m/s^2], (n,)."""
     f, levels = np.array(points).T
     per_octave = max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * damping))
     count = math.ceil(per_octave * math.log2(f[-1] / f[0]) - 1e-9) + 1
@@ -159,7 +159,7 @@ def _comparison(points: Points, damping: float) -> tuple[Array, Array]:
     return frequencies, np.exp(np.interp(np.log(frequencies), np.log(f), np.log(levels)))
 
 
-class _Search:
+class _Matching:
     """The accelerations of all lines at all instants, and the impulse responses of all oscillators.
 
     Sums go through einsum: on a machine that is busy, threads of a linear algebra library wait for each other for longer
@@ -176,7 +176,7 @@ class _Search:
         impulse = np.zeros(self.time.size)
         impulse[0] = 1.0
         reach = -math.log(FORGOTTEN) / (2 * np.pi * frequencies * damping * step)
-        self.answers = [
+        self.impulses = [
             lfilter(*coefficients, impulse[: math.ceil(length) + 1])
             for coefficients, length in zip(self.filters, reach, strict=True)
         ]
@@ -188,7 +188,7 @@ class _Search:
         q *= np.median(self.target / np.abs(self.peaks(q)[1]))
         best = math.inf
         for iteration in range(ITERATIONS + 1):
-            places, values = self.peaks(q)
+            instants, values = self.peaks(q)
             excess = np.abs(values) / self.target - 1
             worst = int(np.argmax(np.abs(excess)))
             if abs(excess[worst]) <= tolerance:
@@ -196,47 +196,47 @@ class _Search:
                 if np.abs(achieved / self.target - 1).max() <= tolerance:
                     return q.reshape(2, -1), achieved, iteration
             if abs(excess[worst]) < best:
-                best, place, reached = float(abs(excess[worst])), worst, float(abs(values[worst]))
-            q -= self.correction(q, places, np.sign(values), excess)
+                best, farthest, reached = float(abs(excess[worst])), worst, float(abs(values[worst]))
+            q -= self.correction(q, instants, np.sign(values), excess)
         steep = too_steep(self.frequencies, self.target, self.damping)
         raise ConvergenceError(
             f"no motion of these lines meets the target within {100 * tolerance:.3g} %; the best of {ITERATIONS} corrections "
-            f"was {100 * best:.3g} % away, farthest at {self.frequencies[place]:.4g} Hz: {reached:.4g} m/s^2 instead of "
-            f"{self.target[place]:.4g}. "
+            f"was {100 * best:.3g} % away, farthest at {self.frequencies[farthest]:.4g} Hz: {reached:.4g} m/s^2 instead of "
+            f"{self.target[farthest]:.4g}. "
             + (steep or "Try another `seed`, a longer `duration` or a larger `tolerance`.")
         )
 
     def acceleration(self, q: Array) -> Array:
-        """Return the base's acceleration for the amplitudes (2 n,), shape (n_t,)."""
+        """Return the base's acceleration for the amplitudes (2 n,), (n_t,)."""
         return np.einsum("j,jt->t", q, self.lines)
 
     def spectrum(self, q: Array) -> Array:
-        """Return the response spectrum of the amplitudes (2 n,), shape (n,)."""
+        """Return the response spectrum of the amplitudes (2 n,), (n,)."""
         quality = 1 / (2 * self.damping)
         return shock_response_spectrum(self.time, self.acceleration(q), self.frequencies, q=quality).maximax
 
     def peaks(self, q: Array) -> tuple[list[int], Array]:
-        """Return the sample at which every oscillator answers most and its answer there, refined by a parabola, (n,)."""
+        """Return the sample of the largest response of every oscillator, and that response, refined by a parabola, (n,)."""
         acceleration = self.acceleration(q)
-        places, values = [], []
+        instants, values = [], []
         for coefficients in self.filters:
             response = lfilter(*coefficients, acceleration)
-            place = int(np.argmax(np.abs(response)))
-            value = response[place]
-            if 0 < place < response.size - 1:
-                before, after = response[place - 1], response[place + 1]
+            instant = int(np.argmax(np.abs(response)))
+            value = response[instant]
+            if 0 < instant < response.size - 1:
+                before, after = response[instant - 1], response[instant + 1]
                 value += (after - before) ** 2 / (8 * (2 * value - before - after))
-            places.append(place)
+            instants.append(instant)
             values.append(value)
-        return places, np.array(values)
+        return instants, np.array(values)
 
-    def correction(self, q: Array, places: list[int], signs: Array, excess: Array) -> Array:
+    def correction(self, q: Array, instants: list[int], signs: Array, excess: Array) -> Array:
         """Return the smallest change of the amplitudes (2 n,) that makes the relative excess (n,), to first order."""
         gains = np.empty((self.frequencies.size, q.size))
-        for row, answer, place, sign in zip(gains, self.answers, places, signs, strict=True):
-            first = max(place + 1 - answer.size, 0)
-            kernel = answer[: place + 1 - first][::-1].copy()
-            row[:] = sign * np.einsum("jt,t->j", self.lines[:, first : place + 1], kernel)
+        for row, impulse, instant, sign in zip(gains, self.impulses, instants, signs, strict=True):
+            first = max(instant + 1 - impulse.size, 0)
+            kernel = impulse[: instant + 1 - first][::-1].copy()
+            row[:] = sign * np.einsum("jt,t->j", self.lines[:, first : instant + 1], kernel)
         size = np.tile(np.hypot(*q.reshape(2, -1)), 2)
         gains *= size / self.target[:, np.newaxis]
         normal = np.einsum("ij,kj->ik", gains, gains) + REGULARISATION * np.eye(self.frequencies.size)

@@ -17,15 +17,19 @@ class UniformSpline:
     accumulate. One number per knot is all that is kept.
 
     Args:
-        start: Instant of the first knot [s].
-        spacing: Distance h of the knots [s].
-        coefficients: c_0 ... c_n [m], shape (n + 1,); the first two and the last two must be zero.
+        start: instant of the first knot [s].
+        spacing: distance h of the knots [s].
+        coefficients: c_0 ... c_n [m], (n + 1,); the first two and the last two must be zero.
     """
 
     def __init__(self, start: float, spacing: float, coefficients: Array) -> None:
         self._start, self._h = start, spacing
         self._c = np.concatenate([[0.0], coefficients, [0.0]])
         self._intervals = coefficients.size - 1
+
+    def derivative(self, t: Array, order: int) -> Array:
+        """Return displacement (order 0), velocity (1) or acceleration (2) at the times (n_t,) [s]."""
+        return (self.displacement, self.velocity, self.acceleration)[order](t)
 
     def displacement(self, t: Array) -> Array:
         """Return the displacement [m] at the times (n_t,) [s]."""
@@ -45,7 +49,7 @@ class UniformSpline:
         return ((1 - u) * ((c2 - c1) - (c1 - c0)) + u * ((c3 - c2) - (c2 - c1))) / self._h**2
 
     def _locate(self, t: Array) -> tuple[Array, tuple[Array, Array, Array, Array]]:
-        """Return the place 0..1 of each time between its knots and the four coefficients that reach there."""
+        """Return the fraction 0..1 of each time between its knots and the four coefficients that reach there."""
         knots = np.clip((t - self._start) / self._h, 0.0, float(self._intervals))
         i = np.minimum(knots.astype(np.intp), self._intervals - 1)
         return knots - i, (self._c[i], self._c[i + 1], self._c[i + 2], self._c[i + 3])

@@ -34,7 +34,7 @@ def oscillating_tails(u: Array) -> tuple[NDArray[np.complex128], NDArray[np.comp
     tend to zero as u grows, which is what makes velocity and displacement of a sweep free of drift.
 
     Args:
-        u: Positive arguments, shape (n,).
+        u: positive arguments, (n,).
     """
     h1, h2 = np.empty(u.shape, dtype=complex), np.empty(u.shape, dtype=complex)
     large = u >= _SERIES_FROM

@@ -19,9 +19,9 @@ class Course:
     phase = s (u - u0); from `duration` on the frequency stays at `stop`.
 
     Args:
-        start: Frequency at time 0 [Hz].
-        stop: Frequency at the end [Hz].
-        rate: Sweep rate [octaves/min].
+        start: frequency at time 0 [Hz].
+        stop: frequency at the end [Hz].
+        rate: sweep rate [octaves/min].
     """
 
     start: float
@@ -73,10 +73,10 @@ class Course:
         return self.sign * self.angle(within)[1] + self.last * (t - within)
 
     def whole_cycles(self) -> Array:
-        """Return the instants at which the cycles that the sweep completes begin and end [s], shape (n + 1,)."""
+        """Return the instants at which the cycles that the sweep completes begin and end [s], (n + 1,)."""
         u0 = 2 * math.pi * self.start / self.growth
         turns = float(self.phase(np.array([self.duration]))[0]) / (2 * math.pi)
-        count = math.floor(turns * (1 + 1e-12))  # a sweep of a whole number of cycles must not lose one by rounding
+        count = math.floor(turns * (1 + 1e-12))  # a sweep of an integer number of cycles must not lose one by rounding
         passed = 2 * math.pi * self.sign * np.arange(count + 1) / u0
         return self.sign * np.log1p(passed) / self.growth
 
@@ -119,19 +119,19 @@ Form = Callable[[Course, Array], Array]
 
 FORMS: dict[str, tuple[Form, Form, Form]] = {
     "acceleration": (
-        lambda course, t: np.sin(course.phase(t)),
-        _velocity_of_acceleration,
         _displacement_of_acceleration,
+        _velocity_of_acceleration,
+        lambda course, t: np.sin(course.phase(t)),
     ),
     "velocity": (
-        lambda course, t: course.omega(t) * np.sin(course.phase(t)),
-        lambda course, t: -np.cos(course.phase(t)),
         _displacement_of_velocity,
+        lambda course, t: -np.cos(course.phase(t)),
+        lambda course, t: course.omega(t) * np.sin(course.phase(t)),
     ),
     "displacement": (
-        _acceleration_of_displacement,
-        lambda course, t: -course.omega(t) * np.cos(course.phase(t)),
         lambda course, t: -np.sin(course.phase(t)),
+        lambda course, t: -course.omega(t) * np.cos(course.phase(t)),
+        _acceleration_of_displacement,
     ),
 }
-"""By the quantity whose amplitude is constant: acceleration, velocity and displacement for an amplitude of 1."""
+"""By the quantity whose amplitude is constant: displacement, velocity and acceleration for an amplitude of 1."""

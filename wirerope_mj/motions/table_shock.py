@@ -8,16 +8,16 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite, positive
+from wirerope_mj.foundation.arguments import between, finite, positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
+from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.motions.motion import StraightMotion, unique_times
+from wirerope_mj.motions.motion import StartedMotion, unique_times
 from wirerope_mj.motions.pulses import HalfSine
 
 
 @dataclass(frozen=True, init=False)
-class ShockTableImpact(StraightMotion):
+class ShockTableImpact(StartedMotion):
     """Shock of a table that falls from a height, strikes its programmer and rebounds.
 
     The impact velocity is V = sqrt(2 g h), the rebound velocity e V, and the shock is their sum, V (1 + e), along the
@@ -31,13 +31,13 @@ class ShockTableImpact(StraightMotion):
     are left out.
 
     Args:
-        drop_height: Height h [m].
-        rebound: Rebound velocity over impact velocity e, from 0 (the table stays) to 1.
-        pulse_duration: Length D of the programmer's half-sine [s]; None: the velocity changes at once.
-        direction: Direction of the shock, against that of the fall: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: Instant at which the motion begins [s]: the impact, or the release if the fall is played.
-        fall: Whether the fall before the impact is played.
-        gravity: Acceleration of the fall g [m/s^2].
+        drop_height: height h [m].
+        rebound: rebound velocity over impact velocity e, from 0 (the table stays) to 1.
+        pulse_duration: length D of the programmer's half-sine [s]; None: the velocity changes at once.
+        direction: direction of the shock, against that of the fall: `"x"`, `"y"`, `"z"` or a 3-vector.
+        start: instant at which the motion begins [s]: the impact, or the release if the fall is played.
+        fall: whether the fall before the impact is played.
+        gravity: acceleration of the fall g [m/s^2].
     """
 
     kind: ClassVar[str] = "shock-table-impact"
@@ -63,9 +63,7 @@ class ShockTableImpact(StraightMotion):
         gravity: float = STANDARD_GRAVITY,
     ) -> None:
         object.__setattr__(self, "drop_height", positive("drop_height", drop_height))
-        if not 0 <= finite("rebound", rebound) <= 1:
-            raise ValueError(f"`rebound` must lie between 0 and 1, got {rebound!r}.")
-        object.__setattr__(self, "rebound", float(rebound))
+        object.__setattr__(self, "rebound", between("rebound", rebound, 0.0, 1.0))
         length = None if pulse_duration is None else positive("pulse_duration", pulse_duration)
         object.__setattr__(self, "pulse_duration", length)
         object.__setattr__(self, "direction", checked_direction(direction))
@@ -100,13 +98,8 @@ class ShockTableImpact(StraightMotion):
         return self.start + self.fall_duration
 
     @property
-    def end(self) -> float:
-        """Instant at which the impact is over [s]."""
-        return self.start + self.duration
-
-    @property
     def corners(self) -> Array:
-        """Release, impact and end of the pulse [s], shape (n,)."""
+        """Release, impact and end of the pulse [s], (n,)."""
         return unique_times([self.start, self.impact, self.end])
 
     @property
@@ -120,9 +113,7 @@ class ShockTableImpact(StraightMotion):
         pulse = "at once" if self.pulse_duration is None else f"in {1e3 * self.pulse_duration:.4g} ms"
         falls = " after its fall" if self.fall else ""
         size = f"{self.drop_height:.4g} m, rebound {self.rebound:.4g}, {self.velocity_change:.4g} m/s {pulse}{falls}"
-        return f"drop table {size} along {direction_text(self.direction)}" + (
-            f" at {self.start:.4g} s" if self.start else ""
-        )
+        return f"drop table {size} {self._line_text}"
 
     @property
     def events(self) -> tuple[tuple[float, str], ...]:
@@ -145,24 +136,17 @@ class ShockTableImpact(StraightMotion):
         length = {} if self.pulse_duration is None else {"pulse_duration": self.pulse_duration}
         return {**values, **length, "gravity": self.gravity, "direction": plain_direction(self.direction)}
 
-    def _falling(self, t: Array) -> Array:
-        """Return how long the table has fallen [s]."""
-        return np.clip(t - self.start, 0.0, self.fall_duration)
-
-    def _acceleration(self, t: Array) -> Array:
-        falls = np.where((t >= self.start) & (t < self.impact), -self.gravity, 0.0)
-        return falls if self.pulse_duration is None else falls + self._pulse(self.pulse_duration)._acceleration(t)
-
-    def _velocity(self, t: Array) -> Array:
-        falls = -self.gravity * self._falling(t)
+    def _along(self, t: Array, order: int) -> Array:
+        fallen, since = np.clip(t - self.start, 0.0, self.fall_duration), np.maximum(t - self.impact, 0.0)
+        fall = (
+            -self.gravity * fallen * (fallen / 2 + since),
+            -self.gravity * fallen,
+            np.where((t >= self.start) & (t < self.impact), -self.gravity, 0.0),
+        )[order]
         if self.pulse_duration is not None:
-            return falls + self._pulse(self.pulse_duration)._velocity(t)
-        return falls + np.where(t >= self.impact, self.velocity_change, 0.0)
-
-    def _displacement(self, t: Array) -> Array:
-        since = np.maximum(t - self.impact, 0.0)
-        falling = self._falling(t)
-        falls = -self.gravity * falling * (falling / 2 + since)
-        if self.pulse_duration is not None:
-            return falls + self._pulse(self.pulse_duration)._displacement(t)
-        return falls + self.velocity_change * since
+            return fall + self._pulse(self.pulse_duration)._along(t, order)
+        if order == 2:
+            return fall
+        return fall + (
+            self.velocity_change * since if order == 0 else np.where(t >= self.impact, self.velocity_change, 0.0)
+        )

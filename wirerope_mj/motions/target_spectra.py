@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arguments import between, positive
 from wirerope_mj.foundation.arrays import Array
 
 EN1998_TYPE_1 = {
@@ -45,11 +45,11 @@ def en1998_spectrum(
     `EN1998_TYPE_1["B"]` and the like hold soil factor and corner periods of the ground types.
 
     Args:
-        frequencies: Frequencies [Hz], any shape, 0.25 Hz or more.
-        ground_acceleration: Design ground acceleration on rock, ag [m/s^2].
+        frequencies: frequencies [Hz], any shape, 0.25 Hz or more.
+        ground_acceleration: design ground acceleration on rock, ag [m/s^2].
         soil_factor: S.
         corner_periods: TB, TC and TD [s].
-        damping: Damping ratio of the oscillators.
+        damping: damping ratio of the oscillators.
     """
     level = positive("ground_acceleration", ground_acceleration) * positive("soil_factor", soil_factor)
     tb, tc, td = (positive("corner_periods", period) for period in corner_periods)
@@ -72,23 +72,22 @@ def ac156_spectrum(frequencies: ArrayLike, *, s_ds: float, height_ratio: float, 
     beyond 33.3 Hz.
 
     Args:
-        frequencies: Frequencies [Hz], any shape, 1.3 Hz or more.
-        s_ds: Design spectral acceleration at short periods S_DS, for instance in [m/s^2].
-        height_ratio: Height of the attachment over that of the building z/h, from 0 to 1.
-        vertical: Whether the vertical spectrum is asked for.
+        frequencies: frequencies [Hz], any shape, 1.3 Hz or more.
+        s_ds: design spectral acceleration at short periods S_DS, for instance in [m/s^2].
+        height_ratio: height of the attachment over that of the building z/h, from 0 to 1.
+        vertical: whether the vertical spectrum is asked for.
     """
     s_ds = positive("s_ds", s_ds)
-    if not 0 <= height_ratio <= 1:
-        raise ValueError(f"`height_ratio` must lie between 0 and 1, got {height_ratio!r}.")
-    asked = _above(frequencies, AC156_FREQUENCIES[0], "the plateau of AC156 begins at 1.3 Hz")
+    between("height_ratio", height_ratio, 0.0, 1.0)
+    checked = _above(frequencies, AC156_FREQUENCIES[0], "the plateau of AC156 begins at 1.3 Hz")
     raised = 1 + 2 * height_ratio
     flexible, rigid = (0.67, 0.27) if vertical else (min(raised, 1.6), min(0.4 * raised, 1.2))
     corners = np.log(AC156_FREQUENCIES)
-    return s_ds * np.exp(np.interp(np.log(asked), corners, np.log([flexible, flexible, rigid])))
+    return s_ds * np.exp(np.interp(np.log(checked), corners, np.log([flexible, flexible, rigid])))
 
 
 def _above(frequencies: ArrayLike, least: float, reason: str) -> Array:
-    asked = np.asarray(frequencies, dtype=float)
-    if not np.all(np.isfinite(asked)) or np.any(asked < least * (1 - 1e-9)):
-        raise ValueError(f"`frequencies` must be at least {least:g} Hz: {reason}; got {np.min(asked):g} Hz.")
-    return asked
+    checked = np.asarray(frequencies, dtype=float)
+    if not np.all(np.isfinite(checked)) or np.any(checked < least * (1 - 1e-9)):
+        raise ValueError(f"`frequencies` must be at least {least:g} Hz: {reason}; got {np.min(checked):g} Hz.")
+    return checked

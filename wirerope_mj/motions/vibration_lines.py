@@ -9,11 +9,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite, integer, positive
+from wirerope_mj.foundation.arguments import finite, integer, positive, the_one_given
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
-from wirerope_mj.motions.motion import StraightMotion
+from wirerope_mj.motions.motion import StartedMotion
 from wirerope_mj.motions.psd_lines import Points, checked_points
 from wirerope_mj.motions.random_phases import random_phases
 
@@ -22,7 +22,7 @@ _UNIT = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m"}
 
 
 @dataclass(frozen=True, init=False)
-class VibrationLines(StraightMotion):
+class VibrationLines(StartedMotion):
     """Sines of fixed frequencies along one direction, endless or between a smooth rise from rest and a fall back to it.
 
     With the envelope E(t), which is 1 for an endless motion without a rise,
@@ -33,18 +33,18 @@ class VibrationLines(StraightMotion):
     and nothing drifts. Lines whose amplitudes are given in different quantities add as motions with +.
 
     Args:
-        acceleration: Lines (frequency [Hz], acceleration amplitude [m/s^2]), in order of frequency.
-        velocity: The same with velocity amplitudes [m/s].
-        displacement: The same with displacement amplitudes [m].
+        acceleration: lines (frequency [Hz], acceleration amplitude [m/s^2]), in order of frequency.
+        velocity: the same with velocity amplitudes [m/s].
+        displacement: the same with displacement amplitudes [m].
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        phases: Phase of every line at time zero [rad].
-        seed: Instead of the phases: integer that chooses them at random. Without either all are zero.
-        duration: Length of the vibration with rise and fall [s]; None: it never ends.
-        rise: Length of the rise [s], at least a period of the lowest frequency; None: no rise in an endless vibration,
+        phases: phase of every line at time zero [rad].
+        seed: instead of the phases: integer that chooses them at random. Without either all are zero.
+        duration: length of the vibration with rise and fall [s]; None: it never ends.
+        rise: length of the rise [s], at least a period of the lowest frequency; None: no rise in an endless vibration,
             which then already goes on before `start`, else ten such periods, or a tenth of the duration if that is
             shorter.
-        fall: Length of the fall [s], likewise; only with a duration.
-        start: Instant at which the vibration begins [s].
+        fall: length of the fall [s], likewise; only with a duration.
+        start: instant at which the vibration begins [s].
     """
 
     kind: ClassVar[str] = "vibration-lines"
@@ -73,9 +73,10 @@ class VibrationLines(StraightMotion):
         fall: float | None = None,
         start: float = 0.0,
     ) -> None:
-        quantity, lines = _the_one_quantity(
+        quantity, points = the_one_given(
             {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
         )
+        lines = checked_points(quantity, points, quantity=f"amplitude [{_UNIT[quantity]}]", least=1)
         object.__setattr__(self, "quantity", quantity)
         object.__setattr__(self, "lines", lines)
         object.__setattr__(self, "direction", checked_direction(direction))
@@ -104,22 +105,17 @@ class VibrationLines(StraightMotion):
 
     @property
     def frequencies(self) -> Array:
-        """Frequencies of the lines [Hz], shape (n,)."""
+        """Frequencies of the lines [Hz], (n,)."""
         return np.array([frequency for frequency, _ in self.lines])
 
     @property
     def amplitudes(self) -> Array:
-        """Amplitudes of the lines, in the quantity in which they were given, shape (n,)."""
+        """Amplitudes of the lines, in the quantity in which they were given, (n,)."""
         return np.array([amplitude for _, amplitude in self.lines])
 
     @property
-    def end(self) -> float:
-        """Instant at which the base is at rest again [s]; infinite if there is none."""
-        return self.start + self.duration
-
-    @property
     def corners(self) -> Array:
-        """Ends of rise and fall [s], shape (n,): the acceleration's slope jumps there."""
+        """Ends of rise and fall [s], (n,): the acceleration's slope jumps there."""
         return self.envelope.corners
 
     @cached_property
@@ -175,20 +171,14 @@ class VibrationLines(StraightMotion):
             total -= size * omega**order * np.sin(omega * t + (phase + order * math.pi / 2))
         return total
 
-    def _acceleration(self, t: Array) -> Array:
+    def _along(self, t: Array, order: int) -> Array:
         factor, first, second = self.envelope.derivatives(t)
-        value = factor * self._oscillation(t, 2)
-        if np.any(first) or np.any(second):
+        value = factor * self._oscillation(t, order)
+        if order == 2 and (np.any(first) or np.any(second)):
             value += 2 * first * self._oscillation(t, 1) + second * self._oscillation(t, 0)
+        if order == 1 and np.any(first):
+            value += first * self._oscillation(t, 0)
         return value
-
-    def _velocity(self, t: Array) -> Array:
-        factor, first, _ = self.envelope.derivatives(t)
-        value = factor * self._oscillation(t, 1)
-        return value + first * self._oscillation(t, 0) if np.any(first) else value
-
-    def _displacement(self, t: Array) -> Array:
-        return self.envelope.derivatives(t)[0] * self._oscillation(t, 0)
 
 
 def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Points:
@@ -198,8 +188,8 @@ def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Poin
     frequency after the other: take the lines one by one for that. No table is built in.
 
     Args:
-        bands: Bands (first frequency [Hz], last frequency [Hz], amplitude), in order of frequency.
-        step: Step between the frequencies [Hz].
+        bands: bands (first frequency [Hz], last frequency [Hz], amplitude), in order of frequency.
+        step: step between the frequencies [Hz].
     """
     positive("step", step)
     lines: list[tuple[float, float]] = []
@@ -215,16 +205,6 @@ def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Poin
         steps = math.floor((high - low) / step * (1 + 1e-9))
         lines += [(low + number * step, amplitude) for number in range(steps + 1)]
     return checked_points("bands", lines, quantity="amplitude", least=1)
-
-
-def _the_one_quantity(given: Mapping[str, Sequence[Sequence[float]] | None]) -> tuple[str, Points]:
-    """Return name and lines of the one quantity that is given; none or several are a ValueError."""
-    there = [name for name, lines in given.items() if lines is not None]
-    if len(there) != 1:
-        got = " and ".join(f"`{name}`" for name in there) or "none"
-        raise ValueError(f"exactly one of `acceleration`, `velocity` and `displacement` must be given, got {got}.")
-    (name,) = there
-    return name, checked_points(name, given[name] or (), quantity=f"amplitude [{_UNIT[name]}]", least=1)
 
 
 def _checked_phases(phases: Sequence[float], count: int) -> tuple[float, ...]:

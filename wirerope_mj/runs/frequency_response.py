@@ -1,4 +1,4 @@
-"""A frequency response as one folder: settings, figures, tables, pictures, the recording, and the model as it was used."""
+"""A frequency response as one folder: settings, summary, tables, pictures, the recording, and the model as it was used."""
 
 import json
 from datetime import UTC, datetime
@@ -10,7 +10,7 @@ import tomli_w
 
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.storage import save_tables
-from wirerope_mj.dynamics.frequency_response.summary import Findings, summary
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, summary
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.directions import direction_text, plain_direction
 from wirerope_mj.runs.folder import atomic_run
@@ -18,15 +18,15 @@ from wirerope_mj.runs.folder import atomic_run
 FORMAT = 1
 SETTINGS, SUMMARY = "settings.toml", "frequency_response.json"
 KIND, MARKS = "frequency response", (SETTINGS, SUMMARY)
-"""What messages call such a folder, and the files by which one is known."""
+"""Name of such a folder in messages, and the files by which one is known."""
 
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk", "matplotlib")
 
 
 def write_frequency_response(
-    result: FrequencyResponse, findings: list[Findings], folder: Path, *, force: bool = False
+    result: FrequencyResponse, findings: list[LevelSummary], folder: Path, *, force: bool = False
 ) -> None:
-    """Write a frequency response as `folder`, whole or not at all.
+    """Write a frequency response as `folder`, atomically.
 
     Args:
         result: what was computed.
@@ -37,56 +37,58 @@ def write_frequency_response(
     Raises:
         RecordError: the folder exists and must not be replaced.
     """
-    with atomic_run(folder, force=force, kind=KIND, marks=MARKS) as beside:
-        model = write_model(result.system, beside / "model")
-        content = _settings(result, model_table(result.system, model))
-        (beside / SETTINGS).write_text(tomli_w.dumps(content), encoding="utf-8")
-        figures = {"format": FORMAT, "levels": summary(findings)}
-        (beside / SUMMARY).write_text(json.dumps(figures, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        save_tables(result, beside)
-        _write_pictures(result, findings, beside)
+    with atomic_run(folder, force=force, kind=KIND, marks=MARKS) as temporary:
+        model = write_model(result.system, temporary / "model")
+        settings = _settings(result, model_table(result.system, model))
+        (temporary / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
+        summary_content = {"format": FORMAT, "levels": summary(findings)}
+        (temporary / SUMMARY).write_text(
+            json.dumps(summary_content, indent=2, allow_nan=False) + "\n", encoding="utf-8"
+        )
+        save_tables(result, temporary)
+        _write_pictures(result, findings, temporary)
 
 
 def _settings(result: FrequencyResponse, model: dict[str, str]) -> dict[str, Any]:
     """Return every input with nothing left open, and the versions that computed it."""
-    asked = result.question
-    start, stop = asked.range
-    assert asked.response_direction is not None
+    options = result.options
+    start, stop = options.range
+    assert options.response_direction is not None
     content: dict[str, Any] = {
         "format": FORMAT,
         "name": result.name,
         "written": datetime.now(UTC).replace(microsecond=0),
         "model": model,
         "question": {
-            "accelerations": list(asked.accelerations),
-            "method": asked.method,
-            "direction": plain_direction(asked.direction),
-            "payload": asked.payload,
-            "response_direction": plain_direction(asked.response_direction),
+            "accelerations": list(options.accelerations),
+            "method": options.method,
+            "direction": plain_direction(options.direction),
+            "payload": options.payload,
+            "response_direction": plain_direction(options.response_direction),
             "start": start,
             "stop": stop,
-            "range_from": asked.range_from,
+            "range_from": options.range_from,
         },
     }
-    if asked.method != "sweep":
+    if options.method != "sweep":
         parts = ("periods", "largest_step", "smallest_step")
-        content["continuation"] = {part: getattr(asked, part) for part in parts}
-        if asked.smoothing is not None:
-            content["continuation"]["smoothing"] = asked.smoothing
-    if asked.method != "continuation":
-        content["sweep"] = {"rate": asked.rate}
+        content["continuation"] = {part: getattr(options, part) for part in parts}
+        if options.smoothing is not None:
+            content["continuation"]["smoothing"] = options.smoothing
+    if options.method != "continuation":
+        content["sweep"] = {"rate": options.rate}
     return content | {"versions": {name: version(name) for name in _PACKAGES}}
 
 
-def _write_pictures(result: FrequencyResponse, findings: list[Findings], folder: Path) -> None:
-    # Here, because matplotlib and rerun take longer to import than checking what was asked.
+def _write_pictures(result: FrequencyResponse, findings: list[LevelSummary], folder: Path) -> None:
+    # Here, because matplotlib and rerun take longer to import than checking the options.
     from wirerope_mj.views.plots.frequency_response import save_amplitudes, save_transmissibilities
     from wirerope_mj.views.plots.orbit_loops import save_resonance_loops
 
-    asked = result.question
-    assert asked.response_direction is not None
-    what = f"{asked.payload} along {direction_text(asked.response_direction)}"
-    title = f"{result.name}, base along {direction_text(asked.direction)}"
+    options = result.options
+    assert options.response_direction is not None
+    what = f"{options.payload} along {direction_text(options.response_direction)}"
+    title = f"{result.name}, base along {direction_text(options.direction)}"
     save_amplitudes(findings, folder / "frequency_response.png", title=title, what=what)
     save_transmissibilities(findings, folder / "transmissibility.png", title=title, what=what)
     if result.branches and result.system.mounts:

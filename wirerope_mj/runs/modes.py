@@ -1,4 +1,4 @@
-"""Modes as one folder: settings, figures, the recording, and the model as it was used."""
+"""Modes as one folder: settings, summary, the recording, and the model as it was used."""
 
 import json
 from collections.abc import Sequence
@@ -16,13 +16,13 @@ from wirerope_mj.runs.folder import atomic_run
 FORMAT = 1
 SETTINGS, FIGURES = "settings.toml", "modes.json"
 KIND, MARKS = "folder of modes", (SETTINGS, FIGURES)
-"""What messages call such a folder, and the files by which one is known."""
+"""Name of such a folder in messages, and the files by which one is known."""
 
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "rerun-sdk")
 
 
 def write_modes(system: System, name: str, results: Sequence[Modes], folder: Path, *, force: bool = False) -> None:
-    """Write the modes of a system as `folder`, whole or not at all.
+    """Write the modes of a system as `folder`, atomically.
 
     Args:
         system: the system.
@@ -34,8 +34,8 @@ def write_modes(system: System, name: str, results: Sequence[Modes], folder: Pat
     Raises:
         RecordError: the folder exists and must not be replaced.
     """
-    with atomic_run(folder, force=force, kind=KIND, marks=MARKS) as beside:
-        model = write_model(system, beside / "model")
+    with atomic_run(folder, force=force, kind=KIND, marks=MARKS) as temporary:
+        model = write_model(system, temporary / "model")
         settings = {
             "format": FORMAT,
             "name": name,
@@ -47,11 +47,11 @@ def write_modes(system: System, name: str, results: Sequence[Modes], folder: Pat
             },
             "versions": {package: version(package) for package in _PACKAGES},
         }
-        (beside / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
-        figures = {"format": FORMAT, "results": [modes.to_dict() for modes in results]}
-        (beside / FIGURES).write_text(json.dumps(figures, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        # Here, because rerun takes longer to import than checking what was asked.
-        from wirerope_mj.dynamics.modes.film import film_of_modes
+        (temporary / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
+        content = {"format": FORMAT, "results": [modes.to_dict() for modes in results]}
+        (temporary / FIGURES).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        # Here, because rerun takes longer to import than checking the options.
+        from wirerope_mj.dynamics.modes.animation import animated_modes
         from wirerope_mj.views.recording.modes import record_modes
 
-        record_modes(film_of_modes(system, results[0]), beside / "run.rrd", title=name, larger=results[1:])
+        record_modes(animated_modes(system, results[0]), temporary / "run.rrd", title=name, larger=results[1:])

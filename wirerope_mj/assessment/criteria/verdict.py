@@ -1,6 +1,7 @@
 """A value against its limit."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -76,3 +77,8 @@ class Verdict:
             "verdict": self.verdict,
             "note": self.note,
         }
+
+
+def smallest_margin(verdicts: Iterable[Verdict]) -> float:
+    """Return the smallest margin of what is judged; infinite if nothing is."""
+    return min((verdict.margin for verdict in verdicts if verdict.margin is not None), default=math.inf)

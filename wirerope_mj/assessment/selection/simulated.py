@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.assessment.criteria.verdict import Verdict
-from wirerope_mj.assessment.selection.select import UNSTATED, Candidate
+from wirerope_mj.assessment.criteria.verdict import Verdict, smallest_margin
+from wirerope_mj.assessment.selection.select import NOT_GIVEN, UNSTATED, Candidate
 from wirerope_mj.assessment.selection.worksheet import Shock, Worksheet
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation import simulate
@@ -24,7 +24,7 @@ _CYCLES = 2.0
 """Periods of the shock stiffness simulated after the shock: the first swing and the rebound hold the extremes."""
 
 _ACCURACY = 1e-3
-"""Error of the peaks [-]: the row's figures are good to two digits."""
+"""Error of the peaks [-]: the row's values are good to two digits."""
 
 _ROOT = float(np.sqrt(0.5))
 
@@ -60,10 +60,10 @@ _MODEL = """\
 
 @dataclass(frozen=True, kw_only=True)
 class SimulatedShock:
-    """What the simulation says of a candidate.
+    """The simulated shock of a candidate.
 
     Attributes:
-        candidate: what the worksheet says of it.
+        candidate: its values by the worksheet.
         isolator: fitted from its row.
         sag: deflection under the weight along the loading mode [m], on the virgin path.
         travel: largest deflection from the sagged position along the shock [m]: what the worksheet calls dynamic travel.
@@ -82,6 +82,16 @@ class SimulatedShock:
     verdicts: tuple[Verdict, ...]
     response: Response
 
+    @property
+    def margin(self) -> float:
+        """Smallest margin of all that is judged; infinite if nothing is."""
+        return smallest_margin(self.verdicts)
+
+    @property
+    def travel_utilisation(self) -> float | None:
+        """Utilisation of the rated travel from the unloaded position; None = not rated."""
+        return self.verdicts[0].utilisation
+
 
 def simulate_candidate(candidate: Candidate, worksheet: Worksheet) -> SimulatedShock:
     """Return the simulated shock of a candidate: a guided mass, settled under its weight, on the isolator of its row.
@@ -89,19 +99,16 @@ def simulate_candidate(candidate: Candidate, worksheet: Worksheet) -> SimulatedS
     All mounts move alike, so one with its share of the mass stands for them.
 
     Raises:
-        ModelError: the row has no figures to fit.
+        ModelError: the row has no stiffnesses to fit.
         ConvergenceError: no law has them all, or there is no equilibrium under the weight.
         SimulationError: the run failed.
     """
     isolator = fit_part(candidate.part)
-    if "shear" in (worksheet.loading, worksheet.direction) and isolator.shear is None:
-        raise ModelError(
-            f"{candidate.part.name}: the table does not state travel and stiffnesses in shear; nothing to fit."
-        )
-    if "45" in (worksheet.loading, worksheet.direction) and isolator.roll is None:
-        raise ModelError(
-            f"{candidate.part.name}: the table does not state travel and stiffnesses in roll; nothing to fit."
-        )
+    for mode, axis, law in (("shear", "shear", isolator.shear), ("45", "roll", isolator.roll)):
+        if mode in (worksheet.loading, worksheet.direction) and law is None:
+            raise ModelError(
+                f"{candidate.part.name}: the table does not state travel and stiffnesses in {axis}; nothing to fit."
+            )
     shock = _struck(worksheet)
     seconds = _START + shock.duration + _CYCLES / candidate.shock_frequency
     response = simulate(
@@ -139,8 +146,8 @@ def _verdicts(
 
     return (
         verdict("rated travel", deflection, rated, "m", UNSTATED),
-        verdict("room", travel, worksheet.travel, "m", "no limit given"),
-        verdict("acceleration", acceleration, worksheet.fragility, "m/s^2", "no limit given"),
+        verdict("room", travel, worksheet.travel, "m", NOT_GIVEN),
+        verdict("acceleration", acceleration, worksheet.fragility, "m/s^2", NOT_GIVEN),
     )
 
 

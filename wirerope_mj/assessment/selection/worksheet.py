@@ -1,8 +1,9 @@
-"""The vendors' worksheet: what the mounts must and what one part would do, one linear spring for each question."""
+"""The vendors' worksheet: limits of the mounts and the response of one part, one linear spring for each mode."""
 
 import math
 from dataclasses import dataclass
 
+from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.motions import VelocityStep
 from wirerope_mj.motions.pulses import Pulse
 from wirerope_mj.mounts.vendor_parts.parts import MODES
@@ -25,7 +26,7 @@ Shock = Pulse | VelocityStep
 
 @dataclass(frozen=True, kw_only=True)
 class Worksheet:
-    """What is asked of the mounts; all stand alike, below a central centre of mass.
+    """Demands on the mounts; all stand alike, below a central centre of mass.
 
     A pulse counts by its velocity change V alone. That is right within a few per cent while (natural frequency x length of the
     pulse) < 0.25; above it the worksheet is on the safe side: no pulse of one sign moves a linear undamped mass more than a
@@ -58,10 +59,9 @@ class Worksheet:
     def __post_init__(self) -> None:
         for name in ("mass", "isolation_ratio", "gravity", "travel", "fragility", "disturbance"):
             value = getattr(self, name)
-            if value is not None and not (math.isfinite(value) and value > 0.0):
-                raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")
-        if isinstance(self.mounts, bool) or not isinstance(self.mounts, int) or self.mounts < 1:
-            raise ValueError(f"`mounts` must be an integer >= 1, got {self.mounts!r}.")
+            if value is not None:
+                positive(name, value)
+        integer("mounts", self.mounts, least=1)
         for name in ("loading", "direction"):
             mode = "shear" if getattr(self, name) == "roll" else getattr(self, name)
             if mode not in MODES:
@@ -104,6 +104,10 @@ class Worksheet:
         """Ks_max of one mount for the fragility [N/m], (W / g) (AT / V)^2."""
         return None if self.fragility is None else self.load / self.gravity * (self.fragility / self.velocity) ** 2
 
+    def amplifies(self, acceleration: float) -> bool:
+        """Return whether a transmitted acceleration [m/s^2] is above the pulse's own peak."""
+        return self.peak is not None and acceleration > self.peak
+
     def frequency(self, stiffness: float) -> float:
         """Return the natural frequency [Hz] on mounts of a stiffness [N/m] each, sqrt(K g / W) / 2 pi."""
         return math.sqrt(stiffness * self.gravity / self.load) / (2.0 * math.pi)
@@ -119,3 +123,8 @@ class Worksheet:
     def impulse(self, shock_stiffness: float) -> float:
         """Return natural frequency times length of the pulse [-]; 0 for a velocity step."""
         return self.frequency(shock_stiffness) * self.shock.duration
+
+
+def mode_text(mode: str) -> str:
+    """Return a mode in a sentence: "at 45 degrees", "in compression"."""
+    return "at 45 degrees" if mode == "45" else f"in {mode}"

@@ -11,18 +11,18 @@ from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.foundation.arrays import Array
 
 BETWEEN = 16
-"""Places between two neighbouring points: at steps of 2 % in frequency, an eighth of a percent apart."""
+"""Intervals between two neighbouring points: at steps of 2 % in frequency, an eighth of a percent apart."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Curve:
+class BranchCurve:
     """A branch as a fine line, in its own order.
 
     Attributes:
         frequency: [Hz], (n,).
         amplitude: of the payload [m/s^2], (n,).
-        stable: whether the motions on either side of a place are, (n,).
-        point: place in the branch, an integer at its points, (n,).
+        stable: whether the motions on either side are, (n,).
+        point: position in the branch, an integer at its points, (n,).
     """
 
     frequency: Array
@@ -32,47 +32,48 @@ class Curve:
 
     @cached_property
     def runs(self) -> list[slice]:
-        """Stretches over which the frequency goes one way."""
+        """Segments over which the frequency rises or falls throughout."""
         turned = np.flatnonzero(np.diff(np.sign(np.diff(self.frequency))) != 0.0) + 1
         ends = [0, *turned.tolist(), self.frequency.size - 1]
         return [slice(a, b + 1) for a, b in zip(ends[:-1], ends[1:], strict=True) if b > a]
 
     def amplitudes_at(self, frequency: Array) -> list[tuple[Array, npt.NDArray[np.bool_]]]:
         """Return amplitude and stability at frequencies [Hz], (m,), on every run; NaN where a run does not reach."""
-        found = []
+        branches = []
         for run in self.runs:
             f, a, s = self.frequency[run], self.amplitude[run], self.stable[run]
             order = slice(None, None, 1 if f[-1] > f[0] else -1)
             f, a, s = f[order], a[order], s[order]
             values = np.interp(frequency, f, a, left=np.nan, right=np.nan)
-            found.append((values, s[np.clip(np.searchsorted(f, frequency), 0, f.size - 1)]))
-        return found
+            branches.append((values, s[np.clip(np.searchsorted(f, frequency), 0, f.size - 1)]))
+        return branches
 
 
-def curve_of(branch: Branch) -> Curve:
+def curve_of(branch: Branch) -> BranchCurve:
     """Return the curve through the points of a branch.
 
     Akima's spline in the length along the branch, of frequency and amplitude in logarithms: it does not ring at the kinks
     that the payload's largest acceleration has where another crest becomes the highest.
     """
     f, a = np.log(branch.frequency), np.log(branch.amplitude)
-    steps = np.hypot(np.diff(f) / _range(f), np.diff(a) / _range(a))
+    steps = relative_steps(f, a)
     kept = np.concatenate([[True], steps > 1e-9])  # a point that was located may coincide with the next
     f, a, point = f[kept], a[kept], np.flatnonzero(kept).astype(np.float64)
     if f.size < 3:
-        return Curve(frequency=np.exp(f), amplitude=np.exp(a), stable=branch.stable[kept], point=point)
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(f) / _range(f), np.diff(a) / _range(a)))])
-    share = np.arange(BETWEEN) / BETWEEN
-    fine = np.append((along[:-1, None] + np.diff(along)[:, None] * share).ravel(), along[-1])
-    place = np.interp(fine, along, point)
-    stable = branch.stable[np.floor(place).astype(int)] & branch.stable[np.ceil(place).astype(int)]
-    return Curve(
+        return BranchCurve(frequency=np.exp(f), amplitude=np.exp(a), stable=branch.stable[kept], point=point)
+    along = np.concatenate([[0.0], np.cumsum(relative_steps(f, a))])
+    fraction = np.arange(BETWEEN) / BETWEEN
+    fine = np.append((along[:-1, None] + np.diff(along)[:, None] * fraction).ravel(), along[-1])
+    position = np.interp(fine, along, point)
+    stable = branch.stable[np.floor(position).astype(int)] & branch.stable[np.ceil(position).astype(int)]
+    return BranchCurve(
         frequency=np.exp(Akima1DInterpolator(along, f)(fine)),
         amplitude=np.exp(Akima1DInterpolator(along, a)(fine)),
         stable=stable,
-        point=place,
+        point=position,
     )
 
 
-def _range(values: Array) -> float:
-    return float(np.ptp(values)) or 1.0
+def relative_steps(f: Array, a: Array) -> Array:
+    """Return the distances between successive points, both coordinates relative to their ranges, (n - 1,)."""
+    return np.hypot(np.diff(f) / (float(np.ptp(f)) or 1.0), np.diff(a) / (float(np.ptp(a)) or 1.0))

@@ -1,8 +1,8 @@
-"""What a frequency response is made of."""
+"""A frequency response: a branch and sweeps at each level."""
 
 from dataclasses import dataclass, field
 
-from wirerope_mj.dynamics.frequency_response.question import Question
+from wirerope_mj.dynamics.frequency_response.options import ResponseOptions
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.engine.system import System
@@ -14,9 +14,9 @@ class Level:
 
     Attributes:
         acceleration: amplitude of the base's acceleration [m/s^2].
-        branch: periodic motions over frequency; None if they were not asked for.
-        up, down: envelopes of a sweep up and of one down that goes on from its end; None if they were not asked for.
-        branch_seconds, sweep_seconds: how long they took.
+        branch: periodic motions over frequency; None if the method is "sweep".
+        up, down: envelopes of a sweep up and of one down from its final state; None if the method is "continuation".
+        branch_seconds, sweep_seconds: their computing times.
     """
 
     acceleration: float
@@ -28,8 +28,12 @@ class Level:
 
     @property
     def sweeps(self) -> dict[str, FrequencySweep]:
-        """The sweeps by the words for their way."""
-        return {way: found for way, found in (("up", self.up), ("down", self.down)) if found is not None}
+        """The sweeps by their direction, "up" and "down"."""
+        return {direction: sweep for direction, sweep in (("up", self.up), ("down", self.down)) if sweep is not None}
+
+    def transmissibility(self, amplitude: float) -> float:
+        """Return an amplitude [m/s^2] over that of the base's acceleration [-]."""
+        return amplitude / self.acceleration
 
     @property
     def complete(self) -> bool:
@@ -43,7 +47,7 @@ class FrequencyResponse:
 
     system: System = field(repr=False)
     name: str
-    question: Question
+    options: ResponseOptions
     levels: tuple[Level, ...]
 
     @property

@@ -24,9 +24,9 @@ def save_tables(result: FrequencyResponse, folder: Path) -> None:
         levels = [(n, level) for n, level in enumerate(result.levels) if level.branch is not None]
         _write(folder / BRANCHES, [_branch_columns(n, level, width) for n, level in levels])
     sweeps = [
-        _sweep_columns(n, level, way, sweep)
+        _sweep_columns(n, level, direction, sweep)
         for n, level in enumerate(result.levels)
-        for way, sweep in level.sweeps.items()
+        for direction, sweep in level.sweeps.items()
     ]
     if sweeps:
         _write(folder / SWEEPS, sweeps)
@@ -67,15 +67,15 @@ def _branch_columns(number: int, level: Level, width: int) -> dict[str, Array]:
 def _bifurcations(branch: Branch) -> list[str]:
     texts = [""] * branch.frequency.size
     for event in branch.bifurcations:
-        texts[event.index] = event.words
+        texts[event.index] = event.description
     return texts
 
 
-def _sweep_columns(number: int, level: Level, way: str, sweep: FrequencySweep) -> dict[str, Array]:
+def _sweep_columns(number: int, level: Level, direction: str, sweep: FrequencySweep) -> dict[str, Array]:
     n = sweep.frequency.size
     columns: dict[str, Array] = {
         "level": np.full(n, number),
-        "way": np.array([way] * n, dtype=object),
+        "way": np.array([direction] * n, dtype=object),
         "frequency": sweep.frequency,
         "acceleration": np.full(n, level.acceleration),
         "base_amplitude": sweep.base_amplitude,

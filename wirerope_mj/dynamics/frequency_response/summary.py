@@ -1,4 +1,4 @@
-"""The figures of a frequency response, level by level: what the command prints, and what its summary holds."""
+"""Summary of a frequency response, level by level: what the command prints, and what its file holds."""
 
 from dataclasses import asdict, dataclass
 from functools import cached_property
@@ -7,19 +7,19 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.dynamics.frequency_response.comparison import Comparison, compare
-from wirerope_mj.dynamics.frequency_response.curve import Curve, curve_of
-from wirerope_mj.dynamics.frequency_response.findings import ResonancePeak, peaks_of
+from wirerope_mj.dynamics.frequency_response.curve import BranchCurve, curve_of
+from wirerope_mj.dynamics.frequency_response.peaks import ResonancePeak, peaks_of
 from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Level
 
 
 @dataclass(frozen=True, kw_only=True)
-class Findings:
-    """What is read off one level, each when it is first asked for."""
+class LevelSummary:
+    """Curve, peaks and comparisons of one level, each computed at first use."""
 
     level: Level
 
     @cached_property
-    def curve(self) -> Curve | None:
+    def curve(self) -> BranchCurve | None:
         """The branch as a fine line."""
         return None if self.level.branch is None else curve_of(self.level.branch)
 
@@ -30,22 +30,24 @@ class Findings:
 
     @cached_property
     def comparisons(self) -> dict[str, Comparison]:
-        """The sweeps beside the branch, by their way."""
-        return {way: compare(sweep, self.level.branch, self.curve) for way, sweep in self.level.sweeps.items()}
+        """Comparisons of the sweeps with the branch, by their direction."""
+        return {
+            direction: compare(sweep, self.level.branch, self.curve) for direction, sweep in self.level.sweeps.items()
+        }
 
 
-def findings_of(result: FrequencyResponse) -> list[Findings]:
-    """Return what every level shows."""
-    return [Findings(level=level) for level in result.levels]
+def level_summaries(result: FrequencyResponse) -> list[LevelSummary]:
+    """Return the summaries of all levels."""
+    return [LevelSummary(level=level) for level in result.levels]
 
 
-def summary(findings: list[Findings]) -> list[dict[str, Any]]:
-    """Return the figures as plain values, SI units, None where there is no number."""
-    return [_level(found) for found in findings]
+def summary(findings: list[LevelSummary]) -> list[dict[str, Any]]:
+    """Return the summaries as plain values, SI units, None where there is no number."""
+    return [_level(one) for one in findings]
 
 
-def _level(found: Findings) -> dict[str, Any]:
-    level, branch = found.level, found.level.branch
+def _level(summary: LevelSummary) -> dict[str, Any]:
+    level, branch = summary.level, summary.level.branch
     content: dict[str, Any] = {"acceleration": level.acceleration}
     if branch is not None:
         content["continuation"] = {
@@ -54,7 +56,7 @@ def _level(found: Findings) -> dict[str, Any]:
             "message": branch.message,
             "model_steps": branch.model_steps,
             "seconds": round(level.branch_seconds, 3),
-            "peaks": [asdict(peak) for peak in found.peaks],
+            "peaks": [asdict(peak) for peak in summary.peaks],
             "bifurcations": [
                 {
                     "kind": event.kind, "frequency": event.frequency, "amplitude": event.amplitude,
@@ -65,8 +67,9 @@ def _level(found: Findings) -> dict[str, Any]:
             ],
             "jumps": [asdict(jump) for jump in branch.jumps],
         }  # fmt: skip
-    for way, sweep in level.sweeps.items():
-        content[f"sweep_{way}"] = asdict(found.comparisons[way]) | {
+    for direction, sweep in level.sweeps.items():
+        content[f"sweep_{direction}"] = asdict(summary.comparisons[direction]) | {
+            "jumps": [[jump.fold, jump.frequency] for jump in summary.comparisons[direction].jumps],
             "cycles": int(sweep.frequency.size),
             "model_steps": sweep.model_steps,
             "warnings": list(sweep.warnings),

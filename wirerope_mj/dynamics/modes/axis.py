@@ -1,4 +1,4 @@
-"""Stiffness of one mount axis about its deflection at rest: tangents, the limit of small closed cycles, closed cycles."""
+"""Stiffness of one mount axis about its deflection at rest: tangents, closed cycles, and their limit of small amplitude."""
 
 import numpy as np
 from scipy.optimize import brentq
@@ -19,7 +19,7 @@ _SPEED = 1e-9
 
 
 def one_sided_tangents(law: Law, deflection: float, states: Array) -> tuple[float, float]:
-    """Return the slopes of the force just after `deflection` on the way down and on the way up [N/m].
+    """Return the slopes of the force just after `deflection`, falling and rising [N/m].
 
     Exact for every rate-independent law: dF/dx = F_x + F_z dz/dx, with the law's own dz/dx for either direction.
     """
@@ -35,7 +35,7 @@ def one_sided_tangents(law: Law, deflection: float, states: Array) -> tuple[floa
 
 
 def loading_and_unloading(law: Law, deflection: float, states: Array) -> tuple[float, float]:
-    """Return the slopes on the way further along the hysteretic force and back [N/m].
+    """Return the slopes on further loading and on unloading of the hysteretic force [N/m].
 
     Bouc-Wen's are alpha - (beta + gamma) |z|^n and alpha + (beta - gamma) |z|^n, each with the elastic part. Without a
     hysteretic force the sense is that of the deflection. A law that depends on the rate has one slope at rest.
@@ -70,12 +70,12 @@ def vanishing_cycle(law: Law, deflection: float, states: Array, *, frequency: fl
         return sum((vanishing_cycle(one, deflection, own, frequency=frequency) for one, own in parts), 0j)
     if not law.rate_independent:
         return _linearised(law, deflection, states, 2.0 * np.pi * frequency)
-    settled = states.copy()
+    steady = states.copy()
     forces = _force_states(law)
-    settled[forces] = 0.0
+    steady[forces] = 0.0
     if len(forces) == 1:
-        settled[forces[0]] = _balanced_force(law, deflection, settled, forces[0])
-    down, up = one_sided_tangents(law, deflection, settled)
+        steady[forces[0]] = _balanced_force(law, deflection, steady, forces[0])
+    down, up = one_sided_tangents(law, deflection, steady)
     return complex(0.5 * (down + up), 0.0)
 
 
@@ -143,14 +143,14 @@ def _parts(law: Law, states: Array) -> list[tuple[Law, Array]]:
     return list(zip(law.components, np.split(states, ends[:-1]), strict=True))
 
 
-def _balanced_force(law: Law, deflection: float, states: Array, place: int) -> float:
+def _balanced_force(law: Law, deflection: float, states: Array, index: int) -> float:
     """Return the hysteretic force that a small closed cycle neither raises nor lowers [N]."""
 
     def gain(z: float) -> float:
         trial = states.copy()
-        trial[place] = z
+        trial[index] = z
         up, down = _force(law, deflection, 1.0, trial)[1], _force(law, deflection, -1.0, trial)[1]
-        return float(up[place] + down[place])  # of a step up and one down
+        return float(up[index] + down[index])  # of a step up and one down
 
     at_zero = gain(0.0)
     if at_zero == 0.0:

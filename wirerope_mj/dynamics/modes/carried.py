@@ -1,4 +1,4 @@
-"""Frequencies of large cycles about the deflection where their mean force carries the weight, beside those about rest.
+"""Frequencies of large cycles about the deflection where their mean force carries the weight, not about rest.
 
 A law that is stiffer to one side, or whose hysteretic force held part of the weight at rest, has another mean force in a cycle
 than at rest. Under lasting vibration the mount moves to where the mean force is that of rest again, and is stiffer or softer
@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 from scipy.optimize import brentq
 
 from wirerope_mj.dynamics.modes.axis import closed_cycle, mean_force
@@ -21,6 +22,9 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import Law
 
+APART = 0.01
+"""Relative difference of the frequencies about rest and about where the weight is carried, from which on they are apart."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Carried:
@@ -30,27 +34,29 @@ class Carried:
         frequencies: [Hz], (n_modes,); NaN where the mode tips over or no such deflection was found.
         shift: largest distance of such a deflection from rest [m], (n_modes,).
         mounts: name of the mount that moves by it, (n_modes).
+        apart: indices of the modes whose frequency is not that about rest.
     """
 
     frequencies: Array
     shift: Array
     mounts: tuple[str, ...]
+    apart: npt.NDArray[np.int64]
 
 
-def carried(system: System, found: Modes) -> Carried:
+def carried(system: System, modes: Modes) -> Carried:
     """Return where modes at an amplitude lie about the deflections that carry the weight, the shapes as they are.
 
     Each axis is taken alone, with the force that its law has at rest: for one mount of independent axes that is exact, else an
     estimate.
     """
-    if found.amplitude is None:
-        raise ValueError("`found` must be modes at an amplitude: small cycles have the mean force of rest.")
-    frequencies, shifts, names = np.empty(found.frequencies.size), np.empty(found.frequencies.size), []
-    for mode, frequency in enumerate(found.frequencies):
-        shape = found.shapes[found.free, mode]
+    if modes.amplitude is None:
+        raise ValueError("`modes` must be at an amplitude: cycles of small amplitude have the mean force of rest.")
+    frequencies, shifts, names = np.empty(modes.frequencies.size), np.empty(modes.frequencies.size), []
+    for mode, frequency in enumerate(modes.frequencies):
+        shape = modes.shapes[modes.free, mode]
         stiffness, largest, name = 0.0, 0.0, ""
-        for mount, load in found.equilibrium.mounts.items():
-            sizes = found.amplitude * np.abs(found.mounts[mount][mode])
+        for mount, load in modes.equilibrium.mounts.items():
+            sizes = modes.amplitude * np.abs(modes.mounts[mount][mode])
             forces = _of_the_laws(system.mounts[mount].isolator, load)
             for axis, law in enumerate(system.mounts[mount].isolator.axes.values()):
                 if law is None or is_neutral(law) or sizes[axis] < SMALL or not math.isfinite(frequency):
@@ -60,14 +66,16 @@ def carried(system: System, found: Modes) -> Carried:
                     continue  # an open stop carries nothing, and where it would go is up to the others
                 there = _carrying(law, rest, force, float(sizes[axis]), frequency)
                 gain = _stiffness(law, there, sizes[axis], frequency) - _stiffness(law, rest, sizes[axis], frequency)
-                stiffness += found.mounts[mount][mode, axis] ** 2 * gain
+                stiffness += modes.mounts[mount][mode, axis] ** 2 * gain
                 if abs(there - rest) > largest:
                     largest, name = abs(there - rest), mount
-        eigenvalue = (2.0 * np.pi * frequency) ** 2 + stiffness / float(shape @ found.mass @ shape)
+        eigenvalue = (2.0 * np.pi * frequency) ** 2 + stiffness / float(shape @ modes.mass @ shape)
         frequencies[mode] = math.sqrt(eigenvalue) / (2.0 * np.pi) if eigenvalue >= 0.0 else math.nan
         shifts[mode] = largest
         names.append(name)
-    return Carried(frequencies=frequencies, shift=shifts, mounts=tuple(names))
+    with np.errstate(invalid="ignore"):
+        apart = ~(np.abs(frequencies / modes.frequencies - 1.0) <= APART) & np.isfinite(modes.frequencies)
+    return Carried(frequencies=frequencies, shift=shifts, mounts=tuple(names), apart=np.flatnonzero(apart))
 
 
 def _of_the_laws(isolator: Isolator, load: MountLoad) -> Array:

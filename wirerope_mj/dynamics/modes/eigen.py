@@ -44,11 +44,11 @@ def follow(values: Array, shapes: Array, mass: Array, known: Array, mode: int) -
     frequencies come close do not become the same one. Modes of one frequency are turned to be as like it as they can be.
     """
     likeness = shapes.T @ mass @ known
-    places, owners = linear_sum_assignment(-(likeness**2))
-    best = int(places[owners == mode][0])
-    alike = np.abs(values - values[best]) <= CLOSE * np.abs(values).max()
-    found = shapes[:, alike] @ likeness[alike, mode]
-    return float(values[best]), np.asarray(found / np.sqrt(found @ mass @ found))
+    indices, owners = linear_sum_assignment(-(likeness**2))
+    best = int(indices[owners == mode][0])
+    close = np.abs(values - values[best]) <= CLOSE * np.abs(values).max()
+    shape = shapes[:, close] @ likeness[close, mode]
+    return float(values[best]), np.asarray(shape / np.sqrt(shape @ mass @ shape))
 
 
 def iterate(
@@ -56,7 +56,7 @@ def iterate(
 ) -> tuple[float, Array, ComplexArray]:
     """Return eigenvalue, shape and complex stiffness of the mode whose stiffness is that of its own shape and frequency.
 
-    Two modes of nearly one frequency mix in an instant, and may change places without end; then each keeps its known shape,
+    Two modes of nearly one frequency mix in an instant, and may swap without end; then each keeps its known shape,
     whose Rayleigh quotient is right to the second order of what the shape lacks.
 
     Args:
@@ -78,5 +78,5 @@ def iterate(
         renewed = stiffness(shape, value)
         if abs(value - before) <= TOLERANCE * max(abs(value), abs(before)):
             return value, shape, renewed
-        matrix = renewed if count < DIRECT else 0.5 * (matrix + renewed)  # what swings to and fro is damped
+        matrix = renewed if count < DIRECT else 0.5 * (matrix + renewed)  # what alternates is damped
     return value, shape, matrix

@@ -8,12 +8,13 @@ import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
 from wirerope_mj.dynamics.modes.eigen import frequency_of, iterate, solve
-from wirerope_mj.dynamics.modes.motion import participation_of, payload_shapes, words_of
+from wirerope_mj.dynamics.modes.motion import descriptions_of, participation_of, payload_shapes
 from wirerope_mj.dynamics.modes.rest import AtRest, linearise
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.dynamics.modes.tipping import stability_of
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 
@@ -21,15 +22,15 @@ ComplexArray = npt.NDArray[np.complex128]
 AnyArray = TypeVar("AnyArray", Array, ComplexArray)
 
 STEPS = 6
-"""Amplitudes, each twice the last, by which a mode is led from the small one to the one asked for: so it stays itself."""
+"""Amplitudes, each twice the last, by which a mode is led from the small one to the given one: so it stays itself."""
 
 
 def modes(system: System, *, history: History = "virgin", amplitude: float | None = None) -> Modes:
     """Return the modes of `system` about the position where it sags to, the base at rest.
 
     Stiffness is that of closed cycles of every mount about its deflection there; weight, preload, joint springs and contacts
-    count too. Without `amplitude` it is the limit of small cycles, in which the hysteretic force of a Bouc-Wen law has faded to
-    zero and its slope is alpha, and Masing's sliders stick. With it, every mode has its own: the describing function of
+    count too. Without `amplitude` it is the limit of small amplitude, in which the hysteretic force of a Bouc-Wen law has faded
+    to zero and its slope is alpha, and Masing's sliders stick. With it, every mode has its own: the describing function of
     every axis at the amplitude that the axis has in the mode when the mount that moves most moves by `amplitude`, found by
     iteration; the damping ratio is from the energy that those cycles take. The cycles run about the position of rest; a floor
     under real vibration comes to rest in the relaxed one. Laws that depend on the rate are taken at the mode's frequency.
@@ -46,10 +47,10 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         ValueError: the amplitude is not a finite number > 0, or a law has no closed cycle of that size.
         ConvergenceError: there is no such equilibrium.
     """
-    if amplitude is not None and not (math.isfinite(amplitude) and amplitude > 0.0):
-        raise ValueError(f"`amplitude` must be finite and > 0, got {amplitude}.")
-    found = equilibrium(system, history=history)
-    rest = linearise(system, found)
+    if amplitude is not None:
+        positive("amplitude", amplitude, unit="m")
+    static = equilibrium(system, history=history)
+    rest = linearise(system, static)
     springs = _Springs(rest)
     held = springs.held(np.zeros(rest.free.size), 0.0, 1.0)
     small = held.real - rest.other - rest.weight
@@ -69,7 +70,7 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     whole = np.zeros((system.model.nv, order.size))
     whole[rest.free] = scaled
     return Modes(
-        frequencies=np.where((values[order] < 0.0) & bool(found.free), 0.0, frequency_of(values[order])),
+        frequencies=np.where((values[order] < 0.0) & bool(static.free), 0.0, frequency_of(values[order])),
         damping_ratio=damping[order],
         loading=bracket[0][order],
         unloading=bracket[1][order],
@@ -77,21 +78,21 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         payloads=payload_shapes(system, rest, scaled),
         mounts={name: (mount.jacobian @ scaled).T for name, mount in rest.mounts.items()},
         participation=participation_of(system, rest, scaled),
-        words=_with_fate(words_of(system, rest, scaled), values[order]),
+        descriptions=_with_fate(descriptions_of(system, rest, scaled), values[order]),
         history=history,
         amplitude=amplitude,
         stability=stability_of(system, rest, small if history == "virgin" else springs.lasting(), loading),
         free=rest.free,
         mass=rest.mass,
         stiffness=held.real,
-        equilibrium=found,
+        equilibrium=static,
     )
 
 
-def _with_fate(words: tuple[str, ...], values: Array) -> tuple[str, ...]:
-    """Return the words of modes with what becomes of those that nothing brings back; `values` are eigenvalues, (n_modes,)."""
+def _with_fate(descriptions: tuple[str, ...], values: Array) -> tuple[str, ...]:
+    """Return the descriptions, those of free and of unstable modes marked; `values` are eigenvalues, (n_modes,)."""
     fates = ["" if value > 0.0 else " (free)" if value == 0.0 else " (tips over)" for value in values]
-    return tuple(word + fate for word, fate in zip(words, fates, strict=True))
+    return tuple(description + fate for description, fate in zip(descriptions, fates, strict=True))
 
 
 class _Springs:
@@ -157,8 +158,8 @@ def _matched(rest: AtRest, shapes: Array, stiffness: Array) -> Array:
     """Return the frequencies of another stiffness [Hz], each for the shape that its own is most like, (n_modes,)."""
     values, others = solve(stiffness, rest.mass)
     likeness = (shapes.T @ rest.mass @ others) ** 2
-    _, place = linear_sum_assignment(-likeness)
-    return frequency_of(values[place])
+    _, matched = linear_sum_assignment(-likeness)
+    return frequency_of(values[matched])
 
 
 def _damping(shape: Array, value: float, stiffness: ComplexArray, rest: AtRest) -> float:

@@ -1,4 +1,4 @@
-"""What mode shapes are: motion of the payloads, shares of the energy, participation, and a word for each."""
+"""Motion of the payloads in mode shapes, participation, and a description of each by its kinetic energy."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 
 NAMED = 0.15
-"""Share of the kinetic energy from which a part of the motion is named."""
+"""Fraction of the kinetic energy from which a component of the motion is named."""
 
 _TRANSLATIONS = ("sway x", "sway y", "bounce z")
 _ROTATIONS = ("rocking about x", "rocking about y", "yaw about z")
@@ -28,20 +28,20 @@ class Jacobians:
 
 def payload_shapes(system: System, rest: AtRest, shapes: Array) -> dict[str, PayloadShape]:
     """Return the motion of every payload in the shapes (n, n_modes)."""
-    found = {}
+    result = {}
     for payload in payloads_of(system):
         tree = _tree(system.model, rest, payload)
-        found[payload.name] = PayloadShape(
+        result[payload.name] = PayloadShape(
             centre=rest.data.subtree_com[payload.root].copy(),
             mass=payload.mass,
             translation=(tree.centre @ shapes).T,
             rotation=(tree.turn @ shapes).T,
         )
-    return found
+    return result
 
 
 def participation_of(system: System, rest: AtRest, shapes: Array) -> Array:
-    """Return the share of the moving mass that takes part along x, y and z in each mode, (n_modes, 3).
+    """Return the fraction of the moving mass that takes part along x, y and z in each mode, (n_modes, 3).
 
     (phi^T M r)^2 / (phi^T M phi m), with M r the inertia forces of a unit acceleration of the base and m the moving mass.
     """
@@ -55,45 +55,45 @@ def participation_of(system: System, rest: AtRest, shapes: Array) -> Array:
     return np.asarray((shapes.T @ force) ** 2 / (modal[:, None] * whole))
 
 
-def words_of(system: System, rest: AtRest, shapes: Array) -> tuple[str, ...]:
-    """Return a word for each of the shapes (n, n_modes)."""
-    return tuple(_word(system, rest, shape) for shape in shapes.T)
+def descriptions_of(system: System, rest: AtRest, shapes: Array) -> tuple[str, ...]:
+    """Return a description of each of the shapes (n, n_modes)."""
+    return tuple(_description(system, rest, shape) for shape in shapes.T)
 
 
-def _word(system: System, rest: AtRest, shape: Array) -> str:
-    """Return what holds most of the kinetic energy of a shape, largest first."""
+def _description(system: System, rest: AtRest, shape: Array) -> str:
+    """Return the components that hold most of the kinetic energy of a shape, largest first."""
     model = system.model
     energy = float(shape @ rest.mass @ shape)
     movers = movers_of(system)
-    shares: list[tuple[float, str]] = []
+    ratios: list[tuple[float, str]] = []
     for payload in movers:
         tree = _tree(model, rest, payload)
         velocity, turn = tree.centre @ shape, tree.turn @ shape
         prefix = f"{payload.name}: " if len(movers) > 1 else ""
-        shares += [(payload.mass * v * v / energy, prefix + w) for v, w in zip(velocity, _TRANSLATIONS, strict=True)]
+        ratios += [(payload.mass * v * v / energy, prefix + w) for v, w in zip(velocity, _TRANSLATIONS, strict=True)]
         spin = turn * (_inertia(model, rest, payload) @ turn) / energy
-        shares += [(float(part), prefix + w) for part, w in zip(spin, _ROTATIONS, strict=True)]
-        shares += _inner(model, rest, payload, shape, velocity, turn, energy)
-    shares.sort(reverse=True)
-    named = [word for share, word in shares if share >= NAMED] or [shares[0][1]]
+        ratios += [(float(part), prefix + w) for part, w in zip(spin, _ROTATIONS, strict=True)]
+        ratios += _inner(model, rest, payload, shape, velocity, turn, energy)
+    ratios.sort(reverse=True)
+    named = [description for ratio, description in ratios if ratio >= NAMED] or [ratios[0][1]]
     return " + ".join(named)
 
 
 def _inner(
     model: mujoco.MjModel, rest: AtRest, payload: Payload, shape: Array, velocity: Array, turn: Array, energy: float
 ) -> list[tuple[float, str]]:
-    """Return the share of each body that moves against its payload's lowest body, as if that were rigid."""
+    """Return the energy fraction of each body that moves against its payload's lowest body, as if that were rigid."""
     centre = rest.data.subtree_com[payload.root]
-    found = []
+    ratios = []
     for body in payload.bodies:
         own = _jacobians(model, rest, body)
         arm = rest.data.xipos[body] - centre
         along = own.centre @ shape - velocity - np.cross(turn, arm)
         about = own.turn @ shape - turn
-        share = model.body_mass[body] * along @ along + about @ _body_inertia(rest.data, model, body) @ about
-        if model.body_weldid[body] != payload.root and share > 0.0:
-            found.append((float(share) / energy, f"{model.body(body).name} on {payload.name}"))
-    return found
+        energy_in = model.body_mass[body] * along @ along + about @ _body_inertia(rest.data, model, body) @ about
+        if model.body_weldid[body] != payload.root and energy_in > 0.0:
+            ratios.append((float(energy_in) / energy, f"{model.body(body).name} on {payload.name}"))
+    return ratios
 
 
 def _tree(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> Jacobians:

@@ -61,10 +61,10 @@ class MountAtRest:
         Args:
             amplitude: of every axis, with signs, as they move against each other [m], (3,); zero for small cycles.
         """
-        found, axes, loop = np.zeros((3, 3)), list(self.isolator.coupled_axes), self.isolator.loop
+        stiffness, axes, loop = np.zeros((3, 3)), list(self.isolator.coupled_axes), self.isolator.loop
         if loop is not None:
-            found[np.ix_(axes, axes)] = loop_cycle(loop, self.deflection[axes], amplitude[axes])
-        return found
+            stiffness[np.ix_(axes, axes)] = loop_cycle(loop, self.deflection[axes], amplitude[axes])
+        return stiffness
 
     def stiffness(self, amplitude: Array, frequency: float) -> ComplexArray:
         """Return stiffness + i * loss of closed cycles about the deflection at rest [N/m], (3,), without a loop's energy.
@@ -73,16 +73,16 @@ class MountAtRest:
             amplitude: of every axis [m], (3,); zero for the limit of small cycles.
             frequency: of the cycle [Hz].
         """
-        found = np.zeros(3, dtype=np.complex128)
+        complex_stiffness = np.zeros(3, dtype=np.complex128)
         for axis, law in enumerate(self.isolator.axes.values()):
             if law is None:
                 continue
             x, size = float(self.deflection[axis]), float(amplitude[axis])
             if size < SMALL:
-                found[axis] = vanishing_cycle(law, x, self.states[axis], frequency=frequency)
+                complex_stiffness[axis] = vanishing_cycle(law, x, self.states[axis], frequency=frequency)
             else:
-                found[axis] = closed_cycle(law, x, size, frequency=frequency)
+                complex_stiffness[axis] = closed_cycle(law, x, size, frequency=frequency)
         axes = list(self.isolator.coupled_axes)
         if self.isolator.coupled is not None and float(np.hypot(*amplitude[axes])) >= SMALL:
-            found[axes] = plane_cycle(self.isolator.coupled, self.deflection[axes], amplitude[axes])
-        return found
+            complex_stiffness[axes] = plane_cycle(self.isolator.coupled, self.deflection[axes], amplitude[axes])
+        return complex_stiffness

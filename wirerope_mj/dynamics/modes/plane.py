@@ -36,11 +36,11 @@ def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array
     at = [(law, float(x), float(force)) for law, x, force in zip(coupled.laws, deflection, z, strict=True)]
     held = np.diag([_held_slope(law, x, force) for law, x, force in at])
     factor = np.array([math.exp(asymmetry_of(law) * x) for law, x, _ in at])
-    found = []
-    for share in (1.0, 1.0 - 2.0 * sigma):
-        slope = factor[:, None] * (bound[:, None] * (np.eye(2) - share * size**n * along) / yields)
-        found.append(0.5 * (slope + slope.T) + held + loop_stiffness(coupled, deflection))
-    return found[0], found[1]
+    tangents = []
+    for factor_of_z in (1.0, 1.0 - 2.0 * sigma):
+        slope = factor[:, None] * (bound[:, None] * (np.eye(2) - factor_of_z * size**n * along) / yields)
+        tangents.append(0.5 * (slope + slope.T) + held + loop_stiffness(coupled, deflection))
+    return tangents[0], tangents[1]
 
 
 def plane_cycle(coupled: Coupled, deflection: Array, amplitude: Array) -> ComplexArray:
@@ -51,17 +51,17 @@ def plane_cycle(coupled: Coupled, deflection: Array, amplitude: Array) -> Comple
     """
     yields = coupled.rate_parameters()[4:6]
     size = float(np.hypot(*(amplitude / yields)))
-    found = np.zeros(2, dtype=np.complex128)
+    stiffness = np.zeros(2, dtype=np.complex128)
     for axis, law in enumerate(coupled.laws):
         x, own, reach = float(deflection[axis]), float(amplitude[axis]), float(yields[axis]) * size
         if asymmetry_of(law) != 0.0 and own >= SMALL:
-            found[axis] = _asymmetric_harmonic(law, x, own, reach)
+            stiffness[axis] = _asymmetric_harmonic(law, x, own, reach)
             continue
         hysteretic = closed_cycle(_without_elastic_part(law), 0.0, reach, frequency=1.0)
         if asymmetry_of(law) != 0.0:
             hysteretic *= math.exp(asymmetry_of(law) * x)
-        found[axis] = hysteretic + _elastic_harmonic(law, x, own)
-    return found
+        stiffness[axis] = hysteretic + _elastic_harmonic(law, x, own)
+    return stiffness
 
 
 def loop_stiffness(coupled: Coupled, deflection: Array) -> Array:
@@ -95,7 +95,7 @@ def _without_elastic_part(law: Law) -> Law:
 def _asymmetric_harmonic(law: Law, x: float, amplitude: float, reach: float) -> complex:
     """Return the first harmonic of F2 (z + F1) over x + amplitude cos, over the amplitude [N/m].
 
-    z is that share of the law's own cycle of the amplitude `reach` that the axis has of the motion in the plane.
+    z is the law's own cycle of the amplitude `reach` times amplitude / reach.
     """
     angle, own = cycle_samples(_without_elastic_part(law), 0.0, reach, 1.0)
     path = x + amplitude * np.cos(angle)

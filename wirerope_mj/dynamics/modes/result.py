@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy.optimize import linear_sum_assignment
 
-from wirerope_mj.dynamics.modes.tipping import Stability
+from wirerope_mj.dynamics.modes.tipping import TippingStability
 from wirerope_mj.engine.statics import Equilibrium, History
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised, quantity
@@ -35,7 +35,7 @@ class Modes(Summarised):
     """Modes of a system about the position where it rests, from the lowest on.
 
     Shapes are scaled so that the largest deflection of any mount is 1 m (without such, the largest coordinate 1): times the
-    amplitude they are the motion. Unless an amplitude is given everything is the limit of small closed cycles.
+    amplitude they are the motion. Unless an amplitude is given everything is the limit of small amplitude.
 
     Attributes:
         frequencies: [Hz], (n_modes,); 0 for a motion that nothing holds, of all that tip over too if the equilibrium
@@ -47,8 +47,8 @@ class Modes(Summarised):
         shapes: velocity coordinates of MuJoCo as columns, (n_v, n_modes); the driven base stands still.
         payloads: motion of every payload.
         mounts: deflection of every mount in its axes, (n_modes, 3).
-        participation: share of the moving mass that takes part along x, y and z, (n_modes, 3); each column sums to 1.
-        words: what each mode is, such as "rocking about y + sway x"; "(free)" or "(tips over)" ends it where it does.
+        participation: fraction of the moving mass that takes part along x, y and z, (n_modes, 3); each column sums to 1.
+        descriptions: of each mode, such as "rocking about y + sway x"; "(free)" or "(tips over)" ends it where it does.
         history: which equilibrium it is about.
         amplitude: largest deflection of any mount [m]; None: vanishing.
         stability: against tipping over.
@@ -65,10 +65,10 @@ class Modes(Summarised):
     payloads: dict[str, PayloadShape]
     mounts: dict[str, Array]
     participation: Array
-    words: tuple[str, ...]
+    descriptions: tuple[str, ...]
     history: History
     amplitude: float | None
-    stability: Stability
+    stability: TippingStability
     free: npt.NDArray[np.int64]
     mass: Array
     stiffness: Array
@@ -77,16 +77,24 @@ class Modes(Summarised):
     def _summary(self) -> tuple[str, dict[str, str]]:
         lines = {
             f"{frequency:.4g} Hz": f"{text}, damping {100.0 * damping:.3g} %"
-            for frequency, text, damping in zip(self.frequencies, self.words, self.damping_ratio, strict=True)
+            for frequency, text, damping in zip(self.frequencies, self.descriptions, self.damping_ratio, strict=True)
         }
         about = "small amplitudes" if self.amplitude is None else f"an amplitude of {quantity(self.amplitude, 'm')}"
         return f"Modes about the {self.history} equilibrium, {about}", lines
 
-    def places_in(self, other: "Modes") -> list[int]:
-        """Return for each of these modes the place of the one that it is in `other`: all of the same system."""
+    @property
+    def outside_tangents(self) -> npt.NDArray[np.int64]:
+        """Indices of the modes whose frequency does not lie between those of the tangents on loading and on unloading."""
+        slack = 1e-6  # laws whose tangents are all one differ by the rounding of their differences
+        tangents = np.nan_to_num(np.stack([self.loading, self.unloading]))  # NaN, a mode that tips over, is below all
+        low, high = (1.0 - slack) * tangents.min(axis=0), (1.0 + slack) * tangents.max(axis=0)
+        return np.flatnonzero((self.frequencies > high) | (self.frequencies < low))
+
+    def indices_in(self, other: "Modes") -> list[int]:
+        """Return for each of these modes the index of the one that it is in `other`: all of the same system."""
         ours, theirs = (_unit(modes.shapes[self.free], self.mass) for modes in (self, other))
-        _, places = linear_sum_assignment(-((ours.T @ self.mass @ theirs) ** 2))
-        return [int(place) for place in places]
+        _, indices = linear_sum_assignment(-((ours.T @ self.mass @ theirs) ** 2))
+        return [int(index) for index in indices]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the modes as plain values, SI; what is not finite is None."""
@@ -95,7 +103,7 @@ class Modes(Summarised):
             "amplitude_m": self.amplitude,
             "modes": [
                 {
-                    "word": word,
+                    "word": description,
                     "frequency_Hz": _number(self.frequencies[i]),
                     "loading_Hz": _number(self.loading[i]),
                     "unloading_Hz": _number(self.unloading[i]),
@@ -107,7 +115,7 @@ class Modes(Summarised):
                     },
                     "mounts": {name: shape[i].tolist() for name, shape in self.mounts.items()},
                 }
-                for i, word in enumerate(self.words)
+                for i, description in enumerate(self.descriptions)
             ],
             "stability": self.stability.to_dict(),
         }

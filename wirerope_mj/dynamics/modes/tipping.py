@@ -1,4 +1,4 @@
-"""How far a system is from tipping over."""
+"""Distance of a system from tipping over."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,11 +19,11 @@ AMPLE = 3.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stability:
+class TippingStability:
     """Distance of the stiffness from being indefinite, with the tangents of the mounts as they are at rest.
 
     About the virgin position these are those of small cycles. About the relaxed one they are those of the elastic parts alone:
-    under lasting vibration the hysteretic forces leak away, and what they hold up goes on sinking.
+    under lasting vibration the hysteretic forces leak away, and what they hold up keeps sinking.
 
     Attributes:
         smallest_eigenvalue: of stiffness over mass [(rad/s)^2]; below zero the payload tips over, at zero nothing holds it.
@@ -53,17 +53,17 @@ class Stability:
         return "stable" if self.gravity_factor >= AMPLE else "slender"
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the figures as plain values; what is infinite is None."""
-        figures = {
+        """Return plain values; what is infinite is None."""
+        values = {
             "smallest_eigenvalue_1_s2": self.smallest_eigenvalue,
             "gravity_factor": self.gravity_factor,
             "rise_m": self.rise,
             "gravity_factor_on_loading": self.softest,
         }
-        return {"word": self.word, **{name: v if np.isfinite(v) else None for name, v in figures.items()}}
+        return {"word": self.word, **{name: v if np.isfinite(v) else None for name, v in values.items()}}
 
 
-def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> Stability:
+def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> TippingStability:
     """Return the stability of a system.
 
     Args:
@@ -74,7 +74,7 @@ def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -
     """
     stiffness = rest.other + rest.weight + tangent
     values, _ = solve(stiffness, rest.mass)
-    return Stability(
+    return TippingStability(
         smallest_eigenvalue=float(values.min(initial=np.inf)),
         gravity_factor=_critical(rest.other + tangent, -rest.weight),
         rise=min((_critical(stiffness, load) for load in _overturning(system, rest)), default=np.inf),

@@ -1,4 +1,4 @@
-"""A branch of periodic motions: what `follow_branch` answers."""
+"""A branch of periodic motions, the result of `follow_branch`."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -21,7 +21,7 @@ Kind = Literal["fold", "period doubling", "Neimark-Sacker", "symmetry breaking"]
 
 @dataclass(frozen=True, kw_only=True)
 class Bifurcation:
-    """Where a branch turns back or its stability changes.
+    """A point at which a branch turns back or its stability changes.
 
     Attributes:
         kind: "fold" (the branch turns back; a multiplier passes 1), "period doubling" (one passes -1), "Neimark-Sacker" (a pair
@@ -29,7 +29,7 @@ class Bifurcation:
         frequency: of the base [Hz].
         acceleration: of the base [m/s^2].
         amplitude: of the payload [m/s^2].
-        index: place of its point in the branch.
+        index: of its point in the branch.
         multiplier: the one that passes the unit circle.
         before, after: number of multipliers outside the unit circle on either side.
     """
@@ -44,7 +44,12 @@ class Bifurcation:
     after: int
 
     @property
-    def words(self) -> str:
+    def transmissibility(self) -> float:
+        """Amplitude over the base's acceleration [-]."""
+        return self.amplitude / abs(self.acceleration)
+
+    @property
+    def description(self) -> str:
         """One sentence for a reader."""
         if self.after == self.before:
             course = "stays lost" if self.after else "is kept"
@@ -55,7 +60,7 @@ class Bifurcation:
 
 @dataclass(frozen=True, kw_only=True)
 class Jump:
-    """Where a slow sweep leaves a branch, and where it lands.
+    """A fold at which a slow sweep leaves a branch, and the motion on which it lands.
 
     Attributes:
         parameter: frequency [Hz] or acceleration [m/s^2] of the fold, whichever was followed.
@@ -76,7 +81,7 @@ class Branch(Summarised):
 
     Attributes:
         system: the system.
-        parameter: what was followed, "frequency" or "acceleration".
+        parameter: the one that was followed, "frequency" or "acceleration".
         frequency: of the base [Hz], (n,).
         acceleration: amplitude of the base's acceleration [m/s^2], (n,).
         amplitude: largest absolute acceleration of the payload along `response_direction` over a period [m/s^2], (n,).
@@ -91,10 +96,10 @@ class Branch(Summarised):
         smoothing_width: velocity over which the laws were smoothed [m/s], 0 for the laws as they are, (n,).
         unknowns: state at phase 0 relative to the equilibrium carried along, (n, n_x).
         steps: model steps of each motion, (n,).
-        tangents: share of the parameter in the branch's direction, positive where it rises, (n,).
-        residual: how far each motion is from repeating itself, in shares of its ranges, (n,).
+        tangents: component of the parameter in the branch's unit tangent, positive where it rises, (n,).
+        residual: how far each motion is from repeating itself, relative to its ranges, (n,).
         history: equilibrium about which the motions are.
-        complete: whether the end that was asked for was reached.
+        complete: whether `stop` was reached.
         gaps: values of the parameter between which the branch could not be followed and was taken up again.
         model_steps: of all integrations.
         message: why it ended.
@@ -138,7 +143,7 @@ class Branch(Summarised):
 
     @property
     def followed(self) -> Array:
-        """Values of what was followed, (n,)."""
+        """Values of the parameter that was followed, (n,)."""
         return self.frequency if self.parameter == "frequency" else self.acceleration
 
     @property
@@ -153,12 +158,12 @@ class Branch(Summarised):
 
     @property
     def jumps(self) -> tuple[Jump, ...]:
-        """Where slow sweeps leave the branch."""
+        """Jumps of slow sweeps, at the folds."""
         return tuple(self._jump(fold) for fold in self.folds)
 
     @property
     def peak(self) -> int:
-        """Place of the largest amplitude."""
+        """Index of the largest amplitude."""
         return int(np.argmax(self.amplitude))
 
     def orbit(self, index: int) -> PeriodicOrbit:
@@ -197,7 +202,7 @@ class Branch(Summarised):
             crosses = (p[i] - value) * (p[i + 1] - value) <= 0.0
             if sheet or not (crosses and self.stable[i] and self.stable[i + 1]):
                 continue
-            share = (value - p[i]) / (p[i + 1] - p[i])
-            landings.append(float(a[i] + share * (a[i + 1] - a[i])))
+            fraction = (value - p[i]) / (p[i + 1] - p[i])
+            landings.append(float(a[i] + fraction * (a[i + 1] - a[i])))
         landing = min(landings, key=lambda x: abs(x - fold.amplitude)) if landings else float("nan")
         return Jump(parameter=value, rising=rising, amplitude=fold.amplitude, landing=landing)

@@ -16,16 +16,16 @@ import numpy as np
 
 from wirerope_mj.dynamics.periodic.branch import Parameter
 from wirerope_mj.dynamics.periodic.coordinates import scales
-from wirerope_mj.dynamics.periodic.multipliers import Stability, stability
+from wirerope_mj.dynamics.periodic.find import OrbitSearch
+from wirerope_mj.dynamics.periodic.multipliers import FloquetStability, stability
 from wirerope_mj.dynamics.periodic.observe import ranges
-from wirerope_mj.dynamics.periodic.search import Search
 from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot, least_solution, monodromy, shot
 from wirerope_mj.dynamics.periodic.track import Drive
 from wirerope_mj.dynamics.periodic.variational import Variational
 from wirerope_mj.foundation.arrays import Array
 
 CHANGE = 0.25
-"""Change of the motion in shares of its ranges that counts as one unit of arclength."""
+"""Change of the motion relative to its ranges that counts as one unit of arclength."""
 
 CORRECTIONS = 10
 """Corrector iterations of one point."""
@@ -59,7 +59,7 @@ class Point:
     parameter: float
     matrix: Array
     tangent: Array
-    stability: Stability
+    stability: FloquetStability
     corrections: int
     width: float
 
@@ -68,7 +68,7 @@ class Continuation:
     """The numerics of following a branch: points, tangents, predictor and corrector."""
 
     def __init__(
-        self, search: Search, *, parameter: Parameter, other: float, periods: int, unit: float, tolerance: float
+        self, search: OrbitSearch, *, parameter: Parameter, other: float, periods: int, unit: float, tolerance: float
     ) -> None:
         """Prepare to follow `parameter` with the `other` one fixed; `unit` of ln p counts as one unit of arclength."""
         self.search, self.flow, self.parameter = search, search.flow, parameter
@@ -82,14 +82,14 @@ class Continuation:
         return drive if steps is None else replace(drive, steps=steps)
 
     def point(
-        self, found: Shot, value: float, *, before: Array | None, corrections: int = 0, sign: float = 1.0
+        self, motion: Shot, value: float, *, before: Array | None, corrections: int = 0, sign: float = 1.0
     ) -> Point:
         """Return the point of a motion that repeats itself, its tangent turned like the one `before` or to `sign`."""
-        matrix = self._matrix(found, value)
-        n = found.x.size
-        judged = stability(self.flow, found, matrix[:, :n] + np.eye(n))
+        matrix = self._matrix(motion, value)
+        n = motion.x.size
+        judged = stability(self.flow, motion, matrix[:, :n] + np.eye(n))
         return Point(
-            shot=found,
+            shot=motion,
             parameter=value,
             matrix=matrix,
             tangent=self._tangent(matrix, before, sign),
@@ -98,14 +98,14 @@ class Continuation:
             width=self.flow.width,
         )
 
-    def _matrix(self, found: Shot, value: float) -> Array:
+    def _matrix(self, motion: Shot, value: float) -> Array:
         """Return the derivative of the scaled gap by the scaled unknowns and by ln p / unit, (n_x, n_x + 1)."""
-        phi = self._variational.matrix(found) if self._variational is not None else None
+        phi = self._variational.matrix(motion) if self._variational is not None else None
         if phi is None:
-            phi = monodromy(self.flow, found)
-        moved = self.drive(value * math.exp(DIFFERENCE * self.unit), found.track.drive.steps)
-        end = self.flow.ends(found.x[np.newaxis], [moved])[0]
-        return np.column_stack([phi - np.eye(phi.shape[0]), (end - found.track.end) / found.scale / DIFFERENCE])
+            phi = monodromy(self.flow, motion)
+        moved = self.drive(value * math.exp(DIFFERENCE * self.unit), motion.track.drive.steps)
+        end = self.flow.ends(motion.x[np.newaxis], [moved])[0]
+        return np.column_stack([phi - np.eye(phi.shape[0]), (end - motion.track.end) / motion.scale / DIFFERENCE])
 
     def _to_arc(self, n: int) -> Array:
         """Return what a unit of the scaled unknowns (n_x of them) and of ln p / unit counts in arclength, (n_x + 1,)."""
@@ -119,11 +119,11 @@ class Continuation:
         tangent = least_solution(system, np.append(np.zeros(n), 1.0))
         return np.asarray(tangent / np.linalg.norm(tangent))
 
-    def turned(self, point: Point, share: float, way: Array) -> Point:
-        """Return the point with its tangent turned along the way that led there: towards `share` of ln p, or along x."""
-        along = float(point.tangent[-1]) * share
-        if abs(share) < UNCLEAR:
-            along = float(point.tangent[:-1] @ (way / point.shot.scale))
+    def turned(self, point: Point, slope: float, change: Array) -> Point:
+        """Return the point with its tangent in the direction that led there: of the slope in ln p, or of the change of x."""
+        along = float(point.tangent[-1]) * slope
+        if abs(slope) < UNCLEAR:
+            along = float(point.tangent[:-1] @ (change / point.shot.scale))
         return replace(point, tangent=point.tangent if along >= 0.0 else -point.tangent)
 
     def step(self, last: Point, length: float) -> Point | None:
@@ -136,8 +136,8 @@ class Continuation:
         n = last.shot.x.size
         wanted = math.log(value / last.parameter) / self.unit
         tangent = last.tangent / self._to_arc(n)
-        share = wanted / tangent[n] if abs(tangent[n]) > 1e-12 else 0.0
-        return self._correct(last, np.append((share * tangent)[:n], wanted), np.append(np.zeros(n), 1.0), wanted)
+        length = wanted / tangent[n] if abs(tangent[n]) > 1e-12 else 0.0
+        return self._correct(last, np.append((length * tangent)[:n], wanted), np.append(np.zeros(n), 1.0), wanted)
 
     def _correct(self, last: Point, move: Array, row: Array, wanted: float) -> Point | None:
         """Return the corrected point after a scaled `move` from the last one, under the constraint row . move = wanted."""

@@ -1,4 +1,4 @@
-"""The unknowns of a periodic motion, and how they stand in a state of the engine."""
+"""The unknowns of a periodic motion, and their conversion to and from a state of the engine."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine
 
 SMALLEST_STATE = 1e-2
-"""Share of the largest range among the internal states below which a state's own range is no scale for it."""
+"""Fraction of the largest range among the internal states below which a state's own range is no scale for it."""
 
 
 class Coordinates:
@@ -39,17 +39,17 @@ class Coordinates:
 
     @property
     def configuration(self) -> slice:
-        """Where the configuration stands among the unknowns."""
+        """Indices of the configuration among the unknowns."""
         return slice(0, self.free.size)
 
     @property
     def velocity(self) -> slice:
-        """Where the velocities stand among the unknowns."""
+        """Indices of the velocities among the unknowns."""
         return slice(self.free.size, 2 * self.free.size)
 
     @property
     def internal(self) -> slice:
-        """Where the internal states stand among the unknowns."""
+        """Indices of the internal states among the unknowns."""
         return slice(2 * self.free.size, self.size)
 
     def rest(self) -> Array:
@@ -93,9 +93,9 @@ class Ranges:
 
 
 def scales(coordinates: Coordinates, ranges: Ranges) -> Array:
-    """Return what counts as one unit of every unknown, (n_x,).
+    """Return the unit of every unknown, (n_x,).
 
-    Lengths and speeds are those of the mounts. A coordinate with the inertia M_ii has the share sqrt(M / M_ii) of them, M
+    Lengths and speeds are those of the mounts. A coordinate with the inertia M_ii has sqrt(M / M_ii) of them, M
     the mass of the heaviest payload: so an angle counts as the length that it moves at the radius of gyration.
     """
     model, free = coordinates.model, coordinates.free
@@ -104,7 +104,7 @@ def scales(coordinates: Coordinates, ranges: Ranges) -> Array:
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
     payloads = [model.body(name).id for name in coordinates.system.payloads]
-    share = np.sqrt(model.body_subtreemass[payloads].max() / np.diag(mass)[free])
+    ratio = np.sqrt(model.body_subtreemass[payloads].max() / np.diag(mass)[free])
     internal = np.maximum(ranges.internal, SMALLEST_STATE * ranges.internal.max(initial=0.0))
     internal = np.where(internal > 0.0, internal, 1.0)
-    return np.concatenate([ranges.deflection * share, ranges.rate * share, internal])
+    return np.concatenate([ranges.deflection * ratio, ranges.rate * ratio, internal])

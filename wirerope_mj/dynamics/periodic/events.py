@@ -11,14 +11,14 @@ from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
 from wirerope_mj.dynamics.periodic.multipliers import MARGIN
 
 CLOSE = 1e-6
-"""Share of the parameter to which a change of stability is located."""
+"""Relative distance in the parameter to which a change of stability is located."""
 
 LOCATIONS = 12
 """Points that locating one may take."""
 
 WIDER = 0.5
-"""Share of a step by which a fold may lie beyond the two points between which the tangent turned: kinks that pass a step shake
-the tangent, but not the parameter."""
+"""Fraction of a step by which a fold may lie beyond the two points between which the tangent turned: kinks that pass a step
+shake the tangent, but not the parameter."""
 
 
 def unstable(point: Point) -> int:
@@ -32,17 +32,17 @@ def turns(a: Point, b: Point) -> bool:
 
 
 def locate(path: Continuation, a: Point, b: Point, length: float) -> tuple[Kind, complex, Point, float] | None:
-    """Return what happens between `a` and `b`, an arclength apart: kind, multiplier, its point and arclength from `a`."""
+    """Return the event between `a` and `b`, an arclength apart: kind, multiplier, its point and arclength from `a`."""
     if turns(a, b):
-        found, place = _extreme(path, a, b, length)
-        return "fold", _nearest_to_one(found), found, place
+        point, arclength = _extreme(path, a, b, length)
+        return "fold", _nearest_to_one(point), point, arclength
     low, high = sorted((unstable(a), unstable(b)))
     if low == high:
         return None
-    found, place = _between(path, a, b, length, lambda p: _modulus(p, low) - 1.0)
+    point, arclength = _between(path, a, b, length, lambda p: _modulus(p, low) - 1.0)
     more = a if unstable(a) > unstable(b) else b
     critical = complex(more.stability.multipliers[low])
-    return _kind(critical), critical, found, place
+    return _kind(critical), critical, point, arclength
 
 
 def _kind(multiplier: complex) -> Kind:
@@ -66,17 +66,17 @@ def _extreme(path: Continuation, a: Point, b: Point, length: float) -> tuple[Poi
     sign = 1.0 if a.tangent[-1] > 0.0 else -1.0
     seen = {0.0: a, length: b}
 
-    def depth(place: float) -> float:
-        point = path.step(a, place)
+    def depth(arclength: float) -> float:
+        point = path.step(a, arclength)
         if point is None:
             return math.inf
-        seen[place] = point
+        seen[arclength] = point
         return -sign * math.log(point.parameter)
 
     bounds = (-WIDER * length, (1.0 + WIDER) * length)
     minimize_scalar(depth, bounds=bounds, method="bounded", options={"xatol": 1e-3 * length, "maxiter": LOCATIONS})
-    place = max(seen, key=lambda s: sign * seen[s].parameter)
-    return seen[place], place
+    arclength = max(seen, key=lambda s: sign * seen[s].parameter)
+    return seen[arclength], arclength
 
 
 def _between(
@@ -84,7 +84,7 @@ def _between(
 ) -> tuple[Point, float]:
     """Return the point where `test` vanishes and its arclength from `a`, by the Illinois method."""
     left, right, f_left, f_right = 0.0, length, test(a), test(b)
-    best, place, least = (a, 0.0, abs(f_left)) if abs(f_left) < abs(f_right) else (b, length, abs(f_right))
+    best, arclength, least = (a, 0.0, abs(f_left)) if abs(f_left) < abs(f_right) else (b, length, abs(f_right))
     for _ in range(LOCATIONS):
         middle = (left * f_right - right * f_left) / (f_right - f_left)
         point = path.step(a, middle)
@@ -92,8 +92,8 @@ def _between(
             break
         value = test(point)
         if abs(value) < least:
-            best, place, least = point, middle, abs(value)
-        # what is left of the interval, as a share of the parameter
+            best, arclength, least = point, middle, abs(value)
+        # the remaining interval, relative to the parameter
         if path.unit * abs(point.tangent[-1]) * abs(right - left) < CLOSE:
             break
         if value * f_right < 0.0:
@@ -101,4 +101,4 @@ def _between(
         else:
             f_left *= 0.5
         right, f_right = middle, value
-    return best, place
+    return best, arclength

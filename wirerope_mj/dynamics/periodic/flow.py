@@ -12,7 +12,7 @@ import numpy.typing as npt
 from mujoco.batch import Batch
 
 from wirerope_mj.dynamics.periodic.coordinates import Coordinates
-from wirerope_mj.dynamics.periodic.smoothing import set_width, width_places
+from wirerope_mj.dynamics.periodic.smoothing import set_width, width_indices
 from wirerope_mj.dynamics.periodic.track import Drive, Track
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
@@ -32,21 +32,21 @@ class Flow:
         system: what is stepped: that of the coordinates, or one with the same states and smoothed laws.
         width: velocity over which its laws are smoothed [m/s]; 0 for laws as they are.
         taken: model steps taken so far, of all copies.
-        passes: single forward passes besides; a step has four.
+        passes: single forward passes in addition; a step has four.
     """
 
     def __init__(self, coordinates: Coordinates, *, copies: int, system: System | None = None) -> None:
         self.coordinates, self.system = coordinates, system or coordinates.system
         self.model, self.taken, self.passes = copy.copy(self.system.model), 0, 0
         self._batch = Batch(self.model, nsim=copies, nthread=min(copies, os.cpu_count() or 1))
-        self.width_places, self.width = width_places(self.system), 0.0
+        self.width_indices, self.width = width_indices(self.system), 0.0
         self._timestep = self._batch.expand("opt.timestep")
         self._qpos, self._qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
         assembly = self.system.assembly
         part = slice(assembly.userdata, assembly.userdata + assembly.tables.user.size)
         self._user = self._batch.bind("userdata")[:, part]
         self._dofs = np.array(assembly.driven_dofs, dtype=int)
-        self._places = self.model.jnt_qposadr[list(assembly.subjects.driven)]
+        self._driven_qpos = self.model.jnt_qposadr[list(assembly.subjects.driven)]
 
     @property
     def steps(self) -> int:
@@ -56,7 +56,7 @@ class Flow:
     def smooth(self, width: float) -> None:
         """Smooth the laws over a velocity [m/s]."""
         self.width = width
-        set_width(self._batch, self.width_places, width)
+        set_width(self._batch, self.width_indices, width)
 
     @contextmanager
     def ready(self) -> Iterator[None]:
@@ -75,18 +75,18 @@ class Flow:
         """
         copies = np.arange(len(drives))
         carried = self._begin(starts, drives)
-        for _ in self._pieces(drives):
-            self._batch.step(copies, nstep=self._piece)
+        for _ in self._tables(drives):
+            self._batch.step(copies, nstep=self._table_steps)
         return self._finish(carried, copies)
 
     def follow(self, start: Array, drive: Drive) -> Track:
-        """Return the way of one copy from `start`, (n_x,)."""
+        """Return the track of one copy from `start`, (n_x,)."""
         first = np.zeros(1, dtype=int)
         carried = self._begin(start[np.newaxis], [drive])
         recorded = {name: [getattr(self._batch, name)[:1].copy()] for name in STATE_PARTS} | {"sensordata": []}
-        for _ in self._pieces([drive]):
-            piece = self._batch.rollout(self._piece, record=tuple(recorded), ids=first)
-            for name, values in piece.items():
+        for _ in self._tables([drive]):
+            chunk = self._batch.rollout(self._table_steps, record=tuple(recorded), ids=first)
+            for name, values in chunk.items():
                 recorded[name].append(values[0])
         # The engine records states at the end of a step, sensors at its start.
         qpos, qvel, act = (np.concatenate(recorded[name])[:-1] for name in STATE_PARTS)
@@ -109,7 +109,7 @@ class Flow:
         self._user[:n] = 0.0
         return carried
 
-    def _pieces(self, drives: list[Drive]) -> Iterator[None]:
+    def _tables(self, drives: list[Drive]) -> Iterator[None]:
         """Prepare the steps of one stage table after the other; `_piece` says how many there are in it."""
         total, done = drives[0].steps, 0
         motions = [
@@ -117,18 +117,20 @@ class Flow:
             for d in drives
         ]
         while done < total:
-            self._piece = min(at.MAX_STEPS, total - done)
+            self._table_steps = min(at.MAX_STEPS, total - done)
             for row, (drive, motion) in enumerate(zip(drives, motions, strict=True)):
                 self._place(row, motion, drive, done)
             yield
-            done += self._piece
+            done += self._table_steps
         self.taken += total * len(drives)
 
     def _place(self, row: int, motion: Sine, drive: Drive, done: int) -> None:
         step = drive.duration / drive.steps
-        times = step * (done + 0.5 * np.arange(2 * self._piece + 1))
+        times = step * (done + 0.5 * np.arange(2 * self._table_steps + 1))
         table = self.system.assembly.tables.drive
-        self._qpos[row, self._places] = self.model.qpos0[self._places] + table @ motion.displacement(times[:1])[0]
+        self._qpos[row, self._driven_qpos] = (
+            self.model.qpos0[self._driven_qpos] + table @ motion.displacement(times[:1])[0]
+        )
         self._qvel[row, self._dofs] = table @ motion.velocity(times[:1])[0]
         user = self._user[row]
         user[at.STAGE_POINTS], user[at.STAGE_START], user[at.STAGE_RATE] = times.size, times[0], 2.0 / step

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from wirerope_mj.dynamics.periodic.branch import Branch
-from wirerope_mj.dynamics.periodic.question import checked_question
-from wirerope_mj.dynamics.periodic.search import Search
-from wirerope_mj.dynamics.periodic.walk import Walk
+from wirerope_mj.dynamics.periodic.find import OrbitSearch
+from wirerope_mj.dynamics.periodic.growing import GrowingBranch
+from wirerope_mj.dynamics.periodic.options import branch_options
 from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
@@ -43,8 +43,8 @@ def follow_branch(
 
     Args:
         system: the system.
-        start: value of what is followed at the beginning.
-        stop: value at the end; from the higher to the lower one is allowed.
+        start: first value of the parameter that is followed.
+        stop: last value; from the higher to the lower one is allowed.
         acceleration: amplitude of the base's acceleration [m/s^2], to follow the frequency.
         frequency: of the base [Hz], to follow the acceleration.
         direction: of the base, "x", "y", "z" or a vector.
@@ -54,13 +54,13 @@ def follow_branch(
         guess: state at phase 0 at `start` to begin from, for instance `PeriodicOrbit.state`.
         history: equilibrium about which the motions are looked for.
         accuracy: error of the integration allowed, relative to the motions' ranges.
-        tolerance: largest residual of a point, in shares of its ranges.
-        smoothing: share of the mounts' largest velocity over which the laws are smoothed, from point to point; None leaves them
-            as they are.
+        tolerance: largest residual of a point, relative to its ranges.
+        smoothing: fraction of the mounts' largest velocity over which the laws are smoothed, from point to point; None
+            leaves them as they are.
         largest_step: largest relative change of the parameter between two points.
         smallest_step: smallest one before the branch is given up.
         most_points: points after which it ends.
-        out: folder that keeps the points as they are found; a branch that was interrupted there goes on from its last point.
+        out: folder that keeps the points as they are found; a branch that was interrupted there is resumed.
         progress: whether a progress bar is shown on standard error.
 
     Returns:
@@ -68,22 +68,22 @@ def follow_branch(
 
     Raises:
         ValueError: an argument is out of range.
-        ConvergenceError: there is no periodic motion at the start; says what is left and what was tried.
+        ConvergenceError: there is no periodic motion at the start; states the residual and what was tried.
         SimulationError: the motion at the start leaves a mount's rated travel or the validity of its law.
-        RecordError: `out` holds the branch of another system or another question.
+        RecordError: `out` holds the branch of another system or of other arguments.
     """
-    question = checked_question(
+    options = branch_options(
         system, acceleration=acceleration, frequency=frequency, direction=direction, payload=payload,
         response_direction=response_direction, periods=integer("periods", periods, least=1), history=history,
         most_points=integer("most_points", most_points, least=1), start=start, stop=stop, largest_step=largest_step,
         smallest_step=smallest_step, tolerance=tolerance, accuracy=accuracy,
         smoothing=smoothing,
     )  # fmt: skip
-    search = Search(
-        system, direction=question.direction, history=history, accuracy=question.accuracy, smoothing=smoothing
+    search = OrbitSearch(
+        system, direction=options.direction, history=history, accuracy=options.accuracy, smoothing=smoothing
     )
     with (
         search.flow.ready(),
         share_bar("following", "Hz" if frequency is None else "m/s^2", enabled=progress) as update,
     ):
-        return Walk(search, question, None if out is None else Path(out)).go(guess, update)
+        return GrowingBranch(search, options, None if out is None else Path(out)).go(guess, update)

@@ -1,4 +1,4 @@
-"""What a periodic motion is made of: the base's frequency, its multiples and its fractions."""
+"""Harmonics of a periodic motion: at the base's frequency, its multiples and its fractions."""
 
 from dataclasses import dataclass
 from fractions import Fraction
@@ -6,6 +6,7 @@ from fractions import Fraction
 import numpy as np
 
 from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
+from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import checked_direction, unit_vector
 
@@ -28,7 +29,7 @@ class HarmonicContent:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """What each harmonic is called."""
+        """Name of each harmonic."""
         return tuple(_name(order) for order in self.order)
 
     def of(self, order: int | Fraction) -> float:
@@ -57,8 +58,7 @@ def harmonic_content(
     Raises:
         ValueError: the payload is not known.
     """
-    if payload not in orbit.response.bodies:
-        raise ValueError(f"`payload` must be one of {', '.join(orbit.response.bodies)}; got {payload!r}.")
+    one_of("payload", payload, orbit.response.bodies)
     along = unit_vector(orbit.direction if direction is None else checked_direction(direction))
     acceleration = orbit.response.bodies[payload].acceleration[:-1] @ along
     spectrum = np.fft.rfft(acceleration) / acceleration.size

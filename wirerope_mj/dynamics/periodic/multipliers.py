@@ -1,4 +1,4 @@
-"""Floquet multipliers of a periodic motion: what a small disturbance is multiplied by over it."""
+"""Floquet multipliers of a periodic motion, the factors of a small disturbance over it."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ SHIFT = 0.05
 shifts only."""
 
 UNCHANGED = 1e-3
-"""Share of the shift by which a neutral motion may differ from a repetition."""
+"""Fraction of the shift by which a neutral motion may differ from a repetition."""
 
 MARGIN = 1e-4
 """Excess over 1 that is still the noise of an undamped direction (a mount axis that does not move dissipates nothing)."""
@@ -28,14 +28,14 @@ MARGIN = 1e-4
 STEPS_MOVED = 10.0
 """The difference quotients for multipliers are central and this many radians wide, over the steps of a period: so wide that the
 reversals of the mounts, where the derivative jumps, move over more than a step. Narrow ones see a reversal stand between two
-stages and are wrong by a share of a step: 3e-3 of a multiplier with 1280 steps, where wide ones are right to 1e-5."""
+stages and are wrong by a fraction of a step: 3e-3 of a multiplier with 1280 steps, where wide ones are right to 1e-5."""
 
 NARROWEST, WIDEST = 3e-3, 3e-2
 """Bounds of that width in units of the scales: below the first it gains nothing, above the second the map bends."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stability:
+class FloquetStability:
     """Floquet multipliers by falling modulus without the neutral ones, whose number is `neutral`."""
 
     multipliers: Multipliers
@@ -55,7 +55,7 @@ def wide_monodromy(flow: Flow, at: Shot) -> Array:
     return np.asarray(((ahead - behind) / at.scale).T / (2.0 * width))
 
 
-def stability(flow: Flow, at: Shot, phi: Array) -> Stability:
+def stability(flow: Flow, at: Shot, phi: Array) -> FloquetStability:
     """Return the stability of a periodic motion with the scaled monodromy matrix `phi`.
 
     A law without an elastic part cares for the rate of its deflection only, and the hysteretic state of an axis that does not
@@ -68,7 +68,7 @@ def stability(flow: Flow, at: Shot, phi: Array) -> Stability:
     neutral = [int(i) for i, is_neutral in zip(near, _repeats(flow, at, vectors[:, near]), strict=True) if is_neutral]
     kept = np.delete(values, neutral)
     order = np.argsort(-np.abs(kept), kind="stable")
-    return Stability(multipliers=kept[order].astype(np.complex128), neutral=len(neutral))
+    return FloquetStability(multipliers=kept[order].astype(np.complex128), neutral=len(neutral))
 
 
 def _repeats(flow: Flow, at: Shot, vectors: npt.NDArray[np.complex128]) -> list[bool]:

@@ -1,4 +1,4 @@
-"""What is read off a periodic motion: accelerations, deflections, and where a mount leaves its rated travel."""
+"""Quantities of a periodic motion: accelerations, deflections, and mounts that leave their rated travel."""
 
 import numpy as np
 import numpy.typing as npt
@@ -28,19 +28,19 @@ def body_acceleration(system: System, track: Track, body: str) -> Array:
 
 def mount_deflections(system: System, track: Track) -> Array:
     """Return the deflections of all mounts in their axes [m], (n_t, n_mounts, 3)."""
-    places = _mount_places(system)
-    return np.asarray(track.sensors[:, places[:, None] + np.arange(3)])
+    channels = _mount_channels(system)
+    return np.asarray(track.sensors[:, channels[:, None] + np.arange(3)])
 
 
 def internal_states(system: System, track: Track) -> Array:
     """Return the internal states of all mounts in the order of the system's, (n_t, n_z)."""
-    mounts = zip(_mount_places(system), system.mounts.values(), strict=True)
-    places = [place + at.MOUNT_VALUES + np.arange(m.states[2].stop - m.states[0].start) for place, m in mounts]
-    return np.asarray(track.sensors[:, np.concatenate(places)])
+    mounts = zip(_mount_channels(system), system.mounts.values(), strict=True)
+    columns = [channel + at.MOUNT_VALUES + np.arange(m.states[2].stop - m.states[0].start) for channel, m in mounts]
+    return np.asarray(track.sensors[:, np.concatenate(columns)])
 
 
-def _mount_places(system: System) -> npt.NDArray[np.int64]:
-    """Return where each mount's values begin among the sensors: the deflections are every other of the last channels."""
+def _mount_channels(system: System) -> npt.NDArray[np.int64]:
+    """Return the sensor at which each mount's values begin: the deflections are every other of the last channels."""
     channels = system.assembly.tables.channels
     return channels[channels.size - 2 * len(system.mounts) :: 2]
 
@@ -74,15 +74,15 @@ def amplitude(values: Array) -> float:
 
 
 def travel_exceeded(system: System, track: Track) -> str:
-    """Return words for the mounts that leave their rated travel by most, "" if none does or none is rated."""
+    """Return a text on the mounts that leave their rated travel by most, "" if none does or none is rated."""
     deflections = mount_deflections(system, track)
     lowest, highest = deflections.min(axis=0), deflections.max(axis=0)
-    found = []
+    exceeded = []
     for (name, mount), low, high in zip(system.mounts.items(), lowest, highest, strict=True):
         rated, reached = mount.isolator.limits.travel.stated, travel_reached(low, high)
-        for rating, used in travel_utilisation(reached, rated).items():
+        for rating, utilisation in travel_utilisation(reached, rated).items():
             far = f"mount {name!r} reaches {reached[rating]:.4g} m in {rating}, rated for {rated[rating]:.4g} m"
-            found += [(used, far)] if used > 1.0 else []
-    found.sort(reverse=True)
-    more = f", and {len(found) - 1} more" if len(found) > 1 else ""
-    return found[0][1] + more if found else ""
+            exceeded += [(utilisation, far)] if utilisation > 1.0 else []
+    exceeded.sort(reverse=True)
+    more = f", and {len(exceeded) - 1} more" if len(exceeded) > 1 else ""
+    return exceeded[0][1] + more if exceeded else ""

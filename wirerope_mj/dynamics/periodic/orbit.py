@@ -1,4 +1,4 @@
-"""A motion that repeats itself under a sine of the base: what a search answers."""
+"""A motion that repeats itself under a sine of the base, the result of `periodic_orbit`."""
 
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -18,7 +18,7 @@ from wirerope_mj.motions import Sine
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class PeriodicOrbit(Summarised):
-    """A motion that repeats itself after a whole number of the base's periods.
+    """A motion that repeats itself after an integer number of the base's periods.
 
     Attributes:
         system: the system.
@@ -33,10 +33,10 @@ class PeriodicOrbit(Summarised):
         neutral: number of neutral directions: those along which the motion can be shifted and still repeats itself (the offset
             of a law without an elastic part, the state of an axis that does not move).
         stable: whether no multiplier lies outside the unit circle.
-        residual: largest difference of end and start, in shares of the ranges of deflections, rates and states.
+        residual: largest difference of end and start, relative to the ranges of deflections, rates and states.
         iterations: of Newton's method.
         model_steps: of all integrations that finding it took.
-        message: how it was found.
+        message: residual, iterations and transient.
     """
 
     system: System = field(repr=False)

@@ -9,7 +9,7 @@ from wirerope_mj.dynamics.periodic.branch import Branch
 from wirerope_mj.foundation.arrays import Array
 
 PROMINENT = 1.02
-"""Ratio of a peak to the higher of the two valleys beside it from which on it is one."""
+"""Ratio of a peak to the higher of its two adjacent valleys from which on it is one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,7 +17,7 @@ class Resonance:
     """A peak of a branch over the frequency.
 
     Attributes:
-        index: place of the point with the largest amplitude.
+        index: of the point with the largest amplitude.
         frequency: of the peak [Hz], by the parabola through three points.
         amplitude: of the payload [m/s^2].
         ratio: frequency of the highest peak over this one's: near n for the superharmonic resonance of order n.
@@ -47,8 +47,8 @@ def resonances(branch: Branch) -> tuple[Resonance, ...]:
     if branch.parameter != "frequency":
         raise ValueError("`branch` must be followed in frequency to have resonances.")
     a = branch.amplitude
-    places = [i for i in range(1, a.size - 1) if a[i - 1] < a[i] >= a[i + 1] and _is_prominent(a, i)]
-    peaks = [(i, *_top(branch, i)) for i in places]
+    indices = [i for i in range(1, a.size - 1) if a[i - 1] < a[i] >= a[i + 1] and _is_prominent(a, i)]
+    peaks = [(i, *_top(branch, i)) for i in indices]
     highest = max(peaks, key=lambda peak: peak[2], default=(0, np.nan, np.nan))
     return tuple(
         Resonance(index=i, frequency=frequency, amplitude=amplitude, ratio=highest[1] / frequency)

@@ -1,4 +1,4 @@
-"""What a branch keeps of each of its points."""
+"""One row of a branch for each of its points."""
 
 from dataclasses import dataclass
 
@@ -30,7 +30,7 @@ class Row:
 
 
 def row_of(system: System, point: Point, payload: str, direction: Direction) -> Row:
-    """Return what is kept of a point: the payload's acceleration is taken along `direction`."""
+    """Return the row of a point: the payload's acceleration is taken along `direction`."""
     drive = point.shot.track.drive
     acceleration = body_acceleration(system, point.shot.track, payload)
     return Row(

@@ -16,7 +16,7 @@ DIFFERENCE = 1e-5
 
 NEUTRAL = 1e-6
 """Singular values of I - Phi below this say nothing: they are the difference quotients' own error. Axes that hardly move have
-singular values near 1e-5 that must not be cut off: their states do find their place."""
+singular values near 1e-5 that must not be cut off: their states do converge."""
 
 TRIALS = 4
 """Step lengths 1, 1/2, 1/4, 1/8 of Newton's method that are tried at once."""
@@ -34,8 +34,8 @@ class Shot:
 
     Attributes:
         x: unknowns at its start, (n_x,).
-        track: the way from there.
-        scale: what counts as one unit of every unknown, (n_x,).
+        track: from there on.
+        scale: unit of every unknown, (n_x,).
         residual: largest difference of end and start in these units.
         iterations: of Newton's method.
     """

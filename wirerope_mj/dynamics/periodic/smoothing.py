@@ -31,14 +31,14 @@ def smoothed(system: System, width: float) -> System:
 def _smoothed(isolator: Isolator, width: float) -> Isolator:
     axes: dict[str, Any] = {
         axis: Smoothed(law=law, width=width)
-        for place, (axis, law) in enumerate(isolator.axes.items())
-        if law is not None and smoothable(law) and place not in isolator.coupled_axes
+        for index, (axis, law) in enumerate(isolator.axes.items())
+        if law is not None and smoothable(law) and index not in isolator.coupled_axes
     }
     return replace(isolator, **axes)
 
 
-def width_places(system: System) -> npt.NDArray[np.int64]:
-    """Return where the widths of a smoothed system's laws stand in its model's numeric_data."""
+def width_indices(system: System) -> npt.NDArray[np.int64]:
+    """Return the indices of the widths of a smoothed system's laws in its model's numeric_data."""
     model = system.model
     numbers = model.actuator_dynprm[-1]
     layout, parameters = int(numbers[1]), int(numbers[2])
@@ -47,6 +47,6 @@ def width_places(system: System) -> npt.NDArray[np.int64]:
     return np.asarray(parameters + rows[rows[:, 0] == SMOOTHED, 1], dtype=np.int64)
 
 
-def set_width(batch: Batch, places: npt.NDArray[np.int64], width: float) -> None:
+def set_width(batch: Batch, indices: npt.NDArray[np.int64], width: float) -> None:
     """Give every simulation of a batch laws that are smoothed over `width` [m/s]."""
-    batch.expand("numeric_data")[:, places] = width
+    batch.expand("numeric_data")[:, indices] = width

@@ -1,4 +1,4 @@
-"""How many steps a period of the base is cut into."""
+"""Number of steps in a period of the base."""
 
 import math
 
@@ -18,7 +18,7 @@ REFERENCE = 1e-4
 """Accuracy for which these numbers hold."""
 
 STABLE = 0.9
-"""Share of the stability limit that a step may have."""
+"""Fraction of the stability limit that a step may have."""
 
 
 class Steps:

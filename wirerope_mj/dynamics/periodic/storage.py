@@ -58,7 +58,7 @@ def load_rows(folder: Path, content: dict[str, Any]) -> tuple[list[Row], list[Bi
     for key, value in content.items():
         if key in stored and stored[key] != value and key not in ("complete", "message", "model_steps", "gaps"):
             raise RecordError(
-                f"{path} holds another branch: its {key} is {stored[key]!r}, asked is {value!r}. Give another folder."
+                f"{path} holds another branch: its {key} is {stored[key]!r}, not {value!r}. Give another folder."
             )
     rows = [
         Row(

@@ -1,4 +1,4 @@
-"""One copy of a system on its way through whole periods of its base's sine."""
+"""The track of one copy of a system through complete periods of its base's sine."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from wirerope_mj.foundation.arrays import Array
 
 @dataclass(frozen=True, kw_only=True)
 class Drive:
-    """A sine of the base and how it is cut into steps: frequency [Hz], acceleration [m/s^2], periods and steps in all."""
+    """A sine of the base and its steps: frequency [Hz], acceleration [m/s^2], periods and steps in all."""
 
     frequency: float
     acceleration: float
@@ -22,7 +22,7 @@ class Drive:
 
 @dataclass(frozen=True, kw_only=True)
 class Track:
-    """One copy's way: the unknowns at its end (n_x,), and at the start of every step what the engine says.
+    """One copy's unknowns at its end, (n_x,), and values of the engine at the start of every step.
 
     sensors are the system's sensor values (n_steps, n_s); qpos, qvel and act the engine's state, (n_steps, n_q|n_v|n_a).
     """

@@ -43,14 +43,14 @@ class _Group:
 
 
 def _groups(system: System) -> list[_Group]:
-    found = []
+    groups = []
     for number, mount in enumerate(system.mounts.values()):
         coupled = list(mount.isolator.coupled_axes)
         for axes in [coupled] * bool(coupled) + [[axis] for axis in range(3) if axis not in coupled]:
             states = [state for axis in axes for state in range(mount.states[axis].start, mount.states[axis].stop)]
             if states:
-                found.append(_Group(mount=number, axes=axes, states=states))
-    return found
+                groups.append(_Group(mount=number, axes=axes, states=states))
+    return groups
 
 
 class Variational:
@@ -70,12 +70,12 @@ class Variational:
     def matrix(self, at_shot: Shot) -> Array | None:
         """Return the scaled monodromy matrix, (n_x, n_x); None where it does not serve.
 
-        It does not where a constraint is active on the way, and where an actuator of the model itself has activations.
+        It does not where a constraint is active along the motion, and where an actuator of the model itself has activations.
         """
         if self.model.na != self.system.assembly.tables.user.n_states:
             return None
         if self.flow.width:
-            set_width(self._batch, self.flow.width_places, self.flow.width)
+            set_width(self._batch, self.flow.width_indices, self.flow.width)
         track, n = at_shot.track, at_shot.x.size
         steps = track.drive.steps
         motion = Sine(

@@ -23,6 +23,7 @@ from wirerope_mj.dynamics.single_mass.cycle import largest, steady_cycle
 from wirerope_mj.dynamics.single_mass.equivalent import require_oscillator
 from wirerope_mj.dynamics.single_mass.fourier import Balance, Solution, newton
 from wirerope_mj.dynamics.single_mass.linearisation import linearised_orbits
+from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised, quantity, span
@@ -32,7 +33,7 @@ _FINE = 8192
 """Samples of the cycle whose extremes are read: a smooth one between two of them is missed by 7e-8 of itself."""
 
 _SMALLEST_LEVEL = 1e-3
-"""Share of the acceleration at which the way up from small excitations begins, where every law is close to a spring."""
+"""Fraction of the acceleration at which raising it from small excitations begins, where every law is close to a spring."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -119,8 +120,8 @@ def harmonic_balance(
     """Return a periodic motion of one mass on one isolator axis under a sine of base acceleration, a sin(w t).
 
     It starts from equivalent linearisation, the smallest of its solutions first; if Newton's method fails from all of them, the
-    acceleration is raised step by step from where the law is a spring. A law without an elastic part holds no place: its
-    mean deflection is zero.
+    acceleration is raised step by step from where the law is a spring. A law without an elastic part has no preferred position:
+    its mean deflection is zero.
 
     Args:
         law: of the axis; none that wears. Masing's sliders enter the first cycle unloaded, at zero deflection.
@@ -167,8 +168,7 @@ def harmonic_balance(
 
 def checked_harmonics(harmonics: int, samples: int) -> int:
     """Return `harmonics`, or raise ValueError if there are none or too few samples for them."""
-    if harmonics < 1:
-        raise ValueError(f"`harmonics` must be >= 1, got {harmonics}.")
+    integer("harmonics", harmonics, least=1)
     if samples < 8 * harmonics or samples % 2:
         raise ValueError(f"`samples` must be even and at least 8 for each of {harmonics} harmonics, got {samples}.")
     return harmonics

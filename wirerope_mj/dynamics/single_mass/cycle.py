@@ -18,12 +18,12 @@ from wirerope_mj.mounts.laws.timed import follow_time
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cycle:
+class ClosedCycle:
     """A law along one closed cycle.
 
     Attributes:
         loop: the whole path; with a rate-independent law the turning points between the samples are on it.
-        samples: where on that path the samples stand, (n_t,).
+        samples: their indices on that path, (n_t,).
     """
 
     loop: Loop
@@ -52,7 +52,7 @@ def require_steady(law: Law) -> None:
 
 
 def is_neutral(law: Law) -> bool:
-    """Return whether the law holds no place: a shift of the whole deflection leaves the force of its cycles as it is."""
+    """Return whether the law has no preferred position: a shift of the deflection leaves the force of its cycles unchanged."""
     return law.largest_force < np.inf
 
 
@@ -76,7 +76,7 @@ def cycle_force(law: Law, deflection: Array, rate: Array, *, period: float) -> A
     return follow_time(law.kernel, p, time, deflection, rate, states, n)[0]
 
 
-def steady_cycle(law: Law, deflection: Array, rate: Array, *, period: float) -> Cycle:
+def steady_cycle(law: Law, deflection: Array, rate: Array, *, period: float) -> ClosedCycle:
     """Return all of the same cycle, its work included; the arguments are those of `cycle_force`.
 
     Raises:
@@ -84,13 +84,13 @@ def steady_cycle(law: Law, deflection: Array, rate: Array, *, period: float) -> 
     """
     p, n = law.kernel_parameters(), law.n_states
     if law.rate_independent:
-        path, place = path_between(deflection, rate, period / (deflection.size - 1))
+        path, indices = path_between(deflection, rate, period / (deflection.size - 1))
         states = closed_states(law.kernel, p, turning_points(path), n)
-        return Cycle(loop=law.trace(path, initial_states=_zero_if_lost(states)), samples=place)
+        return ClosedCycle(loop=law.trace(path, initial_states=_zero_if_lost(states)), samples=indices)
     time = np.linspace(0.0, period, deflection.size)
     states = closed_states_in_time(law.kernel, p, time, deflection, rate, n)
     loop = law.trace(deflection, time=time, rate=rate, initial_states=_zero_if_lost(states))
-    return Cycle(loop=loop, samples=np.arange(deflection.size))
+    return ClosedCycle(loop=loop, samples=np.arange(deflection.size))
 
 
 def _zero_if_lost(states: Array) -> Array:

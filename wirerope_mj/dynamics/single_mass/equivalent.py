@@ -15,6 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from wirerope_mj.dynamics.single_mass.cycle import cycle_force, is_neutral, largest, require_steady
+from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Law
 
@@ -60,11 +61,8 @@ def require_oscillator(law: Law, *, mass: float, frequency: float, acceleration:
     """Raise ValueError unless a mass on this law has periodic motions under this excitation."""
     require_steady(law)
     for name, value in (("mass", mass), ("frequency", frequency), ("acceleration", acceleration)):
-        if not (np.isfinite(value) and value > 0.0):
-            raise ValueError(f"`{name}` must be finite and > 0, got {value}.")
-    if not np.isfinite(gravity):
-        raise ValueError(f"`gravity` must be finite, got {gravity}.")
-    if gravity != 0.0 and is_neutral(law):
+        positive(name, value)
+    if finite("gravity", gravity) != 0.0 and is_neutral(law):
         raise ValueError(
             f"`gravity` must be 0 for this {law.name} law, got {gravity}: it has no elastic part, and in steady vibration "
             "it carries no weight."

@@ -10,7 +10,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Law
 
 _STEP = 1e-6
-"""Differences of the Jacobian as a share of the deflection: far above rounding, far below what bends the force."""
+"""Differences of the Jacobian relative to the deflection: far above rounding, far below what bends the force."""
 
 _ITERATIONS, _HALVINGS = 40, 8
 """Newton steps, and halvings of one: a good start needs five steps, and a step cut to 1/256 leads nowhere."""
@@ -18,7 +18,7 @@ _ITERATIONS, _HALVINGS = 40, 8
 
 @dataclass(frozen=True)
 class Solution:
-    """Where Newton's method stopped.
+    """The point at which Newton's method stopped.
 
     Attributes:
         u: unknowns: the mean, the cosines, the sines [m], (2 H + 1,).
@@ -75,7 +75,7 @@ class Balance:
         return np.concatenate([[0.5 * spectrum[0].real], spectrum[1:].real, -spectrum[1:].imag])
 
     def residual(self, u: Array, omega: float, acceleration: float) -> Array:
-        """Return R over m a, (2 H + 1,); of a law that holds no place the first is its mean deflection's."""
+        """Return R over m a, (2 H + 1,); of a law without a preferred position the first is its mean deflection's."""
         r = self.force(u, omega) - (self.orders * omega) ** 2 * self.mass * u
         r[self.harmonics + 1] += self.mass * acceleration
         r[0] = u[0] * self.mass * omega**2 if self.neutral else r[0] + self.mass * self.gravity
@@ -93,7 +93,7 @@ class Balance:
 
 
 def newton(balance: Balance, u: Array, omega: float, acceleration: float, tolerance: float) -> Solution:
-    """Return where Newton's method with halved steps leads from `u`, converged or not."""
+    """Return the end of Newton's method with halved steps from `u`, converged or not."""
     residual = balance.residual(u, omega, acceleration)
     for iteration in range(_ITERATIONS):
         size = float(np.abs(residual).max())
@@ -105,7 +105,7 @@ def newton(balance: Balance, u: Array, omega: float, acceleration: float, tolera
         step = np.linalg.lstsq(jacobian, -residual, rcond=None)[0]
         for _ in range(_HALVINGS):
             trial = balance.residual(u + step, omega, acceleration)
-            # The norm of all of them: the largest alone may have to grow on the way.
+            # The norm of all of them: the largest alone may have to grow.
             if np.linalg.norm(trial) < np.linalg.norm(residual):
                 break
             step *= 0.5

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from wirerope_mj.dynamics.single_mass.balance import HarmonicOrbit, checked_harmonics, harmonic_balance, orbit_of
 from wirerope_mj.dynamics.single_mass.fourier import Balance, Solution, newton
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised, quantity, span
@@ -86,8 +87,8 @@ class HarmonicBranch(Summarised):
         rows = rows[[i == 0 or f[i] != frequency for i in rows]]  # a point that is hit is the end of the step before
         orbits = []
         for i in rows:
-            share = (frequency - f[i]) / (f[i + 1] - f[i]) if f[i + 1] != f[i] else 0.0
-            guess = (1.0 - share) * self.coefficients[i] + share * self.coefficients[i + 1]
+            fraction = (frequency - f[i]) / (f[i + 1] - f[i]) if f[i + 1] != f[i] else 0.0
+            guess = (1.0 - fraction) * self.coefficients[i] + fraction * self.coefficients[i + 1]
             orbits.append(
                 harmonic_balance(
                     self.law, mass=self.mass, frequency=frequency, acceleration=self.acceleration, gravity=self.gravity,
@@ -131,8 +132,8 @@ def follow_harmonic_balance(
         ValueError: an argument is out of its range.
         ConvergenceError: no motion at `start`, or the branch cannot be followed on from a frequency that is named.
     """
-    if not (np.isfinite([start, stop]).all() and start > 0.0 and stop > 0.0 and start != stop):
-        raise ValueError(f"`start` and `stop` must be two frequencies > 0, got {start} and {stop}.")
+    if positive("start", start, unit="Hz") == positive("stop", stop, unit="Hz"):
+        raise ValueError(f"`stop` must differ from `start`, got {start} Hz for both; use `harmonic_balance` instead.")
     if not _SMALLEST < largest_step <= 1.0:
         raise ValueError(f"`largest_step` must be in ({_SMALLEST:g}, 1], got {largest_step}.")
     first = harmonic_balance(
@@ -182,36 +183,36 @@ class _Path:
         return np.column_stack([self.balance.jacobian(u, omega, self.acceleration, here), column])
 
     def tangent(self, jacobian: Array, scale: Array, towards: Array) -> Array:
-        """Return the direction of the branch in scaled coordinates, (n + 1,), the way `towards` points."""
+        """Return the direction of the branch in scaled coordinates, (n + 1,), oriented like `towards`."""
         null = np.linalg.svd(jacobian * scale)[2][-1]
         return null if null @ towards >= 0.0 else -null
 
     def correct(self, point: Array, jacobian: Array, scale: Array, normal: Array) -> tuple[Array, int]:
         """Return the solution in the plane through `point` across `normal`, and the corrections it took; too many: none."""
-        place, last = point.copy(), np.inf
+        corrected, last = point.copy(), np.inf
         for correction in range(_CORRECTIONS):
-            residual = self.residual(place)
+            residual = self.residual(corrected)
             size = float(np.abs(residual).max())
             if size <= self.tolerance:
-                return place, correction
+                return corrected, correction
             if not size < 2.0 * last:
                 break
             if size > _QUICK * last:
-                jacobian = self.jacobian(place)
+                jacobian = self.jacobian(corrected)
                 if not np.isfinite(jacobian).all():
                     break
             bordered = np.vstack([jacobian * scale, normal])
-            place = place + scale * np.linalg.solve(bordered, np.append(-residual, 0.0))
+            corrected = corrected + scale * np.linalg.solve(bordered, np.append(-residual, 0.0))
             last = size
-        return place, _CORRECTIONS
+        return corrected, _CORRECTIONS
 
     def follow(self, point: Array, end: float, largest_step: float) -> Iterator[tuple[Array, bool]]:
         """Yield the points after the first and whether they are folds, up to the frequency `end` (logarithm of omega)."""
-        begin, way, length = point[-1], np.sign(end - point[-1]), min(_FIRST, largest_step)
+        begin, sign, length = point[-1], np.sign(end - point[-1]), min(_FIRST, largest_step)
         scale, jacobian = _scale(point), self.jacobian(point)
-        tangent = self.tangent(jacobian, scale, np.append(np.zeros(point.size - 1), way))
+        tangent = self.tangent(jacobian, scale, np.append(np.zeros(point.size - 1), sign))
         for _ in range(_MOST):
-            found, corrections = self.correct(point + length * scale * tangent, jacobian, scale, tangent)
+            corrected, corrections = self.correct(point + length * scale * tangent, jacobian, scale, tangent)
             if corrections >= _CORRECTIONS:
                 length *= 0.5
                 if length < _SMALLEST:
@@ -220,50 +221,50 @@ class _Path:
                         f"{_SMALLEST:g} of the deflection fail. Try more harmonics, or another `start`."
                     )
                 continue
-            after = self.jacobian(found)
-            there = self.tangent(after, scale, tangent)
-            if way * (found[-1] - end) >= 0.0 or way * (begin - found[-1]) > 0.0:
-                last = end if way * (found[-1] - end) >= 0.0 else begin
-                yield self.at(point, found, last), False
+            after = self.jacobian(corrected)
+            next_tangent = self.tangent(after, scale, tangent)
+            if sign * (corrected[-1] - end) >= 0.0 or sign * (begin - corrected[-1]) > 0.0:
+                last = end if sign * (corrected[-1] - end) >= 0.0 else begin
+                yield self.at(point, corrected, last), False
                 self.message = "reached the last frequency" if last == end else "came back to the first frequency"
                 return
-            if there[-1] * tangent[-1] < 0.0:
-                yield self.fold(point, tangent, found, there, scale), True
-            yield found, False
+            if next_tangent[-1] * tangent[-1] < 0.0:
+                yield self.fold(point, tangent, corrected, next_tangent, scale), True
+            yield corrected, False
             length *= 1.4 if corrections <= 3 else 1.0 if corrections <= 6 else 0.7
             length = min(length, largest_step)
-            point, scale = found, _scale(found)
-            jacobian, tangent = after, self.tangent(after, scale, there)
+            point, scale = corrected, _scale(corrected)
+            jacobian, tangent = after, self.tangent(after, scale, next_tangent)
         self.message = f"ended after {_MOST} points"
 
     def at(self, before: Array, after: Array, log_omega: float) -> Array:
         """Return the point between two with a given frequency."""
-        share = (log_omega - before[-1]) / (after[-1] - before[-1])
-        guess, omega = before + share * (after - before), float(np.exp(log_omega))
+        fraction = (log_omega - before[-1]) / (after[-1] - before[-1])
+        guess, omega = before + fraction * (after - before), float(np.exp(log_omega))
         solution = newton(self.balance, guess[:-1], omega, self.acceleration, self.tolerance)
         return np.append(solution.u, log_omega)
 
     def fold(self, before: Array, t0: Array, after: Array, t1: Array, scale: Array) -> Array:
         """Return the point between two where the tangent is vertical, by the secant on its share in frequency."""
         low, high, slope_low, slope_high = 0.0, 1.0, t0[-1], t1[-1]
-        chord, place = after - before, before
+        chord, corrected = after - before, before
         normal = chord / scale / np.linalg.norm(chord / scale)
         for _ in range(6):
-            share = low - slope_low * (high - low) / (slope_high - slope_low)
-            jacobian = self.jacobian(before + share * chord)
-            place, corrections = self.correct(before + share * chord, jacobian, scale, normal)
+            fraction = low - slope_low * (high - low) / (slope_high - slope_low)
+            jacobian = self.jacobian(before + fraction * chord)
+            corrected, corrections = self.correct(before + fraction * chord, jacobian, scale, normal)
             if corrections >= _CORRECTIONS:
                 return after if abs(slope_high) < abs(slope_low) else before
-            slope = self.tangent(self.jacobian(place), scale, t0 + t1)[-1]
+            slope = self.tangent(self.jacobian(corrected), scale, t0 + t1)[-1]
             if (
                 abs(slope) < 1e-6
             ):  # the frequency is then within 1e-6 of a step of the fold's, by its second order far closer
                 break
             if slope * slope_low > 0.0:
-                low, slope_low = share, slope
+                low, slope_low = fraction, slope
             else:
-                high, slope_high = share, slope
-        return place
+                high, slope_high = fraction, slope
+        return corrected
 
 
 def _scale(point: Array) -> Array:

@@ -1,4 +1,4 @@
-"""Equivalent linearisation: an isolator as the spring and damper of its loop at the amplitude that it swings with.
+"""Equivalent linearisation: an isolator as the spring and damper of its loop at the amplitude of its motion.
 
 The base acceleration is a sin(w t). An amplitude D of the deflection gives the spring K(D) and the damper c(D) of `equivalent`,
 so that the response is that of a linear oscillator with the coefficients of its amplitude,
@@ -72,7 +72,7 @@ def equivalent_linear(
     """Return the response of one mass on one isolator axis to a sine of base acceleration by equivalent linearisation.
 
     A linear law is answered exactly. Superharmonics are not seen: a law that saturates or stiffens within the cycle is answered
-    to a few per cent, and near the superharmonic resonances below the first not at all (figures in the tests).
+    to a few per cent, and near the superharmonic resonances below the first not at all (bounds in the tests).
 
     Args:
         law: of the axis, none that wears.
@@ -105,19 +105,19 @@ def linearised_orbits(
     are those of `equivalent_linear`, for one frequency.
     """
     require_oscillator(law, mass=mass, frequency=frequency, acceleration=acceleration, gravity=gravity)
-    omega, found = 2.0 * np.pi * frequency, []
+    omega, orbits = 2.0 * np.pi * frequency, []
     for o in _solutions(law, _oscillators(law, mass * gravity), mass, frequency, acceleration):
         phasor = 1j * mass * acceleration / complex(o.stiffness - mass * omega**2, omega * o.damping)
-        found.append(_orbit(law, o, phasor))
-    return tuple(found)
+        orbits.append(_orbit(law, o, phasor))
+    return tuple(orbits)
 
 
 def _oscillators(law: Law, weight: float) -> Callable[[float, float], EquivalentOscillator]:
-    """Return `oscillator_at` by amplitude and frequency; a rate-independent law draws a loop once for all frequencies."""
+    """Return `oscillator_at` by amplitude and frequency; a rate-independent law has one loop for all frequencies."""
     if not law.rate_independent:
         return lambda amplitude, frequency: oscillator_at(law, amplitude, frequency=frequency, weight=weight)
-    drawn = cache(lambda amplitude: oscillator_at(law, amplitude, frequency=1.0, weight=weight))
-    return lambda amplitude, frequency: replace(drawn(amplitude), frequency=frequency)
+    at_1_hz = cache(lambda amplitude: oscillator_at(law, amplitude, frequency=1.0, weight=weight))
+    return lambda amplitude, frequency: replace(at_1_hz(amplitude), frequency=frequency)
 
 
 def _solutions(
@@ -127,7 +127,7 @@ def _solutions(
     frequency: float,
     acceleration: float,
 ) -> list[EquivalentOscillator]:
-    """Return the oscillators that swing with their own amplitude at a frequency, the smallest first."""
+    """Return the oscillators consistent with their own amplitude at a frequency, the smallest first."""
     omega = 2.0 * np.pi * frequency
 
     def excess(log_amplitude: float) -> float:
@@ -137,7 +137,7 @@ def _solutions(
         return float(np.log(needed / (mass * acceleration))) if needed > 0.0 else -np.inf
 
     unloaded = law.initial_stiffness + omega * law.damping_coefficient + mass * omega**2
-    # The same amplitudes at all frequencies: their loops are drawn once.
+    # The same amplitudes at all frequencies: their loops are computed once.
     start = np.floor(np.log10(0.1 * mass * acceleration / unloaded) * _PER_DECADE)
     grid = np.log(10.0) / _PER_DECADE * (start + np.arange(int(_DECADES * _PER_DECADE) + 1))
     return [oscillator(float(np.exp(root)), frequency) for root in _roots(excess, grid)]

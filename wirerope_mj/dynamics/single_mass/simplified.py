@@ -7,6 +7,7 @@ import numpy as np
 
 from wirerope_mj.dynamics.single_mass.cycle import require_steady
 from wirerope_mj.dynamics.single_mass.equivalent import oscillator_at
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import Law
 
@@ -53,11 +54,10 @@ def simplified_peak(
 
     Raises:
         ValueError: `mass` is not positive, or the spectrum is not a finite displacement > 0.
-        ConvergenceError: the amplitudes do not settle.
+        ConvergenceError: the amplitudes do not converge.
     """
     require_steady(law)
-    if not (np.isfinite(mass) and mass > 0.0):
-        raise ValueError(f"`mass` must be finite and > 0, got {mass}.")
+    positive("mass", mass)
     period = 2.0 * np.pi * np.sqrt(mass / law.initial_stiffness)
     deflection = _spectral(spectrum, period, 0.0)
     for iteration in range(1, _ITERATIONS + 1):
@@ -79,7 +79,7 @@ def simplified_peak(
             )
         deflection = float(np.sqrt(deflection * wanted))
     raise ConvergenceError(
-        f"the peak deflection does not settle: {deflection:.6g} m after {_ITERATIONS} iterations, and the spectrum says "
+        f"the peak deflection does not converge: {deflection:.6g} m after {_ITERATIONS} iterations, and the spectrum gives "
         f"{wanted:.6g} m there. Is the spectrum continuous?"
     )
 

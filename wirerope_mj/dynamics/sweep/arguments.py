@@ -23,7 +23,7 @@ from wirerope_mj.motions import Sine, Sweep
 
 STEPS_PER_CYCLE, REFERENCE = 128, 1e-4
 """Fewest steps of a cycle, and the accuracy they are for: a peak is refined by a parabola, which misses it where a law without
-an elastic part turns and its slope jumps. Pilots of two such steps err alike and do not see it."""
+an elastic part turns and its slope jumps. Pilots of two such steps have the same error and do not see it."""
 
 SAMPLES_PER_CYCLE = 8
 """Samples by which steps are judged before the run, in a cycle of the highest frequency; peaks are judged from every step."""
@@ -46,7 +46,7 @@ def response_axis(response_direction: str | Sequence[float] | None, base: Direct
     direction = base if response_direction is None else response_direction
     if isinstance(direction, str):
         return one_of(name, direction, AXES)
-    unit = np.abs(unit_vector(checked_direction(direction)))
+    unit = np.abs(unit_vector(checked_direction(direction, name)))
     along = int(np.argmax(unit))
     if unit[along] < 1.0 - 1e-12:
         raise ValueError(f"`{name}` must lie along x, y or z, for which envelopes are kept, got {list(direction)}.")
@@ -66,7 +66,7 @@ def starting_state(system: System, *, history: History, initial: State | None) -
 def chosen_step(
     system: System, motion: Sine | Sweep, start: State, *, duration: float, timestep: float | None, accuracy: float
 ) -> ChosenStep:
-    """Return the step that was asked for, or one that keeps the accuracy in pilots along the motion."""
+    """Return the given step, or one that keeps the accuracy in pilots along the motion."""
     if timestep is None:
         rate = SAMPLES_PER_CYCLE / motion.shortest_time
         chosen = choose_timestep(

@@ -1,4 +1,4 @@
-"""Which of the tracked vectors are accelerations of bodies, which deflections of mounts, and which is the base."""
+"""Channels of the peak tracker: accelerations of bodies and of the base, deflections of mounts."""
 
 from dataclasses import dataclass
 

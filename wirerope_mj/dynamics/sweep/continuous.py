@@ -48,9 +48,9 @@ def frequency_sweep(
 
     The system first follows a steady sine of the sweep's level at its start frequency until its amplitudes have settled, so
     that the envelope begins on the response and not on the transient of switching on. Then it follows the sweep through its
-    whole cycles; what is left of the last one is not run, so that the final state stands at phase 0 and a sweep the other way
-    may go on from it. A sweep lags behind the steady response by about rate ln 2 / 60 times the decay time of the transients,
-    relative to the frequency: repeat it at half the rate, or the other way, to see by how much.
+    complete cycles; what is left of the last one is not run, so that the final state stands at phase 0 and a sweep in the
+    other direction may start from it. A sweep lags behind the steady response by about rate ln 2 / 60 times the decay time of
+    the transients, relative to the frequency: repeat it at half the rate, or in the other direction, to see by how much.
 
     Args:
         system: the system.
@@ -58,15 +58,15 @@ def frequency_sweep(
         payload: the body that `amplitude` belongs to; envelopes of all others are kept too.
         response_direction: axis along which the payload's acceleration is taken, "x", "y", "z" or a vector along one of them;
             None: that of the base.
-        history: equilibrium from which the system starts. Vibration lets the hysteretic share of the static load leak away:
-            a "relaxed" system has that behind it, a "virgin" one sinks while the sweep goes on.
+        history: equilibrium from which the system starts. Vibration lets the hysteretic part of the static load leak away:
+            a "relaxed" system has that behind it, a "virgin" one sinks during the sweep.
         initial: a state to start from instead, for instance the `final_state` of a sweep up before one down.
         settled: relative distance from the limit at which the amplitudes at the start frequency count as settled; None: the
             sweep begins at once.
         largest_cycles: number of cycles after which that wait ends.
         timestep: largest step [s]; None chooses it before the run for `accuracy`.
         accuracy: error of samples and peaks allowed in pilots along the sweep, relative to the peaks.
-        out: folder to which the table of the envelope is streamed, and a summary beside it, atomically.
+        out: folder to which the table of the envelope is streamed, and an adjacent summary, atomically.
         progress: whether a progress bar is shown on standard error.
         direction: refused: the sweep states the base's.
 
@@ -126,7 +126,7 @@ def _lead_in(
     if lead.settled:
         return lead.state, ()
     text = f"amplitudes at the start frequency of {sweep.start:.5g} Hz were {lead.remaining:.2g} from their limits"
-    return lead.state, (f"{text} after {lead.cycles} cycles, {settled:.2g} was asked for.",)
+    return lead.state, (f"{text} after {lead.cycles} cycles, not {settled:.2g}.",)
 
 
 def _follow(

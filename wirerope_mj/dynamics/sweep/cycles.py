@@ -1,4 +1,4 @@
-"""Stepping a system through whole cycles of its excitation, keeping nothing but the extremes of every cycle."""
+"""Stepping a system through complete cycles of its excitation, keeping nothing but the extremes of every cycle."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -41,7 +41,7 @@ class Extremes:
 
 
 class Cycles:
-    """A copy of a system on its way through the cycles of its excitation; made by `stepping`.
+    """A copy of a system that is stepped through the cycles of its excitation; made by `stepping`.
 
     The peak tracker of the simulation is read and emptied after every cycle: it sees every step and refines an extreme by the
     parabola through three of them, so that a cycle costs memory for its extremes alone. An extreme in the last half step of a
@@ -83,18 +83,18 @@ class Cycles:
             mujoco.mj_step(stepper.model, stepper.data, nstep=steps)
             if base.number == ends[cycle]:
                 mujoco.mj_forward(stepper.model, stepper.data)
-                low, high = (self._memory[:, place : place + 3] for place in (at.LOW, at.HIGH))
+                low, high = (self._memory[:, first : first + 3] for first in (at.LOW, at.HIGH))
                 minimum[cycle], maximum[cycle] = low, high
                 low[:], high[:], user[at.OBSERVING] = np.inf, -np.inf, 0.0
                 cycle += 1
-        found = Extremes(minimum=minimum, maximum=maximum)
+        extremes = Extremes(minimum=minimum, maximum=maximum)
         middles = (instants[:-1] + instants[1:]) / 2.0
         on = self._mounts
-        self._lawful.require(frequencies_at(self._motion, middles), found.minimum[:, on], found.maximum[:, on])
+        self._lawful.require(frequencies_at(self._motion, middles), extremes.minimum[:, on], extremes.maximum[:, on])
         self._check()
         self.steps += int(grid.steps.sum())
         self.largest_step = max(self.largest_step, grid.largest_step)
-        return found
+        return extremes
 
     def finish(self) -> State:
         """Return the state at the end of the last cycle."""
@@ -117,18 +117,18 @@ def stepping(system: System, motion: Sine | Sweep, start: State, timestep: float
 
 
 def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, npt.NDArray[np.int64]]:
-    """Return a grid of cycles that begin and end at `instants` [s], (n + 1,), and the numbers of their last pieces, (n,).
+    """Return a grid of cycles that begin and end at `instants` [s], (n + 1,), and the numbers of their last intervals, (n,).
 
     Each cycle is cut into equal steps of at most `timestep` [s], at least `STEPS_PER_CYCLE`.
     """
     length = np.diff(instants)
     steps = np.maximum(np.ceil(length / timestep * (1.0 - 1e-9)), STEPS_PER_CYCLE).astype(np.int64)
-    pieces = -(-steps // at.MAX_STEPS)
-    steps = -(-steps // pieces)
-    ends = np.cumsum(pieces)
-    cycle = np.repeat(np.arange(length.size), pieces)
-    place = np.arange(cycle.size) - (ends - pieces)[cycle]
-    start = instants[cycle] + length[cycle] * (place / pieces[cycle])
+    intervals = -(-steps // at.MAX_STEPS)
+    steps = -(-steps // intervals)
+    ends = np.cumsum(intervals)
+    cycle = np.repeat(np.arange(length.size), intervals)
+    number = np.arange(cycle.size) - (ends - intervals)[cycle]
+    start = instants[cycle] + length[cycle] * (number / intervals[cycle])
     grid = Grid(
         start=start,
         stop=np.append(start[1:], instants[1:][-1:]),

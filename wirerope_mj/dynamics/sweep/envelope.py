@@ -64,7 +64,7 @@ class FrequencySweep(Summarised):
         cycles: cycles of the excitation behind every frequency, (n,); 1 each for a sweep.
         remaining: estimated distance of the amplitudes from their limits in a steady sine, relative to them, (n,); NaN for a
             sweep, which does not wait.
-        settled: whether they were as near as was asked for, (n,); False for a sweep.
+        settled: whether they were within the tolerance, (n,); False for a sweep.
         excitation: the excitation as plain values.
         timestep: largest step [s].
         estimated_error: of samples and peaks, estimated before the run relative to the peaks; NaN where the step was given.

@@ -1,4 +1,4 @@
-"""A steady sine until the system has settled into it."""
+"""Steady response to a sine, after its transient."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,7 @@ beats of every length 0.6 % were still taken for settled too early, those that t
 stand still; the wait was 1.7 times the shortest possible."""
 
 SMALL = 1e-3
-"""Amplitudes smaller than this share of the largest are judged against that share."""
+"""Amplitudes smaller than this fraction of the largest are judged relative to that fraction."""
 
 SLOWEST = 1e6
 """Blocks that a decay may still take. Steady amplitudes repeat within some 1e-12, which is then at most 1e-6."""
@@ -31,7 +31,7 @@ SLOWEST = 1e6
 
 @dataclass(frozen=True, kw_only=True)
 class Steady:
-    """How a system moves after many cycles of a sine.
+    """Motion of a system after many cycles of a sine.
 
     Attributes:
         minimum, maximum: extremes of every channel in the last cycle, or in the last quarter of them if it has not settled,
@@ -41,7 +41,7 @@ class Steady:
         steps: number of steps.
         largest_step: largest of them [s].
         remaining: estimated distance of the amplitudes from their limits, relative to them.
-        settled: whether that is as small as was asked for.
+        settled: whether that is within the tolerance.
     """
 
     minimum: Array

@@ -21,16 +21,15 @@ from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import integer, positive
+from wirerope_mj.foundation.arguments import integer, nonzero, positive, the_one_given
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine, Sweep
-from wirerope_mj.motions.harmonic import the_one_level
 
 KIND = "stepped sine"
 
 PILOT = 60.0
-"""Duration of the sweep over the frequencies along which a step is chosen [s]: long beside the pilots' windows."""
+"""Duration of the sweep over the frequencies along which a step is chosen [s]: long compared with the pilots' windows."""
 
 
 def stepped_sine(
@@ -74,7 +73,7 @@ def stepped_sine(
         initial: a state to start from instead.
         timestep: largest step [s]; None chooses it before the run for `accuracy`.
         accuracy: error of samples and peaks allowed in pilots over the frequencies, relative to the peaks.
-        out: folder to which the table is written, and a summary beside it, atomically.
+        out: folder to which the table is written, and an adjacent summary, atomically.
         progress: whether a progress bar is shown on standard error.
 
     Raises:
@@ -84,7 +83,8 @@ def stepped_sine(
         SimulationError: the step is too large, or a mount left the range of its law; says at which frequency.
         ConvergenceError: there is no equilibrium to start from.
     """
-    quantity, level = the_one_level({"acceleration": acceleration, "velocity": velocity, "displacement": displacement})
+    quantity, level = the_one_given({"acceleration": acceleration, "velocity": velocity, "displacement": displacement})
+    level = nonzero(quantity, level)
     base = checked_direction(direction)
     sines = [
         Sine(frequency=f, acceleration=acceleration_of(quantity, level, f), direction=base)

@@ -35,11 +35,11 @@ class Lawful:
         beyond = reached > self._ends + ROUNDING
         if not beyond.any():
             return
-        row, number, place, side = np.argwhere(beyond)[0]
+        row, number, index, side = np.argwhere(beyond)[0]
         name, mount = list(self._mounts.items())[number]
-        axis, law = list(mount.isolator.axes.items())[place]
+        axis, law = list(mount.isolator.axes.items())[index]
         assert law is not None  # what has no law has no end of it
-        far, end = reached[row, number, place, side], law.travel_ends[side]
+        far, end = reached[row, number, index, side], law.travel_ends[side]
         went = f"reached {far:.4g} m" if far < RAN_AWAY * end else "ran away"
         raise SimulationError(
             f"at {frequency[row]:.5g} Hz mount {name!r} {went} on its {axis} axis, whose "
@@ -49,7 +49,7 @@ class Lawful:
 
 
 class TravelWatch:
-    """Remembers where the mounts go farthest while a sweep goes on."""
+    """Keeps the farthest travel of every mount during a sweep, and its frequency."""
 
     def __init__(self, system: System) -> None:
         self._rated = {name: mount.isolator.limits.travel.stated for name, mount in system.mounts.items()}

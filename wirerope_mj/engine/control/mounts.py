@@ -12,8 +12,8 @@ and angular momentum. A mount that resists turning adds opposite torques, see `w
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.rotation import resists_turning, righting_torque
 from wirerope_mj.foundation.jit import index, inlined, njit
-from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, biaxial_rates, evaluate, hold_slips
-from wirerope_mj.mounts.laws.loop_kernels import loop_force
+from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, evaluate, hold_slips
+from wirerope_mj.mounts.laws.plane_kernels import biaxial_rates, loop_force
 
 AXIAL = 2
 """Index of the axial axis."""

@@ -27,7 +27,7 @@ BASE = ("displacement", "velocity", "acceleration")
 
 @dataclass(frozen=True, kw_only=True)
 class ColumnPlan:
-    """What the columns of a response are, in the order of the system's sensor values.
+    """Meaning of the columns of a response, in the order of the system's sensor values.
 
     Attributes:
         bodies, points: names.

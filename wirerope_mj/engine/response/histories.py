@@ -143,16 +143,16 @@ class BaseResponse:
 
 @dataclass(frozen=True, kw_only=True)
 class Numerics:
-    """How a response was computed.
+    """Numerical settings of a response, and their estimated error.
 
     Attributes:
         timestep: largest step [s].
-        accuracy: error asked for, relative to the peaks; NaN where the step was given.
+        accuracy: error allowed, relative to the peaks; NaN where the step was given.
         error_estimate: error of samples and peaks estimated by step halving before the run; NaN where the step was given.
         steps: number of steps.
         callback: "native" or "python".
         versions: of the packages that computed it.
-        limited_by: what keeps the step from being longer, in words; "" for older responses, which do not say it.
+        limited_by: what keeps the step from being longer, as text; "" for older responses, which do not say it.
     """
 
     timestep: float

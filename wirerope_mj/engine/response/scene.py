@@ -1,4 +1,4 @@
-"""What can be drawn of a system: bodies with their geoms, and mounts, frozen and without the engine."""
+"""The drawable content of a system: bodies with their geoms, and mounts, frozen and without the engine."""
 
 from dataclasses import dataclass, field
 from typing import Any

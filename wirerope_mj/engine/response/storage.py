@@ -23,7 +23,7 @@ _AGAIN = "The file was damaged or edited: take it from another copy of the folde
 
 @dataclass(frozen=True)
 class FileSamples:
-    """Samples in a Parquet file, read column by column when they are asked for."""
+    """Samples in a Parquet file, read column by column at first use."""
 
     names: list[str]
     path: Path
@@ -74,7 +74,7 @@ class FileSamples:
 
 
 def load_response(folder: str | Path) -> Response:
-    """Return the response that was saved in `folder`; samples are read when they are asked for.
+    """Return the response that was saved in `folder`; samples are read at first use.
 
     Args:
         folder: that holds `response.parquet`; or such a file itself, whatever its name.

@@ -114,7 +114,7 @@ class Stepper:
     def _beyond(self, deflections: Array) -> str:
         """Return words for a mount that was near or beyond the end of its law, "" if there is none."""
         for (name, mount), row in zip(self.system.mounts.items(), deflections, strict=True):
-            if where := beyond_law(mount.isolator.axes, row, row, share=_NEAR):
+            if where := beyond_law(mount.isolator.axes, row, row, fraction=_NEAR):
                 return f" Mount {name!r} stood {where}."
         return ""
 

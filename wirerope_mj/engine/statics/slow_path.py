@@ -9,8 +9,8 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.kernels import BIAXIAL
 from wirerope_mj.mounts.laws.path import SCRATCH, advance
+from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL
 
 LINE = 12
 """Index of a line's start and direction among the parameters of the biaxial kernel, whose rates all couplings have."""

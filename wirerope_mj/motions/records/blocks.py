@@ -16,7 +16,7 @@ _BLOCK = 50_000
 
 
 def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False) -> Iterator[Array]:
-    """Yield the columns' numbers block by block, shape (n, n_columns); the first of them is time.
+    """Yield the columns' numbers block by block, (n, n_columns); the first of them is time.
 
     Every row must have the header's number of cells: in one that has more or fewer, such as one with decimal commas between
     commas, nothing says which number belongs to which column.

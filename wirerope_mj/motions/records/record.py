@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import as_times, finite, nonzero, one_of, positive
+from wirerope_mj.foundation.arguments import finite, nonzero, one_of, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
@@ -68,20 +67,11 @@ class Record(BaseMotion):
 
     @property
     def directions(self) -> Array:
-        """Axes of the world in which a sample is not zero, shape (n, 3)."""
+        """Axes of the world in which a sample is not zero, (n, 3)."""
         return np.eye(3)[[bool(column.any()) for column in self.samples.T]]
 
-    def acceleration(self, time: ArrayLike) -> Array:
-        """Return the base's acceleration [m/s^2] at the times [s], shape (n_t, 3)."""
-        return self._piecewise.acceleration(as_times(time))
-
-    def velocity(self, time: ArrayLike) -> Array:
-        """Return the base's velocity [m/s] at the times [s], shape (n_t, 3)."""
-        return self._piecewise.velocity(as_times(time))
-
-    def displacement(self, time: ArrayLike) -> Array:
-        """Return the base's displacement [m] at the times [s], shape (n_t, 3)."""
-        return self._piecewise.displacement(as_times(time))
+    def _derivative(self, t: Array, order: int) -> Array:
+        return self._piecewise.derivative(t, order)
 
     @property
     def end(self) -> float:
@@ -90,7 +80,7 @@ class Record(BaseMotion):
 
     @property
     def corners(self) -> Array:
-        """Every sample instant [s], shape (n,): the slope of the acceleration may change at each."""
+        """Every sample instant [s], (n,): the slope of the acceleration may change at each."""
         return self.time
 
     @property

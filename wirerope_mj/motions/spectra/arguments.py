@@ -1,4 +1,4 @@
-"""What samples must be for a spectrum."""
+"""Checks of the samples and frequencies of a spectrum."""
 
 import math
 
@@ -8,7 +8,7 @@ import numpy.typing as npt
 from wirerope_mj.foundation.arrays import Array
 
 JITTER = 0.01
-"""Largest distance of an instant from its uniform place, in steps: what rounding to a few digits leaves in a file."""
+"""Largest distance of an instant from its uniform position, in steps: what rounding to a few digits leaves in a file."""
 
 
 def check_samples(time: npt.ArrayLike, acceleration: npt.ArrayLike) -> tuple[Array, float]:
@@ -36,7 +36,7 @@ def check_samples(time: npt.ArrayLike, acceleration: npt.ArrayLike) -> tuple[Arr
     if away.max() > JITTER:
         row = int(np.argmax(away > JITTER))
         raise ValueError(
-            f"`time` must be uniform: {instants[row]:.9g} s lies {away[row]:.3g} steps of {step:.6g} s away from its place; "
+            f"`time` must be uniform: {instants[row]:.9g} s lies {away[row]:.3g} steps of {step:.6g} s away from its position; "
             "resample the record first."
         )
     return values, step

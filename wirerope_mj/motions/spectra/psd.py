@@ -1,4 +1,4 @@
-"""Power spectral densities of random vibration, with the certainty of what they say."""
+"""Power spectral densities of random vibration, with their statistical uncertainty."""
 
 import math
 from dataclasses import dataclass
@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
+from wirerope_mj.foundation.arguments import not_negative, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised, quantity
 from wirerope_mj.motions.spectra.arguments import check_samples
@@ -33,8 +34,8 @@ class PowerSpectralDensity(Summarised):
         frequency: [Hz], (n_f,), evenly spaced from 0.
         density: [(m/s^2)^2/Hz].
         resolution: distance of the frequencies, one over the length of a segment [Hz].
-        duration: length of what was taken, after the part discarded [s].
-        segments: how many half-overlapping segments were averaged.
+        duration: length of the record after what was discarded [s].
+        segments: number of half-overlapping segments that were averaged.
         degrees_of_freedom: of the chi-squared distribution that every density has about its true value: 2 for each segment,
             less what their overlap shares.
     """
@@ -82,13 +83,13 @@ class PowerSpectralDensity(Summarised):
 
         A band of this width with a constant density would have a mean square as uncertain as this one. The scatter of the
         densities, which enlarges the mean of their squares by 1 + 2 / degrees of freedom, is taken out, and so is what the
-        window widens: with w that of a line, b^BLUR = found^BLUR - w^BLUR. Never less than 1 / duration, at which the mean
+        window widens: with w that of a line, b^BLUR = seen^BLUR - w^BLUR. Never less than 1 / duration, at which the mean
         square has two degrees of freedom: what is narrower cannot be told from a sine.
         """
         square = self.resolution * np.sum(self.density**2, axis=0) / (1.0 + 2.0 / self.degrees_of_freedom)
         with np.errstate(invalid="ignore"):
-            found = (self.resolution * np.sum(self.density, axis=0)) ** 2 / square
-        blur = np.clip(found**BLUR - (WINDOW_BANDWIDTH * self.resolution) ** BLUR, 0.0, None)
+            seen = (self.resolution * np.sum(self.density, axis=0)) ** 2 / square
+        blur = np.clip(seen**BLUR - (WINDOW_BANDWIDTH * self.resolution) ** BLUR, 0.0, None)
         return np.maximum(blur ** (1.0 / BLUR), 1.0 / self.duration)
 
     @property
@@ -122,8 +123,7 @@ def power_spectral_density(
         ValueError: the samples are not uniform or not finite, or what is left is too short for the resolution.
     """
     values, step = check_samples(time, acceleration)
-    if not (math.isfinite(discard) and discard >= 0.0):
-        raise ValueError(f"`discard` must be finite and >= 0 s, got {discard!r}.")
+    discard = not_negative("discard", discard, unit="s")
     length = step * values.shape[0]
     kept = values[min(math.ceil(discard / step - 1e-9), values.shape[0]) :]
     left = step * kept.shape[0]
@@ -160,9 +160,7 @@ def _segment(samples: int, step: float, resolution: float | None) -> int:
     """Return the samples of a segment."""
     if resolution is None:
         return int(2 * samples // (SEGMENTS + 1))
-    if not (math.isfinite(resolution) and resolution > 0.0):
-        raise ValueError(f"`resolution` must be finite and > 0 Hz, got {resolution!r}.")
-    return round(1.0 / (resolution * step))
+    return round(1.0 / (positive("resolution", resolution, unit="Hz") * step))
 
 
 def _degrees(window: Array, hop: int, segments: int) -> float:

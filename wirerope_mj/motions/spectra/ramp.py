@@ -6,7 +6,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
 
 HIGHEST, LOWEST, FARTHEST = 0, 1, 2
-"""Places of what is looked for: largest and smallest absolute acceleration, largest relative displacement."""
+"""Indices of the extremes: largest and smallest absolute acceleration, largest relative displacement."""
 
 
 @njit
@@ -24,8 +24,8 @@ def extreme_between(y0: float, y1: float, d0: float, d1: float) -> float:
 
 
 @njit
-def free_extremes(u: float, v: float, frequency: float, damping: float, found: Array) -> None:
-    """Widen `found` by the extremes of the free vibration that starts from displacement `u` and rate `v`.
+def free_extremes(u: float, v: float, frequency: float, damping: float, extremes: Array) -> None:
+    """Widen `extremes` by the extremes of the free vibration that starts from displacement `u` and rate `v`.
 
     With theta the angle per unit of time (2 pi f T), zeta the damping and w = theta sqrt(1 - zeta^2), both the displacement
     and the acceleration y = -(theta^2 u + 2 zeta theta v) are exp(-zeta theta t) (y0 cos w t + (y0' + zeta theta y0) / w
@@ -45,10 +45,10 @@ def free_extremes(u: float, v: float, frequency: float, damping: float, found: A
         first = decay * (start * math.cos(angle) + (slope / theta + zeta * start) / root * math.sin(angle))
         second = -first * math.exp(-math.pi * zeta / root)
         if quantity == 0:
-            found[HIGHEST] = max(found[HIGHEST], start, first, second)
-            found[LOWEST] = min(found[LOWEST], start, first, second)
+            extremes[HIGHEST] = max(extremes[HIGHEST], start, first, second)
+            extremes[LOWEST] = min(extremes[LOWEST], start, first, second)
         else:
-            found[FARTHEST] = max(found[FARTHEST], abs(start), abs(first))
+            extremes[FARTHEST] = max(extremes[FARTHEST], abs(start), abs(first))
 
 
 @njit

@@ -1,4 +1,4 @@
-"""Shock response spectra: how much oscillators of all frequencies answer to an acceleration."""
+"""Shock response spectra: the largest responses of oscillators of all frequencies to an acceleration."""
 
 import math
 import warnings
@@ -107,7 +107,9 @@ def shock_response_spectrum(
         for j, angle in enumerate(angles):
             ramp_extremes(driven, steps[j], angle, damping, primary[i, j], residual[i, j])
     # (n_f,) or (n_f, k), three quantities in front
-    during, after = (part.transpose(2, 1, 0).reshape(3, wanted.size, *values.shape[1:]) for part in (primary, residual))
+    during, after = (
+        phase.transpose(2, 1, 0).reshape(3, wanted.size, *values.shape[1:]) for phase in (primary, residual)
+    )
     positive = np.maximum(during[HIGHEST], after[HIGHEST])
     negative = -np.minimum(during[LOWEST], after[LOWEST])
     return ShockResponseSpectrum(
@@ -182,5 +184,5 @@ def _exponentials(matrices: Array) -> Array:
 
 def _end(channel: Array) -> int:
     """Return how many samples the base accelerates for: up to the first of the zeros that end the record."""
-    places = np.flatnonzero(channel)
-    return min(int(places[-1]) + 2, channel.size) if places.size else 1
+    moving = np.flatnonzero(channel)
+    return min(int(moving[-1]) + 2, channel.size) if moving.size else 1

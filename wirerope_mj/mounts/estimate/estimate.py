@@ -1,10 +1,11 @@
-"""An isolator without a data sheet: its figures from geometry, each with the error that this makes of known parts."""
+"""An isolator without a data sheet: its values from geometry, each with the error of such estimates of known parts."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
 
+from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.estimate.trends import (
     LARGEST_ROPE,
@@ -18,18 +19,18 @@ from wirerope_mj.mounts.estimate.trends import (
 )
 from wirerope_mj.mounts.rope_loop import RopeLoop, loop_positions, loop_shape, rotational_stiffness
 
-SHARE = 0.8
-"""Share of the known parts within the band that is stated."""
+COVERED = 0.8
+"""Fraction of the known parts within the band that is stated."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Band:
-    """How far estimates of known parts were off, as factors - 1: 0.2 is 20 % above, or as much below (1 / 1.2).
+    """Errors of the estimates of known parts, as factors - 1: 0.2 is 20 % above, or as much below (1 / 1.2).
 
     Attributes:
         within: for 80 % of the vendor's parts, each estimated without itself.
         worst: for the worst of them.
-        other: for 80 % of another vendor's parts; None where it states no such figure.
+        other: for 80 % of another vendor's parts; None where it states no such value.
     """
 
     within: float
@@ -39,16 +40,16 @@ class Band:
 
 @dataclass(frozen=True, kw_only=True)
 class LoopEstimate:
-    """Estimated figures of an isolator.
+    """Estimated values of an isolator.
 
     Attributes:
         height, width, rope, bar: geometry [m].
-        loops: how many.
+        loops: their number.
         bar_assumed: whether the bar was not given, and taken from the vendor's parts of this rope.
         bar_length: over which the loops are spread [m], None if not given.
-        figures: what a data sheet would state.
-        bands: error of each figure, by the names of `figures.flat()`.
-        left_out: what each known part was estimated without: itself, or all parts with its rope.
+        values: those that a data sheet would state.
+        bands: error of each value, by the names of `values.flat()`.
+        left_out: what the estimate of each known part left out: itself, or all parts with its rope.
         vibration_bending_stiffness: EI of the rope in small vibration [N m^2].
         rotation: stiffness about x (roll), y (shear) and z (axial) for small vibration, about mid-height [N m/rad], (3,);
             without `bar_length` only about y, the others NaN. No vendor states any: it has no band of its own.
@@ -61,7 +62,7 @@ class LoopEstimate:
     loops: int
     bar_assumed: bool
     bar_length: float | None
-    figures: LoopValues
+    values: LoopValues
     bands: dict[str, Band]
     left_out: LeftOut
     vibration_bending_stiffness: float
@@ -77,25 +78,27 @@ def estimate_loop(
     bar: float | None = None,
     bar_length: float | None = None,
 ) -> LoopEstimate:
-    """Return the estimated figures of an isolator of full rope loops between two bars.
+    """Return the estimated values of an isolator of full rope loops between two bars.
 
-    EI of the rope and the ratios between the figures are those that 50 parts of Enidine's table have in common; the loop is the
-    elastica of its envelope. Each figure comes with the error that this makes of these parts, each left out in turn.
+    EI of the rope and the ratios between the values are those that 50 parts of Enidine's table have in common; the loop is the
+    elastica of its envelope. Each value comes with the error of such estimates of these parts, each left out in turn.
 
     Args:
         height: unloaded, over both bars [m].
         width: over the ropes, across the bars [m].
         rope: diameter [m], 1.6 to 22.2 mm.
-        loops: how many.
+        loops: their number.
         bar: thickness of one bar [m]; that of the vendor's parts of this rope by default.
         bar_length: over which the loops are spread evenly [m], for the rotational stiffness.
 
     Raises:
         ValueError: an argument is out of range, or leaves no loop.
     """
-    _require(height=height, width=width, rope=rope, bar=bar, bar_length=bar_length)
-    if isinstance(loops, bool) or loops != int(loops) or loops < 1:
-        raise ValueError(f"`loops` must be an integer >= 1, got {loops!r}.")
+    lengths = {"height": height, "width": width, "rope": rope, "bar": bar, "bar_length": bar_length}
+    for name, value in lengths.items():
+        if value is not None:
+            positive(name, value)
+    integer("loops", loops, least=1)
     if not SMALLEST_ROPE * (1.0 - SAME_ROPE) <= rope <= LARGEST_ROPE * (1.0 + SAME_ROPE):
         raise ValueError(
             f"`rope` must be {1e3 * SMALLEST_ROPE:g} to {1e3 * LARGEST_ROPE:g} mm, the ropes of the parts that were compared, "
@@ -108,27 +111,27 @@ def estimate_loop(
         )
     trends = all_trends()
     thickness = trends.bar_of(rope) if bar is None else bar
-    figures = trends.predict(height=height, width=width, rope=rope, bar=thickness, loops=loops)
+    values = trends.predict(height=height, width=width, rope=rope, bar=thickness, loops=loops)
     known = bool(np.any(np.abs(trends.rope / rope - 1.0) <= SAME_ROPE))
     left_out: LeftOut = "part" if known else "rope size"
     shape = loop_shape(height=height, width=width, bar=thickness, rope=rope)
-    stiffness = figures.vibration["compression"] / (loops * RopeLoop(shape).stiffness()[1, 1])
+    stiffness = values.vibration["compression"] / (loops * RopeLoop(shape).stiffness()[1, 1])
     rotation = rotational_stiffness(
         shape,
         bending_stiffness=stiffness,
         positions=loop_positions(loops, bar_length or 1.0),
-        axial=figures.vibration["compression"],
-        roll=figures.vibration["shear"],
+        axial=values.vibration["compression"],
+        roll=values.vibration["shear"],
     )
     return LoopEstimate(
         height=height,
         width=width,
         rope=rope,
         bar=thickness,
-        loops=int(loops),
+        loops=loops,
         bar_assumed=bar is None,
         bar_length=bar_length,
-        figures=figures,
+        values=values,
         bands=error_bands(left_out),
         left_out=left_out,
         vibration_bending_stiffness=float(stiffness),
@@ -137,11 +140,11 @@ def estimate_loop(
 
 
 def error_bands(left_out: LeftOut) -> dict[str, Band]:
-    """Return how far the estimates of known parts are off, by figure."""
+    """Return the errors of the estimates of known parts, by the name of the value."""
     others = other_vendor_errors()
 
     def covering(errors: Array) -> float:
-        return float(np.expm1(np.quantile(np.abs(errors), SHARE)))
+        return float(np.expm1(np.quantile(np.abs(errors), COVERED)))
 
     return {
         name: Band(
@@ -151,10 +154,3 @@ def error_bands(left_out: LeftOut) -> dict[str, Band]:
         )
         for name, errors in left_out_errors(left_out).items()
     }
-
-
-def _require(**lengths: float | None) -> None:
-    """Raise ValueError unless every length that is given is a finite number > 0."""
-    for name, value in lengths.items():
-        if value is not None and not 0.0 < value < math.inf:
-            raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")

@@ -15,24 +15,24 @@ from wirerope_mj.mounts.vendor_parts.secants import NiLaw
 _FORCES = ("alpha", "k1", "k2", "k3")
 """Parameters of the fitted laws that grow with the force; those of their shape (beta with n = 1, b, c) do not."""
 
-_AXIS_FIGURE = {"roll": "shear shock", "shear": "shear shock", "axial": "compression shock"}
+_AXIS_VALUE = {"roll": "shear shock", "shear": "shear shock", "axial": "compression shock"}
 
 
 def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isolator:
-    """Return an isolator with the estimated figures; its spread is the scatter of the estimates of known parts.
+    """Return an isolator with the estimated values; its spread is the scatter of the estimates of known parts.
 
     Raises:
-        ConvergenceError: no law has all the figures.
+        ConvergenceError: no law has all the values.
     """
-    figures = estimate.figures
+    values = estimate.values
     modes = {
         mode: ModeValues(
-            static_load=_rounded(figures.static_load) if mode == "compression" else None,
-            travel=_rounded(figures.travel[mode]),
-            vibration=_rounded(figures.vibration[mode]),
-            shock=_rounded(figures.shock[mode]),
+            static_load=_rounded(values.static_load) if mode == "compression" else None,
+            travel=_rounded(values.travel[mode]),
+            vibration=_rounded(values.vibration[mode]),
+            shock=_rounded(values.shock[mode]),
         )
-        for mode in figures.travel
+        for mode in values.travel
     }
     title = name or f"estimated, {estimate.loops} loops of {1e3 * estimate.rope:g} mm rope"
     part = VendorPart(
@@ -55,7 +55,7 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     rotation = None
     if estimate.bar_length is not None and isinstance(fitted.axial, NiLaw) and isinstance(fitted.roll, NiLaw):
         # Their elastic part alone, as in a fitted file: what small vibration has beyond it is friction.
-        along, across = fitted.axial.k1 / figures.vibration["compression"], fitted.roll.k1 / figures.vibration["shear"]
+        along, across = fitted.axial.k1 / values.vibration["compression"], fitted.roll.k1 / values.vibration["shear"]
         about_roll, about_shear, about_axial = estimate.rotation.tolist()
         rotation = Rotation(
             roll=_rounded(along * about_roll), shear=_rounded(along * about_shear), axial=_rounded(across * about_axial)
@@ -69,7 +69,7 @@ def _rounded(value: float) -> float:
 
 
 def _source(estimate: LoopEstimate) -> str:
-    """Return where the figures come from."""
+    """Return the source of the values."""
     return (
         f"geometry alone (height {1e3 * estimate.height:g} mm, width {1e3 * estimate.width:g} mm, bar "
         f"{1e3 * estimate.bar:.4g} mm, rope {1e3 * estimate.rope:g} mm, {estimate.loops} loops), by what 50 parts of the "
@@ -78,7 +78,7 @@ def _source(estimate: LoopEstimate) -> str:
 
 
 def _assumed(estimate: LoopEstimate) -> tuple[str, ...]:
-    """Return what is estimated, and how far such estimates were off."""
+    """Return the assumptions, with the errors of such estimates."""
     band = estimate.bands["compression shock"]
     other = f", of VMC's within {1.0 + band.other:.2f}" if band.other is not None else ""
     bar = ("the thickness of the bars, from the trend of the catalogue",) if estimate.bar_assumed else ()
@@ -103,7 +103,7 @@ def _spread(isolator: Isolator, estimate: LoopEstimate) -> Spread:
             if key in _FORCES and value != 0.0:
                 names.append(f"{axis}.{key}")
                 values.append(value)
-                rows.append(errors[_AXIS_FIGURE[axis]])
+                rows.append(errors[_AXIS_VALUE[axis]])
     covariance = np.outer(values, values) * np.cov(np.stack(rows))
     if isolator.spread is not None:
         known = np.array(isolator.spread.covariance)

@@ -1,4 +1,4 @@
-"""What the parts of a vendor's table have in common: from geometry to the figures of a data sheet, and how well that goes."""
+"""Trends over the parts of a vendor's table: from geometry to the values of a data sheet, and the errors of that."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.estimate.vendor_check import check_vendor_loops
-from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE, VendorLoop
+from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE
 from wirerope_mj.mounts.rope_loop import RopeLoop, loop_shape
 from wirerope_mj.mounts.vendor_parts.parts import vendor_parts
 
@@ -24,7 +24,7 @@ SAME_ROPE = 0.02
 
 @dataclass(frozen=True, kw_only=True)
 class LoopValues:
-    """Estimated figures of an isolator, in SI units; modes as in the vendor's table, shear standing for roll as well.
+    """Estimated values of an isolator, in SI units; modes as in the vendor's table, shear standing for roll as well.
 
     Attributes:
         bending_stiffness: EI of the rope over the compression travel [N m^2].
@@ -40,7 +40,7 @@ class LoopValues:
     static_load: float
 
     def flat(self) -> dict[str, float]:
-        """Return the figures that a vendor states, by name."""
+        """Return the values that a vendor states, by name."""
         named = {"static load": self.static_load}
         for name in ("travel", "vibration", "shock"):
             named |= {f"{mode} {name}": value for mode, value in getattr(self, name).items()}
@@ -49,27 +49,27 @@ class LoopValues:
 
 @dataclass(frozen=True, kw_only=True)
 class Trends:
-    """What the parts of a table have in common.
+    """Trends over the parts of a table.
 
     EI is interpolated between the rope sizes, log over log; each size has the geometric mean of its parts. The compression
-    travel is a share of the gap between the bars, height - 2 bar: the parts close up at 0.78 to 0.96 of it. Vibration over
-    shock stiffness in compression grows with a power of the loop's height. All other figures are constant ratios.
+    travel is a fraction of the gap between the bars, height - 2 bar: the parts close up at 0.78 to 0.96 of it. Vibration over
+    shock stiffness in compression grows with a power of the loop's height. All other values are constant ratios.
     """
 
     rope: Array
     bending_stiffness: Array
     bar: Array
-    gap_share: float
+    gap_fraction: float
     vibration_power: tuple[float, float]
     ratios: dict[str, float]
 
     def predict(self, *, height: float, width: float, rope: float, bar: float, loops: float) -> LoopValues:
-        """Return the figures of an isolator from its geometry [m]; ValueError if it leaves no loop or no travel."""
+        """Return the values of an isolator from its geometry [m]; ValueError if it leaves no loop or no travel."""
         gap = height - 2.0 * bar
         if gap <= 0.0:
             raise ValueError(f"`height` of {height:g} m leaves no gap between two bars of {bar:g} m.")
         shape = loop_shape(height=height, width=width, bar=bar, rope=rope)
-        travel = self.gap_share * gap
+        travel = self.gap_fraction * gap
         stiffness = float(np.exp(_interpolated(rope, self.rope, np.log(self.bending_stiffness))))
         secant = -float(RopeLoop(shape).state(0.0, -travel).axial_force) / travel
         shock = loops * stiffness * secant
@@ -98,7 +98,7 @@ class Trends:
 
 
 def find_trends(parts: Sequence[int]) -> Trends:
-    """Return what the rows of these numbers of `vendor_loops` have in common."""
+    """Return the trends over the rows of `vendor_loops` with these indices."""
     checks = [check_vendor_loops()[index] for index in parts]
     rows = [check.part for check in checks]
     sizes = sorted({row.rope for row in rows})
@@ -109,8 +109,8 @@ def find_trends(parts: Sequence[int]) -> Trends:
     def mean(values: Array) -> float:
         return float(np.exp(np.mean(np.log(values))))
 
-    def column(figure: str, mode: str) -> Array:
-        return np.array([getattr(row, figure)[mode] for row in rows])
+    def column(name: str, mode: str) -> Array:
+        return np.array([getattr(row, name)[mode] for row in rows])
 
     stiffness = [mean(np.array([c.bending_stiffness for c in checks if c.part.rope == size])) for size in sizes]
     slope, offset = np.polyfit(np.log([row.height - row.bar for row in rows]), np.log(vibration / shock), 1)
@@ -118,7 +118,7 @@ def find_trends(parts: Sequence[int]) -> Trends:
         rope=np.array(sizes),
         bending_stiffness=np.array(stiffness),
         bar=np.array([mean(np.array([row.bar for row in rows if row.rope == size])) for size in sizes]),
-        gap_share=mean(travel / np.array([row.height - 2.0 * row.bar for row in rows])),
+        gap_fraction=mean(travel / np.array([row.height - 2.0 * row.bar for row in rows])),
         vibration_power=(float(slope), float(offset)),
         ratios={
             "45 travel": mean(column("travel", "45") / travel),
@@ -133,13 +133,13 @@ def find_trends(parts: Sequence[int]) -> Trends:
 
 @cache
 def all_trends() -> Trends:
-    """Return what all 50 rows have in common."""
+    """Return the trends over all 50 rows."""
     return find_trends(range(len(check_vendor_loops())))
 
 
 @cache
 def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
-    """Return log(estimate / catalogue) of every figure, (50,), each row estimated without itself.
+    """Return log(estimate / catalogue) of every value, (50,), each row estimated without itself.
 
     Args:
         left_out: "part": the row alone, as for a rope size that the table has; "rope size": all rows with its rope, as for one
@@ -148,7 +148,7 @@ def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
     rows = [check.part for check in check_vendor_loops()]
     errors: dict[str, list[float]] = {}
     for index, row in enumerate(rows):
-        others = [i for i, other in enumerate(rows) if _kept(i, other, index, row, left_out)]
+        others = [i for i, other in enumerate(rows) if (i != index if left_out == "part" else other.rope != row.rope)]
         predicted = find_trends(others).predict(
             height=row.height, width=row.width, rope=row.rope, bar=row.bar, loops=row.loops
         )
@@ -166,9 +166,9 @@ def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
 
 @cache
 def other_vendor_errors() -> dict[str, Array]:
-    """Return log(estimate / data sheet) of the figures of VMC's table, which no trend has seen; one for each part stating it.
+    """Return log(estimate / data sheet) of the values of VMC's table, which no trend has seen; one for each part stating it.
 
-    Their bars are not stated and taken from the trend. The table has no figures at 45 degrees.
+    Their bars are not stated and taken from the trend. The table has no values at 45 degrees.
     """
     trends, errors = all_trends(), dict[str, list[float]]()
     for part in vendor_parts():
@@ -176,25 +176,23 @@ def other_vendor_errors() -> dict[str, Array]:
             continue
         height, width, rope, loops = (float(v or 0.0) for v in (part.height, part.width, part.rope, part.loops))
         predicted = trends.predict(height=height, width=width, rope=rope, bar=trends.bar_of(rope), loops=loops).flat()
-        for mode, figures in part.modes.items():
-            stated = {f"{mode} travel": figures.travel, f"{mode} vibration": figures.vibration}
-            stated |= {f"{mode} shock": figures.shock}
+        for mode, values in part.modes.items():
+            stated = {
+                f"{mode} travel": values.travel,
+                f"{mode} vibration": values.vibration,
+                f"{mode} shock": values.shock,
+            }
             if mode == "compression":
-                stated["static load"] = figures.static_load
+                stated["static load"] = values.static_load
             for name, value in stated.items():
                 if value is not None:
                     errors.setdefault(name, []).append(float(np.log(predicted[name] / value)))
     return {name: np.array(values) for name, values in errors.items()}
 
 
-def _kept(index: int, other: VendorLoop, left: int, row: VendorLoop, left_out: LeftOut) -> bool:
-    """Return whether a row is used in the estimate of the row of number `left`."""
-    return index != left if left_out == "part" else other.rope != row.rope
-
-
 def _interpolated(rope: float, sizes: Array, values: Array) -> float:
     """Return a value between rope sizes, linear over log d; outside, along the straight line through all sizes."""
-    places, wanted = np.log(sizes), np.log(rope)
-    nearest = float(np.clip(wanted, places[0], places[-1]))
-    slope = float(np.polyfit(places, values, 1)[0])
-    return float(np.interp(nearest, places, values)) + slope * (wanted - nearest)
+    known, wanted = np.log(sizes), np.log(rope)
+    nearest = float(np.clip(wanted, known[0], known[-1]))
+    slope = float(np.polyfit(known, values, 1)[0])
+    return float(np.interp(nearest, known, values)) + slope * (wanted - nearest)

@@ -1,4 +1,4 @@
-"""What the elastica makes of the vendor's loops: the rope's bending stiffness from one figure, and two others predicted."""
+"""The vendor's loops by the elastica: the rope's bending stiffness from one value, and two others predicted."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -11,7 +11,7 @@ from wirerope_mj.mounts.rope_loop import LoopShape, RopeLoop
 
 @dataclass(frozen=True, kw_only=True)
 class Secants:
-    """Force over deflection of a loop at three deflections from the unloaded place [N/m].
+    """Force over deflection of a loop at three deflections from the unloaded position [N/m].
 
     Attributes:
         compression: straight down.
@@ -43,8 +43,8 @@ class LoopCheck:
 
 def loop_secants(shape: LoopShape, *, compression: float, roll: float, diagonal: float) -> Secants:
     """Return the secants of one loop of EI = 1 N m^2 at three travels [m], each > 0."""
-    share = diagonal / np.sqrt(2.0)
-    state = RopeLoop(shape).state([0.0, roll, share], [-compression, 0.0, -share])
+    across = diagonal / np.sqrt(2.0)
+    state = RopeLoop(shape).state([0.0, roll, across], [-compression, 0.0, -across])
     return Secants(
         compression=float(-state.axial_force[0] / compression),
         roll=float(state.roll_force[1] / roll),
@@ -62,7 +62,7 @@ def check_vendor_loops() -> tuple[LoopCheck, ...]:
 def coupled_diagonal_errors() -> tuple[tuple[float, float, float], ...]:
     """Return the errors at 45 degrees of axes that are those of the catalogue, coupled by the elastica, for each row.
 
-    The force along 45 degrees is that of the catalogue's shock stiffness in compression and in roll, each over its share of
+    The force along 45 degrees is that of the catalogue's shock stiffness in compression and in roll, each over its component of
     the travel, and that of U(u, w) - U(u, 0) - U(0, w). Three errors: without it; with it scaled by the EI of compression; and
     by the geometric mean of the EI of compression and of roll.
     """
@@ -72,8 +72,8 @@ def coupled_diagonal_errors() -> tuple[tuple[float, float, float], ...]:
 def _coupled(check: LoopCheck) -> tuple[float, float, float]:
     """Return the errors of one row."""
     part = check.part
-    share = part.travel["45"] / np.sqrt(2.0)
-    state = RopeLoop(part.shape).state([share, share, 0.0], [-share, 0.0, -share])
+    x = part.travel["45"] / np.sqrt(2.0)
+    state = RopeLoop(part.shape).state([x, x, 0.0], [-x, 0.0, -x])
     across = state.roll_force[0] - state.roll_force[1]
     down = state.axial_force[2] - state.axial_force[0]
     coupling = float(part.loops * (across + down) / np.sqrt(2.0) / part.travel["45"])

@@ -1,11 +1,11 @@
 """The parts of Enidine's table that state their loops and all three loading modes."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
 from wirerope_mj.mounts.rope_loop import LoopShape, loop_shape
-from wirerope_mj.mounts.vendor_parts.parts import MODES, SERIES, ModeValues, Series, VendorPart, vendor_parts
+from wirerope_mj.mounts.vendor_parts.parts import MODES, SERIES, Series, VendorPart, vendor_parts
 
 ENIDINE: Series = next(series for series in SERIES if series.file == "enidine_wr.csv")
 
@@ -17,7 +17,7 @@ class VendorLoop:
     Attributes:
         name: of the vendor.
         rope: diameter [m].
-        loops: how many.
+        loops: their number.
         width, height: of the unloaded isolator [m].
         bar: thickness of one bar [m].
         static_load, travel, vibration, shock: largest static load [N], largest deflection [m], stiffness of small vibration
@@ -58,23 +58,8 @@ def _loop(part: VendorPart) -> VendorLoop | None:
     if rope is None or loops is None or width is None or height is None or bar is None:
         return None
 
-    def by_mode(figure: Callable[[ModeValues], float | None]) -> dict[str, float]:
-        values = {mode: figure(part.modes[mode]) for mode in MODES}
-        return {mode: value for mode, value in values.items() if value is not None}
-
-    found = VendorLoop(
-        name=part.name,
-        rope=rope,
-        loops=loops,
-        width=width,
-        height=height,
-        bar=bar,
-        static_load=by_mode(lambda figures: figures.static_load),
-        travel=by_mode(lambda figures: figures.travel),
-        vibration=by_mode(lambda figures: figures.vibration),
-        shock=by_mode(lambda figures: figures.shock),
-    )
-    complete = all(
-        len(table) == len(MODES) for table in (found.static_load, found.travel, found.vibration, found.shock)
-    )
-    return found if complete else None
+    names = ("static_load", "travel", "vibration", "shock")
+    values = {name: {mode: getattr(part.modes[mode], name) for mode in MODES} for name in names}
+    if any(value is None for by_mode in values.values() for value in by_mode.values()):
+        return None
+    return VendorLoop(name=part.name, rope=rope, loops=loops, width=width, height=height, bar=bar, **values)

@@ -6,6 +6,6 @@ from wirerope_mj.mounts.identification.choice import compare_laws as compare_law
 from wirerope_mj.mounts.identification.methods import MethodComparison as MethodComparison
 from wirerope_mj.mounts.identification.methods import MethodRow as MethodRow
 from wirerope_mj.mounts.identification.methods import compare_methods as compare_methods
-from wirerope_mj.mounts.identification.specimens import Specimens as Specimens
+from wirerope_mj.mounts.identification.specimens import SpecimenFits as SpecimenFits
 from wirerope_mj.mounts.identification.specimens import identify_specimens as identify_specimens
 from wirerope_mj.mounts.identification.specimens import joint_spread as joint_spread

@@ -1,16 +1,16 @@
-"""Which law: several are fitted to the same loops and judged by what they leave, and by amplitudes that they have not seen."""
+"""Choice of a law: several are fitted to the same loops and judged by their residuals, and on amplitudes left out."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from functools import partial
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.arguments import require_kind, require_loops
+from wirerope_mj.mounts.identification.families import require_law
 from wirerope_mj.mounts.identification.identify import identify
-from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare
+from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, require_loops
 from wirerope_mj.mounts.identification.result import Identification
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, EnhancedDryFriction, Law, Loop, Masing, SymmetricBoucWen
 
@@ -23,7 +23,7 @@ USUAL: tuple[type[Law], ...] = (EnhancedDryFriction, BoucWen, SymmetricBoucWen, 
 
 @dataclass(frozen=True, kw_only=True)
 class LawRow:
-    """How one law does.
+    """Fit of one law.
 
     Attributes:
         law: its name.
@@ -57,7 +57,7 @@ class LawComparison:
     Attributes:
         rows: one for each law, best criterion first.
         amplitudes: the different amplitudes [m], smallest first, (n_amplitudes,).
-        weights: what counted alike in the fits, as in `identify`.
+        weights: of the fits, as in `identify`.
     """
 
     rows: tuple[LawRow, ...]
@@ -84,11 +84,10 @@ class LawComparison:
             if row.fit is None:
                 lines.append(f"{row.law:24s} not fitted: {row.message}")
                 continue
-            parts = (("fitted", row.errors), ("left out", row.errors_left_out))
-            for number, (word, errors) in enumerate(parts):
+            for number, (label, errors) in enumerate((("fitted", row.errors), ("left out", row.errors_left_out))):
                 first = f"{row.law:24s}{row.free:5d}{row.behind:12.0f}" if number == 0 else " " * 41
                 numbers = (f"{'-':>12s}" if np.isnan(e) else f"{100 * e:>10.1f} %" for e in errors)
-                lines.append(f"{first}  {word:10s}" + "".join(numbers))
+                lines.append(f"{first}  {label:10s}" + "".join(numbers))
             if row.why_not_left_out:
                 lines.append(f"{'':41s}  -: {row.why_not_left_out}")
         return "\n".join(lines)
@@ -125,8 +124,8 @@ def compare_laws(
     require_loops(loops)
     if isinstance(laws, str) or not isinstance(laws, Sequence) or not laws:
         raise ValueError(f"`laws` must name at least one law, as a sequence of classes such as BoucWen, got {laws!r}.")
-    for place, kind in enumerate(laws):
-        require_kind(kind, f"laws[{place}]")
+    for index, kind in enumerate(laws):
+        require_law(kind, f"laws[{index}]")
     order = sorted(loops, key=lambda loop: float(np.ptp(loop.deflection)))
     measured = prepare(order, weights=weights)
     groups = _amplitudes(measured)
@@ -136,7 +135,7 @@ def compare_laws(
         replace(row, behind=row.criterion - least if row.fit is not None else math.inf)
         for row in sorted(rows, key=lambda row: row.criterion)
     ]
-    sizes = np.array([np.mean([measured[place].amplitude for place in group]) for group in groups])
+    sizes = np.array([np.mean([measured[index].amplitude for index in group]) for group in groups])
     return LawComparison(rows=tuple(rows), amplitudes=sizes, weights=weights)
 
 
@@ -146,13 +145,13 @@ def normalised_error(law: Law, loop: MeasuredLoop) -> float:
 
 
 def _amplitudes(loops: Sequence[MeasuredLoop]) -> list[list[int]]:
-    """Return the places of the loops of each amplitude; the loops are in the order of their amplitudes."""
+    """Return the indices of the loops of each amplitude; the loops are in the order of their amplitudes."""
     groups: list[list[int]] = []
-    for place, loop in enumerate(loops):
+    for index, loop in enumerate(loops):
         if groups and loop.amplitude <= (1.0 + SAME) * loops[groups[-1][0]].amplitude:
-            groups[-1].append(place)
+            groups[-1].append(index)
         else:
-            groups.append([place])
+            groups.append([index])
     return groups
 
 
@@ -165,7 +164,7 @@ def _row(
     weights: str,
     leave_out: bool,
 ) -> LawRow:
-    """Return how one law does, its distance to the best not yet known."""
+    """Return the fit of one law, its distance to the best not yet known."""
     nothing = np.full(len(groups), np.nan)
     try:
         fit = identify(loops, law=kind, elements=elements, weights=weights)
@@ -176,7 +175,7 @@ def _row(
         )  # fmt: skip
     left_out, converged, why_not = nothing.copy(), fit.converged, ""
     for number, group in enumerate(groups) if leave_out else ():
-        others = [loop for place, loop in enumerate(loops) if place not in group]
+        others = [loop for index, loop in enumerate(loops) if index not in group]
         try:
             other = _refitted(fit, others, elements, weights)
         except ValueError as failure:
@@ -184,7 +183,7 @@ def _row(
             continue
         left_out[number] = _error(other.law, measured, group)
         converged = converged and other.converged
-    free = len(fit.certainty.free)
+    free = len(fit.uncertainty.free)
     return LawRow(
         law=kind.name, free=free, criterion=_criterion(fit, free), behind=math.inf,
         errors=np.array([_error(fit.law, measured, group) for group in groups]),
@@ -196,22 +195,18 @@ def _refitted(fit: Identification, loops: Sequence[Loop], elements: int, weights
     """Return the fit to fewer loops, begun at the fit to all, else from the grid."""
     if not loops:
         raise ValueError("there is only one amplitude.")
-    options: dict[str, Any] = {
-        "law": type(fit.law),
-        "elements": elements,
-        "weights": weights,
-        "method": "time",
-        "profiles": False,
-    }
+    again = partial(
+        identify, loops, law=type(fit.law), elements=elements, weights=weights, method="time", profiles=False
+    )
     try:
-        return identify(loops, start=fit.law, grid=False, **options)
+        return again(start=fit.law, grid=False)
     except ValueError:
-        return identify(loops, **options)
+        return again()
 
 
 def _error(law: Law, loops: Sequence[MeasuredLoop], group: Sequence[int]) -> float:
     """Return the normalised error of the loops of one amplitude."""
-    return float(np.sqrt(np.mean([normalised_error(law, loops[place]) ** 2 for place in group])))
+    return float(np.sqrt(np.mean([normalised_error(law, loops[index]) ** 2 for index in group])))
 
 
 def _criterion(fit: Identification, free: int) -> float:

@@ -2,10 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.optimize import isotonic_regression
 
+from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import Scales
 from wirerope_mj.mounts.laws import Law, Loop
@@ -22,7 +25,7 @@ ENDS_NOISE = 6.0
 """Standard deviations of the noise by which the two ends of a cycle within a stop's gap may differ: four of a difference."""
 
 OPEN_ENDED = 0.2
-"""Share of the force range by which the ends of a measured cycle may differ: creep of the first cycles, and noise."""
+"""Fraction of the force range by which the ends of a measured cycle may differ: creep of the first cycles, and noise."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,7 +35,7 @@ class MeasuredLoop:
     Attributes:
         deflection: path [m], (n_t,), monotone between its turning points.
         force: measured force [N], (n_t,).
-        weight: what a residual of this loop is divided by [N].
+        weight: divisor of this loop's residual [N].
         history: turning points from the unloaded device to the first of the measured cycles [m], (n,).
         elapsed: time since the cycle began over its period, (n_t,).
         averaged: cycles whose mean was measured; 0: the loop counts as steady.
@@ -76,11 +79,11 @@ class MeasuredLoop:
     def model_force(self, law: Law) -> Array:
         """Return the force of a law on the loop's path [N], (n_t,); NaN where it is not finite.
 
-        The law is led there as the device was, through the turning points before, and what was made of the measured cycles is
-        made of its. Where they are not known it is in its steady state; elements that never slip there stand as a ramp from the
+        The law is led there as the device was, through the turning points before, and its cycles are averaged as the measured
+        ones were. Where they are not known it is in its steady state; elements that never slip there stand as a ramp from the
         unloaded device to the operating point leaves them.
         """
-        if len(law.components) > 1:  # each has its own states, and no word in those of the others
+        if len(law.components) > 1:  # each has states of its own
             return np.asarray(sum(self.model_force(one) for one in law.components))
         if self.averaged:
             return mean_of_cycles(self._led_forces(law), self.elapsed)
@@ -96,7 +99,7 @@ class MeasuredLoop:
         return follow_force(law.kernel, parameters, x, states, law.n_states)
 
     def law_closure(self, law: Law) -> float:
-        """Return how far apart the ends of the last cycle of a law that is led there stand, as a record's `closure` does.
+        """Return the distance of the ends of the last cycle of a law that is led there, as a record's `closure`.
 
         It is without the drift of the cycles' means, over the measured force range; 0 for a loop that counts as steady.
         """
@@ -120,6 +123,23 @@ class MeasuredLoop:
         return forces
 
 
+def require_loops(loops: Any, name: str = "loops") -> None:
+    """Raise ValueError unless `loops` is a sequence of loops, at least one."""
+    if isinstance(loops, str | Path):
+        raise ValueError(
+            f"`{name}` must be loops, got the path {str(loops)!r}; read_cycles({str(loops)!r}) reads them."
+        )
+    if isinstance(loops, Loop):
+        raise ValueError(f"`{name}` must be a sequence of loops, got a single one; put it into brackets.")
+    if not isinstance(loops, Sequence):
+        raise ValueError(f"`{name}` must be a sequence of loops, got {loops!r}.")
+    if not loops:
+        raise ValueError(f"`{name}` must hold at least one closed loop.")
+    for index, loop in enumerate(loops):
+        if not isinstance(loop, Loop):
+            raise ValueError(f"`{name}` must hold loops, got a {type(loop).__name__} at index {index}.")
+
+
 def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False) -> list[MeasuredLoop]:
     """Return loops ready to be fitted, smallest first.
 
@@ -135,8 +155,7 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False
     Raises:
         ValueError: a loop is not a full cycle, its deflection does not move, or its force is clipped.
     """
-    if weights not in ("range", "equal"):
-        raise ValueError(f"`weights` must be 'range' or 'equal', got {weights!r}.")
+    one_of("weights", weights, ("range", "equal"))
     largest = max((0.5 * float(np.ptp(loop.force)) for loop in loops), default=0.0)
     ready = []
     for number, loop in enumerate(loops, start=1):
@@ -150,7 +169,7 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False
 
 
 def scales_of(loops: Sequence[MeasuredLoop]) -> Scales:
-    """Return the sizes of what was measured."""
+    """Return the sizes of the measured loops."""
     amplitudes = [loop.amplitude for loop in loops]
     return Scales(
         deflection=max(amplitudes),

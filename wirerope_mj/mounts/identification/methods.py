@@ -4,21 +4,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import get_args
 
-from wirerope_mj.mounts.identification.arguments import require_loops
 from wirerope_mj.mounts.identification.identify import identify
+from wirerope_mj.mounts.identification.measured import require_loops
 from wirerope_mj.mounts.identification.stages import Method
 from wirerope_mj.mounts.laws import Law, Loop
 
 
 @dataclass(frozen=True, kw_only=True)
 class MethodRow:
-    """How one method did from one start.
+    """Fit by one method from one start.
 
     Attributes:
         method: "three-stage", "time" or "frequency".
-        start: what the start is called.
+        start: name of the start.
         iterations: steps of the searches, all stages together.
-        evaluations: how often a residual was computed, Jacobians included.
+        evaluations: of a residual, Jacobians included.
         error: root mean square of force minus measured force, each loop's over its half force range [-].
         converged: whether the last search ended by itself.
         message: how it ended.
@@ -58,7 +58,7 @@ def compare_methods(loops: Sequence[Loop], *, starts: Mapping[str, Law], weights
 
     Args:
         loops: closed cycles of several amplitudes.
-        starts: laws to begin at, by what the table calls them; their classes say which laws are fitted.
+        starts: laws to begin at, by their names in the table; their classes say which laws are fitted.
         weights: as in `identify`.
 
     Raises:
@@ -75,7 +75,6 @@ def compare_methods(loops: Sequence[Loop], *, starts: Mapping[str, Law], weights
 
 
 def _row(loops: Sequence[Loop], name: str, start: Law, method: Method, weights: str) -> MethodRow:
-    """Return how one method did from one start."""
     try:
         fit = identify(loops, law=type(start), start=start, method=method, weights=weights, grid=False, profiles=False)
     except ValueError as failure:

@@ -1,14 +1,19 @@
-"""What an identification found: the law, its parameters with errors, and what the data leave open."""
+"""An identification: the law, its parameters with errors, its range of validity, and its loops beside the measured ones."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
+from wirerope_mj.mounts.identification.coordinates import SEEN
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.stages import Stage
-from wirerope_mj.mounts.identification.uncertainty import Certainty, Parameter
-from wirerope_mj.mounts.identification.validity import validity_of
+from wirerope_mj.mounts.identification.uncertainty import Parameter, Uncertainty
 from wirerope_mj.mounts.laws import Law
+from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -17,17 +22,17 @@ class Identification(Summarised):
 
     Attributes:
         law: the law.
-        parameters: what was searched for, by name, in normalised form: value, unit, standard error, whether at a bound.
+        parameters: coordinates of the search, by name, in normalised form: value, unit, standard error, whether at a bound.
         residual: root mean square of force minus measured force, each loop's over its half force range [-].
         residuals: the same for each loop, smallest amplitude first, (n_loops,).
         converged: whether the search ended by itself.
         message: how it ended.
-        open_combinations: what the data leave open, in words; empty if they fix everything.
-        certainty: covariance, correlation and singular values.
-        stages: what every stage of the winning start did.
-        evaluations: how often the residual was computed in all.
-        started: "given" or "grid": which start won.
-        loops: what was fitted, smallest first.
+        non_identifiable: a message for each combination of parameters that the data do not identify.
+        uncertainty: covariance, correlation and singular values.
+        stages: those of the best start.
+        evaluations: of the residual in all.
+        started: "given" or "grid": the best start.
+        loops: as they were fitted, smallest first.
     """
 
     law: Law
@@ -36,8 +41,8 @@ class Identification(Summarised):
     residuals: Array
     converged: bool
     message: str
-    open_combinations: tuple[str, ...]
-    certainty: Certainty
+    non_identifiable: tuple[str, ...]
+    uncertainty: Uncertainty
     stages: tuple[Stage, ...]
     evaluations: int
     started: str
@@ -54,11 +59,11 @@ class Identification(Summarised):
 
     @property
     def validity(self) -> str:
-        """The amplitudes and deflections for which the law stands, in words."""
+        """The amplitudes and deflections for which the law is valid, as text."""
         return validity_of(self.law, self.loops)
 
     def __str__(self) -> str:
-        """The law, how well it fits, its parameters with units and errors, what is open, and its range of validity."""
+        """The law, its error, its parameters with units and errors, what is not identifiable, and its range of validity."""
         lines = [
             repr(self.law),
             f"error {100.0 * self.residual:.3g} % of half the force range over {len(self.loops)} loops; "
@@ -69,4 +74,88 @@ class Identification(Summarised):
             error = "given" if p.fixed else f"{p.standard_error:.2g}"
             note = "  at its bound" if p.at_bound else ""
             lines.append(f"{p.name:12s}{p.value:14.6g}{error:>16s}  {p.unit}{note}")
-        return "\n".join([*lines, *(f"open: {words}" for words in self.open_combinations), self.validity])
+        return "\n".join([*lines, *(f"not identifiable: {text}" for text in self.non_identifiable), self.validity])
+
+
+@dataclass(frozen=True, kw_only=True)
+class FittedLoop:
+    """One measured loop and the law's.
+
+    Attributes:
+        deflection: path [m], (n_t,).
+        measured: force [N], (n_t,), without the zero of the load cell.
+        fitted: force of the law [N], (n_t,).
+        zero: of the load cell, taken out [N]: the mean of measured minus fitted.
+    """
+
+    deflection: Array
+    measured: Array
+    fitted: Array
+    zero: float
+
+    @property
+    def amplitude(self) -> float:
+        """Half the range of the deflection [m]."""
+        return 0.5 * float(np.ptp(self.deflection))
+
+    @property
+    def operating_point(self) -> float:
+        """Middle of the deflections [m]."""
+        return 0.5 * float(self.deflection.max() + self.deflection.min())
+
+    @property
+    def residual(self) -> Array:
+        """Fitted minus measured force over half the measured range [-], (n_t,)."""
+        return (self.fitted - self.measured) / (0.5 * float(np.ptp(self.measured)))
+
+    @property
+    def error(self) -> float:
+        """Root mean square of the residual [-]."""
+        return float(np.sqrt(np.mean(self.residual**2)))
+
+    def energy(self, force: Array) -> float:
+        """Return the energy that a force dissipates over the loop [J]."""
+        return float(np.trapezoid(force, self.deflection))
+
+    def secant_stiffness(self, force: Array) -> float:
+        """Return a force's difference between the turning points over the stroke [N/m]."""
+        top, bottom = int(np.argmax(self.deflection)), int(np.argmin(self.deflection))
+        return float((force[top] - force[bottom]) / np.ptp(self.deflection))
+
+
+def neighbours_correlation(fits: Sequence[FittedLoop]) -> float:
+    """Return the correlation of neighbouring residuals [-]: about 0 for noise, towards 1 where the law cannot follow."""
+    products = sum(float(fit.residual[1:] @ fit.residual[:-1]) for fit in fits)
+    return products / max(sum(float(fit.residual[1:] @ fit.residual[1:]) for fit in fits), 1e-300)
+
+
+def fitted_loops(result: Identification) -> list[FittedLoop]:
+    """Return every loop of an identification beside the law's, smallest first."""
+    fits = []
+    for loop in result.loops:
+        fitted = loop.model_force(result.law)
+        zero = float(np.mean(loop.force - fitted))
+        fits.append(FittedLoop(deflection=loop.deflection, measured=loop.force - zero, fitted=fitted, zero=zero))
+    return fits
+
+
+def validity_of(law: Law, loops: Sequence[MeasuredLoop]) -> str:
+    """Return the range of validity of a law fitted to loops, smallest first: tested deflections, and whether small cycles show.
+
+    Half of a Bouc-Wen law's slope at z = 0, alpha, is lost at the deflection x_y (1/2)^(1/n). Where that is within 2 % of the
+    least amplitude no sample shows the slope, and alpha and n follow from the bend further on alone.
+    """
+    least, largest = 1e3 * loops[0].amplitude, 1e3 * loops[-1].amplitude
+    sizes = f"{least:.3g} mm" if f"{least:.3g}" == f"{largest:.3g}" else f"{least:.3g} to {largest:.3g} mm"
+    low = 1e3 * min(float(loop.deflection.min()) for loop in loops)
+    high = 1e3 * max(float(loop.deflection.max()) for loop in loops)
+    text = f"valid for cycles of {sizes} amplitude between {low:.3g} and {high:.3g} mm, which were tested; extrapolated beyond"
+    if not isinstance(law, Hysteresis) or not math.isfinite(law.z_max):
+        return text
+    half = 1e3 * law.normalised.x_y * 0.5 ** (1.0 / law.n)
+    if half > SEEN * least:
+        return text
+    return (
+        f"{text}. With n = {law.n:.3g} half of the slope alpha is lost within {half:.2g} mm, less than {100.0 * SEEN:g} % of "
+        "the least amplitude, which its samples do not show: the stiffness of smaller cycles is a guess"
+    )

@@ -1,4 +1,4 @@
-"""Nonlinear least squares in the coordinates of a law: which are free, and the search itself."""
+"""Nonlinear least squares in the coordinates of a law."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -17,10 +17,10 @@ STEP = 1e-6
 TOLERANCE = 1e-10
 """Relative change of the numbers below which a search has ended."""
 
-SHARE = 1e-3
+GAIN = 1e-3
 """Variances of the residual that a step has to take from the sum of squares: 0.03 standard errors of one parameter."""
 
-STEPS_RUNNING, SETTLED = 10, 0.25
+STEPS_RUNNING, STALLED = 10, 0.25
 """So many steps together have to take this many variances from the sum of squares: half a standard error of one parameter.
 What moves on and takes less creeps along a valley that the noise does not tell apart from its end."""
 
@@ -35,8 +35,8 @@ REFUSED = 1e3
 
 
 @dataclass(frozen=True, kw_only=True)
-class Search:
-    """A law's coordinates, some of them fixed.
+class Unknowns:
+    """The coordinates of a law, some of them fixed.
 
     Attributes:
         family: how the law is made.
@@ -61,8 +61,8 @@ class Search:
 
     def values(self, numbers: Array) -> dict[str, float]:
         """Return the values of all coordinates."""
-        found = {c.name: float(c.value(number)) for c, number in zip(self.free, numbers, strict=True)}
-        return {c.name: found.get(c.name, self.fixed.get(c.name, 0.0)) for c in self.coordinates}
+        free = {c.name: float(c.value(number)) for c, number in zip(self.free, numbers, strict=True)}
+        return {c.name: free.get(c.name, self.fixed.get(c.name, 0.0)) for c in self.coordinates}
 
     def law(self, numbers: Array) -> Law:
         """Return the law of the numbers."""
@@ -78,8 +78,8 @@ class Search:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Found:
-    """Where a search ended: numbers, residual and Jacobian there, steps, evaluations (Jacobians included), why it ended."""
+class Minimum:
+    """The end of a search: numbers, residual and Jacobian there, steps, evaluations (Jacobians included), why it ended."""
 
     numbers: Array
     residual: Array
@@ -95,84 +95,86 @@ class Found:
         return float(self.residual @ self.residual)
 
 
-class _Settled(Exception):
-    """The search is where it was ten steps ago, as far as the noise can tell."""
+class _Stalled(Exception):
+    """Raised where ten steps have changed nothing that the noise can tell."""
 
 
-class _Walk:
+class _Residuals:
     """The residual and its Jacobian along a search: counts evaluations, and ends a search that creeps.
 
     Attributes:
         evaluations: of the residual so far.
-        passed: where the search was at each step.
+        steps: the minimum so far at each step.
         freedom: samples left over for the noise.
     """
 
-    def __init__(self, search: Search, residual: Residual, begin: Array) -> None:
-        self._search, self._residual = search, residual
-        self._size = residual(search.law(begin)).size
+    def __init__(self, unknowns: Unknowns, residual: Residual, begin: Array) -> None:
+        self._unknowns, self._residual = unknowns, residual
+        self._size = residual(unknowns.law(begin)).size
         self.evaluations = 0
-        self.passed: list[Found] = []
+        self.steps: list[Minimum] = []
         self.freedom = max(self._size - begin.size, 1)
         self._latest = (begin, self._value(begin))
 
     def residual(self, numbers: Array) -> Array:
-        """Return the residual and remember it for the Jacobian at the same place."""
+        """Return the residual and remember it for the Jacobian there."""
         self._latest = (numbers.copy(), self._value(numbers))
         return self._latest[1]
 
     def jacobian(self, numbers: Array) -> Array:
-        """Return the Jacobian by differences; raises _Settled where ten steps have changed nothing that counts."""
+        """Return the Jacobian by differences; raises _Stalled where ten steps have changed nothing that counts."""
         before = self._latest[1] if np.array_equal(self._latest[0], numbers) else self._value(numbers)
         # SciPy's own step is relative to the number: for one near zero it is so small that the differences are rounding.
-        high, columns = self._search.bounds[1], []
-        for place, number in enumerate(numbers):
+        high, columns = self._unknowns.bounds[1], []
+        for index, number in enumerate(numbers):
             moved = numbers.copy()
-            moved[place] += STEP if number + STEP <= high[place] else -STEP
-            columns.append((self._value(moved) - before) / (moved[place] - number))
+            moved[index] += STEP if number + STEP <= high[index] else -STEP
+            columns.append((self._value(moved) - before) / (moved[index] - number))
         matrix = np.stack(columns, axis=1)
-        self._pass(numbers, before, matrix)
+        self._note(numbers, before, matrix)
         return matrix
 
     def _value(self, numbers: Array) -> Array:
         self.evaluations += 1
         try:
-            value = self._residual(self._search.law(numbers))
+            value = self._residual(self._unknowns.law(numbers))
         except (ValueError, OverflowError):
             return np.full(self._size, REFUSED)
         return np.where(np.isfinite(value), value, REFUSED)
 
-    def _pass(self, numbers: Array, residual: Array, jacobian: Array) -> None:
-        """Note a step; raise _Settled if it and the ones before it lead nowhere."""
-        self.passed.append(
-            Found(
-                numbers=numbers.copy(), residual=residual, jacobian=jacobian, iterations=len(self.passed) + 1,
+    def _note(self, numbers: Array, residual: Array, jacobian: Array) -> None:
+        """Note a step; raise _Stalled if it and the ones before it lead nowhere."""
+        self.steps.append(
+            Minimum(
+                numbers=numbers.copy(), residual=residual, jacobian=jacobian, iterations=len(self.steps) + 1,
                 evaluations=self.evaluations, converged=True, message=CREPT,
             )
         )  # fmt: skip
-        cost = self.passed[-1].cost
-        earlier = self.passed[-1 - STEPS_RUNNING].cost if len(self.passed) > STEPS_RUNNING else np.inf
-        if earlier - cost < SETTLED / self.freedom * cost:
-            raise _Settled
+        cost = self.steps[-1].cost
+        earlier = self.steps[-1 - STEPS_RUNNING].cost if len(self.steps) > STEPS_RUNNING else np.inf
+        if earlier - cost < STALLED / self.freedom * cost:
+            raise _Stalled
 
 
-def run_search(search: Search, residual: Residual, start: Mapping[str, float], *, most: int = EVALUATIONS) -> Found:
-    """Return where a trust-region Levenberg-Marquardt search with bounds ends (SciPy's `least_squares`, "trf").
+def run_search(
+    unknowns: Unknowns, residual: Residual, start: Mapping[str, float], *, most: int = EVALUATIONS
+) -> Minimum:
+    """Return the end of a trust-region Levenberg-Marquardt search with bounds (SciPy's `least_squares`, "trf").
 
     What counts as an end is measured by the noise, the variance of a residual as it is left: a relative change of the cost
     would ask for more where there are many samples, and never end in a valley that the data leave open.
     """
-    begin = search.numbers(start)
-    walk = _Walk(search, residual, begin)
+    begin = unknowns.numbers(start)
+    residuals = _Residuals(unknowns, residual, begin)
     try:
-        found = least_squares(
-            walk.residual, begin, jac=walk.jacobian, bounds=search.bounds, x_scale="jac", max_nfev=most,
-            ftol=SHARE / walk.freedom, xtol=TOLERANCE, gtol=TOLERANCE,
+        result = least_squares(
+            residuals.residual, begin, jac=residuals.jacobian, bounds=unknowns.bounds, x_scale="jac", max_nfev=most,
+            ftol=GAIN / residuals.freedom, xtol=TOLERANCE, gtol=TOLERANCE,
         )  # fmt: skip
-    except _Settled:
-        return walk.passed[-1]
-    words = {0: f"it still moved after {most} evaluations", 2: CALM, 4: CALM}.get(found.status, str(found.message))
-    return Found(
-        numbers=found.x, residual=found.fun, jacobian=found.jac, iterations=found.njev,
-        evaluations=walk.evaluations, converged=found.status > 0, message=words,
+    except _Stalled:
+        return residuals.steps[-1]
+    message = {0: f"it still moved after {most} evaluations", 2: CALM, 4: CALM}.get(result.status, str(result.message))
+    return Minimum(
+        numbers=result.x, residual=result.fun, jacobian=result.jac, iterations=result.njev,
+        evaluations=residuals.evaluations, converged=result.status > 0, message=message,
     )  # fmt: skip

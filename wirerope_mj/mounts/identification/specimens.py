@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.arguments import require_loops
 from wirerope_mj.mounts.identification.coordinates import Family
-from wirerope_mj.mounts.identification.identify import Identification, family_of, identify
+from wirerope_mj.mounts.identification.families import family_of
+from wirerope_mj.mounts.identification.identify import Identification, identify
+from wirerope_mj.mounts.identification.measured import require_loops
 from wirerope_mj.mounts.isolator import Spread
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop
 
@@ -29,7 +31,7 @@ class SpecimenRow:
         nominal: value of the fit to all loops together.
         mean: mean of the specimens' values.
         deviation: their standard deviation.
-        fit_error: the part of it that the noise of the tests alone would make: root mean square of the fits' standard errors.
+        fit_error: the component of it that the noise of the tests alone makes: root mean square of the fits' standard errors.
         values: one for each specimen.
     """
 
@@ -42,8 +44,8 @@ class SpecimenRow:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Specimens:
-    """What several specimens of one isolator have in common, and what not.
+class SpecimenFits:
+    """Fits to several specimens of one isolator, and the scatter of their parameters.
 
     Attributes:
         nominal: fit to the loops of all specimens.
@@ -74,20 +76,19 @@ class Specimens:
         Args:
             axis: "roll", "shear" or "axial", the axis that was tested.
         """
-        if axis not in ("roll", "shear", "axial"):
-            raise ValueError(f"`axis` must be 'roll', 'shear' or 'axial', got {axis!r}.")
+        one_of("axis", axis, ("roll", "shear", "axial"))
         return Spread(
             parameters=tuple(f"{axis}.{row.parameter}" for row in self.rows),
             covariance=tuple(tuple(float(v) for v in row) for row in self.covariance),
         )
 
     def __str__(self) -> str:
-        """The table: nominal value, mean, scatter, and the share of it that is the tests' noise."""
+        """The table: nominal value, mean, scatter, and the fraction of it that is the tests' noise."""
         lines = [f"{'parameter':16s}{'nominal':>13s}{'mean':>13s}{'deviation':>13s}{'of mean':>9s}{'of the fits':>13s}"]
         for row in self.rows:
-            share = abs(row.deviation / row.mean) if row.mean else np.inf
+            relative = abs(row.deviation / row.mean) if row.mean else np.inf
             lines.append(
-                f"{row.parameter:16s}{row.nominal:13.5g}{row.mean:13.5g}{row.deviation:13.3g}{100 * share:7.1f} %"
+                f"{row.parameter:16s}{row.nominal:13.5g}{row.mean:13.5g}{row.deviation:13.3g}{100 * relative:7.1f} %"
                 f"{row.fit_error:13.2g}"
             )
         return "\n".join(lines)
@@ -100,7 +101,7 @@ def identify_specimens(
     shared: Sequence[str] = (),
     elements: int = 5,
     weights: str = "range",
-) -> Specimens:
+) -> SpecimenFits:
     """Return the nominal law of several specimens and the covariance of its parameters over them.
 
     The covariance is that of the law's own parameters, about their mean; noise of the tests is in it, and is stated beside it.
@@ -110,7 +111,7 @@ def identify_specimens(
     Args:
         specimens: the loops of each specimen.
         law: class of the law.
-        shared: coordinates of the search, such as "n" or "sigma", that all specimens have in common: found from all loops
+        shared: coordinates of the search, such as "n" or "sigma", that all specimens have in common: fitted to all loops
             together, then fixed.
         elements: Jenkin elements of a Masing law.
         weights: as in `identify`.
@@ -121,14 +122,14 @@ def identify_specimens(
     """
     if not isinstance(specimens, Sequence) or isinstance(specimens, str):
         raise ValueError(f"`specimens` must be the loops of each specimen, got {specimens!r}.")
-    for place, loops in enumerate(specimens):
+    for index, loops in enumerate(specimens):
         if isinstance(loops, Loop):
             raise ValueError(
                 "`specimens` must be a sequence of loops for each specimen, got loops: [loops_1, loops_2, ...]."
             )
-        require_loops(loops, f"specimens[{place}]")
+        require_loops(loops, f"specimens[{index}]")
     if isinstance(shared, str):
-        raise ValueError(f"`shared` must be a sequence of names, got the text {shared!r}; put it into brackets.")
+        raise ValueError(f"`shared` must be a sequence of names, got the string {shared!r}; put it into brackets.")
     if len(specimens) < FEWEST:
         raise ValueError(f"`specimens` must hold the loops of {FEWEST} at least, got {len(specimens)}.")
     every = [loop for loops in specimens for loop in loops]
@@ -150,13 +151,13 @@ def identify_specimens(
         each.append(one)
     if len({tuple(own_parameters(fit.law).values()) for fit in each}) == 1:
         raise ValueError(
-            "`specimens` do not differ: all give the same law to the last figure. Is one given several times?"
+            "`specimens` do not differ: all give the same law to the last digit. Is one given several times?"
         )
     return _scatter(nominal, each, elements)
 
 
-def joint_spread(axes: Mapping[str, Specimens]) -> Spread:
-    """Return the scatter of the same specimens tested along several axes, what they do together included.
+def joint_spread(axes: Mapping[str, SpecimenFits]) -> Spread:
+    """Return the scatter of the same specimens tested along several axes, their correlation included.
 
     Args:
         axes: specimens by "roll", "shear" or "axial", in the same order on every axis.
@@ -164,16 +165,16 @@ def joint_spread(axes: Mapping[str, Specimens]) -> Spread:
     Raises:
         ValueError: there are no axes, or not the same number of specimens on each.
     """
-    if len({len(found.each) for found in axes.values()}) != 1:
-        counts = ", ".join(f"{axis} {len(found.each)}" for axis, found in axes.items())
+    if len({len(fits.each) for fits in axes.values()}) != 1:
+        counts = ", ".join(f"{axis} {len(fits.each)}" for axis, fits in axes.items())
         raise ValueError(f"`axes` must hold the same specimens on every axis, got {counts or 'none'}.")
-    names = [name for axis, found in axes.items() for name in found.spread(axis).parameters]
-    values = np.array([row.values for found in axes.values() for row in found.rows])
+    names = [name for axis, fits in axes.items() for name in fits.spread(axis).parameters]
+    values = np.array([row.values for fits in axes.values() for row in fits.rows])
     covariance = np.atleast_2d(np.cov(values))
     return Spread(parameters=tuple(names), covariance=tuple(tuple(float(one) for one in row) for row in covariance))
 
 
-def _scatter(nominal: Identification, each: Sequence[Identification], elements: int) -> Specimens:
+def _scatter(nominal: Identification, each: Sequence[Identification], elements: int) -> SpecimenFits:
     """Return the specimens from their fits."""
     tables = [own_parameters(fit.law) for fit in each]
     errors = [_own_errors(fit, family_of(type(fit.law), elements)) for fit in each]
@@ -185,14 +186,14 @@ def _scatter(nominal: Identification, each: Sequence[Identification], elements: 
         SpecimenRow(
             parameter=name,
             nominal=centre[name],
-            mean=float(values[:, place].mean()),
-            deviation=float(np.sqrt(covariance[place, place])),
+            mean=float(values[:, index].mean()),
+            deviation=float(np.sqrt(covariance[index, index])),
             fit_error=float(np.sqrt(np.mean([error[name] ** 2 for error in errors]))),
-            values=tuple(float(value) for value in values[:, place]),
+            values=tuple(float(value) for value in values[:, index]),
         )
-        for place, name in enumerate(names)
+        for index, name in enumerate(names)
     )
-    return Specimens(nominal=nominal, each=tuple(each), rows=rows, covariance=covariance)
+    return SpecimenFits(nominal=nominal, each=tuple(each), rows=rows, covariance=covariance)
 
 
 def own_parameters(law: Law) -> dict[str, float]:
@@ -200,7 +201,7 @@ def own_parameters(law: Law) -> dict[str, float]:
     values: dict[str, float] = {}
     for name, value in law.to_dict().items():
         if isinstance(value, list | tuple):
-            values |= {f"{name}[{place}]": float(one) for place, one in enumerate(value)}
+            values |= {f"{name}[{index}]": float(one) for index, one in enumerate(value)}
         elif not isinstance(value, str):
             values[name] = float(value)
     return values
@@ -211,12 +212,12 @@ def _own_errors(fit: Identification, family: Family) -> dict[str, float]:
     values = family.read(fit.law)
     before = own_parameters(family.make(values))
     slopes: dict[str, Any] = {name: [] for name in before}
-    for name in fit.certainty.free:
+    for name in fit.uncertainty.free:
         step = STEP * max(abs(values[name]), fit.parameters[name].standard_error, 1e-12)
         after = own_parameters(family.make(values | {name: values[name] + step}))
         for parameter, value in after.items():
             slopes[parameter].append((value - before[parameter]) / step)
     return {
-        name: float(np.sqrt(max(np.array(slope) @ fit.certainty.covariance @ np.array(slope), 0.0)))
+        name: float(np.sqrt(max(np.array(slope) @ fit.uncertainty.covariance @ np.array(slope), 0.0)))
         for name, slope in slopes.items()
     }

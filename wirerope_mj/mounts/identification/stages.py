@@ -12,14 +12,14 @@ from wirerope_mj.mounts.identification.residuals import (
     mid_line_residual,
     rms,
 )
-from wirerope_mj.mounts.identification.search import Found, Search, run_search
+from wirerope_mj.mounts.identification.search import Minimum, Unknowns, run_search
 
 Method = Literal["three-stage", "time", "frequency"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stage:
-    """One stage of a fit: its name, steps, evaluations, the root mean square that was left of the loops, the values found."""
+    """One stage of a fit: its name, steps, evaluations, the root mean square that was left of the loops, the fitted values."""
 
     name: str
     iterations: int
@@ -29,43 +29,44 @@ class Stage:
 
 
 def run_stages(
-    search: Search, loops: Sequence[MeasuredLoop], full: Residual, values: Mapping[str, float], method: Method
-) -> tuple[Found, tuple[Stage, ...]]:
-    """Return the end of a search and what its stages did.
+    unknowns: Unknowns, loops: Sequence[MeasuredLoop], full: Residual, values: Mapping[str, float], method: Method
+) -> tuple[Minimum, tuple[Stage, ...]]:
+    """Return the end of a search from `values` in the residual `full`, and its stages.
 
     Args:
-        search: what is free.
-        loops: what was measured.
+        unknowns: coordinates of the law.
+        loops: as they were measured.
         full: the residual that counts.
-        values: where to begin.
+        values: the start.
         method: "three-stage": stiffness from mid-lines, hysteresis from areas, everything from forces; "time": the last of
             these at once; "frequency": everything from the Fourier coefficients of the forces.
     """
     stages: list[Stage] = []
 
     def stage(
-        name: str, part: Search, residual: Residual, begin: Mapping[str, float]
-    ) -> tuple[Found, dict[str, float]]:
-        found = run_search(part, residual, begin)
-        ended = part.values(found.numbers)
-        error = rms(full(part.law(found.numbers)))
-        spent = {"iterations": found.iterations, "evaluations": found.evaluations}
-        stages.append(Stage(name=name, **spent, error=error, values=ended))
-        return found, ended
+        name: str, part: Unknowns, residual: Residual, begin: Mapping[str, float]
+    ) -> tuple[Minimum, dict[str, float]]:
+        end = run_search(part, residual, begin)
+        ended = part.values(end.numbers)
+        error = rms(full(part.law(end.numbers)))
+        stages.append(
+            Stage(name=name, iterations=end.iterations, evaluations=end.evaluations, error=error, values=ended)
+        )
+        return end, ended
 
     if method == "frequency":
-        found, ended = stage("frequency", search, harmonic_residual(loops), values)
-        # What counts, and what the data fix, is still said by the forces.
-        there = run_search(search, full, ended, most=1)
-        return replace(there, converged=found.converged, message=found.message), tuple(stages)
+        end, ended = stage("frequency", unknowns, harmonic_residual(loops), values)
+        # The error, and what the data identify, are still those of the forces.
+        there = run_search(unknowns, full, ended, most=1)
+        return replace(there, converged=end.converged, message=end.message), tuple(stages)
     if method == "three-stage":
-        begin = {**{c.name: values[c.name] for c in search.coordinates}, **search.fixed}
+        begin = {**{c.name: values[c.name] for c in unknowns.coordinates}, **unknowns.fixed}
         parts = (("stiffness", True, mid_line_residual(loops)), ("areas", False, area_residual(loops)))
         for name, stiffness, residual in parts:
-            held = {c.name: begin[c.name] for c in search.coordinates if c.stiffness is not stiffness}
-            part = Search(family=search.family, coordinates=search.coordinates, fixed={**held, **search.fixed})
+            held = {c.name: begin[c.name] for c in unknowns.coordinates if c.stiffness is not stiffness}
+            part = replace(unknowns, fixed={**held, **unknowns.fixed})
             if part.free:
                 _, begin = stage(name, part, residual, begin)
         values = begin
-    found, _ = stage("everything", search, full, values)
-    return found, tuple(stages)
+    end, _ = stage("everything", unknowns, full, values)
+    return end, tuple(stages)

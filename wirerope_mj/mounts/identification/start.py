@@ -1,8 +1,8 @@
-"""Where a search begins: a coarse grid of the numbers that bend a loop, each with the best of those that stretch it.
+"""Starts of a search: a coarse grid of the numbers that bend a loop, each with the best of those that stretch it.
 
 The force of every law here is a sum of parts that some of its coordinates multiply (bound, stiffnesses). With the others
 given, those follow from linear least squares in one step (variable projection, Golub and Pereyra 1973), so that a grid of a few
-hundred shapes finds places near the best fit whatever the sizes are.
+hundred shapes has points near the best fit whatever the sizes are.
 """
 
 import itertools
@@ -27,32 +27,28 @@ def grid_starts(
     *,
     count: int,
 ) -> list[dict[str, float]]:
-    """Return the values of the best places of the grid, and of the best for each pattern of signs that the grid has.
+    """Return the values of the best points of the grid, and of the best for each pattern of signs that the grid has.
 
     Laws with coordinates of either sign can have a valley for each pattern, of depths that the noise does not tell apart: a
-    spring that hardens to one side, and one that softens to the other beside a stiffer straight one.
-
-    Args:
-        family: how the law is searched for.
-        coordinates: its coordinates.
-        loops: what was measured.
-        fixed: values that are given.
-        count: how many of the best places, whatever their signs.
+    spring that hardens to one side, and one that softens to the other beside a stiffer straight one. `count` is the number of
+    the best points whatever their signs.
     """
     thin = [loop.thinned(SAMPLES) for loop in loops]
     amplitudes = np.array([np.ptp(loop.deflection) / 2.0 for loop in loops])
-    axes = {c.name: [fixed[c.name]] if c.name in fixed else _places(c, amplitudes) for c in coordinates if not c.linear}
-    found = []
+    axes = {
+        c.name: [fixed[c.name]] if c.name in fixed else _grid_values(c, amplitudes) for c in coordinates if not c.linear
+    }
+    fits = []
     for point in itertools.product(*axes.values()):
         shape = dict(zip(axes, point, strict=True))
         values, cost = _stretched(family, coordinates, thin, shape, fixed)
         if np.isfinite(cost):
-            found.append((cost, values))
-    found.sort(key=lambda pair: pair[0])
-    signed = [name for name, places in axes.items() if min(places) < 0.0 < max(places)]
-    chosen = [values for _, values in found[:count]]
+            fits.append((cost, values))
+    fits.sort(key=lambda pair: pair[0])
+    signed = [name for name, along in axes.items() if min(along) < 0.0 < max(along)]
+    chosen = [values for _, values in fits[:count]]
     seen = {tuple(np.sign(values[name]) for name in signed) for values in chosen}
-    for _, values in found:
+    for _, values in fits:
         pattern = tuple(np.sign(values[name]) for name in signed)
         if 0.0 not in pattern and pattern not in seen:
             seen.add(pattern)
@@ -60,8 +56,8 @@ def grid_starts(
     return chosen
 
 
-def _places(c: Coordinate, amplitudes: Array) -> list[float]:
-    """Return the values at which the grid looks along one coordinate."""
+def _grid_values(c: Coordinate, amplitudes: Array) -> list[float]:
+    """Return the values of the grid along one coordinate."""
     smallest, largest = float(amplitudes.min()), float(amplitudes.max())
     by_name: dict[str, Sequence[float]] = {
         "sigma": (0.3, 0.6, 1.0, 1.5),
@@ -112,9 +108,9 @@ def _stretched(
     norms[norms == 0.0] = 1.0
     low = np.array([(c.lower - base[c.name]) for c in linear]) * norms
     high = np.array([(c.upper - base[c.name]) for c in linear]) * norms
-    found = lsq_linear(matrix / norms, measured - zero, (low - 1e-12 * np.abs(low), high))
-    values = {c.name: float(base[c.name] + step) for c, step in zip(linear, found.x / norms, strict=True)}
-    return base | values, 2.0 * float(found.cost) / measured.size
+    best = lsq_linear(matrix / norms, measured - zero, (low - 1e-12 * np.abs(low), high))
+    values = {c.name: float(base[c.name] + step) for c, step in zip(linear, best.x / norms, strict=True)}
+    return base | values, 2.0 * float(best.cost) / measured.size
 
 
 def _forces(family: Family, values: Mapping[str, float], loops: Sequence[MeasuredLoop]) -> Array:

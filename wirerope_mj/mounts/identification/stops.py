@@ -1,4 +1,4 @@
-"""A bump stop in cyclic tests, bare or beside a law that is known: which sides close, and how it is searched for."""
+"""A bump stop in cyclic tests, bare or beside a law that is known: its coordinates, and the sides that close."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -18,7 +18,7 @@ SURE = 30.0
 """Variances by which a side has to lessen the sum of squares: in noise its springs find some ten."""
 
 LEAST = 0.02
-"""Part of a loop's force range that a closed side carries at least: a law beside it is seldom known better."""
+"""Fraction of a loop's force range that a closed side carries at least: a law beside it is seldom known better."""
 
 ELASTIC = 1e-6
 """Loss below which a stop is elastic: no test shows it, and the state of a lossy one costs time."""
@@ -27,21 +27,18 @@ ELASTIC = 1e-6
 def _coordinates(s: Scales) -> list[Coordinate]:
     x, f = s.deflection, s.force
     gaps = [
-        Coordinate(name=name, unit="m", lower=0.0, upper=reach, scale=x, stiffness=True)
+        Coordinate(name, "m", 0.0, reach, scale=x, stiffness=True)
         for name, reach in (("gap_below", s.below), ("gap_above", s.above))
         if reach > 0.0
     ]
     # The depth may be a hundredth of the amplitude, and k is the force over its power.
-    k = Coordinate(
-        name="k", unit="N/m^exponent", lower=1e-4 * f / x, upper=f / (0.01 * x) ** 3, linear=True, stiffness=True
-    )
     return [
         *gaps,
-        k,
-        Coordinate(name="exponent", unit="-", lower=1.0, upper=3.0, stiffness=True),
-        Coordinate(name="rounding", unit="m", lower=0.0, upper=2.0 * x, scale=x, stiffness=True),
-        Coordinate(name="loss", unit="-", lower=0.0, upper=1.0),
-        Coordinate(name="reversal", unit="m", lower=1e-4 * x, upper=10.0 * x),
+        Coordinate("k", "N/m^exponent", 1e-4 * f / x, f / (0.01 * x) ** 3, linear=True, stiffness=True),
+        Coordinate("exponent", "-", 1.0, 3.0, stiffness=True),
+        Coordinate("rounding", "m", 0.0, 2.0 * x, scale=x, stiffness=True),
+        Coordinate("loss", "-", 0.0, 1.0),
+        Coordinate("reversal", "m", 1e-4 * x, 10.0 * x),
     ]
 
 
@@ -60,11 +57,11 @@ def _read(law: Law) -> dict[str, float]:
 
 
 STOP = Family(coordinates=_coordinates, make=_make, read=_read, usual={"exponent": 1.0, "rounding": 0.0})
-"""Stops with a gap on the sides that close; viscous loss is no matter of quasi-static tests."""
+"""Stops with a gap on the sides that close; viscous loss does not show in quasi-static tests."""
 
 
 def beside_known(family: Family, known: Law | None) -> Family:
-    """Return how a law of a family is searched for in parallel with one that is known."""
+    """Return the family of laws in parallel with one that is known."""
     if known is None:
         return family
     return replace(family, make=lambda values: Parallel(laws=(*known.components, *family.make(values).components)))
@@ -74,10 +71,6 @@ def closing(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[list[Meas
     """Return the loops that count for a stop, and how far beyond zero the sides that close were pressed [m], 0 of others.
 
     Loops within the gap of a bare stop hold noise alone and do not count.
-
-    Args:
-        loops: what was measured.
-        known: law beside the stop.
 
     Raises:
         ValueError: none closes.
@@ -111,8 +104,8 @@ def _closed(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[bool, boo
 
     def cost(*sides: Array) -> tuple[float, Array]:
         matrix = np.hstack(sides)
-        found = lsq_linear(matrix, force, (0.0, np.inf))
-        return float(np.sum((matrix @ found.x - force) ** 2)), found.x
+        springs = lsq_linear(matrix, force, (0.0, np.inf)).x
+        return float(np.sum((matrix @ springs - force) ** 2)), springs
 
     both, stiffness = cost(below, above)
     halves = np.split(stiffness, 2)

@@ -66,10 +66,9 @@ class Isolator:
         for name, kind in (("limits", Limits), ("provenance", Provenance)):
             if not isinstance(getattr(self, name), kind):
                 raise ValueError(f"`{name}` must be a {kind.__name__}, got {getattr(self, name)!r}.")
-        if self.rotation is not None and not isinstance(self.rotation, Rotation):
-            raise ValueError(f"`rotation` must be a Rotation or None, got {self.rotation!r}.")
-        if self.stiffening is not None and not isinstance(self.stiffening, Stiffening):
-            raise ValueError(f"`stiffening` must be a Stiffening or None, got {self.stiffening!r}.")
+        for name, part in (("rotation", Rotation), ("stiffening", Stiffening)):
+            if not isinstance(getattr(self, name), part | None):
+                raise ValueError(f"`{name}` must be a {part.__name__} or None, got {getattr(self, name)!r}.")
         for axis, law in self.axes.items():
             require_law_in_metres(axis, law)
         _ = self.coupled  # raises if the two laws cannot be coupled
@@ -120,7 +119,7 @@ class Isolator:
 
     @property
     def coupled_axes(self) -> tuple[int, ...]:
-        """Places of the two coupled axes among roll, shear and axial; none if the axes are independent."""
+        """Indices of the two coupled axes among roll, shear and axial; none if the axes are independent."""
         return () if self.coupling is None else tuple(AXES.index(axis) for axis in COUPLINGS[self.coupling])
 
     @property
@@ -130,7 +129,7 @@ class Isolator:
 
     @property
     def is_stop(self) -> bool:
-        """Whether all laws are stops and nothing is rated: listed with contacts, and not among the isolators."""
+        """True if all laws are stops and nothing is rated: listed with contacts, and not among the isolators."""
         laws = [part for law in self.axes.values() for part in _parts(law)]
         return all(isinstance(law, Stop) for law in laws) and self.limits == Limits()
 
@@ -154,7 +153,7 @@ class Isolator:
         return below, above
 
     def save(self, path: str | Path) -> None:
-        """Write the isolator file, whole or not at all."""
+        """Write the isolator file, atomically."""
         write_toml(self.to_dict(), Path(path))
 
     def to_dict(self) -> dict[str, Any]:

@@ -9,11 +9,12 @@ from wirerope_mj.mounts.isolator.device import Isolator
 
 
 def load_isolator(path: str | Path) -> Isolator:
-    """Return the isolator in a file.
+    """Return the isolator in a file, or that of a name in the catalogue: "enidine_wr16_400".
 
     Raises:
         ModelError: the file is missing, is not TOML, or breaks a rule; the message names file, axis, key and rule.
     """
+    path = Path(path) if Path(path).suffix or Path(path).exists() else find_isolator(path)
     return Isolator.from_dict(read_toml(path, "isolator file"), where=str(path), folder=Path(path).parent)
 
 
@@ -28,10 +29,10 @@ def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path:
     """
     catalogue = catalogue_folder()
     wanted = Path(f"{name}" if f"{name}".endswith(".toml") else f"{name}.toml")
-    places = [Path(beside or ".") / wanted, catalogue / wanted.name]
-    for place in places:
-        if place.is_file():
-            return place
-    looked = " and ".join(dict.fromkeys(str(place) for place in places))
+    candidates = [Path(beside or ".") / wanted, catalogue / wanted.name]
+    for candidate in candidates:
+        if candidate.is_file():
+            return candidate
+    looked = " and ".join(dict.fromkeys(str(candidate) for candidate in candidates))
     existing = ", ".join(sorted(path.stem for path in catalogue.glob("*.toml"))) or "nothing"
     raise ModelError(f"there is no isolator {str(name)!r}: looked for {looked}. The catalogue holds {existing}.")

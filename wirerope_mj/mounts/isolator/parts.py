@@ -1,9 +1,9 @@
-"""What an isolator file says besides its laws: limits, geometry, provenance, spread."""
+"""Parts of an isolator beside its laws: limits, geometry, provenance, spread."""
 
-import math
 from dataclasses import dataclass, field, fields, replace
 from typing import Any, Self
 
+from wirerope_mj.foundation.arguments import finite, not_negative, one_of, positive
 from wirerope_mj.mounts.laws import Law
 
 KINDS = ("catalogue", "identified", "published", "estimated", "illustrative")
@@ -26,11 +26,8 @@ _LENGTHS = {"stop": ("gap_below", "gap_above", "depths", "rounding", "reversal")
 def _require_positive(part: Any, *names: str) -> None:
     """Raise ValueError unless each named attribute is None or a finite number > 0."""
     for name in names:
-        value = getattr(part, name)
-        if value is None:
-            continue
-        if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
-            raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")
+        if getattr(part, name) is not None:
+            positive(name, getattr(part, name))
 
 
 def _require_metres(part: Any, *names: str) -> None:
@@ -58,13 +55,6 @@ def _too_large(name: str, value: float) -> str:
 def _in_metres(value: float) -> str:
     """Return the hint for a length that was perhaps meant in millimetres."""
     return f"If these are millimetres, write {1e-3 * value:.6g}."
-
-
-def _require_text(part: Any, *names: str) -> None:
-    """Raise ValueError unless each named attribute is a string."""
-    for name in names:
-        if not isinstance(getattr(part, name), str):
-            raise ValueError(f"`{name}` must be a string, got {getattr(part, name)!r}.")
 
 
 def _stated(part: Any) -> dict[str, Any]:
@@ -97,7 +87,7 @@ class Travel:
 
 @dataclass(frozen=True, kw_only=True)
 class Limits:
-    """What the isolator is rated for: static_load [N] in compression and travel [m]; None = not judged."""
+    """Ratings of the isolator: static_load [N] in compression and travel [m]; None = not judged."""
 
     static_load: float | None = None
     travel: Travel = Travel()
@@ -152,8 +142,7 @@ class Rotation:
 
     def __post_init__(self) -> None:
         for name, value in _stated(self).items():
-            if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < math.inf:
-                raise ValueError(f"`{name}` must be a finite number >= 0 N m/rad, got {value!r}.")
+            not_negative(name, value, unit="N m/rad")
 
     def scaled(self, factor: float) -> Self:
         """Return `factor` times these stiffnesses."""
@@ -166,7 +155,7 @@ class Rotation:
 
 @dataclass(frozen=True, kw_only=True)
 class Provenance:
-    """Where the parameters come from.
+    """Origin of the parameters.
 
     Attributes:
         kind: "catalogue", "identified", "published", "estimated" or "illustrative".
@@ -183,17 +172,17 @@ class Provenance:
     check_45: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if self.kind not in KINDS:
-            raise ValueError(f"`kind` must be one of {', '.join(KINDS)}, got {self.kind!r}.")
-        _require_text(self, "source", "fitted_to")
+        one_of("kind", self.kind, KINDS)
+        for name in ("source", "fitted_to"):
+            if not isinstance(getattr(self, name), str):
+                raise ValueError(f"`{name}` must be a string, got {getattr(self, name)!r}.")
         if not isinstance(self.assumed, list | tuple) or not all(isinstance(item, str) for item in self.assumed):
             raise ValueError(f"`assumed` must be a list of strings, got {self.assumed!r}.")
         object.__setattr__(self, "assumed", tuple(self.assumed))
         if not isinstance(self.check_45, dict):
             raise ValueError(f"`check_45` must be a table of numbers, got {self.check_45!r}.")
         for key, value in self.check_45.items():
-            if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-                raise ValueError(f"`check_45.{key}` must be a finite number, got {value!r}.")
+            finite(f"check_45.{key}", value)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the provenance as it stands in an isolator file."""
@@ -212,15 +201,14 @@ class Spread:
         if not isinstance(self.parameters, list | tuple) or not all(isinstance(name, str) for name in self.parameters):
             raise ValueError(f"`parameters` must be a list of strings, got {self.parameters!r}.")
         object.__setattr__(self, "parameters", tuple(self.parameters))
-        try:
-            rows = tuple(tuple(float(value) for value in row) for row in self.covariance)
-        except (TypeError, ValueError) as error:
-            raise ValueError(f"`covariance` must be rows of numbers, got {self.covariance!r}.") from error
+        if not isinstance(self.covariance, list | tuple) or not all(
+            isinstance(r, list | tuple) for r in self.covariance
+        ):
+            raise ValueError(f"`covariance` must be rows of numbers, got {self.covariance!r}.")
+        rows = tuple(tuple(finite("covariance", value) for value in row) for row in self.covariance)
         n = len(self.parameters)
         if len(rows) != n or any(len(row) != n for row in rows):
             raise ValueError(f"`covariance` must have {n} rows of {n} numbers, one for each of `parameters`.")
-        if not all(math.isfinite(value) for row in rows for value in row):
-            raise ValueError("`covariance` must be finite.")
         object.__setattr__(self, "covariance", rows)
 
     def to_dict(self) -> dict[str, Any]:

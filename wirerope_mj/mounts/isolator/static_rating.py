@@ -14,7 +14,7 @@ def static_utilisation(force: npt.ArrayLike, rated: float | None) -> float | Non
 
 
 def static_load_unjudged(force: npt.ArrayLike, rated: float | None) -> str:
-    """Return why a rated static load says nothing of the load of a mount, in words; empty where it judges it.
+    """Return why a rated static load says nothing of the load of a mount, as text; empty where it judges it.
 
     The rating holds for compression: a mount that hangs, or carries more across its axis than along it, is not judged.
 

@@ -4,6 +4,8 @@ import math
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from wirerope_mj.foundation.arguments import finite
+
 
 @dataclass(frozen=True, kw_only=True)
 class Stiffening:
@@ -18,7 +20,7 @@ class Stiffening:
     about 10 to 30 % after 50.
 
     Attributes:
-        after_50: share by which the stiffness has grown after 50 cycles, 0 to 1; published 0.1 to 0.3.
+        after_50: ratio by which the stiffness has grown after 50 cycles, 0 to 1; published 0.1 to 0.3.
         cycles: cycles that the isolator has gone through when the run starts, >= 1; at 1 nothing changes.
     """
 
@@ -26,14 +28,10 @@ class Stiffening:
     cycles: float = 1.0
 
     def __post_init__(self) -> None:
-        for name, lowest, highest, range_ in (
-            ("after_50", 0.0, 1.0, "a number from 0 to 1"),
-            ("cycles", 1.0, math.inf, "a finite number >= 1"),
-        ):
-            value = getattr(self, name)
-            number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-            if not number or not lowest <= value <= highest:
-                raise ValueError(f"`{name}` must be {range_}, got {value!r}.")
+        if not 0.0 <= finite("after_50", self.after_50) <= 1.0:
+            raise ValueError(f"`after_50` must be a number from 0 to 1, got {self.after_50!r}.")
+        if finite("cycles", self.cycles) < 1.0:
+            raise ValueError(f"`cycles` must be >= 1, got {self.cycles!r}.")
 
     @property
     def factor(self) -> float:
@@ -42,7 +40,7 @@ class Stiffening:
 
     @property
     def description(self) -> str:
-        """The values and what they amount to, in words."""
+        """The values and the factor that they amount to, as text."""
         values = f"after_50 = {self.after_50:.6g}, cycles = {self.cycles:.6g}"
         return f"{values}: all forces are {self.factor:.6g} times those of the laws"
 

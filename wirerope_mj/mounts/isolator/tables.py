@@ -1,4 +1,4 @@
-"""The tables of an isolator file: read with every rule checked, written whole or not at all."""
+"""The tables of an isolator file: read with every rule checked, written atomically."""
 
 import math
 import sys
@@ -20,106 +20,80 @@ AXES = ("roll", "shear", "axial")
 """Axes of an isolator in the order x (across the bars), y (along the bars), z (axial)."""
 
 _KEYS = ("name", "coupling")
-_TABLES = (*AXES, "loop", "rotation", "stiffening", "limits", "geometry", "provenance", "spread")
+_PARTS = {
+    "loop": LoopCoupling,
+    "rotation": Rotation,
+    "stiffening": Stiffening,
+    "limits": Limits,
+    "geometry": Geometry,
+    "provenance": Provenance,
+    "spread": Spread,
+}
 
 
 def read_tables(content: dict[str, Any], where: str, folder: Path | None = None) -> dict[str, Any]:
     """Return the arguments of an Isolator from the content of a file in `folder`; ModelError names where, table, key, rule."""
-    _require_keys(content, ("name",), (*_KEYS, *_TABLES), f"{where}:", "the file")
+    _require_keys(content, ("name",), (*_KEYS, *AXES, *_PARTS), f"{where}:", "the file")
     arguments: dict[str, Any] = {key: content[key] for key in _KEYS if key in content}
-    for name in _TABLES:
+    for name in (*AXES, *_PARTS):
         if name not in content:
             continue
-        table, place = content[name], f"{where}: [{name}]"
+        table, location = content[name], f"{where}: [{name}]"
         if not isinstance(table, dict):
-            raise ModelError(f"{place} must be a table, got {table!r}.")
-        arguments[name] = read_law(table, place, folder) if name in AXES else _PARTS[name](table, place)
+            raise ModelError(f"{location} must be a table, got {table!r}.")
+        arguments[name] = read_law(table, location, folder) if name in AXES else _read_part(name, table, location)
     return arguments
 
 
-def read_law(table: dict[str, Any], place: str, folder: Path | None = None) -> Law:
+def read_law(table: dict[str, Any], location: str, folder: Path | None = None) -> Law:
     """Return the law, or the several `laws`, that an axis table of a file in `folder` describes.
 
-    ModelError names `place`, key and rule.
+    ModelError names `location`, key and rule.
     """
     if "laws" in table:
-        return _read_parallel(table, place, folder)
+        return _read_parallel(table, location, folder)
     kind = LAWS.get(table["law"]) if isinstance(table.get("law"), str) else None
     if kind is None:
         known = ", ".join(sorted(LAWS))
-        found = f"there is no law {table['law']!r}" if "law" in table else "`law` is missing"
-        raise ModelError(f"{place} {found}; the laws are {known}.")
+        problem = f"there is no law {table['law']!r}" if "law" in table else "`law` is missing"
+        raise ModelError(f"{location} {problem}; the laws are {known}.")
     parameters = {key: value for key, value in table.items() if key != "law"}
     if kind is Tabulated:
-        parameters = curve_in_si(parameters, place, folder)
-    return _make(kind, parameters, place, f"law {kind.name}")
+        parameters = curve_in_si(parameters, location, folder)
+    return _make(kind, parameters, location, f"law {kind.name}")
 
 
-def _read_parallel(table: dict[str, Any], place: str, folder: Path | None) -> Parallel:
+def _read_parallel(table: dict[str, Any], location: str, folder: Path | None) -> Parallel:
     """Return the laws in parallel of an axis table."""
     for key in table:
         if key != "laws":
-            raise ModelError(f"{place} `{key}` stands beside `laws`: put it into the table of a law in that list.")
+            raise ModelError(f"{location} `{key}` stands beside `laws`: put it into the table of a law in that list.")
     laws = table["laws"]
     if not isinstance(laws, list) or not all(isinstance(one, dict) for one in laws):
-        raise ModelError(f"{place} `laws` must be a list of tables, each with its `law`, got {laws!r}.")
+        raise ModelError(f"{location} `laws` must be a list of tables, each with its `law`, got {laws!r}.")
     for index, one in enumerate(laws):
         if "laws" in one:
-            raise ModelError(f"{place} laws[{index}] holds `laws` itself: put all of them into one list.")
+            raise ModelError(f"{location} laws[{index}] holds `laws` itself: put all of them into one list.")
     try:
-        return Parallel(laws=tuple(read_law(one, f"{place} laws[{index}]", folder) for index, one in enumerate(laws)))
+        return Parallel(
+            laws=tuple(read_law(one, f"{location} laws[{index}]", folder) for index, one in enumerate(laws))
+        )
     except ValueError as error:
-        raise ModelError(f"{place} {error}") from error
+        raise ModelError(f"{location} {error}") from error
 
 
-def _read_limits(table: dict[str, Any], place: str) -> Limits:
-    """Return the limits; travel is a table of its own."""
-    if "travel" not in table:
-        return _make(Limits, table, place, "the limits")
-    if not isinstance(table["travel"], dict):
-        raise ModelError(f"{place} `travel` must be a table of deflections, got {table['travel']!r}.")
-    travel = _make(Travel, table["travel"], f"{place} travel:", "travel")
-    return _make(Limits, {**table, "travel": travel}, place, "the limits")
+def _read_part(name: str, table: dict[str, Any], location: str) -> Any:
+    """Return what the table of this name describes."""
+    if name == "provenance" and "kind" not in table:
+        raise ModelError(f"{location} `kind` is missing: say where the parameters come from.")
+    if name == "limits" and "travel" in table:  # a table of its own
+        if not isinstance(table["travel"], dict):
+            raise ModelError(f"{location} `travel` must be a table of deflections, got {table['travel']!r}.")
+        table = {**table, "travel": _make(Travel, table["travel"], f"{location} travel:", "travel")}
+    return _make(_PARTS[name], table, location, f"the {name}")
 
 
-def _read_geometry(table: dict[str, Any], place: str) -> Geometry:
-    return _make(Geometry, table, place, "the geometry")
-
-
-def _read_loop(table: dict[str, Any], place: str) -> LoopCoupling:
-    return _make(LoopCoupling, table, place, "the loop")
-
-
-def _read_rotation(table: dict[str, Any], place: str) -> Rotation:
-    return _make(Rotation, table, place, "the rotation")
-
-
-def _read_stiffening(table: dict[str, Any], place: str) -> Stiffening:
-    return _make(Stiffening, table, place, "the stiffening")
-
-
-def _read_provenance(table: dict[str, Any], place: str) -> Provenance:
-    if "kind" not in table:
-        raise ModelError(f"{place} `kind` is missing: say where the parameters come from.")
-    return _make(Provenance, table, place, "the provenance")
-
-
-def _read_spread(table: dict[str, Any], place: str) -> Spread:
-    return _make(Spread, table, place, "the spread")
-
-
-_PARTS: dict[str, Callable[[dict[str, Any], str], Any]] = {
-    "loop": _read_loop,
-    "rotation": _read_rotation,
-    "stiffening": _read_stiffening,
-    "limits": _read_limits,
-    "geometry": _read_geometry,
-    "provenance": _read_provenance,
-    "spread": _read_spread,
-}
-
-
-def _make(kind: Callable[..., Any], table: dict[str, Any], place: str, what: str) -> Any:
+def _make(kind: Callable[..., Any], table: dict[str, Any], location: str, title: str) -> Any:
     """Return `kind(**table)` with integers made floats; ModelError for a missing, extra or wrong entry."""
     known = [item.name for item in fields(kind)]  # type: ignore[arg-type]
     required = [
@@ -127,11 +101,11 @@ def _make(kind: Callable[..., Any], table: dict[str, Any], place: str, what: str
         for item in fields(kind)  # type: ignore[arg-type]
         if item.default is MISSING and item.default_factory is MISSING
     ]
-    _require_keys(table, required, known, place, what)
+    _require_keys(table, required, known, location, title)
     try:
         return kind(**{key: _as_float(value) for key, value in table.items()})
     except ValueError as error:
-        raise ModelError(f"{place} {error}") from error
+        raise ModelError(f"{location} {error}") from error
 
 
 def _as_float(value: Any) -> Any:
@@ -141,18 +115,18 @@ def _as_float(value: Any) -> Any:
     return float(value) if abs(value) <= sys.float_info.max else math.inf
 
 
-def _require_keys(table: dict[str, Any], required: Any, known: Any, place: str, what: str) -> None:
+def _require_keys(table: dict[str, Any], required: Any, known: Any, location: str, title: str) -> None:
     """Raise ModelError unless every required key is there and every key is known."""
     for key in required:
         if key not in table:
-            raise ModelError(f"{place} `{key}` is missing; {what} takes {', '.join(known)}.")
+            raise ModelError(f"{location} `{key}` is missing; {title} takes {', '.join(known)}.")
     for key in table:
         if key not in known:
-            raise ModelError(f"{place} `{key}` is not known; {what} takes {', '.join(known)}.")
+            raise ModelError(f"{location} `{key}` is not known; {title} takes {', '.join(known)}.")
 
 
 def write_toml(content: dict[str, Any], path: Path) -> None:
-    """Write `content` as TOML, whole or not at all."""
+    """Write `content` as TOML, atomically."""
     text = tomli_w.dumps(content, multiline_strings=True)
     with atomic_file(path) as beside:
         beside.write_text(text, encoding="utf-8")

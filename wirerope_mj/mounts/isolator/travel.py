@@ -9,17 +9,17 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 
 RATINGS = {"compression": (2, -1.0), "tension": (2, 1.0), "shear": (1, 0.0), "roll": (0, 0.0)}
-"""Rated travels in the order of the tables: the mount's axis, and which way along it; 0 = both."""
+"""Rated travels in the order of the tables: the mount's axis, and its sign along it; 0 = both."""
 
 SIDES = {"roll": ("roll", "roll"), "shear": ("shear", "shear"), "axial": ("compression", "tension")}
 """Rated travels of each axis below and above zero."""
 
 
 def travel_in(rating: str, deflection: Array) -> Array:
-    """Return how far deflections, (..., 3), go in the way of a rating [m], (...); 0 where they go the other way."""
-    axis, way = RATINGS[rating]
+    """Return how far deflections, (..., 3), go in the direction of a rating [m], (...); 0 where they go the other way."""
+    axis, sign = RATINGS[rating]
     along = deflection[..., axis]
-    return np.asarray(np.abs(along) if way == 0.0 else np.maximum(way * along, 0.0) + 0.0)  # + 0.0: never -0.0
+    return np.asarray(np.abs(along) if sign == 0.0 else np.maximum(sign * along, 0.0) + 0.0)  # + 0.0: never -0.0
 
 
 def travel_reached(lowest: Array, highest: Array) -> dict[str, Array]:
@@ -32,20 +32,20 @@ def travel_utilisation(reached: Mapping[str, npt.ArrayLike], rated: Mapping[str,
     return {rating: float(reached[rating]) / rated[rating] for rating in RATINGS if rating in rated}  # type: ignore[arg-type]
 
 
-def beyond_law(axes: Mapping[str, Law | None], lowest: Array, highest: Array, *, share: float = 1.0) -> str:
-    """Return what a message says of the first axis that went beyond a share of what its law holds for, "" if none did.
+def beyond_law(axes: Mapping[str, Law | None], lowest: Array, highest: Array, *, fraction: float = 1.0) -> str:
+    """Return a message of the first axis that went beyond a fraction of what its law holds for, "" if none did.
 
     Args:
         axes: laws by axis.
         lowest: deflections [m], (3,).
         highest: the same.
-        share: of the deflections up to which a law holds.
+        fraction: of the deflections up to which a law holds.
     """
     for (axis, law), low, high in zip(axes.items(), lowest, highest, strict=True):
-        for way, reached, end in zip((-1.0, 1.0), (-low, high), law.travel_ends if law else (), strict=False):
-            if law is not None and reached > share * end + ROUNDING:
+        for sign, reached, end in zip((-1.0, 1.0), (-low, high), law.travel_ends if law else (), strict=False):
+            if law is not None and reached > fraction * end + ROUNDING:
                 return (
-                    f"at {way * reached:.4g} m on its {axis} axis, whose law holds up to {end:.4g} m, where "
+                    f"at {sign * reached:.4g} m on its {axis} axis, whose law holds up to {end:.4g} m, where "
                     f"{law.travel_rule}"
                 )
     return ""

@@ -1,4 +1,4 @@
-"""Restoring-force laws of isolator axes: engine-free, one jitted kernel each."""
+"""Restoring-force laws of isolator axes: engine-free, one file with class and jitted kernel each."""
 
 from wirerope_mj.mounts.laws.baber_noori import BoucWenBaberNoori as BoucWenBaberNoori
 from wirerope_mj.mounts.laws.biaxial import BiaxialBoucWen as BiaxialBoucWen
@@ -20,6 +20,7 @@ from wirerope_mj.mounts.laws.semi_empirical import TinkerCutchins as TinkerCutch
 from wirerope_mj.mounts.laws.smoothed import Smoothed as Smoothed
 from wirerope_mj.mounts.laws.stop import Stop as Stop
 from wirerope_mj.mounts.laws.tabulated import Tabulated as Tabulated
+from wirerope_mj.mounts.laws.trace import trace
 from wirerope_mj.mounts.laws.vaiana_rosati import VaianaRosati as VaianaRosati
 from wirerope_mj.mounts.laws.viscoelastic import KelvinVoigt as KelvinVoigt
 from wirerope_mj.mounts.laws.viscoelastic import Zener as Zener
@@ -32,3 +33,5 @@ LAWS: dict[str, type[Law]] = {
     )
 }  # fmt: skip
 """The laws by the name that an isolator file calls them."""
+
+Law._trace = trace  # follows the kernels of all laws, which their common base cannot import

@@ -1,4 +1,4 @@
-"""Laws without a closed form, Baber and Noori's and the coupled axes, integrated along a straight line of deflections.
+"""Laws without a closed form, such as Baber and Noori's and the coupled axes, integrated along a straight line of deflections.
 
 States and work follow the adaptive Dormand-Prince pair 5(4) (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations
 I, table II.5.2). Steps end where a hysteretic force changes its sign, so that no kink of a law lies inside one. The pair is
@@ -10,8 +10,9 @@ import math
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.kernels import BABER_NOORI, BIAXIAL, LOOP, baber_noori, biaxial
-from wirerope_mj.mounts.laws.loop_kernels import loop_plane
+from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, baber_noori
+from wirerope_mj.mounts.laws.kernels import evaluate_rarer
+from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, LOOP, biaxial, loop_plane
 
 TOLERANCE = 1e-9
 """Relative error allowed in one step. The pair's estimate is that of its lower order: traces are a tenth to a hundredth of it
@@ -21,13 +22,13 @@ TOLERANCE_IN_THE_PLANE = 1e-11
 """The same for coupled axes: a component that passes through zero beside a large other one is no kink to land on."""
 
 FIRST_STEP = 0.2
-"""Share of the yield deflection that a step within the tolerance covers where z is neither zero nor at its bound."""
+"""Fraction of the yield deflection that a step within the tolerance covers where z is neither zero nor at its bound."""
 
 _SMALLEST = 1e-9
-"""Share of a segment below which a failing step can only be a kink, whose contribution is below rounding."""
+"""Fraction of a segment below which a failing step can only be a kink, whose contribution is below rounding."""
 
 _AT_ZERO = 1e-13
-"""Share of what z gains over the segment's length that counts as zero."""
+"""Fraction of what z gains over the segment's length that counts as zero."""
 
 _LANDINGS = 8
 """Newton steps in which a step's end is moved onto a change of sign of z; they converge quadratically, four suffice."""
@@ -44,7 +45,7 @@ def switch(law, p, i, z, j):
 @njit
 def first_step(law, p, i, length):
     """Return a step that is likely to be accepted: a fifth of the yield deflection, or the whole length."""
-    if law in (BIAXIAL, LOOP):
+    if law != BABER_NOORI:
         return length
     return min(length, FIRST_STEP * (p[i] / (p[i + 1] + p[i + 2])) ** (1.0 / p[i + 3]) / p[i])
 
@@ -65,13 +66,15 @@ def longest_step(law, p, i, e):
 def slope_at(law, p, i, x, direction, z, j, n, k, stage):
     """Write the slopes of the n states and of the work over the length to `k[stage * (n + 1):]`."""
     row = stage * (n + 1)
-    # Not `evaluate`: of a few laws the compiler makes one piece with the loop, which then takes half the time.
+    # Not `evaluate`: of a few laws the compiler makes one function with the loop, which then takes half the time.
     if law == BABER_NOORI:
         k[row + n] = direction * baber_noori(p, i, x, direction, z, j, k, row)
     elif law == BIAXIAL:
         k[row + n] = direction * biaxial(p, i, x, direction, z, j, k, row)
-    else:
+    elif law == LOOP:
         k[row + n] = direction * loop_plane(p, i, x, direction, z, j, k, row)
+    else:
+        k[row + n] = direction * evaluate_rarer(law, p, i, x, direction, z, j, k, row)
 
 
 @njit
@@ -119,7 +122,7 @@ def mean_slope(k, m, c):
 
 
 @njit
-def doubt(k, m, c):
+def error_slope(k, m, c):
     """Return the difference of that slope from the one to fourth order."""
     return (
         71 / 57600 * k[c]
@@ -148,11 +151,11 @@ def integrate(law, p, i, x0, direction, length, z, j, n_states, slopes, trial):
         stages(law, p, i, x0 + direction * done, direction, step, z, j, n_states, slopes, trial)
         for stage in range(7):  # of the whole segment: where the force is zero, rounding is not
             power = max(power, abs(slopes[stage * m + n_states]))
-        error = abs(doubt(slopes, m, n_states)) / (tolerance * power + 1e-300)
+        error = abs(error_slope(slopes, m, n_states)) / (tolerance * power + 1e-300)
         for c in range(n_states):
             scale = max(abs(z[j + c]), abs(trial[c]), abs(slopes[c]) * step)
-            share = abs(step * doubt(slopes, m, c)) / (tolerance * scale + 1e-300)
-            error = max(error, share) if share >= 0.0 else math.inf  # max() would lose a NaN
+            ratio = abs(step * error_slope(slopes, m, c)) / (tolerance * scale + 1e-300)
+            error = max(error, ratio) if ratio >= 0.0 else math.inf  # max() would lose a NaN
         if not error < math.inf:  # the trial left the finite numbers: shorter, unless the path itself does
             if step < _SMALLEST * length:
                 return np.nan

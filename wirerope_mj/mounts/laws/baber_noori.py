@@ -1,5 +1,6 @@
 """Bouc-Wen law with wear and pinching."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
@@ -7,9 +8,14 @@ from typing import ClassVar
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
-from wirerope_mj.mounts.laws.hysteresis import Hysteresis
+from wirerope_mj.foundation.jit import njit
+from wirerope_mj.mounts.laws.hysteresis import Hysteresis, bouc_wen_rate
 from wirerope_mj.mounts.laws.law import anywhere, require_not_negative
+
+BABER_NOORI = 8
+
+WORN_OUT = 1e-3
+"""Fraction of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +36,7 @@ class BoucWenBaberNoori(Hysteresis):
     """
 
     name: ClassVar[str] = "bouc-wen-baber-noori"
-    kernel: ClassVar[int] = kernels.BABER_NOORI
+    kernel: ClassVar[int] = BABER_NOORI
 
     alpha: float
     beta: float
@@ -84,3 +90,25 @@ class BoucWenBaberNoori(Hysteresis):
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, alpha + k [N/m]."""
         return self.alpha + self.k
+
+
+@njit
+def baber_noori(p, i, x, v, z, j, zdot, k):
+    """Return F = k x + z [N] with wear and pinching; states z and its work e [J].
+
+    p = alpha, beta, gamma, n, k, delta_alpha, delta_nu, delta_eta, zeta, q, p, psi, delta_psi, lam.
+    """
+    force, e = z[j], z[j + 1]
+    alpha = max(p[i] - p[i + 5] * e, WORN_OUT * p[i])
+    nu, eta = 1.0 + p[i + 6] * e, 1.0 + p[i + 7] * e
+    beta, gamma, n = nu * p[i + 1], nu * p[i + 2], p[i + 3]
+    slip = p[i + 8] * -math.expm1(-p[i + 10] * e)
+    pinch = 1.0
+    if slip > 0.0 and v != 0.0:
+        bound = (alpha / (beta + gamma)) ** (1.0 / n)
+        width = (p[i + 11] + p[i + 12] * e) * (p[i + 13] + slip)
+        distance = ((force if v > 0.0 else -force) - p[i + 9] * bound) / width
+        pinch = 1.0 - slip * math.exp(-distance * distance)
+    zdot[k] = pinch / eta * bouc_wen_rate(alpha, beta, gamma, n, v, force)
+    zdot[k + 1] = force * v
+    return p[i + 4] * x + force

@@ -2,30 +2,16 @@
 
 import math
 from dataclasses import dataclass
-
-import numpy as np
-import numpy.typing as npt
+from typing import ClassVar
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law
-from wirerope_mj.mounts.laws.path import follow_plane
-from wirerope_mj.mounts.laws.plane import (
-    ODD,
-    SAME,
-    PlaneTrace,
-    elastic_of,
-    form_of,
-    rates_of,
-    require_alike,
-    require_couplable,
-    require_path,
-    traced,
-)
+from wirerope_mj.mounts.laws.plane import ODD, SAME, PlaneLaw, form_of, require_alike, require_couplable
+from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL
 
 
 @dataclass(frozen=True, kw_only=True)
-class BiaxialBoucWen:
+class BiaxialBoucWen(PlaneLaw):
     """Two Bouc-Wen laws whose hysteretic forces are the components of one vector.
 
     Scaled by each axis' bound z_m and yield deflection x_y, w = z / z_m and u = x / x_y (vectors, component by component):
@@ -43,6 +29,8 @@ class BiaxialBoucWen:
     Attributes:
         roll, shear: BoucWen, Ozdemir, SymmetricBoucWen or EnhancedDryFriction.
     """
+
+    kernel: ClassVar[int] = BIAXIAL
 
     roll: Law
     shear: Law
@@ -63,26 +51,6 @@ class BiaxialBoucWen:
         """The two laws."""
         return self.roll, self.shear
 
-    def rate_parameters(self) -> Array:
-        """Return sigma, n, the bounds z_m and the yield deflections x_y of both axes, (6,)."""
-        return rates_of(self.roll, self.shear)
-
     def mount_parameters(self) -> Array:
         """Return what the kernel of a mount takes: those of the rates."""
         return self.rate_parameters()
-
-    def line_parameters(self, start: Array, stop: Array) -> tuple[Array, float]:
-        """Return the kernel's parameters for a straight line in the plane, and its length [m]."""
-        length = float(np.hypot(*(stop - start)))
-        direction = (stop - start) / length if length else np.zeros(2)
-        return np.concatenate([self.rate_parameters(), *map(elastic_of, self.laws), start, direction]), length
-
-    def trace(self, deflection: npt.ArrayLike) -> PlaneTrace:
-        """Return forces, states and work along straight lines between the points of a path, entered unloaded.
-
-        Args:
-            deflection: path [m], (n_t, 2), roll and shear, at least two finite points.
-        """
-        path = require_path(deflection)
-        parameters, _ = self.line_parameters(path[0], path[0])
-        return traced(self, path, follow_plane(kernels.BIAXIAL, parameters, path))

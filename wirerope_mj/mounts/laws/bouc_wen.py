@@ -6,9 +6,11 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
-from wirerope_mj.mounts.laws.hysteresis import Hysteresis, Normalised
+from wirerope_mj.foundation.jit import njit
+from wirerope_mj.mounts.laws.hysteresis import Hysteresis, Normalised, bouc_wen_rate
 from wirerope_mj.mounts.laws.law import require_not_negative
+
+BOUC_WEN = 0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -19,7 +21,8 @@ class BoucWen(Hysteresis):
     """
 
     name: ClassVar[str] = "bouc-wen"
-    kernel: ClassVar[int] = kernels.BOUC_WEN
+    kernel: ClassVar[int] = BOUC_WEN
+    smoothable: ClassVar[bool] = True
 
     alpha: float
     beta: float
@@ -49,7 +52,8 @@ class Ozdemir(Hysteresis):
     """
 
     name: ClassVar[str] = "ozdemir"
-    kernel: ClassVar[int] = kernels.BOUC_WEN
+    kernel: ClassVar[int] = BOUC_WEN
+    smoothable: ClassVar[bool] = True
 
     alpha: float
     beta: float
@@ -76,3 +80,10 @@ class Ozdemir(Hysteresis):
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, alpha + k [N/m]."""
         return self.alpha + self.k
+
+
+@njit
+def bouc_wen(p, i, x, v, z, j, zdot, k):
+    """Return F = k x + z [N], thesis (3.4) with g = k x; p = alpha, beta, gamma, n, k."""
+    zdot[k] = bouc_wen_rate(p[i], p[i + 1], p[i + 2], p[i + 3], v, z[j])
+    return p[i + 4] * x + z[j]

@@ -7,9 +7,12 @@ from typing import ClassVar
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.foundation.jit import njit
+from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
 from wirerope_mj.mounts.laws.hysteresis import Normalised
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
+
+MASING = 6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,7 +27,8 @@ class EnhancedDryFriction(Law):
     """
 
     name: ClassVar[str] = "enhanced-dry-friction"
-    kernel: ClassVar[int] = kernels.BOUC_WEN
+    kernel: ClassVar[int] = BOUC_WEN
+    smoothable: ClassVar[bool] = True
 
     k: float
     d: float
@@ -64,11 +68,6 @@ class EnhancedDryFriction(Law):
         return self.d / self.u_c + self.k
 
     @property
-    def damping_coefficient(self) -> float:
-        """Zero: the force does not depend on the rate [N s/m]."""
-        return 0.0
-
-    @property
     def largest_force(self) -> float:
         """The friction force d without a spring, else infinite [N]."""
         return self.d if self.k == 0.0 else float("inf")
@@ -90,21 +89,12 @@ class Masing(Law):
     """
 
     name: ClassVar[str] = "masing"
-    kernel: ClassVar[int] = kernels.MASING
+    kernel: ClassVar[int] = MASING
+    lists: ClassVar[tuple[str, ...]] = ("stiffness", "slip_force")
 
     stiffness: Sequence[float]
     slip_force: Sequence[float]
     k: float = 0.0
-
-    def __post_init__(self) -> None:
-        for key in ("stiffness", "slip_force"):
-            values = getattr(self, key)
-            if isinstance(values, str) or not isinstance(values, Sequence | np.ndarray):
-                raise ValueError(f"`{key}` must be a list of numbers, got {values!r}.")
-            object.__setattr__(
-                self, key, tuple(float(v) if isinstance(v, np.integer | np.floating) else v for v in values)
-            )
-        super().__post_init__()
 
     def _validate(self) -> None:
         require_not_negative(self, "k")
@@ -143,11 +133,45 @@ class Masing(Law):
         return float(sum(self.stiffness) + self.k)
 
     @property
-    def damping_coefficient(self) -> float:
-        """Zero: the force does not depend on the rate [N s/m]."""
-        return 0.0
-
-    @property
     def largest_force(self) -> float:
         """Sum of the slip forces without a spring, else infinite [N]."""
         return self.z_max if self.k == 0.0 else float("inf")
+
+
+@njit
+def masing(p, i, x, v, z, j, zdot, k):
+    """Return F = k x + sum of z_e clipped to +-h_e [N]; p = k, number of elements, stiffnesses c_e, slip forces h_e.
+
+    The states grow elastically, beyond h_e too; who integrates them removes the overshoot after every step.
+    """
+    n = int(p[i + 1])
+    force = p[i] * x
+    for e in range(n):
+        slip = p[i + 2 + n + e]
+        zdot[k + e] = p[i + 2 + e] * v
+        force += min(max(z[j + e], -slip), slip)
+    return force
+
+
+@njit
+def hold_slip(p, i, z, j):
+    """Clip the states of Masing's law to the slip forces, in place."""
+    n = int(p[i + 1])
+    for e in range(n):
+        slip = p[i + 2 + n + e]
+        z[j + e] = min(max(z[j + e], -slip), slip)
+
+
+@njit
+def masing_increment(p, i, x0, x1, z, j):
+    """Carry the states of Jenkin elements from x0 to x1 and return the work done on the law [J]."""
+    n, dx = int(p[i + 1]), x1 - x0
+    work = p[i] * dx * 0.5 * (x0 + x1)
+    for e in range(n):
+        stiffness, slip = p[i + 2 + e], p[i + 2 + n + e]
+        start = min(max(z[j + e], -slip), slip)
+        end = min(max(start + stiffness * dx, -slip), slip)
+        elastic = (end - start) / stiffness
+        work += 0.5 * (start + end) * elastic + end * (dx - elastic)
+        z[j + e] = end
+    return work

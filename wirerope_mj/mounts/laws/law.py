@@ -1,18 +1,17 @@
-"""What every restoring-force law has in common."""
+"""A restoring-force law: its parameters, what others ask of it, and how it is written to a file."""
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.loop import Loop
-from wirerope_mj.mounts.laws.path import follow_path
-from wirerope_mj.mounts.laws.timed import follow_time
 
 ROUNDING = 1e-9
 """Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits."""
@@ -22,37 +21,43 @@ ROUNDING = 1e-9
 class Law(ABC):
     """Restoring-force law of one isolator axis: force [N] from deflection [m], its rate [m/s] and internal states.
 
-    Subclasses are frozen parameter sets. `name` is the word for the law in an isolator file, `kernel` its number in
-    `wirerope_mj.mounts.laws.kernels`. States whose names begin with "z" are forces; their sum is the hysteretic state.
+    Subclasses are frozen parameter sets. States whose names begin with "z" are forces; their sum is the hysteretic state.
     """
 
     name: ClassVar[str]
+    """The law's name in an isolator file."""
     kernel: ClassVar[int]
+    """Its number in `wirerope_mj.mounts.laws.kernels`."""
+    rate_independent: ClassVar[bool] = True
+    """True if the force depends on the path of deflections alone, and not on how fast it is run through."""
+    smoothable: ClassVar[bool] = False
+    """True if its kernel is one of those that `Smoothed` takes: one state, its rate a slope for each direction times xdot."""
     travel_rule: ClassVar[str] = "its force becomes infinite"
     needs_rating: ClassVar[bool] = True
-    """Whether a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into."""
+    """True if a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into."""
     options: ClassVar[Mapping[str, type]] = {}
     """Parameters that are no numbers but choices, and their types."""
+    lists: ClassVar[tuple[str, ...]] = ()
+    """Parameters that are lists of numbers."""
     leaders: ClassVar[Mapping[str, str]] = {}
     """The parameter that another one is equal to unless it is stated itself, by the name of that one."""
 
+    _trace: ClassVar[Callable[..., Loop]]
+    """`wirerope_mj.mounts.laws.trace`, which knows the kernels of all laws and so stands above them."""
+
     def __post_init__(self) -> None:
-        open_ones = {field.name for field in fields(self) if field.default is None}
+        optional = {field.name for field in fields(self) if field.default is None}
         for key, value in list(vars(self).items()):
             if key in self.options:
                 if not isinstance(value, self.options[key]):
                     raise ValueError(f"`{key}` must be a {self.options[key].__name__}, got {value!r}.")
-                continue
-            if isinstance(value, np.integer | np.floating):
-                object.__setattr__(self, key, value.item())
-                value = value.item()
-            if value is None and key in open_ones:
-                continue
-            for number in value if isinstance(value, tuple) else (value,):
-                if isinstance(number, bool) or not isinstance(number, int | float):
-                    raise ValueError(f"`{key}` must be a number, got {number!r}.")
-                if not math.isfinite(number):
-                    raise ValueError(f"`{key}` must be finite, got {number}.")
+            elif key in self.lists:
+                if isinstance(value, str) or not isinstance(value, Sequence | np.ndarray):
+                    raise ValueError(f"`{key}` must be a list of numbers, got {value!r}.")
+                object.__setattr__(self, key, tuple(finite(key, entry) for entry in value))
+            elif not (value is None and key in optional):
+                number = finite(key, value)
+                object.__setattr__(self, key, int(value) if isinstance(value, int | np.integer) else number)
         self._validate()
 
     @abstractmethod
@@ -60,13 +65,8 @@ class Law(ABC):
         """Raise ValueError if the parameters are not those of a passive law."""
 
     @property
-    def rate_independent(self) -> bool:
-        """Whether the force depends on the path of deflections alone, and not on how fast it is run through."""
-        return True
-
-    @property
     def remembers_slow_paths(self) -> bool:
-        """Whether internal states depend on the path of deflections however slowly it is run through."""
+        """True if internal states depend on the path of deflections however slowly it is run through."""
         return self.rate_independent
 
     @property
@@ -84,9 +84,9 @@ class Law(ABC):
         """Tangent of the force at the unloaded state [N/m]."""
 
     @property
-    @abstractmethod
     def damping_coefficient(self) -> float:
         """Derivative of the force by the deflection rate in the unloaded state [N s/m]; 0 for a rate-independent law."""
+        return 0.0
 
     @property
     def closed_stiffness(self) -> float:
@@ -120,7 +120,7 @@ class Law(ABC):
 
     @property
     def largest_force(self) -> float:
-        """What a law without an elastic part carries at most [N]; infinite for every other."""
+        """Largest force of a law without an elastic part [N]; infinite for every other."""
         return math.inf
 
     @property
@@ -133,8 +133,8 @@ class Law(ABC):
         """Number of internal states."""
         return len(self.state_names)
 
-    def surely_holds(self, columns: Mapping[str, Any]) -> bool:
-        """Return whether the law is surely valid, and at any deflection, with each entry of columns of its parameters.
+    def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
+        """Return whether the law is valid, and at any deflection, with each entry of columns of its parameters.
 
         False says nothing: each entry has to be tried. The law's own rules are asked, with columns in place of numbers; what
         they cannot say of many numbers at once NumPy refuses to take for true or false.
@@ -164,19 +164,18 @@ class Law(ABC):
         Raises:
             ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
         """
-        if not 0.0 < factor < math.inf:
-            raise ValueError(f"`factor` must be finite and > 0, got {factor}.")
+        positive("factor", factor)
         values: dict[str, Any] = {}
         for name, power in self.force_powers.items():
-            value, share = getattr(self, name), factor**power
-            values[name] = tuple(share * one for one in value) if isinstance(value, tuple) else share * value
+            value, ratio = getattr(self, name), factor**power
+            values[name] = tuple(ratio * one for one in value) if isinstance(value, tuple) else ratio * value
         return replace(self, **values)
 
     def parameter(self, name: str) -> Any:
         """Return a parameter by its name; "stiffness[0]" is the first entry of one that is several numbers."""
-        key, _, place = name.partition("[")
+        key, _, index = name.partition("[")
         value = getattr(self, key)
-        return value[int(place[:-1])] if place else value
+        return value[int(index[:-1])] if index else value
 
     def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return new values of parameters, named as in `parameter`, together with all that changes with them.
@@ -185,10 +184,10 @@ class Law(ABC):
         """
         whole = {name: value for name, value in values.items() if "[" not in name}
         for name, value in values.items():
-            key, bracket, place = name.partition("[")
+            key, bracket, index = name.partition("[")
             if bracket:
                 entries = list(whole.get(key, getattr(self, key)))
-                entries[int(place[:-1])] = value
+                entries[int(index[:-1])] = value
                 whole[key] = tuple(entries)
         follow = {
             name: whole[leader]
@@ -230,41 +229,9 @@ class Law(ABC):
             ValueError: the path is not a finite series, a rate-dependent law has no `time`, or the force leaves the
                 finite numbers along the path.
         """
-        path = np.asarray(deflection, dtype=np.float64)
-        self._check_path(path)
-        states = np.zeros(self.n_states) if initial_states is None else np.array(initial_states, dtype=np.float64)
-        if states.shape != (self.n_states,) or not np.isfinite(states).all():
-            raise ValueError(f"`initial_states` must be {self.n_states} finite numbers, got {initial_states!r}.")
-        if self.rate_independent:
-            force, history, work = follow_path(self.kernel, self.kernel_parameters(), path, states, self.n_states)
-        else:
-            instants = _instants(self, path, time)
-            rates = _rates(path, instants, rate)
-            force, history, work = follow_time(
-                self.kernel, self.kernel_parameters(), instants, path, rates, states, self.n_states
-            )
-        finite = np.isfinite(force) & np.isfinite(work)
-        if not finite.all():
-            last = max(int(np.argmin(finite)) - 1, 0)
-            where = self._last_finite(path[last], path[last + 1], history[last])
-            raise ValueError(f"the force of {self} leaves the finite numbers at a deflection of {where:.6g} m.")
-        forces = [i for i, name in enumerate(self.state_names) if name.startswith("z")]
-        z = history[:, forces].sum(axis=1)
-        return Loop(deflection=path, force=force, hysteretic_state=z, work=work, internal_states=history)
+        return self._trace(deflection, time=time, rate=rate, initial_states=initial_states)
 
-    def _last_finite(self, start: float, stop: float, states: Array) -> float:
-        """Return how far a rate-independent law leads from `start` towards `stop` with a finite force [m]."""
-        if not self.rate_independent:
-            return stop
-        low, high = 0.0, 1.0
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            path = np.array([start, start + middle * (stop - start)])
-            force, _, work = follow_path(self.kernel, self.kernel_parameters(), path, states.copy(), self.n_states)
-            low, high = (middle, high) if np.isfinite([force[1], work[1]]).all() else (low, middle)
-        return start + low * (stop - start)
-
-    def _check_path(self, path: Array) -> None:
+    def check_path(self, path: Array) -> None:
         """Raise ValueError if a path is not a finite series, or leads to where the law does not hold."""
         if path.ndim != 1 or path.size < 2:
             raise ValueError(f"`deflection` must be a series of at least 2 numbers, got shape {path.shape}.")
@@ -272,28 +239,6 @@ class Law(ABC):
             raise ValueError(
                 f"`deflection` must be finite, got {path[~np.isfinite(path)][0]} in sample {np.argmin(np.isfinite(path))}."
             )
-
-
-def _instants(law: Law, path: Array, time: npt.ArrayLike | None) -> Array:
-    """Return `time` as an array (n_t,) [s], or raise ValueError if it does not fit the path."""
-    if time is None:
-        raise ValueError(f"`time` must be given: the force of {law.name} depends on the deflection rate.")
-    instants = np.asarray(time, dtype=np.float64)
-    if instants.shape != path.shape:
-        raise ValueError(f"`time` must have the shape of the deflection, {path.shape}, got {instants.shape}.")
-    if not np.isfinite(instants).all() or (np.diff(instants) <= 0.0).any():
-        raise ValueError("`time` must be finite and strictly increasing.")
-    return instants
-
-
-def _rates(path: Array, instants: Array, rate: npt.ArrayLike | None) -> Array:
-    """Return `rate` as an array (n_t,) [m/s], by differences that are exact for a parabola if it is not given."""
-    if rate is None:
-        return np.gradient(path, instants, edge_order=2 if path.size > 2 else 1)
-    rates = np.asarray(rate, dtype=np.float64)
-    if rates.shape != path.shape or not np.isfinite(rates).all():
-        raise ValueError(f"`rate` must be finite and of shape {path.shape}, got shape {rates.shape}.")
-    return rates
 
 
 def anywhere(condition: bool | npt.NDArray[np.bool_]) -> bool:

@@ -1,6 +1,5 @@
 """The elastic energy by which a rope loop couples roll and axial deflection."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Self
@@ -9,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.polynomial.polynomial import polyder, polyval2d
 
+from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array
 
 
@@ -38,20 +38,14 @@ class LoopCoupling:
 
     def __post_init__(self) -> None:
         for name in ("roll", "compression", "tension"):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 < value < math.inf:
-                raise ValueError(f"`{name}` must be a finite number > 0 m, got {value!r}.")
+            positive(name, getattr(self, name), unit="m")
         rows = self.coefficients
         if not isinstance(rows, list | tuple) or not all(isinstance(row, list | tuple) for row in rows):
             raise ValueError(f"`coefficients` must be rows of numbers [J], got {rows!r}.")
-        numbers = [value for row in rows for value in row]
-        if any(isinstance(value, bool) or not isinstance(value, int | float) for value in numbers):
-            raise ValueError(f"`coefficients` must be rows of numbers [J], got {rows!r}.")
-        if not numbers or len({len(row) for row in rows}) != 1:
+        if not any(rows) or len({len(row) for row in rows}) != 1:
             raise ValueError(f"`coefficients` must be rows of equally many numbers, got lengths {[*map(len, rows)]}.")
-        if not all(map(math.isfinite, numbers)):
-            raise ValueError(f"`coefficients` must be finite, got {rows!r}.")
-        object.__setattr__(self, "coefficients", tuple(tuple(float(value) for value in row) for row in rows))
+        numbers = tuple(tuple(finite("coefficients", value, unit="J") for value in row) for row in rows)
+        object.__setattr__(self, "coefficients", numbers)
 
     @property
     def scale(self) -> float:

@@ -1,28 +1,26 @@
 """Bouc-Wen's law in the plane of roll and axial deflection, in which a rope loop bends."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
 from numpy.polynomial.legendre import leggauss
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.loop_energy import LoopCoupling
-from wirerope_mj.mounts.laws.path import follow_plane
+from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.plane import (
     ODD,
     SAME,
-    PlaneTrace,
+    PlaneLaw,
     asymmetry_of,
     elastic_of,
-    rates_of,
     require_alike,
     require_couplable,
-    require_path,
-    traced,
 )
+from wirerope_mj.mounts.laws.plane_kernels import LOOP
 
 NODES, WEIGHTS = leggauss(32)  # of exp(lambda x) F1(x) to rounding up to lambda x = 20
 
@@ -31,7 +29,7 @@ SMALL = 1e-2
 
 
 @dataclass(frozen=True, kw_only=True)
-class LoopBoucWen:
+class LoopBoucWen(PlaneLaw):
     """The laws of roll u and axial deflection w, coupled by an elastic energy U and by one bound of their hysteretic forces.
 
         F_roll = z_u + F1(u) + dU/du,   F_axial = F2(w) [z_w + F1(w)] + dU/dw
@@ -55,13 +53,15 @@ class LoopBoucWen:
         loop: the elastic energy.
     """
 
+    kernel: ClassVar[int] = LOOP
+
     roll: Law
     axial: Law
     loop: LoopCoupling
 
     def __post_init__(self) -> None:
         require_couplable("roll", self.roll, ODD, "a Bouc-Wen law that is odd in the deflection")
-        require_couplable("axial", self.axial, (*ODD, kernels.ASYMMETRIC_BOUC_WEN), "a Bouc-Wen law")
+        require_couplable("axial", self.axial, (*ODD, ASYMMETRIC_BOUC_WEN), "a Bouc-Wen law")
         require_alike(("roll", "axial"), self.roll, self.axial)
         sigma = self.rate_parameters()[0]
         if sigma < 0.5 * (1.0 - SAME):
@@ -77,30 +77,14 @@ class LoopBoucWen:
         """The two laws."""
         return self.roll, self.axial
 
-    def rate_parameters(self) -> Array:
-        """Return sigma, n, the bounds z_m and the yield deflections x_y of both axes, (6,)."""
-        return rates_of(self.roll, self.axial)
-
     def mount_parameters(self) -> Array:
         """Return what the kernel of a mount takes: those of the rates, then those of the elastic energy."""
         return np.concatenate([self.rate_parameters(), self.loop.kernel_parameters()])
 
     def line_parameters(self, start: Array, stop: Array) -> tuple[Array, float]:
         """Return the kernel's parameters for a straight line in the plane, and its length [m]."""
-        length = float(np.hypot(*(stop - start)))
-        direction = (stop - start) / length if length else np.zeros(2)
-        parts = [self.rate_parameters(), *map(elastic_of, self.laws), start, direction]
-        return np.concatenate([*parts, [asymmetry_of(self.axial)], self.loop.kernel_parameters()]), length
-
-    def trace(self, deflection: npt.ArrayLike) -> PlaneTrace:
-        """Return forces, states and work along straight lines between the points of a path, entered unloaded.
-
-        Args:
-            deflection: path [m], (n_t, 2), roll and axial, at least two finite points.
-        """
-        path = require_path(deflection)
-        parameters, _ = self.line_parameters(path[0], path[0])
-        return traced(self, path, follow_plane(kernels.LOOP, parameters, path))
+        line, length = super().line_parameters(start, stop)
+        return np.concatenate([line, [asymmetry_of(self.axial)], self.loop.kernel_parameters()]), length
 
     def energy(self, deflection: npt.ArrayLike, hysteretic_state: npt.ArrayLike) -> Array:
         """Return what is stored [J], (...): elastic, and what unloading without loss gives back of the hysteretic forces.
@@ -132,5 +116,5 @@ def _given_back(law: Law, x: Array, z: Array) -> Array:
     t = exponent * z / alpha
     large = np.where(np.abs(t) < SMALL, 1.0, t)
     series = 1 / 2 - t * (1 / 6 - t * (1 / 24 - t * (1 / 120 - t * (1 / 720 - t / 5040))))
-    share = np.where(np.abs(t) < SMALL, series, (np.expm1(-large) + large) / large**2)
-    return np.asarray(z * z / alpha * np.exp(exponent * x) * share, dtype=np.float64)
+    ratio = np.where(np.abs(t) < SMALL, series, (np.expm1(-large) + large) / large**2)
+    return np.asarray(z * z / alpha * np.exp(exponent * x) * ratio, dtype=np.float64)

@@ -7,9 +7,14 @@ from typing import ClassVar
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
-from wirerope_mj.mounts.laws.hysteresis import Hysteresis
+from wirerope_mj.foundation.jit import inlined, njit
+from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, bouc_wen
+from wirerope_mj.mounts.laws.hysteresis import Hysteresis, bouc_wen_rate
 from wirerope_mj.mounts.laws.law import anywhere
+
+ASYMMETRIC_BOUC_WEN = 1
+
+SYMMETRIC_BOUC_WEN = 2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +27,8 @@ class SymmetricBoucWen(Hysteresis):
     """
 
     name: ClassVar[str] = "symmetric-bouc-wen"
-    kernel: ClassVar[int] = kernels.SYMMETRIC_BOUC_WEN
+    kernel: ClassVar[int] = SYMMETRIC_BOUC_WEN
+    smoothable: ClassVar[bool] = True
 
     alpha: float
     beta: float
@@ -55,7 +61,7 @@ class AsymmetricBoucWen(SymmetricBoucWen):
     """
 
     name: ClassVar[str] = "asymmetric-bouc-wen"
-    kernel: ClassVar[int] = kernels.ASYMMETRIC_BOUC_WEN
+    kernel: ClassVar[int] = ASYMMETRIC_BOUC_WEN
 
     b: float
     c: float
@@ -73,3 +79,33 @@ class AsymmetricBoucWen(SymmetricBoucWen):
     def asymmetry(self) -> float:
         """Exponent lambda = c ln b of F2 = exp(lambda x) [1/m], the only identifiable combination of b and c."""
         return self.c * math.log(self.b)
+
+
+@inlined
+def polynomial(k1, k2, k3, x):
+    """Return Ni's odd polynomial F1 = k1 x + k2 sgn(x) x^2 + k3 x^3 [N], thesis (3.16)."""
+    return x * (k1 + k2 * abs(x) + k3 * x * x)
+
+
+@njit
+def asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k):
+    """Return F = exp(lambda x) [z + F1(x)] [N], thesis (3.15); p = alpha, beta, gamma, n, k1, k2, k3, lambda."""
+    zdot[k] = bouc_wen_rate(p[i], p[i + 1], p[i + 2], p[i + 3], v, z[j])
+    return math.exp(p[i + 7] * x) * (z[j] + polynomial(p[i + 4], p[i + 5], p[i + 6], x))
+
+
+@njit
+def symmetric_bouc_wen(p, i, x, v, z, j, zdot, k):
+    """Return F = z + F1(x) [N], Ni's law for shear and roll; p = alpha, beta, gamma, n, k1, k2, k3."""
+    zdot[k] = bouc_wen_rate(p[i], p[i + 1], p[i + 2], p[i + 3], v, z[j])
+    return z[j] + polynomial(p[i + 4], p[i + 5], p[i + 6], x)
+
+
+@njit
+def bouc_wen_force(law, p, i, x, v, z, j, zdot, k):
+    """Return the force [N] of the law of Bouc-Wen's or of Ni's with this number, and write the rate of its state."""
+    if law == BOUC_WEN:
+        return bouc_wen(p, i, x, v, z, j, zdot, k)
+    if law == SYMMETRIC_BOUC_WEN:
+        return symmetric_bouc_wen(p, i, x, v, z, j, zdot, k)
+    return asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k)

@@ -8,8 +8,14 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law
+
+PARALLEL = 14
+
+
+def _sum_of(name: str, doc: str) -> Any:
+    """Return a property that sums one of each law's."""
+    return property(lambda self: sum(getattr(law, name) for law in self.laws), doc=doc)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,9 +26,15 @@ class Parallel(Law):
     """
 
     name: ClassVar[str] = "parallel"
-    kernel: ClassVar[int] = kernels.PARALLEL
+    kernel: ClassVar[int] = PARALLEL
 
     laws: tuple[Law, ...]
+
+    initial_stiffness = _sum_of("initial_stiffness", "Sum of the tangents at the unloaded state [N/m].")
+    closed_stiffness = _sum_of("closed_stiffness", "Sum of the tangents with all stops closed [N/m].")
+    damping_coefficient = _sum_of("damping_coefficient", "Sum of the derivatives by the rate [N s/m].")
+    closed_damping = _sum_of("closed_damping", "Sum of the derivatives by the rate with all stops closed [N s/m].")
+    largest_force = _sum_of("largest_force", "Sum of the forces at most [N]: finite if none has an elastic part.")
 
     def __post_init__(self) -> None:
         laws = tuple(self.laws) if isinstance(self.laws, list | tuple) else ()
@@ -49,13 +61,13 @@ class Parallel(Law):
         return self.laws
 
     @property
-    def rate_independent(self) -> bool:
-        """Whether all of them are."""
+    def rate_independent(self) -> bool:  # type: ignore[override]
+        """True if all of them are."""
         return all(law.rate_independent for law in self.laws)
 
     @property
     def remembers_slow_paths(self) -> bool:
-        """Whether any of them does."""
+        """True if any of them does."""
         return any(law.remembers_slow_paths for law in self.laws)
 
     @property
@@ -74,28 +86,8 @@ class Parallel(Law):
 
     @property
     def state_names(self) -> tuple[str, ...]:
-        """Names of the states of each law, with its place counted from 1."""
-        return tuple(f"{name}_{place}" for place, law in enumerate(self.laws, 1) for name in law.state_names)
-
-    @property
-    def initial_stiffness(self) -> float:
-        """Sum of the tangents at the unloaded state [N/m]."""
-        return sum(law.initial_stiffness for law in self.laws)
-
-    @property
-    def closed_stiffness(self) -> float:
-        """Sum of the tangents with all stops closed [N/m]."""
-        return sum(law.closed_stiffness for law in self.laws)
-
-    @property
-    def damping_coefficient(self) -> float:
-        """Sum of the derivatives by the rate [N s/m]."""
-        return sum(law.damping_coefficient for law in self.laws)
-
-    @property
-    def closed_damping(self) -> float:
-        """Sum of the derivatives by the rate with all stops closed [N s/m]."""
-        return sum(law.closed_damping for law in self.laws)
+        """Names of the states of each law, with its number counted from 1."""
+        return tuple(f"{name}_{number}" for number, law in enumerate(self.laws, 1) for name in law.state_names)
 
     @property
     def relaxation_rate(self) -> float:
@@ -104,7 +96,7 @@ class Parallel(Law):
 
     @property
     def travel_ends(self) -> tuple[float, float]:
-        """How far below and above zero all of them hold [m]."""
+        """Deflections below and above zero up to which all of them hold [m]."""
         ends = np.array([law.travel_ends for law in self.laws]).min(axis=0)
         return float(ends[0]), float(ends[1])
 
@@ -115,15 +107,10 @@ class Parallel(Law):
 
     @property
     def needs_rating(self) -> bool:  # type: ignore[override]
-        """Whether one of them that ends somewhere asks for a rated travel."""
+        """True if one of them that ends somewhere asks for a rated travel."""
         return any(law.needs_rating for law in self.laws if law.finite_travel < np.inf)
 
-    @property
-    def largest_force(self) -> float:
-        """Sum of what they carry [N]: finite if none has an elastic part."""
-        return sum(law.largest_force for law in self.laws)
-
-    def surely_holds(self, columns: Mapping[str, Any]) -> bool:
+    def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
         """Return whether there are no columns: a study does not vary laws in parallel."""
         return not columns
 

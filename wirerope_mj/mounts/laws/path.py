@@ -6,22 +6,17 @@ import numpy as np
 
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.adaptive import integrate
-from wirerope_mj.mounts.laws.exact import advance_exactly, has_closed_form
 from wirerope_mj.mounts.laws.kernels import (
-    ASYMMETRIC_BOUC_WEN,
-    BOUC_WEN,
-    KELVIN_VOIGT,
-    LOOP,
+    BOUC_WEN_LAWS,
     PARALLEL,
-    SMOOTHED,
-    SYMMETRIC_BOUC_WEN,
-    TINKER_CUTCHINS,
-    ZENER,
+    RATE_DEPENDENT,
+    advance_exactly,
     component,
     evaluate,
-    polynomial,
+    has_closed_form,
 )
-from wirerope_mj.mounts.laws.loop_kernels import loop_plane_force
+from wirerope_mj.mounts.laws.ni import polynomial
+from wirerope_mj.mounts.laws.plane_kernels import LOOP, loop_plane_force
 from wirerope_mj.mounts.laws.power import advance_power
 
 SCRATCH = 18
@@ -48,7 +43,7 @@ def segment(law, p, i, x0, x1, z, j, n_states, slopes, trial):
     work = 0.0
     for part in range(int(p[i])):
         one, first, state, count = component(p, i, part, n_states)
-        if one in (KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, SMOOTHED):  # infinitely slow: their states stay at zero
+        if one in RATE_DEPENDENT:  # infinitely slow: their states stay at zero
             continue
         work += segment_of_one(one, p, first, x0, x1, z, j + state, count, slopes, trial)
     return work
@@ -61,7 +56,7 @@ def segment_of_one(law, p, i, x0, x1, z, j, n_states, slopes, trial):
         return 0.0
     if has_closed_form(law, p, i):
         return advance_exactly(law, p, i, x0, x1, z, j, trial, slopes)
-    if law in (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN):
+    if law in BOUC_WEN_LAWS:
         return advance_power(law, p, i, x0, x1, z, j, slopes, trial)
     direction = 1.0 if x1 > x0 else -1.0
     return integrate(law, p, i, x0, direction, abs(x1 - x0), z, j, n_states, slopes, trial)

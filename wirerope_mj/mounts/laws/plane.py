@@ -1,25 +1,30 @@
-"""What laws in a plane of two deflections have in common."""
+"""Two Bouc-Wen laws in a plane of two deflections, their hysteretic forces with one bound."""
 
 import math
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
 from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN
+from wirerope_mj.mounts.laws.path import follow_plane
+from wirerope_mj.mounts.laws.stop import STOP
 
 SAME = 1e-9
-"""Relative difference of two axes' sharpness, share or energy that is rounding and not another law."""
+"""Relative difference of two axes' n, sigma or energy that is rounding and not another law."""
 
-ODD = (kernels.BOUC_WEN, kernels.SYMMETRIC_BOUC_WEN)
+ODD = (BOUC_WEN, SYMMETRIC_BOUC_WEN)
 """Kernels of the Bouc-Wen laws that are odd in the deflection."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PlaneTrace:
-    """What a law in the plane does along a path.
+    """Forces, states and work of a law in the plane along a path.
 
     Attributes:
         deflection: path [m], (n_t, 2), roll and shear, or roll and axial.
@@ -34,11 +39,57 @@ class PlaneTrace:
     work: Array
 
 
+class PlaneLaw(ABC):
+    """Two laws, of roll and of another axis, whose hysteretic forces are the components of one vector.
+
+    Attributes:
+        kernel: number of the kernel along a line in the plane, in `wirerope_mj.mounts.laws.plane_kernels`.
+    """
+
+    kernel: ClassVar[int]
+
+    @property
+    @abstractmethod
+    def laws(self) -> tuple[Law, Law]:
+        """The two laws."""
+
+    @abstractmethod
+    def mount_parameters(self) -> Array:
+        """Return what the kernel of a mount takes, first those of the rates."""
+
+    def rate_parameters(self) -> Array:
+        """Return sigma, n, the bounds z_m and the yield deflections x_y of both laws, (6,)."""
+        (sigma, n, z1, x1), (_, _, z2, x2) = map(form_of, self.laws)
+        return np.array([sigma, n, z1, z2, x1, x2])
+
+    def line_parameters(self, start: Array, stop: Array) -> tuple[Array, float]:
+        """Return the kernel's parameters for a straight line in the plane, and its length [m]."""
+        length = float(np.hypot(*(stop - start)))
+        direction = (stop - start) / length if length else np.zeros(2)
+        return np.concatenate([self.rate_parameters(), *map(elastic_of, self.laws), start, direction]), length
+
+    def trace(self, deflection: npt.ArrayLike) -> PlaneTrace:
+        """Return forces, states and work along straight lines between the points of a path, entered unloaded.
+
+        Args:
+            deflection: path [m], (n_t, 2), roll and the other axis, at least two finite points.
+        """
+        path = np.asarray(deflection, dtype=np.float64)
+        if path.ndim != 2 or path.shape[0] < 2 or path.shape[1] != 2 or not np.isfinite(path).all():
+            raise ValueError(f"`deflection` must be at least 2 finite points of the plane, got shape {path.shape}.")
+        parameters, _ = self.line_parameters(path[0], path[0])
+        force, states, work = follow_plane(self.kernel, parameters, path)
+        finite = np.isfinite(force).all(axis=1) & np.isfinite(work)
+        if not finite.all():
+            raise ValueError(f"the force of {self} leaves the finite numbers at {path[np.argmin(finite)]} m.")
+        return PlaneTrace(deflection=path, force=force, hysteretic_state=states, work=work)
+
+
 def require_couplable(axis: str, law: Law, allowed: tuple[int, ...], kind: str) -> None:
     """Raise ValueError unless a law is a bounded Bouc-Wen law of one of the allowed kernels; `kind` says which these are."""
     if not isinstance(law, Law) or law.kernel not in allowed:
         got, hint = (law.name, "") if isinstance(law, Law) else (repr(law), "")
-        if isinstance(law, Law) and any(part.kernel == kernels.STOP for part in law.components):
+        if isinstance(law, Law) and any(part.kernel == STOP for part in law.components):
             hint = " Beside a coupled isolator a stop is a mount of its own."
         raise ValueError(f"`{axis}` must be {kind} to be coupled, got {got}.{hint}")
     if not math.isfinite(form_of(law)[2]):
@@ -48,10 +99,10 @@ def require_couplable(axis: str, law: Law, allowed: tuple[int, ...], kind: str) 
 def require_alike(names: tuple[str, str], one: Law, other: Law) -> None:
     """Raise ValueError unless two laws have the same n and sigma."""
     (s1, n1, _, _), (s2, n2, _, _) = form_of(one), form_of(other)
-    for name, here, there in (("n", n1, n2), ("sigma = beta / (beta + gamma)", s1, s2)):
-        if not math.isclose(here, there, rel_tol=SAME):
+    for name, first, second in (("n", n1, n2), ("sigma = beta / (beta + gamma)", s1, s2)):
+        if not math.isclose(first, second, rel_tol=SAME):
             raise ValueError(
-                f"`{names[0]}` and `{names[1]}` must have the same {name} to be coupled, got {here:.6g} and {there:.6g}."
+                f"`{names[0]}` and `{names[1]}` must have the same {name} to be coupled, got {first:.6g} and {second:.6g}."
             )
 
 
@@ -72,27 +123,4 @@ def elastic_of(law: Law) -> Array:
 
 def asymmetry_of(law: Law) -> float:
     """Return the exponent lambda of F2 = exp(lambda x) [1/m], 0 for a law that has none."""
-    return float(law.kernel_parameters()[7]) if law.kernel == kernels.ASYMMETRIC_BOUC_WEN else 0.0
-
-
-def rates_of(one: Law, other: Law) -> Array:
-    """Return sigma, n, the bounds z_m and the yield deflections x_y of both laws, (6,)."""
-    (sigma, n, z1, x1), (_, _, z2, x2) = form_of(one), form_of(other)
-    return np.array([sigma, n, z1, z2, x1, x2])
-
-
-def require_path(deflection: npt.ArrayLike) -> Array:
-    """Return a path in the plane (n_t, 2), or raise ValueError if it is none."""
-    path = np.asarray(deflection, dtype=np.float64)
-    if path.ndim != 2 or path.shape[0] < 2 or path.shape[1] != 2 or not np.isfinite(path).all():
-        raise ValueError(f"`deflection` must be at least 2 finite points of the plane, got shape {path.shape}.")
-    return path
-
-
-def traced(law: object, path: Array, found: tuple[Array, Array, Array]) -> PlaneTrace:
-    """Return the trace of a law, or raise ValueError where its force or work is not finite."""
-    force, states, work = found
-    finite = np.isfinite(force).all(axis=1) & np.isfinite(work)
-    if not finite.all():
-        raise ValueError(f"the force of {law} leaves the finite numbers at {path[np.argmin(finite)]} m.")
-    return PlaneTrace(deflection=path, force=force, hysteretic_state=states, work=work)
+    return float(law.kernel_parameters()[7]) if law.kernel == ASYMMETRIC_BOUC_WEN else 0.0

@@ -17,7 +17,7 @@ import math
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.kernels import ASYMMETRIC_BOUC_WEN, evaluate
+from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, bouc_wen_force
 from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
 
 ORDER = 16
@@ -30,7 +30,7 @@ _NEAR_BELOW_1 = 1.0 / 3.0
 """|q| up to which Pfaff's series is: |w| is at most 1/2 there, so that 50 terms reach rounding, 15 with n = 0.1."""
 
 ROUNDING = 1e-16
-"""Share of the state below which a term does not count."""
+"""Fraction of the state below which a term does not count."""
 
 _STEPS = 10_000
 
@@ -173,7 +173,7 @@ def advance_power(law, p, i, x0, x1, z, j, scratch, trial):
                 root = first + (last - first) * NODES[node]
                 away = root**root_of
                 trial[0] = s * way * at_length(alpha, b, n, away)
-                force = evaluate(law, p, i, x + s * way * (away - begin), 0.0, trial, 0, unused, 0)
+                force = bouc_wen_force(law, p, i, x + s * way * (away - begin), 0.0, trial, 0, unused, 0)
                 work += s * way * root_of * (last - first) * away / root * WEIGHTS[node] * force
             if step < left:
                 u = at_length(alpha, b, n, end)
@@ -185,7 +185,7 @@ def advance_power(law, p, i, x0, x1, z, j, scratch, trial):
             for node in range(8):
                 part = step * NODES[node]
                 trial[0] = s * way * summed(alpha, u, c, part)
-                work += s * step * WEIGHTS[node] * evaluate(law, p, i, x + s * part, 0.0, trial, 0, unused, 0)
+                work += s * step * WEIGHTS[node] * bouc_wen_force(law, p, i, x + s * part, 0.0, trial, 0, unused, 0)
             u = summed(alpha, u, c, step)
         x, length = x + s * step, length - step
     return np.nan

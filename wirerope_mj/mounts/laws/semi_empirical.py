@@ -8,9 +8,11 @@ from typing import ClassVar, Self
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.law import Law, require_not_negative, require_positive
 from wirerope_mj.mounts.laws.loop import Loop
+
+TINKER_CUTCHINS = 5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,14 +28,15 @@ class TinkerCutchins(Law):
     Source: Tinker and Cutchins (1992), thesis 2.5.2; how the friction
     varies is our choice, the published polynomial was not reachable.
 
-    Coulomb friction is undefined at rest, so it is smoothed: the force at the rate xdot is the share tanh(xdot / smoothing) of
+    Coulomb friction is undefined at rest, so it is smoothed: at the rate xdot the force is tanh(xdot / smoothing) times
     it. The price is creep: a load F below the friction f0 is not held but sinks with smoothing * atanh(F / f0), and a static
     equilibrium rests on the springs alone. Choose `smoothing` near a hundredth of the rates that matter. The same velocity
     rounds |xdot|^n at rest if n < 1.
     """
 
     name: ClassVar[str] = "tinker-cutchins"
-    kernel: ClassVar[int] = kernels.TINKER_CUTCHINS
+    kernel: ClassVar[int] = TINKER_CUTCHINS
+    rate_independent: ClassVar[bool] = False
 
     k1: float
     k2: float = 0.0
@@ -54,11 +57,6 @@ class TinkerCutchins(Law):
         return np.array(
             [self.k1, self.k2, self.k3, self.c, self.n, self.f0, self.f1, self.f2, self.smoothing], dtype=np.float64
         )
-
-    @property
-    def rate_independent(self) -> bool:
-        """False."""
-        return False
 
     @property
     def force_powers(self) -> Mapping[str, float]:
@@ -95,7 +93,8 @@ class EquivalentViscous(Law):
     """
 
     name: ClassVar[str] = "equivalent-viscous"
-    kernel: ClassVar[int] = kernels.TINKER_CUTCHINS
+    kernel: ClassVar[int] = TINKER_CUTCHINS
+    rate_independent: ClassVar[bool] = False
 
     k1: float
     k2: float = 0.0
@@ -117,7 +116,7 @@ class EquivalentViscous(Law):
         """Return the law of an amplitude between those of closed loops about zero.
 
         The mid-line (F_up + F_down) / 2 of each loop is fitted by k1 x + k2 x^2 + k3 x^3 through its tips. Between two
-        loops k_p A^(p-1), shares
+        loops k_p A^(p-1), parts
         of the secant stiffness, are interpolated over log A, and the energy by a power law W = a A^p.
 
         Args:
@@ -142,25 +141,22 @@ class EquivalentViscous(Law):
             raise ValueError(
                 f"`amplitude` must lie within those of the loops, {sizes[0]:.6g} to {sizes[-1]:.6g} m, got {amplitude}."
             )
-        shares = np.array([_mid_line(loop) for loop in ordered]) * sizes[:, None] ** np.arange(3)
-        place = np.log(amplitude)
-        k1, k2, k3 = (float(np.interp(place, np.log(sizes), share)) / amplitude**p for p, share in enumerate(shares.T))
+        terms = np.array([_mid_line(loop) for loop in ordered]) * sizes[:, None] ** np.arange(3)
+        log_amplitude = np.log(amplitude)
+        k1, k2, k3 = (
+            float(np.interp(log_amplitude, np.log(sizes), term)) / amplitude**p for p, term in enumerate(terms.T)
+        )
         # An elastic loop has an area of rounding.
         energies = np.maximum([loop.dissipated_energy for loop in ordered], 0.0)
         if (energies > 0.0).all():
-            energy = float(np.exp(np.interp(place, np.log(sizes), np.log(energies))))
+            energy = float(np.exp(np.interp(log_amplitude, np.log(sizes), np.log(energies))))
         else:
-            energy = float(np.interp(place, np.log(sizes), energies))
+            energy = float(np.interp(log_amplitude, np.log(sizes), energies))
         return cls(k1=k1, k2=k2, k3=k3, energy=energy, amplitude=float(amplitude), frequency=float(frequency))
 
     def kernel_parameters(self) -> Array:
         """Return the parameters of Tinker and Cutchins' kernel: the mid-line and linear damping, no friction."""
         return np.array([self.k1, self.k2, self.k3, self.damping_coefficient, 1.0, 0.0, 0.0, 0.0, 1.0])
-
-    @property
-    def rate_independent(self) -> bool:
-        """False."""
-        return False
 
     @property
     def force_powers(self) -> Mapping[str, float]:
@@ -188,3 +184,17 @@ def _mid_line(loop: Loop) -> Array:
     bend = x**3 - amplitude**2 * x
     k3 = float(bend @ (middle - odd * x - even * x**2) / (bend @ bend))
     return np.array([odd - k3 * amplitude**2, even, k3])
+
+
+@njit
+def tinker_cutchins(p, i, x, v, z, j, zdot, k):
+    """Return k1 x + k2 x^2 + k3 x^3 + c |v|^n sgn(v) + Fc(x) tanh(v/s) [N]; p = k1, k2, k3, c, n, f0, f1, f2, s."""
+    n, s = p[i + 4], p[i + 8]
+    if n == 1.0:
+        damping = p[i + 3] * v
+    elif n > 1.0:
+        damping = p[i + 3] * abs(v) ** (n - 1.0) * v
+    else:  # |v|^n has an infinite slope at rest: smoothed over the same velocity as the friction
+        damping = p[i + 3] * (v * v + s * s) ** (0.5 * (n - 1.0)) * v
+    friction = (p[i + 5] + p[i + 6] * abs(x) + p[i + 7] * x * x) * math.tanh(v / s)
+    return x * (p[i] + x * (p[i + 1] + x * p[i + 2])) + damping + friction

@@ -1,21 +1,21 @@
-"""A smoothed law in time along a cubic path, by Dormand and Prince's adaptive pair of fifth and fourth order."""
+"""A rate-dependent law with one state in time along a cubic path, by Dormand and Prince's adaptive pair 5(4)."""
 
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.cubic import position, speed
-from wirerope_mj.mounts.laws.kernels import smoothed
+from wirerope_mj.mounts.laws.kernels import evaluate_one
 
 TOLERANCE = 1e-11
-"""Error of a step as a share of the state, or of what it would gain over the piece; hundreds of steps stay below 1e-8."""
+"""Error of a step as a fraction of the state, or of what it would gain over the interval; hundreds of steps stay below 1e-8."""
 
 _SMALLEST = 1e-9
-"""Share of a piece below which a failing step can only be a kink, whose contribution is below rounding."""
+"""Fraction of an interval below which a failing step can only be a kink, whose contribution is below rounding."""
 
 _WIDEST = 0.5
-"""Share of a piece that a step takes at most: the work, which is not controlled, is then as good as the state."""
+"""Fraction of an interval that a step takes at most: the work, which is not controlled, is then as good as the state."""
 
-_PLACES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
+_ABSCISSAE = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
 _STAGES = np.array(
     [
         [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -27,47 +27,47 @@ _STAGES = np.array(
         [35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
     ]
 )
-_DOUBT = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
+_ERROR = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
 
 
 @njit
-def slope_at(p, i, cubic, t, z, scratch):
+def slope_at(law, p, i, cubic, t, z, scratch):
     """Return zdot [N/s] and the power [W] at the instant t in the state z."""
     scratch[0], v = z, speed(cubic, t)
-    force = smoothed(p, i, position(cubic, t), v, scratch, 0, scratch, 1)
+    force = evaluate_one(law, p, i, position(cubic, t), v, scratch, 0, scratch, 1)
     return scratch[1], force * v
 
 
 @njit
-def follow_smoothed(p, i, cubic, start, end, z, j):
+def integrate_in_time(law, p, i, cubic, start, end, z, j):
     """Carry the state `z[j]` in place from `start` to `end` and return the work done on the law [J]; NaN if it is lost."""
     k, scratch = np.empty((7, 2)), np.empty(2)
     t, step, work, now = start, _WIDEST * (end - start), 0.0, z[j]
-    k[0] = slope_at(p, i, cubic, t, now, scratch)
+    k[0] = slope_at(law, p, i, cubic, t, now, scratch)
     while t < end:
         step = min(step, end - t)
-        after, gain, error = now, 0.0, step * _DOUBT[0] * k[0, 0]
+        after, gain, error = now, 0.0, step * _ERROR[0] * k[0, 0]
         for stage in range(1, 7):
             after, gain = now, 0.0
             for before in range(stage):
                 after += step * _STAGES[stage, before] * k[before, 0]
                 gain += step * _STAGES[stage, before] * k[before, 1]
-            k[stage] = slope_at(p, i, cubic, t + _PLACES[stage] * step, after, scratch)
-            error += step * _DOUBT[stage] * k[stage, 0]
+            k[stage] = slope_at(law, p, i, cubic, t + _ABSCISSAE[stage] * step, after, scratch)
+            error += step * _ERROR[stage] * k[stage, 0]
         size = max(abs(now), abs(after), abs(k[0, 0]) * (end - start), abs(k[6, 0]) * (end - start))
-        share = abs(error) / (TOLERANCE * size + 1e-300)
+        ratio = abs(error) / (TOLERANCE * size + 1e-300)
         if not (np.isfinite(after) and np.isfinite(gain)):
-            share = np.inf
-        if share > 1.0 and step > _SMALLEST * (end - start):
-            step *= max(0.2, 0.9 * share**-0.2)
+            ratio = np.inf
+        if ratio > 1.0 and step > _SMALLEST * (end - start):
+            step *= max(0.2, 0.9 * ratio**-0.2)
             continue
-        if share == np.inf:
+        if ratio == np.inf:
             z[j] = np.nan
             return np.nan
-        # A piece between a reversal and a sample may be as short as the rounding of its instants.
+        # An interval between a reversal and a sample may be as short as the rounding of its instants.
         t = end if step >= end - t or t + step <= t else t + step
         now, work = after, work + gain
         k[0] = k[6]
-        step = min(step * min(5.0, 0.9 * (min(share, 1.0) + 1e-10) ** -0.2), _WIDEST * (end - start))
+        step = min(step * min(5.0, 0.9 * (min(ratio, 1.0) + 1e-10) ** -0.2), _WIDEST * (end - start))
     z[j] = now
     return work

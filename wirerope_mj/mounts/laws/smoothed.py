@@ -6,9 +6,16 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
-from wirerope_mj.mounts.laws.law import Law, require_positive
+from wirerope_mj.mounts.laws.law import Law
+
+SMOOTHED = 10
+
+
+def _of_law(name: str, doc: str) -> Any:
+    """Return a property that is the law's own."""
+    return property(lambda self: getattr(self.law, name), doc=doc)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,32 +38,30 @@ class Smoothed(Law):
     """
 
     name: ClassVar[str] = "smoothed"
-    kernel: ClassVar[int] = kernels.SMOOTHED
+    kernel: ClassVar[int] = SMOOTHED
+    rate_independent: ClassVar[bool] = False
 
     law: Law
     width: float
 
+    initial_stiffness = _of_law("initial_stiffness", "Tangent of the law at its unloaded state [N/m].")
+    finite_travel = _of_law("finite_travel", "Deflection up to which the law holds [m].")
+    travel_ends = _of_law("travel_ends", "Deflections below and above zero up to which the law holds [m].")
+    largest_force = _of_law("largest_force", "That of the law [N]: finite without an elastic part.")
+    state_names = _of_law("state_names", "The state of the law.")
+
     def __post_init__(self) -> None:
         if not isinstance(self.law, Law) or not smoothable(self.law):
-            what = self.law.name if isinstance(self.law, Law) else repr(self.law)
-            raise ValueError(f"`law` must have one state whose rate is a slope times the velocity, got {what}.")
-        width = self.width.item() if isinstance(self.width, np.integer | np.floating) else self.width
-        if isinstance(width, bool) or not isinstance(width, int | float) or not np.isfinite(width):
-            raise ValueError(f"`width` must be a finite number, got {self.width!r}.")
-        object.__setattr__(self, "width", float(width))
-        self._validate()
+            got = self.law.name if isinstance(self.law, Law) else repr(self.law)
+            raise ValueError(f"`law` must have one state whose rate is a slope times the velocity, got {got}.")
+        object.__setattr__(self, "width", positive("width", self.width))
 
     def _validate(self) -> None:
-        require_positive(self, "width")
+        """Do nothing: the law has checked itself."""
 
     def kernel_parameters(self) -> Array:
         """Return the width, the law's kernel and its parameters."""
         return np.concatenate([[self.width, float(self.law.kernel)], self.law.kernel_parameters()])
-
-    @property
-    def rate_independent(self) -> bool:
-        """False."""
-        return False
 
     @property
     def force_powers(self) -> Mapping[str, float]:
@@ -67,36 +72,6 @@ class Smoothed(Law):
         """Return the smoothed law whose force is `factor` times this one's."""
         return replace(self, law=self.law.scaled(factor))
 
-    @property
-    def initial_stiffness(self) -> float:
-        """Tangent of the law at its unloaded state [N/m]."""
-        return self.law.initial_stiffness
-
-    @property
-    def damping_coefficient(self) -> float:
-        """Zero: the force itself does not depend on the rate [N s/m]."""
-        return 0.0
-
-    @property
-    def finite_travel(self) -> float:
-        """Deflection up to which the law holds [m]."""
-        return self.law.finite_travel
-
-    @property
-    def travel_ends(self) -> tuple[float, float]:
-        """Deflections below and above zero up to which the law holds [m]."""
-        return self.law.travel_ends
-
-    @property
-    def largest_force(self) -> float:
-        """That of the law [N]: finite without an elastic part."""
-        return self.law.largest_force
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """The state of the law."""
-        return self.law.state_names
-
     def to_dict(self) -> dict[str, Any]:
         """Raise ValueError: an isolator file holds the law itself."""
         raise ValueError(
@@ -106,10 +81,4 @@ class Smoothed(Law):
 
 def smoothable(law: Law) -> bool:
     """Return whether a law has one state whose rate is a slope times the velocity."""
-    return law.kernel in _SMOOTHABLE and law.rate_independent and law.n_states == 1
-
-
-_SMOOTHABLE = (
-    kernels.BOUC_WEN, kernels.SYMMETRIC_BOUC_WEN, kernels.ASYMMETRIC_BOUC_WEN, kernels.VAIANA_ROSATI, kernels.STOP,
-    kernels.TABULATED,
-)  # fmt: skip
+    return law.smoothable and law.rate_independent and law.n_states == 1

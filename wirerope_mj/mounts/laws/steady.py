@@ -1,7 +1,5 @@
 """Forces of rate-independent laws without wear, in the steady state of a cycle; no work is summed, which costs most.
 
-The laws are those with a closed form and all of the Bouc-Wen family, for any exponent.
-
 Paths of one state do not cross, and a cycle forgets: from where a cycle gains the closed one starts higher, from where it loses
 lower. Every cycle followed so brackets the closed one, whatever the kinks between. A secant without the bracket was thrown to
 1e16 N by the bend of a Bouc-Wen law with n < 1, where nothing changes any more and all seems closed.
@@ -10,8 +8,8 @@ lower. Every cycle followed so brackets the closed one, whatever the kinks betwe
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.exact import carry_exactly, has_closed_form
-from wirerope_mj.mounts.laws.kernels import PARALLEL, component, evaluate
+from wirerope_mj.mounts.laws.adaptive import integrate
+from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS, PARALLEL, carry_exactly, component, evaluate, has_closed_form
 from wirerope_mj.mounts.laws.power import ORDER, carry_power, follow_power
 
 
@@ -19,14 +17,15 @@ from wirerope_mj.mounts.laws.power import ORDER, carry_power, follow_power
 def carry(law, p, x0, x1, z, c, a):
     """Carry the states of a law in place from deflection x0 to x1 and return whether they are finite.
 
-    Closed forms where there are any, else the power series of the Bouc-Wen laws with their scratch arrays `c` and `a`.
+    Closed forms where there are any, the power series of the Bouc-Wen laws with their scratch arrays `c` and `a`; the rest is
+    integrated.
     """
     if law == PARALLEL:
         for part in range(int(p[0])):
-            one, first, state, _ = component(p, 0, part, z.size)
-            carry_one(one, p, first, x0, x1, z, state, c, a)
+            one, first, state, count = component(p, 0, part, z.size)
+            carry_one(one, p, first, x0, x1, z, state, count, c, a)
     else:
-        carry_one(law, p, 0, x0, x1, z, 0, c, a)
+        carry_one(law, p, 0, x0, x1, z, 0, z.size, c, a)
     finite = True
     for state in range(z.size):
         finite = finite and abs(z[state]) < np.inf
@@ -34,14 +33,17 @@ def carry(law, p, x0, x1, z, c, a):
 
 
 @njit
-def carry_one(law, p, i, x0, x1, z, j, c, a):
+def carry_one(law, p, i, x0, x1, z, j, n_states, c, a):
     """Do the same for a law that is not made of several, its parameters in `p[i:]` and its states in `z[j:]`."""
     if x0 == x1:
         return
     if has_closed_form(law, p, i):
         carry_exactly(law, p, i, x0, x1, z, j)
-    else:
+    elif law in BOUC_WEN_LAWS:
         carry_power(p, i, x0, x1, z, j, c, a)
+    else:
+        slopes, trial = np.empty(7 * (n_states + 1)), np.empty(n_states + 1)
+        integrate(law, p, i, x0, 1.0 if x1 > x0 else -1.0, abs(x1 - x0), z, j, n_states, slopes, trial)
 
 
 @njit
@@ -50,7 +52,7 @@ def follow_force(law, p, deflection, z, n_states):
     n_t = deflection.size
     force, states = np.empty(n_t), np.empty(n_t)
     c, a, unused = np.empty(ORDER + 1), np.empty(ORDER + 1), np.empty(n_states + 1)
-    if law != PARALLEL and not has_closed_form(law, p, 0):
+    if law in BOUC_WEN_LAWS and not has_closed_form(law, p, 0):
         follow_power(p, deflection, z, states)
         for t in range(n_t):
             z[0] = states[t]

@@ -9,10 +9,12 @@ from scipy.interpolate import PPoly
 from scipy.optimize import brentq
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
 from wirerope_mj.mounts.laws.stop_kernels import elastic, seated
 from wirerope_mj.mounts.laws.table_cubics import level_cubics, monotone, packed
+
+STOP = 13
+
 
 NEVER = 1e300
 """Gap of a side without a stop [m]."""
@@ -43,7 +45,9 @@ class Stop(Law):
     """
 
     name: ClassVar[str] = "stop"
-    kernel: ClassVar[int] = kernels.STOP
+    kernel: ClassVar[int] = STOP
+    smoothable: ClassVar[bool] = True
+    lists: ClassVar[tuple[str, ...]] = ("depths", "forces")
 
     gap_below: float | None = None
     gap_above: float | None = None
@@ -55,13 +59,6 @@ class Stop(Law):
     loss: float = 0.0
     reversal: float | None = None
     c: float = 0.0
-
-    def __post_init__(self) -> None:
-        for name in ("depths", "forces"):
-            value = getattr(self, name)
-            if isinstance(value, list | np.ndarray):
-                object.__setattr__(self, name, tuple(value))
-        super().__post_init__()
 
     def _validate(self) -> None:
         if self.gap_below is None and self.gap_above is None:
@@ -131,8 +128,8 @@ class Stop(Law):
         return float(elastic(self.kernel_parameters(), 0, seated(depth, self.rounding)[0])) if depth > 0.0 else 0.0
 
     @property
-    def rate_independent(self) -> bool:
-        """Whether the force does not depend on the rate: without viscous loss."""
+    def rate_independent(self) -> bool:  # type: ignore[override]
+        """True if the force does not depend on the rate: without viscous loss."""
         return self.c == 0.0
 
     @property
@@ -167,11 +164,6 @@ class Stop(Law):
     def closed_damping(self) -> float:
         """Viscous coefficient c [N s/m]."""
         return self.c
-
-    @property
-    def damping_coefficient(self) -> float:
-        """Zero: within its gap the stop does nothing [N s/m]."""
-        return 0.0
 
 
 def largest_gap(law: Law) -> float:

@@ -1,4 +1,4 @@
-"""The kernel of a bump stop: its force, and the work along a path that its corners cut into smooth pieces."""
+"""The kernel of a bump stop: its force, and the work along a path that its corners cut into smooth segments."""
 
 import math
 
@@ -10,11 +10,11 @@ from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
 from wirerope_mj.mounts.laws.table_kernels import ROW, cubics, row_at
 
 LOSS, VISCOUS, BELOW, ABOVE, ROUNDING, STIFFNESS, EXPONENT, N_POINTS, POINTS = range(4, 13)
-"""Places of a stop's parameters behind 1 / reversal (twice), 0 and 1, which are those of a Bouc-Wen law with n = 1."""
+"""Offsets of a stop's parameters behind 1 / reversal (twice), 0 and 1, which are those of a Bouc-Wen law with n = 1."""
 
 
-_BESIDE = 1e-12
-"""Part of an interval that is passed over where rounding holds a path on a corner."""
+_SHORTEST = 1e-12
+"""Fraction of an interval that is passed over where rounding holds a path on a corner."""
 
 _PANELS = 4
 """Panels at least: within its rounding a hardening stop begins as depth^(3 exponent), which eight points have to 1e-10 then."""
@@ -52,8 +52,8 @@ def stop_force(p, i, x, v, w):
         side, depth = 1.0, x - p[i + ABOVE]
     else:
         return 0.0
-    counted, share = seated(depth, p[i + ROUNDING])
-    force = elastic(p, i, counted) * (1.0 + p[i + LOSS] * side * w) + p[i + VISCOUS] * share * side * v
+    counted, slope = seated(depth, p[i + ROUNDING])
+    force = elastic(p, i, counted) * (1.0 + p[i + LOSS] * side * w) + p[i + VISCOUS] * slope * side * v
     return side * max(force, 0.0)
 
 
@@ -148,8 +148,8 @@ def pull_at(p, i, cubic, t, x0, w, s):
     side, depth = (-1.0, -x - p[i + BELOW]) if x < 0.0 else (1.0, x - p[i + ABOVE])
     if depth <= 0.0:
         return 0.0
-    counted, share = seated(depth, p[i + ROUNDING])
-    return elastic(p, i, counted) * (1.0 + p[i + LOSS] * side * here) + p[i + VISCOUS] * share * side * v
+    counted, slope = seated(depth, p[i + ROUNDING])
+    return elastic(p, i, counted) * (1.0 + p[i + LOSS] * side * here) + p[i + VISCOUS] * slope * side * v
 
 
 @njit
@@ -188,7 +188,7 @@ def stop_work(p, i, cubic, start, end, z, j):
         if s * (corner - x1) < 0.0:
             until = zero_between((cubic[0] - corner, cubic[1], cubic[2], cubic[3]), t, end)
             if until <= t:  # by rounding the path stands on the corner
-                until = min(end, t + _BESIDE * (end - start))
+                until = min(end, t + _SHORTEST * (end - start))
         panels = _PANELS + (int(min(p[i] * abs(x1 - x0), 40.0)) if lossy else 0)
         for panel in range(panels):
             one, two = t + (until - t) * panel / panels, t + (until - t) * (panel + 1) / panels

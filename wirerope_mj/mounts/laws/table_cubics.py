@@ -7,8 +7,7 @@ import numpy as np
 from scipy.interpolate import BPoly, PchipInterpolator, PPoly
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
-from wirerope_mj.mounts.laws.path import follow_path
+from wirerope_mj.mounts.laws.table_kernels import advance_table
 
 
 def monotone(x: Array, values: Array) -> PPoly:
@@ -22,8 +21,8 @@ def level_cubics(knots: Sequence[float], values: Sequence[float] | Array, scale:
     if len(values) == 0 or scale == 0.0:
         return PPoly(np.zeros((1, 1)), np.array([-1.0, 1.0]))
     ends = np.concatenate([-np.array(knots)[::-1], knots])
-    shares = np.concatenate([np.array(values)[::-1], values]) / scale
-    return PPoly.from_bernstein_basis(BPoly.from_derivatives(ends, np.column_stack([shares, np.zeros_like(shares)])))
+    scaled = np.concatenate([np.array(values)[::-1], values]) / scale
+    return PPoly.from_bernstein_basis(BPoly.from_derivatives(ends, np.column_stack([scaled, np.zeros_like(scaled)])))
 
 
 def held(x: Array, curve: PPoly) -> Array:
@@ -31,12 +30,12 @@ def held(x: Array, curve: PPoly) -> Array:
     return np.clip(x, curve.x[0], curve.x[-1])
 
 
-def packed(curve: PPoly, share: PPoly, z_max: float, x_y: float) -> Array:
-    """Return the kernel's parameters of a law with M and g, `curve` and `share`."""
-    knots = np.union1d(curve.x, share.x)
+def packed(curve: PPoly, fraction: PPoly, z_max: float, x_y: float) -> Array:
+    """Return the kernel's parameters of a law with M and g, `curve` and `fraction`."""
+    knots = np.union1d(curve.x, fraction.x)
     rows = np.zeros((knots.size + 1, 8))
     factorials = (1.0, 1.0, 2.0, 6.0)
-    for first, poly in ((0, curve), (4, share)):
+    for first, poly in ((0, curve), (4, fraction)):
         at = held(knots, poly)
         for power in range(4):
             rows[1:, first + power] = poly(at, power) / factorials[power]
@@ -46,7 +45,7 @@ def packed(curve: PPoly, share: PPoly, z_max: float, x_y: float) -> Array:
         rows[1:][outside, 0] = curve(end) + curve(end, 1) * (knots[outside] - end)
         rows[1:][outside, 1] = curve(end, 1)
         rows[1:][outside, 2:4] = 0.0
-    rows[1:][(knots < share.x[0]) | (knots >= share.x[-1]), 5:] = 0.0
+    rows[1:][(knots < fraction.x[0]) | (knots >= fraction.x[-1]), 5:] = 0.0
     rows[0] = rows[1]
     rows[0, [2, 3, 5, 6, 7]] = 0.0
     return np.concatenate([[z_max / x_y, 1.0 / x_y, 0.0, 1.0, knots.size], knots, rows.ravel()])
@@ -57,5 +56,7 @@ def cycle_area(knots: Sequence[float], widths: Array, amplitude: float, x_y: flo
     elastic = PPoly(np.zeros((1, 1)), np.array([-1.0, 1.0]))
     # Unit bound of z: g takes the widths themselves.
     p = packed(elastic, level_cubics(knots, widths, 1.0), 1.0, x_y)
-    path = np.array([-amplitude, amplitude, -amplitude])
-    return float(follow_path(kernels.TABULATED, p, path, np.array([-math.tanh(amplitude / x_y)]), 1)[2][-1])
+    z, work = np.array([-math.tanh(amplitude / x_y)]), 0.0
+    for end in (amplitude, -amplitude):  # as `path.advance` does, by way of zero
+        work += advance_table(p, 0, -end, 0.0, z, 0) + advance_table(p, 0, 0.0, end, z, 0)
+    return float(work)

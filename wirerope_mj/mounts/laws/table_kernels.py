@@ -43,8 +43,8 @@ def cubics(p, i, row, x):
 def tabulated(p, i, x, v, z, j, zdot, k):
     """Return F = M(x) + g(x) z [N] with zdot = alpha v - beta |v| z."""
     zdot[k] = p[i] * v - p[i + 1] * abs(v) * z[j]
-    mean, share = cubics(p, i, row_at(p, i, x), x)
-    return mean + share * z[j]
+    mean, g = cubics(p, i, row_at(p, i, x), x)
+    return mean + g * z[j]
 
 
 @njit
@@ -56,8 +56,8 @@ def decaying(p, i, row, x, s, length):
     rate, total = p[i + 1], 0.0
     if rate * length <= _SHORT:  # where these terms would cancel
         for node in range(8):
-            _, share = cubics(p, i, row, x + s * length * NODES[node])
-            total += WEIGHTS[node] * share * math.exp(-rate * length * NODES[node])
+            _, g = cubics(p, i, row, x + s * length * NODES[node])
+            total += WEIGHTS[node] * g * math.exp(-rate * length * NODES[node])
         return total * length
     m = int(p[i + 4])
     c, knot, fade = i + 9 + m + ROW * row, p[i + 5 + max(row - 1, 0)], math.exp(-rate * length)
@@ -84,8 +84,8 @@ def advance_table(p, i, x0, x1, z, j):
         if length > 0.0:
             elastic = 0.0
             for node in range(8):
-                mean, share = cubics(p, i, row, x + s * length * NODES[node])
-                elastic += WEIGHTS[node] * (mean + share * bound)
+                mean, g = cubics(p, i, row, x + s * length * NODES[node])
+                elastic += WEIGHTS[node] * (mean + g * bound)
             away = z[j] - bound
             work += s * (elastic * length + away * decaying(p, i, row, x, s, length))
             z[j] = bound + away * math.exp(-p[i + 1] * length)

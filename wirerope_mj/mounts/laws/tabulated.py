@@ -10,16 +10,15 @@ import numpy as np
 from scipy.interpolate import PPoly
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.table_cubics import cycle_area, held, level_cubics, monotone, packed
 
-_LISTS = ("deflection", "upper", "lower", "force", "amplitudes", "areas")
+TABULATED = 12
 
 
 @dataclass(frozen=True, kw_only=True)
 class Tabulated(Law):
-    """A law from points of curves: a piecewise cubic and a share, another one, of an exponential hysteretic force.
+    """A law from points of curves: a piecewise cubic and a fraction, another one, of an exponential hysteretic force.
 
         F = M(x) + g(x) z,    zdot = (z_max xdot - |xdot| z) / x_y
 
@@ -53,9 +52,11 @@ class Tabulated(Law):
     """
 
     name: ClassVar[str] = "tabulated"
-    kernel: ClassVar[int] = kernels.TABULATED
+    kernel: ClassVar[int] = TABULATED
+    smoothable: ClassVar[bool] = True
     travel_rule: ClassVar[str] = "its table ends (`extrapolate = true` goes on with its end slope)"
     needs_rating: ClassVar[bool] = False
+    lists: ClassVar[tuple[str, ...]] = ("deflection", "upper", "lower", "force", "amplitudes", "areas")
     options: ClassVar[Mapping[str, type]] = {"curve": str, "symmetric": bool, "extrapolate": bool}
 
     deflection: Sequence[float]
@@ -68,15 +69,6 @@ class Tabulated(Law):
     yield_deflection: float = 0.0
     symmetric: bool = False
     extrapolate: bool = False
-
-    def __post_init__(self) -> None:
-        for key in _LISTS:
-            values = getattr(self, key)
-            if isinstance(values, str) or not isinstance(values, Sequence | np.ndarray):
-                raise ValueError(f"`{key}` must be a list of numbers, got {values!r}.")
-            numbers = (v.item() if isinstance(v, np.generic) else v for v in values)
-            object.__setattr__(self, key, tuple(float(v) if type(v) is int else v for v in numbers))
-        super().__post_init__()
 
     def _validate(self) -> None:
         x = np.array(self.deflection)
@@ -145,18 +137,20 @@ class Tabulated(Law):
                 self._mirrored(0.5 * (upper - lower), odd=False),
             )
             z_max = float(half.max())
-            share = monotone(x, half / z_max if z_max > 0.0 else half)
+            fraction = monotone(x, half / z_max if z_max > 0.0 else half)
         else:
             widths = self._widths()
             z_max = max(widths, default=0.0)
-            share = level_cubics(self.amplitudes, widths, z_max)
+            fraction = level_cubics(self.amplitudes, widths, z_max)
             mean = self._mirrored(np.array(self.force), odd=True)
             if self.curve == "virgin" and z_max > 0.0:
-                mean = mean + z_max * share(held(x, share)) * np.sign(x) * np.expm1(-np.abs(x) / self.yield_deflection)
+                mean = mean + z_max * fraction(held(x, fraction)) * np.sign(x) * np.expm1(
+                    -np.abs(x) / self.yield_deflection
+                )
         curve = monotone(x, mean)
         if not self.symmetric:
             curve.c[-1] -= curve(0.0)
-        return curve, share, z_max
+        return curve, fraction, z_max
 
     def _mirrored(self, values: Array, *, odd: bool) -> Array:
         """Return values at the points together with those at the mirrored ones, if the law is symmetric."""
@@ -189,7 +183,7 @@ class Tabulated(Law):
     def _parameters(self) -> Array:
         return packed(*self._curves, self.yield_deflection or 1.0)  # without hysteresis any length will do
 
-    def surely_holds(self, columns: Mapping[str, Any]) -> bool:
+    def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
         """Return False: a table is tried entry by entry."""
         return False
 
@@ -217,18 +211,15 @@ class Tabulated(Law):
     @property
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, M'(0) + g(0) z_max / x_y [N/m]."""
-        curve, share, z_max = self._curves
-        friction = float(share(held(np.zeros(1), share))[0]) * z_max / self.yield_deflection if z_max > 0.0 else 0.0
+        curve, fraction, z_max = self._curves
+        friction = (
+            float(fraction(held(np.zeros(1), fraction))[0]) * z_max / self.yield_deflection if z_max > 0.0 else 0.0
+        )
         return float(curve(0.0, 1)) + friction
 
     @property
-    def damping_coefficient(self) -> float:
-        """Zero: the force does not depend on the rate [N s/m]."""
-        return 0.0
-
-    @property
     def travel_ends(self) -> tuple[float, float]:
-        """How far below and above zero the table reaches [m]; infinite if it is extrapolated."""
+        """Deflections below and above zero up to which the table reaches [m]; infinite if it is extrapolated."""
         if self.extrapolate:
             return math.inf, math.inf
         above = self.deflection[-1]
@@ -239,8 +230,9 @@ class Tabulated(Law):
         """Shorter of both sides of the table [m]."""
         return min(self.travel_ends)
 
-    def _check_path(self, path: Array) -> None:
-        super()._check_path(path)
+    def check_path(self, path: Array) -> None:
+        """Raise ValueError also if a path leaves the table."""
+        super().check_path(path)
         below, above = self.travel_ends
         outside = (path < -below - ROUNDING) | (path > above + ROUNDING)
         if outside.any():

@@ -49,13 +49,13 @@ def tangent_at_start(deflection: Array, force: Array) -> float:
     return slope if deflection[-1] > deflection[0] else -slope
 
 
-def _slope(place: Array, force: Array, span: float) -> tuple[float, float]:
-    """Return the standard error of the slope at place 0 and the slope itself [N/m]; `place` runs from 0 to 1."""
-    powers = np.vander(place, _DEGREE + 1, increasing=True)
+def _slope(distance: Array, force: Array, span: float) -> tuple[float, float]:
+    """Return the standard error of the slope at distance 0 and the slope itself [N/m]; `distance` runs from 0 to 1."""
+    powers = np.vander(distance, _DEGREE + 1, increasing=True)
     coefficients, _, rank, _ = np.linalg.lstsq(powers, force, rcond=None)
     if rank <= _DEGREE:  # samples that stand still: no slope
         return np.inf, float("nan")
     residual = force - powers @ coefficients
-    variance = residual @ residual / (place.size - _DEGREE - 1)
+    variance = residual @ residual / (distance.size - _DEGREE - 1)
     error = np.sqrt(variance * np.linalg.inv(powers.T @ powers)[1, 1])
     return float(error / span), float(coefficients[1] / span)

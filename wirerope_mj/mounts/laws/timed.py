@@ -1,64 +1,33 @@
 """Laws that depend on the rate, along a path in time that is a cubic between samples.
 
-Their states have closed forms, or there are none: what is left is the work, a Gauss-Legendre sum on pieces that end at
-reversals. Only a smoothed law is integrated.
+Where the state has a closed form, or there is none, what is left is the work, a Gauss-Legendre sum on intervals that end at
+reversals. A smoothed law, and any other with one state, is integrated.
 """
-
-import math
 
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.cubic import position, reversals, shifted, speed, zero_between
-from wirerope_mj.mounts.laws.kernels import (
-    KELVIN_VOIGT,
-    PARALLEL,
-    SMOOTHED,
-    STOP,
-    TINKER_CUTCHINS,
-    ZENER,
-    component,
-    evaluate,
-    evaluate_one,
-)
+from wirerope_mj.mounts.laws.kernels import PARALLEL, RATE_DEPENDENT, component, evaluate, evaluate_one
 from wirerope_mj.mounts.laws.path import SCRATCH, segment_of_one
 from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
-from wirerope_mj.mounts.laws.smooth_steps import follow_smoothed
+from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
+from wirerope_mj.mounts.laws.smooth_steps import integrate_in_time
+from wirerope_mj.mounts.laws.smoothed import SMOOTHED
+from wirerope_mj.mounts.laws.stop import STOP
 from wirerope_mj.mounts.laws.stop_kernels import VISCOUS, stop_work
+from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER, zener_state
 
 _GROWTH = 3.0
-"""Ratio of the rates at the ends of a piece up to which |v|^n and tanh(v / s) are smooth on it to 1e-9."""
+"""Ratio of the rates at the ends of an interval up to which |v|^n and tanh(v / s) are smooth on it to 1e-9."""
 
 _NARROWEST = 1e-6
-"""Share of a sample's interval below which a piece is not cut any further."""
+"""Fraction of a sample's interval below which an interval is not cut any further."""
 
 
 @njit
-def zener_state(k1, decay, cubic, z, t):
-    """Return z at t along zdot = k1 v - decay z with v of a cubic path, from z at 0.
-
-    z exp(-x) + k1 (v0 phi1 t + v1 phi2 t^2 + v2 phi3 t^3), x = decay t, v = v0 + v1 t + v2 t^2 / 2, with the functions
-    phi1 = (1 - exp(-x)) / x, phi2 = (1 - phi1) / x, phi3 = (1/2 - phi2) / x of exponential integrators.
-    """
-    x = decay * t
-    if x > 0.5:
-        phi1 = -math.expm1(-x) / x
-        phi2 = (1.0 - phi1) / x
-        phi3 = (0.5 - phi2) / x
-    else:  # the quotients cancel: phi3 by its series sum (-x)^k / (k + 3)!, the others from it
-        phi3, term = 0.0, 1.0 / 6.0
-        for k in range(14):
-            phi3 += term
-            term *= -x / (k + 4.0)
-        phi2 = 0.5 - x * phi3
-        phi1 = 1.0 - x * phi2
-    v0, v1, v2 = cubic[1], 2.0 * cubic[2], 6.0 * cubic[3]
-    return z * math.exp(-x) + k1 * t * (v0 * phi1 + t * (v1 * phi2 + t * v2 * phi3))
-
-
-@njit
-def width_of_piece(law, p, i, cubic, start, end, shortest):
-    """Return how far from `start` the next piece may reach, so that the power is smooth on it."""
+def smooth_interval(law, p, i, cubic, start, end, shortest):
+    """Return how far from `start` the next interval may reach, so that the power is smooth on it."""
     width = end - start
     if law == ZENER:
         return min(width, 1.0 / p[i + 2])
@@ -80,17 +49,17 @@ def width_of_piece(law, p, i, cubic, start, end, shortest):
 @njit
 def work_over(law, p, i, cubic, start, end, z, j, n_states, trial, unused):
     """Carry the states `z[j:]` in place over start <= t <= end, without a reversal, and return the work done on the law [J]."""
-    if law not in (ZENER, TINKER_CUTCHINS, SMOOTHED, KELVIN_VOIGT, STOP) or (law == STOP and p[i + VISCOUS] == 0.0):
-        return segment_of_one(law, p, i, position(cubic, start), position(cubic, end), z, j, n_states, unused, trial)
-    if law == STOP:
+    if law == STOP and p[i + VISCOUS] != 0.0:
         return stop_work(p, i, cubic, start, end, z, j)
+    if law not in RATE_DEPENDENT:
+        return segment_of_one(law, p, i, position(cubic, start), position(cubic, end), z, j, n_states, unused, trial)
     work, shortest = 0.0, _NARROWEST * (end - start)
     origin = z[j] if law == ZENER else 0.0
     begun = start
     while start < end:
-        width = width_of_piece(law, p, i, cubic, start, end, shortest)
-        if law == SMOOTHED:
-            work += follow_smoothed(p, i, cubic, start, min(start + width, end), z, j)
+        width = smooth_interval(law, p, i, cubic, start, end, shortest)
+        if n_states > 0 and law != ZENER:
+            work += integrate_in_time(law, p, i, cubic, start, min(start + width, end), z, j)
             start = end if start + width >= end else start + width
             continue
         for node in range(8):

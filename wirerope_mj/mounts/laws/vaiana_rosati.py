@@ -9,8 +9,11 @@ import numpy as np
 from scipy.optimize import brentq
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.law import Law, anywhere
+
+VAIANA_ROSATI = 7
+
 
 _NAMES = ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")
 
@@ -38,7 +41,8 @@ class VaianaRosati(Law):
     """
 
     name: ClassVar[str] = "vaiana-rosati"
-    kernel: ClassVar[int] = kernels.VAIANA_ROSATI
+    kernel: ClassVar[int] = VAIANA_ROSATI
+    smoothable: ClassVar[bool] = True
     travel_rule: ClassVar[str] = "its limit curves cross"
     leaders: ClassVar[Mapping[str, str]] = {f"{name}_minus": name for name in _NAMES}
 
@@ -88,8 +92,8 @@ class VaianaRosati(Law):
     def _limits(self, x: float) -> tuple[float, float, float, float]:
         """Return the upper and the lower limit curve at x [N] and their slopes [N/m]."""
         p = np.array(self._parameters)
-        upper, upper_slope = kernels.limit_curve(p, 0, x)
-        lower, lower_slope = kernels.limit_curve(p, 8, x)
+        upper, upper_slope = limit_curve(p, 0, x)
+        lower, lower_slope = limit_curve(p, 8, x)
         return upper + p[1], lower - p[9], upper_slope, lower_slope
 
     def _gap(self, x: Any) -> Any:
@@ -124,11 +128,6 @@ class VaianaRosati(Law):
         return max(upper_slope + self.alpha * self.z_max, lower_slope + self._parameters[10] * self.z_max)
 
     @property
-    def damping_coefficient(self) -> float:
-        """Zero: the force does not depend on the rate [N s/m]."""
-        return 0.0
-
-    @property
     def finite_travel(self) -> float:
         """Smallest deflection to either side at which the limit curves cross [m]; infinite if they never do."""
         p = self._parameters
@@ -152,10 +151,79 @@ class VaianaRosati(Law):
                 crossings.append(float(brentq(lambda x, s=sign: self._gap(s * x), inside, steps[first], xtol=1e-15)))
         return min(crossings, default=math.inf)
 
-    def _check_path(self, path: Array) -> None:
-        super()._check_path(path)
+    def check_path(self, path: Array) -> None:
+        """Raise ValueError also if a path leads to where the limit curves cross."""
+        super().check_path(path)
         limit, reach = self.finite_travel, float(np.abs(path).max())
         if reach > limit:
             raise ValueError(
                 f"the limit curves of {self.name} cross at a deflection of {limit:.6g} m, and the path leads to {reach:.6g} m."
             )
+
+
+@njit
+def limit_curve(p, i, x):
+    """Return fe(x) + kb x [N] and its slope; p = kb, f0, alpha, b1, b2, g1, g2, g3."""
+    growth = p[i + 3] * math.expm1(p[i + 4] * x)
+    bend = math.tanh(0.5 * p[i + 6] * (x - p[i + 7]))
+    force = growth + 2.0 * p[i + 5] * bend + p[i] * x
+    return force, p[i + 4] * (growth + p[i + 3]) + p[i + 5] * p[i + 6] * (1.0 - bend * bend) + p[i]
+
+
+@njit
+def vaiana_rosati(p, i, x, v, z, j, zdot, k):
+    """Return F = m(x) - m(0) + z [N], m the mean of the upper and the lower limit curve, half of 2 h apart.
+
+    p = the eight parameters for v > 0, the eight for v < 0, m(0). dz/dx = h' + alpha (h - z) upwards, -h' + alpha (h + z)
+    downwards.
+    """
+    upper, upper_slope = limit_curve(p, i, x)
+    lower, lower_slope = limit_curve(p, i + 8, x)
+    upper, lower = upper + p[i + 1], lower - p[i + 9]
+    half, half_slope = 0.5 * (upper - lower), 0.5 * (upper_slope - lower_slope)
+    if v >= 0.0:
+        zdot[k] = (half_slope + p[i + 2] * (half - z[j])) * v
+    else:
+        zdot[k] = (-half_slope + p[i + 10] * (half + z[j])) * v
+    return 0.5 * (upper + lower) - p[i + 16] + z[j]
+
+
+@njit
+def approach(p, i, x0, x1, z):
+    """Return Vaiana and Rosati's z at x1 on the way from (x0, z); `p[i:]` as their kernel's."""
+    side, s = (i, 1.0) if x1 >= x0 else (i + 8, -1.0)
+    up0, _ = limit_curve(p, i, x0)
+    low0, _ = limit_curve(p, i + 8, x0)
+    up1, _ = limit_curve(p, i, x1)
+    low1, _ = limit_curve(p, i + 8, x1)
+    half0 = 0.5 * (up0 + p[i + 1] - low0 + p[i + 9])
+    half1 = 0.5 * (up1 + p[i + 1] - low1 + p[i + 9])
+    gap = s * half0 - z
+    return s * half1 - gap * math.exp(-p[side + 2] * abs(x1 - x0))
+
+
+@njit
+def limit_work(p, i, x):
+    """Return the integral of fe + kb x from 0, and of its bend from g3, to x [J]; `p[i:]` as in `limit_curve`."""
+    work, y = 0.5 * p[i] * x * x, p[i + 4] * x
+    if abs(y) > 0.1:
+        work += p[i + 3] * x * (math.expm1(y) / y - 1.0)
+    else:  # the difference cancels: its series sum y^k / (k + 1)!
+        work += p[i + 3] * x * y * (1 / 2 + y * (1 / 6 + y * (1 / 24 + y * (1 / 120 + y * (1 / 720 + y * (1 / 5040))))))
+    u = abs(0.5 * p[i + 6] * (x - p[i + 7]))
+    if u > 0.1:
+        return work + 4.0 * p[i + 5] / p[i + 6] * (u + math.log1p(math.exp(-2.0 * u)) - math.log(2.0))  # ln cosh u
+    w = u * u  # the same by its series, over u^2 / 2
+    ratio = 1.0 - w * (1 / 6 - w * (2 / 45 - w * (17 / 1260 - w * 62 / 14175)))
+    return work + 0.5 * p[i + 5] * p[i + 6] * (x - p[i + 7]) ** 2 * ratio
+
+
+@njit
+def approach_work(p, i, x0, x1, z):
+    """Return the work done on Vaiana and Rosati's law on the way from (x0, z) to x1 [J]."""
+    side, s = (i, 1.0) if x1 >= x0 else (i + 8, -1.0)
+    up, _ = limit_curve(p, i, x0)
+    low, _ = limit_curve(p, i + 8, x0)
+    gap = s * 0.5 * (up + p[i + 1] - low + p[i + 9]) - z
+    curve = limit_work(p, side, x1) - limit_work(p, side, x0) + (s * p[side + 1] - p[i + 16]) * (x1 - x0)
+    return curve + s * gap * math.expm1(-p[side + 2] * abs(x1 - x0)) / p[side + 2]

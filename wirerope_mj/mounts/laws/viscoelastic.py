@@ -1,5 +1,6 @@
 """Linear viscoelastic laws, as of rubber and leaf-spring mounts."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
@@ -7,8 +8,12 @@ from typing import ClassVar
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import kernels
+from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
+
+KELVIN_VOIGT = 3
+
+ZENER = 4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,7 +21,8 @@ class KelvinVoigt(Law):
     """Kelvin-Voigt law F = k x + c xdot, k [N/m], c [N s/m]; complex stiffness k + i omega c, loss factor omega c / k."""
 
     name: ClassVar[str] = "kelvin-voigt"
-    kernel: ClassVar[int] = kernels.KELVIN_VOIGT
+    kernel: ClassVar[int] = KELVIN_VOIGT
+    rate_independent: ClassVar[bool] = False
 
     k: float
     c: float
@@ -29,11 +35,6 @@ class KelvinVoigt(Law):
     def kernel_parameters(self) -> Array:
         """Return k, c."""
         return np.array([self.k, self.c])
-
-    @property
-    def rate_independent(self) -> bool:
-        """False."""
-        return False
 
     @property
     def force_powers(self) -> Mapping[str, float]:
@@ -63,7 +64,8 @@ class Zener(Law):
     """
 
     name: ClassVar[str] = "zener"
-    kernel: ClassVar[int] = kernels.ZENER
+    kernel: ClassVar[int] = ZENER
+    rate_independent: ClassVar[bool] = False
 
     k0: float
     k1: float
@@ -83,11 +85,6 @@ class Zener(Law):
         return ("z",)
 
     @property
-    def rate_independent(self) -> bool:
-        """False."""
-        return False
-
-    @property
     def force_powers(self) -> Mapping[str, float]:
         """Power of force in the unit of each parameter."""
         return {"k0": 1.0, "k1": 1.0, "c": 1.0}
@@ -98,11 +95,6 @@ class Zener(Law):
         return self.k0 + self.k1
 
     @property
-    def damping_coefficient(self) -> float:
-        """Zero: the damper acts through the spring k1 [N s/m]."""
-        return 0.0
-
-    @property
     def relaxation_rate(self) -> float:
         """Rate k1 / c at which the damper lets its branch's force decay [1/s]."""
         return self.k1 / self.c
@@ -111,3 +103,39 @@ class Zener(Law):
     def largest_force(self) -> float:
         """Zero at rest if k0 is, else infinite [N]."""
         return 0.0 if self.k0 == 0.0 else float("inf")
+
+
+@njit
+def kelvin_voigt(p, i, x, v, z, j, zdot, k):
+    """Return F = k x + c v [N]; p = k, c."""
+    return p[i] * x + p[i + 1] * v
+
+
+@njit
+def zener(p, i, x, v, z, j, zdot, k):
+    """Return F = k0 x + z [N] with zdot = k1 v - r z; p = k0, k1, r = k1 / c."""
+    zdot[k] = p[i + 1] * v - p[i + 2] * z[j]
+    return p[i] * x + z[j]
+
+
+@njit
+def zener_state(k1, decay, cubic, z, t):
+    """Return z at t along zdot = k1 v - decay z with v of a cubic path, from z at 0.
+
+    z exp(-x) + k1 (v0 phi1 t + v1 phi2 t^2 + v2 phi3 t^3), x = decay t, v = v0 + v1 t + v2 t^2 / 2, with the functions
+    phi1 = (1 - exp(-x)) / x, phi2 = (1 - phi1) / x, phi3 = (1/2 - phi2) / x of exponential integrators.
+    """
+    x = decay * t
+    if x > 0.5:
+        phi1 = -math.expm1(-x) / x
+        phi2 = (1.0 - phi1) / x
+        phi3 = (0.5 - phi2) / x
+    else:  # the quotients cancel: phi3 by its series sum (-x)^k / (k + 3)!, the others from it
+        phi3, term = 0.0, 1.0 / 6.0
+        for k in range(14):
+            phi3 += term
+            term *= -x / (k + 4.0)
+        phi2 = 0.5 - x * phi3
+        phi1 = 1.0 - x * phi2
+    v0, v1, v2 = cubic[1], 2.0 * cubic[2], 6.0 * cubic[3]
+    return z * math.exp(-x) + k1 * t * (v0 * phi1 + t * (v1 * phi2 + t * v2 * phi3))

@@ -1,4 +1,4 @@
-"""What a loop of wire rope between two bars does, from its geometry; engine-free."""
+"""Mechanics of a loop of wire rope between two bars, from its geometry; engine-free."""
 
 from wirerope_mj.mounts.rope_loop.coupling_energy import CouplingFit as CouplingFit
 from wirerope_mj.mounts.rope_loop.coupling_energy import fit_coupling as fit_coupling

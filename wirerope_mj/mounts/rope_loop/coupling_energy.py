@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import LoopCoupling
 from wirerope_mj.mounts.rope_loop.elastica import RopeLoop
@@ -60,7 +61,7 @@ def fit_coupling(
     Args:
         shape: of the half loop.
         bending_stiffness: EI of the rope [N m^2].
-        loops: how many.
+        loops: their number.
         roll: end of the box on both sides [m].
         compression: end of the box in compression [m].
         tension: end of the box in tension [m]; it ends where the rope of a half loop at full roll would be stretched to more
@@ -69,12 +70,11 @@ def fit_coupling(
 
     Raises:
         ValueError: an argument is not a finite number > 0, or full roll leaves no tension.
-        ConvergenceError: the elastica is not found in some corner.
+        ConvergenceError: the elastica has no equilibrium in some corner.
     """
     values = {"bending_stiffness": bending_stiffness, "loops": loops, "roll": roll, "compression": compression}
     for name, value in (values | {"tension": tension}).items():
-        if not 0.0 < value < math.inf:
-            raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")
+        positive(name, value)
     tension = min(tension, _slack_tension(shape, roll))
     loop, scale = RopeLoop(shape, ELEMENTS), bending_stiffness * loops
 
@@ -82,13 +82,13 @@ def fit_coupling(
         return LoopCoupling(roll=roll, compression=compression, tension=tension, coefficients=coefficients.tolist())
 
     knots = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_POINTS) + 0.5) / _POINTS))
-    places, target, _ = _coupling_forces(loop, roll * knots, -compression + (compression + tension) * knots)
+    points, target, _ = _coupling_forces(loop, roll * knots, -compression + (compression + tension) * knots)
     units = np.eye(terms[0] * terms[1]).reshape(-1, *terms)
-    columns = np.stack([polynomial(unit).force(places).ravel() for unit in units], axis=1)
+    columns = np.stack([polynomial(unit).force(points).ravel() for unit in units], axis=1)
     solution = np.linalg.lstsq(columns, target.ravel(), rcond=None)[0].reshape(terms)
     between = np.linspace(0.0, 1.0, _POINTS + 1)
-    places, exact, whole = _coupling_forces(loop, roll * between, -compression + (compression + tension) * between)
-    miss = np.linalg.norm(polynomial(solution).force(places) - exact, axis=-1).max()
+    points, exact, whole = _coupling_forces(loop, roll * between, -compression + (compression + tension) * between)
+    miss = np.linalg.norm(polynomial(solution).force(points) - exact, axis=-1).max()
     return CouplingFit(
         coupling=polynomial(scale * solution),
         force_error=float(miss / np.linalg.norm(exact, axis=-1).max()),
@@ -101,7 +101,7 @@ def _coupling_forces(loop: RopeLoop, roll: Array, axial: Array) -> tuple[Array, 
 
     First those beyond what (u, 0) and (0, w) have alone, then the whole ones.
     """
-    u, w = (part.ravel() for part in np.meshgrid(roll, axial, indexing="ij"))
+    u, w = (axis.ravel() for axis in np.meshgrid(roll, axial, indexing="ij"))
     state = loop.state(u, w)
     across = np.repeat(loop.state(roll, 0.0).roll_force, len(axial))
     along = np.tile(loop.state(0.0, axial).axial_force, len(roll))

@@ -1,6 +1,6 @@
-"""How the elastic force of a rope loop runs along each of its axes, in the terms of Ni's laws."""
+"""Elastic force of a rope loop along each of its axes, in the terms of Ni's laws."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -74,16 +74,16 @@ def axis_curves(
 
 def _axial(loop: RopeLoop, compression: float) -> tuple[float, float, float]:
     """Return asymmetry, cubic term and largest relative misfit of the secants."""
-    part = np.concatenate([np.linspace(-1.0, -0.1, 10), np.linspace(0.1, TENSION, 5)])
-    secant = loop.state(0.0, part * compression).axial_force / (part * compression)
+    x = np.concatenate([np.linspace(-1.0, -0.1, 10), np.linspace(0.1, TENSION, 5)])  # over the rated compression
+    secant = loop.state(0.0, x * compression).axial_force / (x * compression)
     secant /= loop.stiffness()[1, 1]
 
     def misses(parameters: Array) -> Array:
-        return np.exp(parameters[0] * part) * (1.0 + parameters[1] * part**2) / secant - 1.0
+        return np.exp(parameters[0] * x) * (1.0 + parameters[1] * x**2) / secant - 1.0
 
-    found = least_squares(misses, [0.3, 0.1])
-    exponent, cubic = found.x.tolist()
-    return exponent / compression, cubic / compression**2, float(np.abs(found.fun).max())
+    fit = least_squares(misses, [0.3, 0.1])
+    exponent, cubic = fit.x.tolist()
+    return exponent / compression, cubic / compression**2, float(np.abs(fit.fun).max())
 
 
 def _roll(loop: RopeLoop, travel: float) -> float:
@@ -94,10 +94,10 @@ def _roll(loop: RopeLoop, travel: float) -> float:
 
 
 def _held(shape: LoopShape, length: float) -> LoopShape:
-    """Return the shape whose level pieces at both bars are shorter by a length [m], as far as there is a level piece."""
-    pieces = list(shape.pieces)
+    """Return the shape whose level segments at both bars are shorter by a length [m], as far as there is a level segment."""
+    segments = list(shape.segments)
     for end in (0, -1):
-        piece, bend = pieces[end]
+        whole, bend = segments[end]
         if bend == 0.0:
-            pieces[end] = (max(piece - length, 0.05 * piece), bend)
-    return LoopShape(pieces=tuple(pieces), start=shape.start, arm=shape.arm)
+            segments[end] = (max(whole - length, 0.05 * whole), bend)
+    return replace(shape, segments=tuple(segments))

@@ -53,9 +53,9 @@ class RopeLoop:
 
         Raises:
             ValueError: the rope is taut (`LARGEST_REACH`), or an argument is not finite.
-            ConvergenceError: no equilibrium is found on the straight way from the unloaded loop.
+            ConvergenceError: no equilibrium on the straight path from the unloaded loop.
         """
-        u, w, t = (np.asarray(part, dtype=float) for part in np.broadcast_arrays(roll, axial, turn))
+        u, w, t = (np.asarray(one, dtype=float) for one in np.broadcast_arrays(roll, axial, turn))
         # The other half is a mirror image: roll and turn change their signs in it.
         side = np.repeat([1.0, -1.0], u.size)
         across, along, turned = side * np.tile(u.ravel(), 2), np.tile(w.ravel(), 2), side * np.tile(t.ravel(), 2)
@@ -65,8 +65,8 @@ class RopeLoop:
         half = self._half.move(moved, -turned)
         lever = -arm * (half.force[:, 0] * np.sin(turned) + half.force[:, 1] * np.cos(turned))
         moment = side * (lever - half.moment)
-        parts = (half.energy, side * half.force[:, 0], half.force[:, 1], moment)
-        energy, roll_force, axial_force, turning = (part.reshape(2, *u.shape).sum(axis=0) for part in parts)
+        values = (half.energy, side * half.force[:, 0], half.force[:, 1], moment)
+        energy, roll_force, axial_force, turning = (value.reshape(2, *u.shape).sum(axis=0) for value in values)
         return LoopState(energy=energy, roll_force=roll_force, axial_force=axial_force, moment=turning)
 
     def stiffness(self) -> Array:
@@ -79,8 +79,8 @@ class RopeLoop:
         steps = np.array([1e-4 * length, 1e-4 * length, 1e-4])
         points = np.concatenate([np.diag(steps), -np.diag(steps)])
         state = self.state(points[:, 0], points[:, 1], points[:, 2])
-        answers = np.stack([state.roll_force, state.axial_force, state.moment], axis=1)
-        matrix = (answers[:3] - answers[3:]).T / (2.0 * steps)
+        forces = np.stack([state.roll_force, state.axial_force, state.moment], axis=1)
+        matrix = (forces[:3] - forces[3:]).T / (2.0 * steps)
         return 0.5 * (matrix + matrix.T)
 
     def _require_slack(self, moved: Array) -> None:

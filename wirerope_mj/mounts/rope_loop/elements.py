@@ -36,10 +36,10 @@ def mesh(shape: LoopShape, elements: int) -> Mesh:
 
     Args:
         shape: of the half loop.
-        elements: how many, shared among the pieces in proportion to their lengths, at least one for each.
+        elements: their number, shared among the segments in proportion to their lengths, at least one for each.
     """
-    lengths = np.array([length for length, _ in shape.pieces]) / shape.length
-    bends = np.array([curvature for _, curvature in shape.pieces]) * shape.length
+    lengths = np.array([length for length, _ in shape.segments]) / shape.length
+    bends = np.array([curvature for _, curvature in shape.segments]) * shape.length
     counts = np.maximum(1, np.round(elements * lengths).astype(int))
     sizes, curvatures = np.repeat(lengths / counts, counts), np.repeat(bends, counts)
     points, weights = np.polynomial.legendre.leggauss(DEGREE + 1)
@@ -65,6 +65,6 @@ def mesh(shape: LoopShape, elements: int) -> Mesh:
 
 
 def default_elements(shape: LoopShape) -> int:
-    """Return how many elements keep the force to about 1e-6 of itself away from the taut rope: one for every 12 degrees."""
-    turned = sum(abs(length * curvature) for length, curvature in shape.pieces)
+    """Return the number of elements for a force to about 1e-6 of itself away from the taut rope: one for every 12 degrees."""
+    turned = sum(abs(length * curvature) for length, curvature in shape.segments)
     return max(15, math.ceil(turned / math.radians(12.0)))

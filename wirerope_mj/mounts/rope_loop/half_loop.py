@@ -14,7 +14,7 @@ _CONVERGED = 1e-10
 """Change of the directions [rad] after which one more step of Newton, which squares it, leaves rounding only."""
 _ITERATIONS = 12
 _FIRST_STEP, _SMALLEST_STEP = 0.1, 1e-3
-"""Of the way that is gone at once: the ends first move by a tenth of the rope's length; steps that had to become less than a
+"""Of the path that is gone at once: the ends first move by a tenth of the rope's length; steps that had to become less than a
 thousandth of that end it."""
 _TURN = 0.5
 """Largest change of a direction in one step [rad]: more may jump to another equilibrium."""
@@ -52,14 +52,14 @@ class HalfLoop:
         self._bent = weighted.T @ self.mesh.curvature
 
     def move(self, displacement: Array, turn: Array) -> HalfState:
-        """Return the equilibria after the clamped end has moved straight from the unloaded place.
+        """Return the equilibria after the clamped end has moved straight from the unloaded position.
 
         Args:
             displacement: of the end, roll and axial [m], (m, 2).
             turn: of its direction [rad], (m,).
 
         Raises:
-            ConvergenceError: no equilibrium was found on the way; says where.
+            ConvergenceError: no equilibrium on the path; says where.
         """
         m = len(displacement)
         goal = np.column_stack([displacement / self.shape.length, turn])
@@ -69,8 +69,9 @@ class HalfLoop:
         step = np.minimum(1.0, _FIRST_STEP / size)
         while (active := np.flatnonzero(done < 1.0)).size:
             trial = np.minimum(1.0, done[active] + step[active])
-            found = self.settle(direction[active], force[active], trial[:, None] * goal[active])
-            new_direction, new_force, converged = found
+            new_direction, new_force, converged = self.equilibrium(
+                direction[active], force[active], trial[:, None] * goal[active]
+            )
             calm = np.max(np.abs(new_direction - direction[active]), axis=1, initial=0.0) < _TURN
             good = converged & calm
             kept = active[good]
@@ -81,7 +82,7 @@ class HalfLoop:
                 raise ConvergenceError(self._lost(displacement[stuck][0], turn[stuck][0], done[stuck][0]))
         return self._state(direction, force)
 
-    def settle(self, direction: Array, force: Array, goal: Array) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
+    def equilibrium(self, direction: Array, force: Array, goal: Array) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
         """Return directions, forces and whether they are an equilibrium, by Newton's method from a guess.
 
         Args:
@@ -92,11 +93,11 @@ class HalfLoop:
         direction, force = direction.copy(), force.copy()
         direction[:, 0] = self.mesh.natural[0]
         direction[:, -1] = self.mesh.natural[-1] + goal[:, 2]
-        place = np.array(self.shape.span) / self.shape.length + goal[:, :2]
+        end = np.array(self.shape.span) / self.shape.length + goal[:, :2]
         converged = np.zeros(len(direction), dtype=bool)
         left = np.arange(len(direction))
         for _ in range(_ITERATIONS):
-            change = self._newton_step(direction[left], force[left], place[left])
+            change = self._newton_step(direction[left], force[left], end[left])
             largest = np.max(np.abs(change[:, :-2]), axis=1, initial=0.0)
             damped = np.minimum(1.0, _TURN / np.maximum(largest, 1e-300))[:, None]
             direction[left, 1:-1] += damped * change[:, :-2]
@@ -107,9 +108,9 @@ class HalfLoop:
                 break
         return direction, force, converged
 
-    def _newton_step(self, direction: Array, force: Array, place: Array) -> Array:
+    def _newton_step(self, direction: Array, force: Array, end: Array) -> Array:
         """Return the change of the inner directions and of the force, (m, n - 2 + 2)."""
-        cosine, sine, pulls, misses = self._ends(direction, place)
+        cosine, sine, pulls, misses = self._ends(direction, end)
         inner = direction.shape[1] - 2
         bend = np.einsum("mq,qi,qj->mij", (force[:, :1] * cosine + force[:, 1:] * sine) * self.mesh.weight,
                          self.mesh.value[:, 1:-1], self.mesh.value[:, 1:-1], optimize=True)  # fmt: skip
@@ -123,13 +124,13 @@ class HalfLoop:
         except np.linalg.LinAlgError:  # one singular matrix among many: none of this step is used, smaller ones follow
             return np.full_like(rest, np.nan)
 
-    def _ends(self, direction: Array, place: Array) -> tuple[Array, Array, Array, Array]:
-        """Return cos, sin of the directions (m, q), the ends' distance by direction (m, n, 2) and what it misses (m, 2)."""
+    def _ends(self, direction: Array, end: Array) -> tuple[Array, Array, Array, Array]:
+        """Return cos, sin of the directions (m, q), the ends' distance by direction (m, n, 2) and its error (m, 2)."""
         angle = direction @ self.mesh.value.T
         cosine, sine = np.cos(angle), np.sin(angle)
         weight = self.mesh.weight
         pulls = np.stack([-(sine * weight) @ self.mesh.value, (cosine * weight) @ self.mesh.value], axis=2)
-        return cosine, sine, pulls, np.stack([cosine @ weight, sine @ weight], axis=1) - place
+        return cosine, sine, pulls, np.stack([cosine @ weight, sine @ weight], axis=1) - end
 
     def _unbalanced(self, direction: Array, force: Array, pulls: Array) -> Array:
         """Return the gradient of energy minus force times distance, (m, n); at the last node it is the end's moment."""
@@ -148,10 +149,10 @@ class HalfLoop:
         )
 
     def _lost(self, displacement: Array, turn: float, done: float) -> str:
-        """Return where a rope was lost."""
+        """Return a message on where the path had to end."""
         roll, axial = 1e3 * displacement
         return (
-            f"the rope loop finds no equilibrium beyond {100.0 * done:.3g} % of the way to {roll:.6g} mm in roll, "
+            f"the rope loop finds no equilibrium beyond {100.0 * done:.3g} % of the path to {roll:.6g} mm in roll, "
             f"{axial:.6g} mm in axial direction and a turn of {np.degrees(turn):.4g} degrees; one half is taut at "
             f"{1e3 * self.shape.taut(float(displacement[0])):.6g} mm in axial direction."
         )

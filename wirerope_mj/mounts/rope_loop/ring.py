@@ -3,6 +3,8 @@
 import math
 from dataclasses import dataclass
 
+from wirerope_mj.foundation.arguments import positive
+
 
 @dataclass(frozen=True, kw_only=True)
 class RingStiffness:
@@ -33,15 +35,14 @@ def ring_stiffness(
         radius: of the centre line [m].
         bending_stiffness: EI [N m^2].
         torsional_stiffness: GJ [N m^2].
-        loops: how many.
+        loops: their number.
 
     Raises:
         ValueError: an argument is not a finite number > 0.
     """
     given = {"radius": radius, "bending_stiffness": bending_stiffness, "torsional_stiffness": torsional_stiffness}
     for name, value in (given | {"loops": loops}).items():
-        if not 0.0 < value < math.inf:
-            raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")
+        positive(name, value)
     unit = 2.0 * loops / radius**3
     mu = torsional_stiffness / bending_stiffness
     return RingStiffness(

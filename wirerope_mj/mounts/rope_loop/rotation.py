@@ -1,26 +1,19 @@
-"""How an isolator resists a turn of what it carries, from its loops spread along the bars."""
-
-import math
+"""Rotational stiffness of an isolator, from its loops spread along the bars."""
 
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.rope_loop.elastica import RopeLoop
 from wirerope_mj.mounts.rope_loop.shape import LoopShape
 
 
 def loop_positions(loops: int, bar_length: float) -> Array:
-    """Return where the loops of an isolator sit along its bars [m], from the middle: each in the middle of its share.
-
-    Raises:
-        ValueError: `loops` is below 1 or `bar_length` not a finite number > 0.
-    """
-    if loops < 1 or loops != int(loops):
-        raise ValueError(f"`loops` must be an integer >= 1, got {loops!r}.")
-    if not 0.0 < bar_length < math.inf:
-        raise ValueError(f"`bar_length` must be a finite number > 0, got {bar_length!r}.")
-    return (np.arange(int(loops)) - 0.5 * (int(loops) - 1)) * bar_length / int(loops)
+    """Return the positions of an isolator's loops along its bars [m], from the middle, evenly spread."""
+    integer("loops", loops, least=1)
+    positive("bar_length", bar_length)
+    return (np.arange(loops) - 0.5 * (loops - 1)) * bar_length / loops
 
 
 def rotational_stiffness(
@@ -53,18 +46,16 @@ def rotational_stiffness(
     Raises:
         ValueError: an argument is out of range.
     """
-    places = np.asarray(positions, dtype=float)
-    if places.ndim != 1 or places.size == 0 or not np.all(np.isfinite(places)):
+    y = np.asarray(positions, dtype=float)
+    if y.ndim != 1 or y.size == 0 or not np.all(np.isfinite(y)):
         raise ValueError(f"`positions` must be finite numbers in one row, got {positions!r}.")
-    if abs(places.sum()) > 1e-6 * np.abs(places).sum():
-        raise ValueError(
-            f"`positions` must be counted from the middle of the loops; their mean is {places.mean():.6g} m."
-        )
+    if abs(y.sum()) > 1e-6 * np.abs(y).sum():
+        raise ValueError(f"`positions` must be counted from the middle of the loops; their mean is {y.mean():.6g} m.")
     for name, value in {"bending_stiffness": bending_stiffness, "axial": axial, "roll": roll}.items():
-        if value is not None and not 0.0 < value < math.inf:
-            raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")
-    matrix = places.size * bending_stiffness * RopeLoop(shape).stiffness()
-    spread, rise = float(np.mean(places**2)), shape.span[1]
+        if value is not None:
+            positive(name, value)
+    matrix = y.size * bending_stiffness * RopeLoop(shape).stiffness()
+    spread, rise = float(np.mean(y**2)), shape.span[1]
     about_bars = matrix[2, 2] + rise * matrix[0, 2] + 0.25 * rise**2 * matrix[0, 0]
     about_roll = (matrix[1, 1] if axial is None else axial) * spread
     about_axial = (matrix[0, 0] if roll is None else roll) * spread

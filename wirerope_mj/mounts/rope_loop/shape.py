@@ -1,9 +1,11 @@
-"""The centre line of half a rope loop, unloaded, as straight pieces and arcs."""
+"""The centre line of half a rope loop, unloaded, as straight segments and arcs."""
 
 import math
 from dataclasses import dataclass
 
 import numpy as np
+
+from wirerope_mj.foundation.arguments import finite, not_negative, positive
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -15,39 +17,43 @@ class LoopShape:
     the axial axis.
 
     Attributes:
-        pieces: length [m] and natural curvature [1/m] of each piece, from the base's bar to the payload's bar.
+        segments: length [m] and natural curvature [1/m] of each segment, from the base's bar to the payload's bar.
         start: direction of the rope where it leaves the base's bar [rad].
         arm: distance of the clamped ends from the middle of their bars [m].
     """
 
-    pieces: tuple[tuple[float, float], ...]
+    segments: tuple[tuple[float, float], ...]
     start: float = 0.0
     arm: float = 0.0
 
     def __post_init__(self) -> None:
-        if not self.pieces or not all(0.0 < length < math.inf and math.isfinite(bend) for length, bend in self.pieces):
-            raise ValueError(f"`pieces` must be pairs of a length > 0 [m] and a finite curvature, got {self.pieces!r}.")
-        if not (0.0 <= self.arm < math.inf and math.isfinite(self.start)):
-            raise ValueError(f"`arm` must be >= 0 and `start` finite, got {self.arm!r} and {self.start!r}.")
+        if not self.segments or not all(
+            0.0 < length < math.inf and math.isfinite(bend) for length, bend in self.segments
+        ):
+            raise ValueError(
+                f"`segments` must be pairs of a length > 0 [m] and a finite curvature, got {self.segments!r}."
+            )
+        not_negative("arm", self.arm)
+        finite("start", self.start)
 
     @property
     def length(self) -> float:
         """Length of free rope of the half loop [m]."""
-        return sum(length for length, _ in self.pieces)
+        return sum(length for length, _ in self.segments)
 
     @property
     def end_direction(self) -> float:
         """Direction of the unloaded rope where it enters the payload's bar [rad]."""
-        return self.start + sum(length * curvature for length, curvature in self.pieces)
+        return self.start + sum(length * curvature for length, curvature in self.segments)
 
     @property
     def span(self) -> tuple[float, float]:
         """Distance of the two clamped ends in roll and axial direction, unloaded [m]."""
         direction, total = self.start, np.zeros(2)
-        for length, curvature in self.pieces:
+        for length, curvature in self.segments:
             turned = length * curvature
             middle = direction + 0.5 * turned
-            # The chord of an arc; sinc keeps the straight piece a limit and not a case.
+            # The chord of an arc; sinc keeps the straight segment a limit and not a case.
             total += length * np.sinc(0.5 * turned / math.pi) * np.array([math.cos(middle), math.sin(middle)])
             direction += turned
         return float(total[0]), float(total[1])
@@ -61,7 +67,7 @@ class LoopShape:
     @classmethod
     def ring(cls, radius: float) -> "LoopShape":
         """Return the half of a circular ring [m] that is clamped in two points, the textbook case."""
-        return cls(pieces=((math.pi * radius, 1.0 / radius),))
+        return cls(segments=((math.pi * radius, 1.0 / radius),))
 
 
 def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopShape:
@@ -69,8 +75,8 @@ def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopS
 
     The rope leaves both bars level and half way up their thickness, so that the centre line rises by `height` - `bar`; it
     reaches (`width` - `rope`) / 2 to the side. The roundest line through these points is a stadium: a half circle between
-    two straight level pieces where the loop is wider than high (all 50 parts of Enidine's table with known bars are), and two
-    quarter circles with a straight upright piece between them where it is not. The straight pieces begin in the middle of
+    two straight level segments where the loop is wider than high (all 50 parts of Enidine's table with known bars are), and two
+    quarter circles with a straight upright segment between them where it is not. The straight segments begin in the middle of
     the bar: no vendor states how much of them the bar holds.
 
     Args:
@@ -83,8 +89,7 @@ def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopS
         ValueError: an argument is not a finite number > 0, a bar is thinner than its rope, or no loop is left between them.
     """
     for name, value in {"height": height, "width": width, "bar": bar, "rope": rope}.items():
-        if not 0.0 < value < math.inf:
-            raise ValueError(f"`{name}` must be a finite number > 0, got {value!r}.")
+        positive(name, value)
     if bar < rope:
         raise ValueError(f"`bar` must be at least as thick as the `rope` that it holds, {rope:g} m, got {bar:g} m.")
     rise, reach = height - bar, 0.5 * (width - rope)
@@ -96,5 +101,5 @@ def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopS
         raise ValueError(f"`width` of {width:g} m leaves no loop of a rope of {rope:g} m.")
     radius = min(0.5 * rise, reach)
     arc, level, upright = 0.5 * math.pi * radius, reach - radius, rise - 2.0 * radius
-    pieces = ((level, 0.0), (arc, 1.0 / radius), (upright, 0.0), (arc, 1.0 / radius), (level, 0.0))
-    return LoopShape(pieces=tuple(piece for piece in pieces if piece[0] > 1e-9 * rise))
+    segments = ((level, 0.0), (arc, 1.0 / radius), (upright, 0.0), (arc, 1.0 / radius), (level, 0.0))
+    return LoopShape(segments=tuple(segment for segment in segments if segment[0] > 1e-9 * rise))

@@ -1,10 +1,10 @@
-"""What the acquisition of a test rig makes of a loop: samples, noise and the steps of its converter."""
+"""Acquisition of a loop by a test rig: samples, noise and the steps of its converter."""
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 
+from wirerope_mj.foundation.arguments import integer, not_negative
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Loop
 
@@ -41,8 +41,7 @@ def measured(
     Raises:
         ValueError: an argument is out of its range.
     """
-    if points_per_cycle < _FEWEST_POINTS:
-        raise ValueError(f"`points_per_cycle` must be >= {_FEWEST_POINTS}, got {points_per_cycle}.")
+    integer("points_per_cycle", points_per_cycle, least=_FEWEST_POINTS)
     values = {
         "force_noise": force_noise,
         "deflection_noise": deflection_noise,
@@ -50,8 +49,7 @@ def measured(
         "deflection_resolution": deflection_resolution,
     }
     for name, value in values.items():
-        if not (math.isfinite(value) and value >= 0.0):
-            raise ValueError(f"`{name}` must be finite and >= 0, got {value}.")
+        not_negative(name, value)
     rng = np.random.default_rng(seed)
     return [
         Loop.from_samples(
@@ -66,8 +64,8 @@ def measured(
 def _acquired(signal: Array, points: int, noise: float, resolution: float, rng: np.random.Generator) -> Array:
     """Return one channel of a cycle as it is recorded, (points + 1,)."""
     intervals = signal.size - 1
-    # Whole-number products first: an instant that is the loop's own is then hit exactly.
+    # Products of integers first: an instant that is the loop's own is then hit exactly.
     samples = np.interp(np.arange(points + 1) * intervals / points, np.arange(signal.size), signal)
-    # Drawn even at zero noise, so that the noise of one channel does not depend on whether the other has any.
+    # Sampled even at zero noise, so that the noise of one channel does not depend on whether the other has any.
     samples = samples + noise * rng.standard_normal(samples.size)
     return np.round(samples / resolution) * resolution if resolution > 0.0 else samples

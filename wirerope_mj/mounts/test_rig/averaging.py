@@ -19,11 +19,11 @@ _AT_TIP = 0.05  # of a bin, within which samples stand at a turning point: a cho
 
 
 @dataclass(frozen=True)
-class Cycle:
+class PhasedCycle:
     """One cycle's samples.
 
     Attributes:
-        samples: their places in the record, (n,).
+        samples: their indices in the record, (n,).
         phase: of each, 0 to 1; in a run 0.5 is the turning point between, (n,).
         tips: phases of turning points that are not samples themselves.
         middle: time of phase 0.5 over the period.
@@ -47,31 +47,31 @@ class Cycle:
         return float(np.interp(np.arange(POINTS) / POINTS, self.elapsed(self.phase), values[self.samples]).mean())
 
 
-def cycle_to(trace: Trace, end: int) -> Cycle:
+def cycle_to(trace: Trace, end: int) -> PhasedCycle:
     """Return the cycle of a run that ends at a turning point."""
     bounds = trace.times[end - 2 : end + 1]
     inside = np.flatnonzero((trace.time >= bounds[0]) & (trace.time <= bounds[2]))
     middle = float((bounds[1] - bounds[0]) / (bounds[2] - bounds[0]))
-    return Cycle(inside, np.interp(trace.time[inside], bounds, [0.0, 0.5, 1.0]), (0.0, 0.5), middle)
+    return PhasedCycle(inside, np.interp(trace.time[inside], bounds, [0.0, 0.5, 1.0]), (0.0, 0.5), middle)
 
 
-def whole_record(trace: Trace) -> Cycle:
+def whole_record(trace: Trace) -> PhasedCycle:
     """Return a record that is one cycle; its last sample repeats the first or stands one step before it."""
     x, samples = trace.deflection, trace.time.size
     steps = np.abs(np.diff(x))
     repeated = abs(float(x[-1] - x[0])) <= 0.5 * min(steps[0], steps[-1])
-    share = 1.0 if repeated else (samples - 1) / samples
-    elapsed, turning = (share * (t - trace.time[0]) / np.ptp(trace.time) for t in (trace.time, trace.times[1:-1]))
+    span = 1.0 if repeated else (samples - 1) / samples
+    elapsed, turning = (span * (t - trace.time[0]) / np.ptp(trace.time) for t in (trace.time, trace.times[1:-1]))
     if samples <= POINTS + 1:
-        return Cycle(np.arange(samples), elapsed, ())
+        return PhasedCycle(np.arange(samples), elapsed, ())
     # Turning points where bins have their middle, as those of a run.
     tips = np.round(turning * POINTS) / POINTS
     phase = np.interp(elapsed, [0.0, *turning, 1.0], [0.0, *tips, 1.0])
-    return Cycle(np.arange(samples), phase, (*tips.tolist(), *([0.0] if tips.size == 1 else [])))
+    return PhasedCycle(np.arange(samples), phase, (*tips.tolist(), *([0.0] if tips.size == 1 else [])))
 
 
 def mean_loop(
-    cycles: list[Cycle], x: Array, f: Array, count: int, gap: float, where: str, *, stop: bool = False
+    cycles: list[PhasedCycle], x: Array, f: Array, count: int, gap: float, location: str, *, stop: bool = False
 ) -> RecordedLoop:
     """Return the mean of cycles over bins of phase, whose first and last bin are one.
 
@@ -81,7 +81,7 @@ def mean_loop(
         f: its forces without drift [N], (n_t,).
         count: cycles that were run.
         gap: between the forces at the ends of the last one [N].
-        where: they stand, in words.
+        location: they stand, as text.
         stop: whether the device is a bump stop, which need not have force or area.
     """
     phase = np.concatenate([cycle.phase for cycle in cycles])
@@ -95,26 +95,26 @@ def mean_loop(
     force = [f[cycle.samples] - level for cycle, level in zip(cycles, levels, strict=True)]
     means = [_mean_over_bins(cycles, values, bins) for values in (path, force)]
     for tip in cycles[0].tips:
-        distance, place = (phase - tip + 0.5) % 1.0 - 0.5, round(tip * bins) % bins
-        if filled[place] and np.abs(distance[numbers == place]).max() < _AT_TIP / bins:
+        distance, index = (phase - tip + 0.5) % 1.0 - 0.5, round(tip * bins) % bins
+        if filled[index] and np.abs(distance[numbers == index]).max() < _AT_TIP / bins:
             continue
         near = np.abs(distance) <= reach_of(bins)
         if near.sum() < _FEWEST_AT_TIP:
             raise ValueError(
-                f"{where}: at a turning point of the cycle there are {near.sum()} samples within {reach_of(bins):.2g} of its "
-                "period: are rows missing there? Leave the loop out, or repeat it."
+                f"{location}: at a turning point of the cycle there are {near.sum()} samples within {reach_of(bins):.2g} of "
+                "its period: are rows missing there? Leave the loop out, or repeat it."
             )
         ends = tip_of(distance[near], np.concatenate(path)[near], np.concatenate(force)[near])
-        means[0][place], means[1][place] = ends
-        filled[place] += 1
+        means[0][index], means[1][index] = ends
+        filled[index] += 1
     mean_x, mean_f = (mean[filled > 0] for mean in means)
     mean_f += np.mean(levels)
     loop = RecordedLoop.from_samples(np.append(mean_x, mean_x[0]), np.append(mean_f, mean_f[0]), cycles=count)
     assert isinstance(loop, RecordedLoop)
     loop = replace(loop, scatter=_scatter(cycles, force, bins))
-    require_passive(loop, where, stop=stop)
+    require_passive(loop, location, stop=stop)
     if not stop:
-        require_area(loop, where)
+        require_area(loop, location)
     elapsed = np.mean([cycle.elapsed(np.flatnonzero(filled) / bins) for cycle in cycles], axis=0)
     return replace(loop, closure=gap / max(float(np.ptp(mean_f)), 1e-300), elapsed=np.append(elapsed, 1.0))
 
@@ -124,7 +124,7 @@ def _bin(phase: Array, bins: int) -> npt.NDArray[np.int64]:
     return np.floor(phase * bins + 0.5).astype(np.int64) % bins
 
 
-def _mean_over_bins(cycles: list[Cycle], values: list[Array], bins: int) -> Array:
+def _mean_over_bins(cycles: list[PhasedCycle], values: list[Array], bins: int) -> Array:
     """Return the mean over cycles of their means over bins, (bins,); 0 where no cycle has a sample.
 
     Cycles count alike in a bin, however many samples they have there: while they still change they are not alike.
@@ -138,7 +138,7 @@ def _mean_over_bins(cycles: list[Cycle], values: list[Array], bins: int) -> Arra
     return sums / np.maximum(counts, 1.0)
 
 
-def _scatter(cycles: list[Cycle], forces: list[Array], bins: int) -> float:
+def _scatter(cycles: list[PhasedCycle], forces: list[Array], bins: int) -> float:
     """Return the standard deviation of what cycles differ by, as it is left in their mean; 0 of a single cycle."""
     if len(cycles) < 2:
         return 0.0

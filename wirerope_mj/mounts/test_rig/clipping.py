@@ -6,20 +6,18 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.turning import rms_noise
 
-_WIDE = 0.05  # share of the stroke over which a force that still moves cannot stand at one value, even at 8 bits
+_WIDE = 0.05  # of the stroke over which a force that still moves cannot stand at one value, even at 8 bits
 _NARROW = 0.005  # the same where no other value comes back as often: no converter's step, for it would be one of many
 _OFTEN = 4  # times that the extreme comes back where others come back once: more than cycles of a mean, and neighbours
 _SURE = 8.0  # standard deviations of the deflection's noise, of which it moved on for sure
 _END = 0.05  # of the stroke beside a turning point
-_LEVEL = (
-    0.03  # of the secant stiffness: less than noise and any spring beside the rope leave, 1/60 of how rope turns back
-)
+_LEVEL = 0.03  # of the secant stiffness: less than noise and any spring beside rope leave, 1/60 of how rope turns back
 _ELASTIC, _ERRORS = 0.5, 3.0
 """Slope over the secant stiffness that whatever is elastic exceeds, and standard errors by which a level branch stays below it:
 what has a slope that its noise hides is not known to be level."""
 
 
-def require_unclipped(deflection: Array, force: Array, where: str, *, stop: bool = False) -> None:
+def require_unclipped(deflection: Array, force: Array, location: str, *, stop: bool = False) -> None:
     """Raise ValueError if samples stand at exactly the extreme force while the deflection moves on.
 
     Over a twentieth of the stroke nothing but saturation does that. Over less, steps of a converter do, but then every value
@@ -28,12 +26,12 @@ def require_unclipped(deflection: Array, force: Array, where: str, *, stop: bool
     Args:
         deflection: of cycles that are like each other [m], (n_t,).
         force: of the same samples [N], (n_t,).
-        where: they stand, in words.
+        location: they stand, as text.
         stop: whether the device is a bump stop, whose force stands still within its gap.
     """
     _, counts = np.unique(force, return_counts=True)
     usual = int(np.sort(counts)[-3]) if counts.size > 2 else 0  # either extreme apart
-    for word, extreme in (("largest", force.max()), ("smallest", force.min())):
+    for name, extreme in (("largest", force.max()), ("smallest", force.min())):
         at = force == extreme
         moved, stroke = float(np.ptp(deflection[at])), float(np.ptp(deflection))
         if stop and _is_open(deflection, force, extreme):
@@ -41,12 +39,12 @@ def require_unclipped(deflection: Array, force: Array, where: str, *, stop: bool
         alone = at.sum() >= _OFTEN * max(usual, 1) and moved > _SURE * rms_noise(deflection)
         if 3 < at.sum() < force.size and moved > (_NARROW if alone else _WIDE) * stroke:
             raise ValueError(
-                f"{where}: {at.sum()} samples stand at exactly the {word} force, {extreme:.6g} N, over "
+                f"{location}: {at.sum()} samples stand at exactly the {name} force, {extreme:.6g} N, over "
                 f"{1e3 * moved:.3g} mm of deflection: the load cell or its amplifier was saturated. Leave the loop out."
             )
 
 
-def require_falling(loop: Loop, where: str, *, stop: bool = False) -> None:
+def require_falling(loop: Loop, location: str, *, stop: bool = False) -> None:
     """Raise ValueError if the force is level before a turning point and behind it: cut off, with noise behind.
 
     What yields falls at once when the deflection turns back, at its elastic stiffness. Where the true force is beyond what was
@@ -54,16 +52,16 @@ def require_falling(loop: Loop, where: str, *, stop: bool = False) -> None:
 
     Args:
         loop: mean of cycles.
-        where: it stands, in words.
+        location: it stands, as text.
         stop: whether the device is a bump stop, whose force stands still within its gap.
     """
-    for rising, word in ((True, "largest"), (False, "smallest")):
+    for rising, name in ((True, "largest"), (False, "smallest")):
         (x, f), (x_back, f_back) = loop.branch(rising=rising), loop.branch(rising=not rising)
         if stop and _is_open(loop.deflection, loop.force, float(f_back[0])):
             continue
         if _level(loop, x[::-1], f[::-1]) and _level(loop, x_back, f_back):
             raise ValueError(
-                f"{where}: at its {word} deflection the force stays at {f_back[0]:.5g} N, on the way there and back, "
+                f"{location}: at its {name} deflection the force stays at {f_back[0]:.5g} N, on the way there and back, "
                 "where anything elastic falls at once: the load cell or its amplifier was saturated, or there is play in the "
                 "rig. Leave the loop out."
             )

@@ -11,20 +11,21 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.laws import Loop
-from wirerope_mj.mounts.test_rig.averaging import Cycle, cycle_to, mean_loop, whole_record
+from wirerope_mj.mounts.test_rig.averaging import PhasedCycle, cycle_to, mean_loop, whole_record
 from wirerope_mj.mounts.test_rig.clipping import require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.noise import is_noise, no_cycle_text
 from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_likely, require_nominal
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points
 
-Place = Callable[[int, int], str]
+Locate = Callable[[int, int], str]
+"""Text of where the samples from one index to another stand."""
 
 KEPT = 3
 """Last cycles whose mean is the loop: noise is halved nearly, and what fades from cycle to cycle has faded most."""
 
 _FEWEST = 12  # samples in a cycle: fewer do not show how its branches bend
-_ALIKE = 0.05  # share by which strokes of one run may differ: amplitudes that a test tells apart differ by more
+_ALIKE = 0.05  # ratio by which strokes of one run may differ: amplitudes that a test tells apart differ by more
 _AT_ENDS = 0.02  # the same for the strokes that a record begins and ends with, which may stop short of turning round
 _REPEATS = 0.02  # of the amplitude, root mean square: cycles that repeat the deflection less well are not averaged
 _UNLOADED = 0.05  # of its range, within which a record begins at the unloaded device
@@ -47,18 +48,18 @@ def read_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
     loops = []
     for samples in read_rows(path):
 
-        def place(first: int, last: int, samples: Samples = samples) -> str:
+        def locate(first: int, last: int, samples: Samples = samples) -> str:
             return f"{path}, lines {samples.lines[first]} to {samples.lines[last]}"
 
         try:
             time = np.array(samples.time) if samples.time else None
-            found = _steady(np.array(samples.deflection), np.array(samples.force), time, place, stop)
-            for loop in found:
-                require_nominal(samples, loop.amplitude, place(0, len(samples.lines) - 1))
-                require_likely(loop.amplitude, place(0, len(samples.lines) - 1))
+            steady = _steady(np.array(samples.deflection), np.array(samples.force), time, locate, stop)
+            for loop in steady:
+                require_nominal(samples, loop.amplitude, locate(0, len(samples.lines) - 1))
+                require_likely(loop.amplitude, locate(0, len(samples.lines) - 1))
         except ValueError as error:
             raise RecordError(str(error)) from None
-        loops += found
+        loops += steady
     return loops
 
 
@@ -99,9 +100,9 @@ def steady_loops(
     return _steady(x, f, t, lambda first, last: f"samples {first} to {last}", stop)
 
 
-def _steady(x: Array, f: Array, time: Array | None, place: Place, stop: bool) -> list[Loop]:
-    """Return the loops of a record; `place` says in words where samples stand."""
-    whole = place(0, x.size - 1) if x.size else "the record"
+def _steady(x: Array, f: Array, time: Array | None, locate: Locate, stop: bool) -> list[Loop]:
+    """Return the loops of a record; `locate` says where samples stand."""
+    whole = locate(0, x.size - 1) if x.size else "the record"
     if x.size < _FEWEST:
         raise ValueError(f"{whole}: {x.size} samples; one cycle needs at least {_FEWEST}.")
     if np.ptp(x) == 0.0:
@@ -119,7 +120,7 @@ def _steady(x: Array, f: Array, time: Array | None, place: Place, stop: bool) ->
             f"{whole}: there is no full cycle. The deflection goes to and fro by {strokes} mm; a cycle is two strokes of "
             "one length, or ends where it began."
         )
-    loops = [_loop_of_run(trace, f, first, last, place, stop) for first, last in runs]
+    loops = [_loop_of_run(trace, f, first, last, locate, stop) for first, last in runs]
     if abs(float(trace.smooth[0])) > _UNLOADED * np.ptp(x):  # how the device came there is not in the record
         return [replace(loop, averaged=0) for loop in loops]
     return _led_there(trace, runs, loops)
@@ -141,12 +142,12 @@ def _runs(trace: Trace) -> list[tuple[int, int]]:
     if stop >= 2 and abs(strokes[-1] - strokes[-2]) > _AT_ENDS * strokes[-2] + slack:
         stop -= 1
     runs = []
-    for here in range(first + 1, stop + 1):
-        size = strokes[first:here].mean()
-        if here == stop or abs(strokes[here] - size) > _ALIKE * size + slack:
-            if here - first >= 2:
-                runs.append((first, here))
-            first = here
+    for end in range(first + 1, stop + 1):
+        size = strokes[first:end].mean()
+        if end == stop or abs(strokes[end] - size) > _ALIKE * size + slack:
+            if end - first >= 2:
+                runs.append((first, end))
+            first = end
     return runs
 
 
@@ -155,22 +156,22 @@ def _led_there(trace: Trace, runs: list[tuple[int, int]], loops: list[RecordedLo
     turning = trace.raw_turning
     for (first, last), loop in zip(runs, loops, strict=True):
         ends = (loop.deflection.min(), loop.deflection.max())
-        for place in range(first, last + 1):
-            turning[place] = ends[int(turning[place] > 0.5 * sum(ends))]
+        for index in range(first, last + 1):
+            turning[index] = ends[int(turning[index] > 0.5 * sum(ends))]
     return [
         replace(loop, history=np.concatenate([[0.0], turning[: last + 1 - 2 * loop.averaged]]))
         for (_, last), loop in zip(runs, loops, strict=True)
     ]
 
 
-def _loop_of_run(trace: Trace, force: Array, first: int, last: int, place: Place, stop: bool) -> RecordedLoop:
+def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Locate, stop: bool) -> RecordedLoop:
     """Return the mean of the last cycles of a run, without drift."""
     cycles = [cycle_to(trace, end) for end in range(last, first + 1, -2)]
     fewest = min(cycle.samples.size for cycle in cycles[:KEPT])
     if fewest < _FEWEST:
         at = cycles[0].samples
         raise ValueError(
-            f"{place(int(at[0]), int(at[-1]))}: the cycle has {fewest} samples; it needs at least {_FEWEST}."
+            f"{locate(int(at[0]), int(at[-1]))}: the cycle has {fewest} samples; it needs at least {_FEWEST}."
         )
     kept, latest = [cycles[0]], cycles[0].of(trace.deflection)
     for cycle in cycles[1:KEPT]:
@@ -179,19 +180,19 @@ def _loop_of_run(trace: Trace, force: Array, first: int, last: int, place: Place
             break
         kept.append(cycle)
     every = np.concatenate([cycle.samples for cycle in kept])
-    where = place(int(every.min()), int(every.max()))
-    require_unclipped(trace.deflection[every], force[every], where, stop=stop)
+    location = locate(int(every.min()), int(every.max()))
+    require_unclipped(trace.deflection[every], force[every], location, stop=stop)
     times = trace.times[[last - 2, last]]
     rise, period = np.diff(np.interp(times, trace.time, trace.smoothed(force)))[0], times[1] - times[0]
     slope = _drift(trace, kept, force, last) if len(kept) > 1 else rise / period
     gap = abs(float(rise - slope * period))
     without_drift = force - slope * (trace.time - times[1])
-    loop = mean_loop(kept, trace.deflection, without_drift, len(cycles), gap, where, stop=stop)
-    require_falling(loop, where, stop=stop)
+    loop = mean_loop(kept, trace.deflection, without_drift, len(cycles), gap, location, stop=stop)
+    require_falling(loop, location, stop=stop)
     return replace(loop, averaged=len(kept))
 
 
-def _drift(trace: Trace, kept: list[Cycle], force: Array, last: int) -> float:
+def _drift(trace: Trace, kept: list[PhasedCycle], force: Array, last: int) -> float:
     """Return how fast the zero of the force drifts [N/s]: from the mean force of the first kept cycle to that of the last.
 
     The means of all samples are surer than forces at the turning points, which would close the loop exactly and their noise

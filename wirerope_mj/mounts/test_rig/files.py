@@ -17,7 +17,7 @@ def write_cyclic_test(
     deflection_unit: str = "m",
     force_unit: str = "N",
 ) -> None:
-    """Write loops as a CSV file with units in its header, whole or not at all.
+    """Write loops as a CSV file with units in its header, atomically.
 
     The columns are loop (1, 2, ...), time if a frequency is given, deflection and force: what a rig records. In m and N,
     numbers are written so that `read_cyclic_test` gives back the same bits; hysteretic states and the law's own work are not

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from wirerope_mj.foundation.arguments import not_negative
 from wirerope_mj.mounts.laws import Loop
 
-_BINS = 20  # pieces of the common span in which a gap is averaged before its size counts, so that noise is no gap
+_BINS = 20  # intervals of the common span in which a gap is averaged before its size counts, so that noise is no gap
 _POINTS = 20  # in each of them
-_ROUNDING = 1e-12  # share of force range times amplitude: below it an area is rounding
+_ROUNDING = 1e-12  # of force range times amplitude: below it an area is rounding
 
 
 def hardening_overlap(loops: Sequence[Loop]) -> float:
@@ -29,7 +30,7 @@ def hardening_overlap(loops: Sequence[Loop]) -> float:
     Ni, Ko, Wong and Zhan (1999) named it after isolators that harden in tension (thesis, section 3.2.1 and figure 3.9). A
     loop that saturates without hardening loads along one path too: look at `softening_to_hardening` or at the loops for
     the hardening itself. Loops far smaller than the yield deflection never saturate and count towards 0.5; the integrals
-    give them the weight of their own deflection. Loops of nearly one amplitude overlap whatever their law: compare figures of
+    give them the weight of their own deflection. Loops of nearly one amplitude overlap whatever their law: compare values of
     the same ratios of amplitude only. Each gap is averaged over twentieths of the span before its size
     counts, so that the noise of a measurement adds little.
 
@@ -73,13 +74,13 @@ def _force_on(loop: Loop, deflection: np.ndarray, *, rising: bool) -> np.ndarray
 
 @dataclass(frozen=True, kw_only=True)
 class Transition:
-    """Where the secant stiffness over amplitude is least: an isolator softens up to there and hardens beyond.
+    """Amplitude of the least secant stiffness: an isolator softens up to there and hardens beyond.
 
     Attributes:
         found: whether such an amplitude lies between those that were tested.
         amplitude: of the least secant stiffness [m]; NaN if it was not found.
         stiffness: the least secant stiffness [N/m]; NaN if it was not found.
-        message: what was found, or what the tested amplitudes show instead.
+        message: the transition, or what the tested amplitudes show instead.
     """
 
     found: bool
@@ -96,14 +97,13 @@ def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Tran
 
     Args:
         loops: at three different amplitudes at least, about one operating point.
-        rise: share by which K must exceed its least tested value at some smaller and at some larger amplitude. The default
+        rise: fraction by which K must exceed its least tested value at some smaller and at some larger amplitude. The default
             is for a law's own loops; for measured ones it is the scatter of their stiffnesses.
 
     Raises:
         ValueError: fewer than three different amplitudes, or `rise` is negative.
     """
-    if not rise >= 0.0:
-        raise ValueError(f"`rise` must be >= 0, got {rise}.")
+    not_negative("rise", rise)
     stiffness_at = {loop.amplitude: loop.secant_stiffness for loop in loops}
     amplitude = np.array(sorted(stiffness_at))
     if amplitude.size < 3:
@@ -115,8 +115,8 @@ def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Tran
     first, last = f"{1e3 * amplitude[0]:.4g} mm", f"{1e3 * amplitude[-1]:.4g} mm"
     if falls and rises:
         spline = CubicSpline(np.log(amplitude), stiffness)
-        found = _least_of(spline, math.log(amplitude[least - 1]), math.log(amplitude[least + 1]))
-        size, value = math.exp(found), float(spline(found))
+        log_amplitude = _least_of(spline, math.log(amplitude[least - 1]), math.log(amplitude[least + 1]))
+        size, value = math.exp(log_amplitude), float(spline(log_amplitude))
         message = f"softens up to an amplitude of {1e3 * size:.4g} mm (secant stiffness {value / 1e3:.4g} kN/m), hardens beyond"
         return Transition(found=True, amplitude=size, stiffness=value, message=message)
     if falls:
@@ -131,5 +131,5 @@ def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Tran
 def _least_of(spline: CubicSpline, low: float, high: float) -> float:
     """Return where a spline is least between two abscissae; at an end if it falls towards it."""
     turns = spline.derivative().roots(extrapolate=False)
-    places = np.array([low, high, *turns[(turns > low) & (turns < high)]])
-    return float(places[np.argmin(spline(places))])
+    candidates = np.array([low, high, *turns[(turns > low) & (turns < high)]])
+    return float(candidates[np.argmin(spline(candidates))])

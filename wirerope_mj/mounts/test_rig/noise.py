@@ -9,8 +9,8 @@ from wirerope_mj.mounts.test_rig.turning import rms_noise
 
 _SURE = 4.0  # standard errors: noise alone goes beyond once in 16 000
 _OWN = 1.5  # variance of a series over that of its noise, below which noise is at least two thirds of what it shows
-_CHANCE = 1e-4  # of noise to look like a cycle
-_ENOUGH = 0.5  # share of the variance at one frequency that is a cycle, however few the samples
+_PROBABILITY = 1e-4  # of noise to look like a cycle
+_ENOUGH = 0.5  # fraction of the variance at one frequency that is a cycle, however few the samples
 _FEW = 6.0  # four standard errors of the variance of n samples, 4 sqrt(2 / n), rounded up
 
 
@@ -27,15 +27,15 @@ def is_noise(values: Array, noise: float) -> bool:
 def has_cycle(force: Array) -> bool:
     """Return whether a force has more at the frequency of its cycle than noise of its size would have there.
 
-    Of n samples of white noise, the share r that one frequency has in their variance is exceeded with the probability
+    Of n samples of white noise, the fraction r that one frequency has in their variance is exceeded with the probability
     (1 - r)^((n - 3) / 2), whatever the noise's size.
 
     Args:
         force: of one cycle without the sample that repeats the first [N], (n,).
     """
     first = np.abs(np.fft.rfft(force - force.mean())[1])
-    share = 2.0 * first**2 / (force.size**2 * force.var())
-    return bool(share > min(1.0 - _CHANCE ** (2.0 / (force.size - 3)), _ENOUGH))
+    fraction = 2.0 * first**2 / (force.size**2 * force.var())
+    return bool(fraction > min(1.0 - _PROBABILITY ** (2.0 / (force.size - 3)), _ENOUGH))
 
 
 def no_cycle_text(deflection: Array) -> str:

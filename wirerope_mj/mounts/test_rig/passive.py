@@ -1,4 +1,4 @@
-"""Whether a measured loop could be that of an isolator, which gives nothing away and pushes back."""
+"""Checks that a measured loop could be that of an isolator, which gives nothing away and pushes back."""
 
 import numpy as np
 
@@ -17,52 +17,53 @@ _THIN = 0.01  # of stroke times force range: an area that a lag by 1/80 of a rad
 _ROUNDING = 1e-9  # of the force, within which it stands still: a drift of the zero was taken out
 
 
-def require_passive(loop: Loop, where: str, *, stop: bool = False) -> None:
+def require_passive(loop: Loop, location: str, *, stop: bool = False) -> None:
     """Raise ValueError if a loop cannot be that of an isolator: no force, noise alone, a wrong sign, or energy given away.
 
     Args:
         loop: one cycle, or the mean of some.
-        where: it stands, as text.
+        location: it stands, as text.
         stop: whether the device is a bump stop, which has no force within its gap.
     """
     if not stop:
-        _require_force(loop, where)
+        _require_force(loop, location)
     elif np.ptp(loop.force) <= _ROUNDING * np.abs(loop.force).max():
         return
     if loop.secant_stiffness < 0.0 and not stiffness_in_noise(loop):
         raise ValueError(
-            f"{where}: the force falls where the deflection grows; both are positive in tension. It has {noise_text(loop)}."
+            f"{location}: the force falls where the deflection grows; both are positive in tension. It has {noise_text(loop)}."
         )
     if loop.dissipated_energy < 0.0 and not (_is_thin(loop) or area_in_noise(loop)):
         raise ValueError(
-            f"{where}: the cycle gives {-loop.dissipated_energy:.3g} J away, and no isolator does. Is the order of the samples "
-            f"that of time, and do both channels have the same filter? The force has {noise_text(loop)}."
+            f"{location}: the cycle gives {-loop.dissipated_energy:.3g} J away, and no isolator does. Is the order of the "
+            f"samples that of time, and do both channels have the same filter? The force has {noise_text(loop)}."
         )
 
 
-def _require_force(loop: Loop, where: str) -> None:
+def _require_force(loop: Loop, location: str) -> None:
     """Raise ValueError if a loop holds no force but noise."""
     if np.ptp(loop.force) == 0.0:
-        raise ValueError(f"{where}: the force never changes, it stands at {loop.force[0]:.6g} N.")
+        raise ValueError(f"{location}: the force never changes, it stands at {loop.force[0]:.6g} N.")
     if is_noise(loop.force[:-1], force_noise(loop)) or not has_cycle(loop.force[:-1]):
         raise ValueError(
-            f"{where}: the force is {noise_text(loop)}: it does not follow the deflection of +-{1e3 * loop.amplitude:.4g} mm. "
-            "Was this channel connected, and is its range right? Leave the loop out, or measure more cycles of it."
+            f"{location}: the force is {noise_text(loop)}: it does not follow the deflection of "
+            f"+-{1e3 * loop.amplitude:.4g} mm. Was this channel connected, and is its range right? Leave the loop out, or "
+            "measure more cycles of it."
         )
 
 
-def require_area(loop: Loop, where: str) -> None:
+def require_area(loop: Loop, location: str) -> None:
     """Raise ValueError if the loop of a `require_passive` device shows no stiffness or no area.
 
     Args:
         loop: one cycle, or the mean of some.
-        where: it stands, as text.
+        location: it stands, as text.
     """
-    cycle = f"{where}: the cycle of +-{1e3 * loop.amplitude:.4g} mm"
+    cycle = f"{location}: the cycle of +-{1e3 * loop.amplitude:.4g} mm"
     if loop.secant_stiffness < 0.0 or (loop.dissipated_energy <= 0.0 and area_in_noise(loop)):
-        what = "shows no stiffness" if loop.secant_stiffness < 0.0 else "encloses no area"
+        lack = "shows no stiffness" if loop.secant_stiffness < 0.0 else "encloses no area"
         raise ValueError(
-            f"{cycle} {what} beside its noise ({noise_text(loop)}); leave it out, or measure more cycles of it."
+            f"{cycle} {lack} beside its noise ({noise_text(loop)}); leave it out, or measure more cycles of it."
         )
     if loop.dissipated_energy <= 0.0:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""A loop cut from a long record, with what went before it."""
+"""A loop cut from a long record, with the turning points before it."""
 
 from dataclasses import dataclass, field
 
@@ -10,7 +10,7 @@ from wirerope_mj.mounts.laws import Loop
 
 @dataclass(frozen=True)
 class RecordedLoop(Loop):
-    """The mean of a run's last cycles, without drift, and the way of the deflection that led there.
+    """The mean of a run's last cycles, without drift, and the turning points of the deflection that led there.
 
     A hysteretic force remembers how its cycle was reached, the longer the smaller the cycle. Rate-independent laws need no more
     than the turning points to be led the same way.
@@ -29,7 +29,7 @@ class RecordedLoop(Loop):
 
 
 def mean_of_cycles(forces: Array, elapsed: Array) -> Array:
-    """Return what is made of the forces of successive cycles [N], (n_t,): their mean, without a zero that drifts linearly.
+    """Return the mean of the forces of successive cycles [N], (n_t,), without a zero that drifts linearly.
 
     The drift is that of the cycles' mean forces, or of a single one's ends, and is none at the end of the last cycle. The ends
     of what comes back are one sample.

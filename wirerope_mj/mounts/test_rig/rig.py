@@ -1,22 +1,21 @@
 """The rig: steady loops of one law under a sine about an operating point."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.foundation.arguments import finite, integer, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import Law, Loop
 from wirerope_mj.mounts.laws.loop import closure_of
 
 CLOSURE = 1e-10
-"""A loop is closed when its last force equals its first within this share of its force range."""
+"""A loop is closed when its last force equals its first within this fraction of its force range."""
 
-_MOST_CYCLES = (
-    4096  # 1.6 million points at the default 400 per cycle: a few seconds, and 16 times what catalogue fits take
-)
+_MOST_CYCLES = 4096
+"""1.6 million points at the default 400 per cycle: a few seconds, and 16 times what catalogue fits take."""
 
 
 def cyclic_test(
@@ -49,13 +48,11 @@ def cyclic_test(
     sizes = np.atleast_1d(np.asarray(amplitudes, dtype=np.float64))
     if sizes.ndim != 1 or sizes.size == 0 or not np.isfinite(sizes).all() or (sizes <= 0.0).any():
         raise ValueError(f"`amplitudes` must be finite and > 0, got {amplitudes!r}.")
-    if not math.isfinite(operating_point):
-        raise ValueError(f"`operating_point` must be finite, got {operating_point}.")
-    if not (math.isfinite(frequency) and frequency > 0.0):
-        raise ValueError(f"`frequency` must be finite and > 0, got {frequency}.")
-    if cycles is not None and cycles < 1:
-        raise ValueError(f"`cycles` must be >= 1, got {cycles}.")
-    if points_per_cycle < 4 or points_per_cycle % 4:
+    finite("operating_point", operating_point)
+    positive("frequency", frequency, unit="Hz")
+    if cycles is not None:
+        integer("cycles", cycles, least=1)
+    if integer("points_per_cycle", points_per_cycle, least=4) % 4:
         raise ValueError(f"`points_per_cycle` must be a multiple of 4 and >= 4, got {points_per_cycle}.")
     return [_test_one(law, float(size), operating_point, frequency, cycles, points_per_cycle) for size in sizes]
 

@@ -10,14 +10,14 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 
 REACH = 0.03
-"""Share of a cycle on either side: a sine is a parabola there to 1e-4 of its amplitude."""
+"""Fraction of a cycle on either side: a sine is a parabola there to 1e-4 of its amplitude."""
 
 BINS = 3.0
 """Bins on either side at least, so that three samples of it give a parabola."""
 
 
 def reach_of(bins: int) -> float:
-    """Return the share of a cycle beside a turning point that tells what happens there, for a number of bins in a cycle."""
+    """Return the fraction of a cycle beside a turning point that shows what happens there, for a number of bins in a cycle."""
     return max(REACH, BINS / bins)
 
 

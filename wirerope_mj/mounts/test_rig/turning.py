@@ -1,4 +1,4 @@
-"""Where a noisy deflection turns round."""
+"""Turning points of a noisy deflection."""
 
 from dataclasses import dataclass
 
@@ -129,8 +129,8 @@ def _times(smooth: Array, time: Array, turns: npt.NDArray[np.int64]) -> Array:
     Near its turning point a sine hardly moves, so that noise shifts the largest sample far; its crossings it does not.
     """
     times = time[turns].astype(np.float64)
-    for place in range(1, turns.size - 1):
-        before, here, after = (int(turn) for turn in turns[place - 1 : place + 2])
+    for index in range(1, turns.size - 1):
+        before, here, after = (int(turn) for turn in turns[index - 1 : index + 2])
         sign = 1.0 if smooth[here] > smooth[before] else -1.0
         # At one depth in all cycles of a run, also where its last stroke is cut short: else a wave that rises faster than
         # it falls would shift.
@@ -139,12 +139,12 @@ def _times(smooth: Array, time: Array, turns: npt.NDArray[np.int64]) -> Array:
         rise, fall = sign * smooth[before : here + 1], sign * smooth[here : after + 1]
         left = before + int(np.flatnonzero(rise <= level)[-1])
         right = here + int(np.flatnonzero(fall <= level)[0])
-        crossings = [_crossing(smooth, time, index, sign * level) for index in (left, right - 1)]
-        times[place] = 0.5 * sum(crossings)
+        crossings = [_crossing(smooth, time, sample, sign * level) for sample in (left, right - 1)]
+        times[index] = 0.5 * sum(crossings)
     return times
 
 
 def _crossing(values: Array, time: Array, index: int, level: float) -> float:
     """Return when a series crosses a level between a sample and the next."""
-    share = (level - values[index]) / (values[index + 1] - values[index])
-    return float(time[index] + share * (time[index + 1] - time[index]))
+    fraction = (level - values[index]) / (values[index + 1] - values[index])
+    return float(time[index] + fraction * (time[index + 1] - time[index]))

@@ -119,7 +119,7 @@ def _law_holds(system: System, mount: str, axis: str, parameters: Mapping[str, A
     coupled = AXES.index(axis) in isolator.coupled_axes  # the two must then suit each other, too
     if coupled and (isolator.coupling != "loop" or parameters.keys() & _SHARED_IN_A_LOOP):
         return False
-    return law is not None and law.surely_holds(law.completed(parameters))
+    return law is not None and law.certainly_valid(law.completed(parameters))
 
 
 def _motions_can_be(system: System, columns: Sequence[Column], values: Values, block: pa.Table, check: Check) -> bool:

@@ -200,6 +200,8 @@ def _faint(law: Law) -> Law:
         return replace(law, alpha=FAINT, k=0.0)
     if isinstance(law, Parallel):
         return Parallel(laws=tuple(_faint(part) for part in law.laws))
+    if law.n_states > 1:
+        return law.scaled(FAINT / law.initial_stiffness)
     return _FAINT_WITH_STATE if law.n_states == 1 else _FAINT_WITHOUT_STATE
 
 

@@ -9,8 +9,8 @@ import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from wirerope_mj.dynamics.frequency_response.curve import Curve
-from wirerope_mj.dynamics.frequency_response.summary import Findings
+from wirerope_mj.dynamics.frequency_response.curve import BranchCurve
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import round_ticks
@@ -21,13 +21,13 @@ _MARKED = 24
 """Marks along an envelope: enough to tell its way, few enough to see the branch below."""
 
 
-def save_amplitudes(findings: Sequence[Findings], path: Path, *, title: str, what: str) -> None:
+def save_amplitudes(findings: Sequence[LevelSummary], path: Path, *, title: str, what: str) -> None:
     """Write a picture of the payload's largest acceleration over frequency, all levels; `what` says whose it is."""
     figure = _figure(findings, title, f"largest acceleration of {what} [m/s²]", lambda level: 1.0)
     figure.savefig(path)
 
 
-def save_transmissibilities(findings: Sequence[Findings], path: Path, *, title: str, what: str) -> None:
+def save_transmissibilities(findings: Sequence[LevelSummary], path: Path, *, title: str, what: str) -> None:
     """Write a picture of the same over the base's acceleration."""
     figure = _figure(findings, title, f"transmissibility of {what} [-]", lambda level: 1.0 / level)
     figure.savefig(path)
@@ -38,7 +38,7 @@ def colour_of(number: int) -> str:
     return COLOURS[number % len(COLOURS)]
 
 
-def _figure(findings: Sequence[Findings], title: str, label: str, factor: Callable[[float], float]) -> Figure:
+def _figure(findings: Sequence[LevelSummary], title: str, label: str, factor: Callable[[float], float]) -> Figure:
     """Return a figure; `factor` of a level is what amplitudes are multiplied by."""
     figure = PlainFigure(figsize=(11.0, 6.6), layout="constrained", dpi=120)
     figure.suptitle(title, fontsize=12, fontweight="bold")
@@ -54,7 +54,7 @@ def _figure(findings: Sequence[Findings], title: str, label: str, factor: Callab
     return figure
 
 
-def _level(panel: Any, found: Findings, colour: str, factor: float) -> list[Array]:
+def _level(panel: Any, found: LevelSummary, colour: str, factor: float) -> list[Array]:
     """Draw a level; return frequency and value of what was drawn, (2, n) each."""
     drawn = []
     for way, sweep in found.level.sweeps.items():
@@ -76,7 +76,7 @@ def _level(panel: Any, found: Findings, colour: str, factor: float) -> list[Arra
     return [*drawn, np.stack([curve.frequency, factor * curve.amplitude])]
 
 
-def stretches(curve: Curve) -> list[tuple[bool, slice]]:
+def stretches(curve: BranchCurve) -> list[tuple[bool, slice]]:
     """Return the stretches of a curve that are alike in stability, each with the first place of the next."""
     changes = np.flatnonzero(np.diff(curve.stable)) + 1
     ends = [0, *changes.tolist(), curve.stable.size - 1]
@@ -91,7 +91,7 @@ def _evenly(frequency: Array, number: int, shift: float) -> npt.NDArray[np.int64
     return np.unique([int(np.abs(along - place).argmin()) for place in wanted])
 
 
-def _backbone(panel: Any, findings: Sequence[Findings], factor: Callable[[float], float]) -> None:
+def _backbone(panel: Any, findings: Sequence[LevelSummary], factor: Callable[[float], float]) -> None:
     """Draw the line through the highest peaks of all levels."""
     tops = _tops(findings)
     if len(tops) > 1:
@@ -99,7 +99,7 @@ def _backbone(panel: Any, findings: Sequence[Findings], factor: Callable[[float]
         panel.plot(f, a, color="0.25", lw=1.0, ls=(0, (1.0, 1.5)), marker=".", ms=5, zorder=4)
 
 
-def _tops(findings: Sequence[Findings]) -> list[tuple[float, float, float]]:
+def _tops(findings: Sequence[LevelSummary]) -> list[tuple[float, float, float]]:
     """Return level, frequency and amplitude of the highest peak of every level that has one inside the range."""
     return [
         (found.level.acceleration, found.peaks[0].frequency, found.peaks[0].amplitude)
@@ -120,7 +120,7 @@ def _dress(panel: Any, drawn: Array, label: str) -> None:
     panel.set_axisbelow(True)
 
 
-def _legend(findings: Sequence[Findings]) -> list[Line2D]:
+def _legend(findings: Sequence[LevelSummary]) -> list[Line2D]:
     """Return entries for what is there: levels first, then lines, then marks."""
     entries = [
         Line2D([], [], color=colour_of(n), lw=2.5, label=f"{found.level.acceleration:.4g} m/s²")

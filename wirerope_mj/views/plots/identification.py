@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, ScalarFormatter
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.fitted import FittedLoop
+from wirerope_mj.mounts.identification.result import FittedLoop
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 
 _MEASURED, _FITTED = "#08519c", "#d95f0e"

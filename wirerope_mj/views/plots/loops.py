@@ -11,14 +11,12 @@ from matplotlib.figure import Figure
 
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.laws import Law, Loop, Stop, Tabulated
-from wirerope_mj.mounts.laws.stop import largest_gap
+from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of, distinct_axes, largest_amplitude
+from wirerope_mj.mounts.laws import Law, Loop
 from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 
 _SHARES = (0.25, 0.5, 1.0)
-_UNRATED_SHARE = 0.05  # of the height, where no travel is rated: small enough for every mount
-_UNRATED = 0.005  # [m], where not even the height is known
 _RATED = "#d95f0e"
 _MOST_LABELS = 8  # in a legend: more would hide the loops
 _WEAK = 100.0  # [N], below which forces are read in N
@@ -68,40 +66,6 @@ def cyclic_tests_figure(tests: Mapping[str, Sequence[Loop]], *, title: str) -> F
 def save_cyclic_tests(tests: Mapping[str, Sequence[Loop]], path: str | Path, *, title: str) -> None:
     """Write the picture of `cyclic_tests_figure`; the file's ending says in which format."""
     _save(cyclic_tests_figure(tests, title=title), Path(path))
-
-
-def distinct_axes(isolator: Isolator) -> list[tuple[str, str, Law]]:
-    """Return title, axis and law of each axis with a force; roll and shear are one if they are the same in law and rating."""
-    present = [(axis, law) for axis, law in isolator.axes.items() if law is not None]
-    same = isolator.roll is not None and isolator.roll == isolator.shear
-    if same and isolator.rated_travel("roll") == isolator.rated_travel("shear"):
-        return [("roll and shear" if axis == "roll" else axis, axis, law) for axis, law in present if axis != "shear"]
-    return [(axis, axis, law) for axis, law in present]
-
-
-def largest_amplitude(isolator: Isolator, axis: str) -> float:
-    """Return the amplitude of the largest loop worth drawing [m]: the rated travel, or 5 % of the height, or 5 mm.
-
-    What is not rated goes that much beyond the largest gap of its stops; a table goes to its end. If the law ends before
-    that on one side, it is what it has there.
-    """
-    rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
-    height = isolator.geometry.height if isolator.geometry is not None else None
-    law, size = isolator.axes[axis], rated or (_UNRATED if height is None else _UNRATED_SHARE * height)
-    if law is None:
-        return size
-    if rated is None and any(isinstance(part, Tabulated) for part in law.components) and law.finite_travel < math.inf:
-        return law.finite_travel
-    return min(size if rated else largest_gap(law) + size, law.finite_travel)
-
-
-def amplitudes_of(isolator: Isolator, axis: str, shares: Sequence[float]) -> list[float]:
-    """Return shares of the largest amplitude [m]; where an unrated axis has nothing but stops, of what is beyond the gap."""
-    law, largest = isolator.axes[axis], largest_amplitude(isolator, axis)
-    only_stops = law is not None and all(isinstance(part, Stop) for part in law.components)
-    rated = any(travel is not None for travel in isolator.rated_travel(axis))
-    start = largest_gap(law) if law is not None and only_stops and not rated else 0.0
-    return [start + share * (largest - start) for share in shares]
 
 
 def _save(figure: Figure, path: Path) -> None:

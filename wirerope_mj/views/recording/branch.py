@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
-from wirerope_mj.dynamics.frequency_response.summary import Findings
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.views.recording.along import AlongBranch
 from wirerope_mj.views.recording.branch_blueprint import SQUARE, branch_blueprint, loop_grid
 from wirerope_mj.views.recording.camera import scene_extent
@@ -34,7 +34,7 @@ from wirerope_mj.views.recording.selection import select
 from wirerope_mj.views.recording.target import atomic_recording, target_of
 
 
-def record_branches(result: FrequencyResponse, findings: list[Findings], path: str | Path) -> Path:
+def record_branches(result: FrequencyResponse, findings: list[LevelSummary], path: str | Path) -> Path:
     """Write the branches of a frequency response as a recording, and return its path.
 
     Args:
@@ -54,7 +54,7 @@ def record_branches(result: FrequencyResponse, findings: list[Findings], path: s
     return target
 
 
-def _write(result: FrequencyResponse, findings: list[Findings], rec: Any) -> None:
+def _write(result: FrequencyResponse, findings: list[LevelSummary], rec: Any) -> None:
     strips = strips_of(findings)
     film = film_of(strips[-1])  # the highest level, which the scene shows
     _, extent = scene_extent(film.response.scene)

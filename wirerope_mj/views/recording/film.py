@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirerope_mj.dynamics.frequency_response.samples import Points, along_branch
-from wirerope_mj.dynamics.frequency_response.summary import Findings
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.columns import ColumnPlan
@@ -67,7 +67,7 @@ class Film:
     response: Response
 
 
-def strips_of(findings: list[Findings]) -> list[Strip]:
+def strips_of(findings: list[LevelSummary]) -> list[Strip]:
     """Return the motions that are shown of every level with a branch."""
     strips = []
     for number, found in enumerate(findings):

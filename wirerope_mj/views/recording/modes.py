@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.dynamics.modes.film import ModeFilm
+from wirerope_mj.dynamics.modes.animation import ModeAnimation
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.foundation.plain_text import markdown
 from wirerope_mj.views.recording.camera import Camera, whole_scene
@@ -33,7 +33,7 @@ _AWAY = 1.12
 class _AlongModes:
     """A recording stream whose rows in time stand at their mode too."""
 
-    def __init__(self, rec: Any, film: ModeFilm) -> None:
+    def __init__(self, rec: Any, film: ModeAnimation) -> None:
         self._rec, self._starts = rec, nanoseconds(film.starts).astype(np.int64)
 
     def log(self, *args: Any, **options: Any) -> None:
@@ -49,7 +49,7 @@ class _AlongModes:
         self._rec.send_columns(path, [*index, rr.TimeColumn(MODE, sequence=mode)], columns)
 
 
-def record_modes(film: ModeFilm, path: str | Path, *, title: str = "", larger: Sequence[Modes] = ()) -> Path:
+def record_modes(film: ModeAnimation, path: str | Path, *, title: str = "", larger: Sequence[Modes] = ()) -> Path:
     """Write modes in motion as a recording, and return its path.
 
     Args:
@@ -67,7 +67,7 @@ def record_modes(film: ModeFilm, path: str | Path, *, title: str = "", larger: S
     return target
 
 
-def _write(film: ModeFilm, rec: Any, title: str, larger: Sequence[Modes]) -> None:
+def _write(film: ModeAnimation, rec: Any, title: str, larger: Sequence[Modes]) -> None:
     import rerun as rr
 
     response = film.response
@@ -87,7 +87,7 @@ def _write(film: ModeFilm, rec: Any, title: str, larger: Sequence[Modes]) -> Non
 def mode_text(modes: Modes, mode: int) -> str:
     """Return Markdown about one mode."""
     share = modes.participation[mode]
-    parts = [f"### Mode {mode + 1}: {markdown(modes.words[mode])}", f"**{_hertz(modes.frequencies[mode])}**"]
+    parts = [f"### Mode {mode + 1}: {markdown(modes.descriptions[mode])}", f"**{_hertz(modes.frequencies[mode])}**"]
     parts.append(
         f"{_hertz(modes.loading[mode])} with the tangents on further loading, {_hertz(modes.unloading[mode])} on unloading; "
         f"damping ratio {modes.damping_ratio[mode]:.3f}"
@@ -110,8 +110,8 @@ def modes_table(modes: Modes, larger: Sequence[Modes] = ()) -> str:
         f"| | {' | '.join(sizes)} | |",
         f"|--:|{'--:|' * len(sizes)}:--|",
     ]
-    places = [modes.places_in(result) for result in results]
-    for mode, word in enumerate(modes.words):
+    places = [modes.indices_in(result) for result in results]
+    for mode, word in enumerate(modes.descriptions):
         cells = [
             _hertz(result.frequencies[place[mode]], result.damping_ratio[place[mode]])
             for result, place in zip(results, places, strict=True)
@@ -127,7 +127,7 @@ def _hertz(frequency: float, damping: float = 0.0) -> str:
     return f"{frequency:.3f} Hz ({damping:.3f})" if damping else f"{frequency:.3f} Hz"
 
 
-def _blueprint(film: ModeFilm, frames: dict[str, Frame], title: str) -> Any:
+def _blueprint(film: ModeAnimation, frames: dict[str, Frame], title: str) -> Any:
     import rerun.blueprint as rrb
 
     response = film.response

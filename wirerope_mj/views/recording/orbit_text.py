@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
-from wirerope_mj.dynamics.frequency_response.summary import Findings
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.dynamics.periodic import Bifurcation, Branch, PeriodicOrbit
 from wirerope_mj.foundation.plain_text import markdown
 from wirerope_mj.views.recording.along import at_points
@@ -21,7 +21,7 @@ _MOST_MULTIPLIERS = 5
 def log_texts(
     rec: Any,
     result: FrequencyResponse,
-    findings: list[Findings],
+    findings: list[LevelSummary],
     film: Film,
 ) -> None:
     """Log a text for every motion of the film, and one about all levels."""
@@ -39,7 +39,7 @@ def motion_text(film: Film, place: int) -> str:
     strip = film.strip
     branch, orbit, point = strip.branch, strip.orbits[place], int(strip.points[place])
     parts = [f"### {orbit.frequency:.5g} Hz, {strip.level:.4g} m/s²: {'stable' if orbit.stable else 'UNSTABLE'}"]
-    parts += [f"**{markdown(event.words)}**" for event in _near(strip, place)]
+    parts += [f"**{markdown(event.description)}**" for event in _near(strip, place)]
     amplitude, ratio = branch.amplitude[point], branch.transmissibility[point]
     parts.append(f"Amplitude **{amplitude:.4g} m/s²**, transmissibility **{ratio:.4g}**")
     values = orbit.floquet_multipliers[:_MOST_MULTIPLIERS]
@@ -52,9 +52,9 @@ def motion_text(film: Film, place: int) -> str:
     return "\n\n".join(parts)
 
 
-def about_text(result: FrequencyResponse, findings: list[Findings]) -> str:
+def about_text(result: FrequencyResponse, findings: list[LevelSummary]) -> str:
     """Return Markdown about all levels: peaks, and what happens on their branches."""
-    asked = result.question
+    asked = result.options
     start, stop = asked.range
     rows = ["| level | | frequency | amplitude | transmissibility |", "|--:|:--|--:|--:|--:|"]
     for found in findings:

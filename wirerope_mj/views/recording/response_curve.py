@@ -4,8 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.dynamics.frequency_response.curve import Curve
-from wirerope_mj.dynamics.frequency_response.summary import Findings
+from wirerope_mj.dynamics.frequency_response.curve import BranchCurve
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import log_ticks
 from wirerope_mj.views.recording.along import at_points
@@ -35,7 +35,7 @@ def level_color(number: int) -> Color:
     return _COLORS[number % len(_COLORS)]
 
 
-def log_response(rec: Any, findings: list[Findings], film: Film, strips: list[Strip]) -> None:
+def log_response(rec: Any, findings: list[LevelSummary], film: Film, strips: list[Strip]) -> None:
     """Log frame, curves, what happens on them, and for every level the place of its motion."""
     import rerun as rr
 
@@ -64,7 +64,7 @@ def _words(strip: Strip, point: int) -> str:
     return f"{strip.level:.4g} m/s²: {branch.frequency[point]:.5g} Hz, {branch.amplitude[point]:.4g} m/s², {state}"
 
 
-def _plot(findings: list[Findings]) -> Plot:
+def _plot(findings: list[LevelSummary]) -> Plot:
     """Return ranges that hold all curves, in logarithms."""
     curves = [(found.curve.frequency, found.curve.amplitude) for found in findings if found.curve is not None]
     curves += [(s.frequency, s.amplitude) for found in findings for s in found.level.sweeps.values()]
@@ -83,7 +83,7 @@ def _log_axes(rec: Any, plot: Plot) -> None:
     log_frame(rec, entity(PATH), plot, across=np.log10(across), upward=np.log10(upward), names=names, lift=LARGE)
 
 
-def _log_level(rec: Any, path: str, found: Findings, color: Color) -> None:
+def _log_level(rec: Any, path: str, found: LevelSummary, color: Color) -> None:
     import rerun as rr
 
     name = f"{found.level.acceleration:.4g} m/s^2"
@@ -101,7 +101,7 @@ def _log_level(rec: Any, path: str, found: Findings, color: Color) -> None:
             rec.log(child(path, words), lines, static=True)
 
 
-def _strips(curve: Curve) -> tuple[list[Array], list[Array]]:
+def _strips(curve: BranchCurve) -> tuple[list[Array], list[Array]]:
     """Return the lines of stable motions, and the dashes of those that are not."""
     line = np.log10(np.column_stack([curve.frequency, curve.amplitude]))
     changes = [0, *(np.flatnonzero(np.diff(curve.stable)) + 1).tolist(), curve.stable.size]
@@ -118,7 +118,7 @@ def _strips(curve: Curve) -> tuple[list[Array], list[Array]]:
     return stable, dashes
 
 
-def _log_events(rec: Any, path: str, findings: list[Findings]) -> None:
+def _log_events(rec: Any, path: str, findings: list[LevelSummary]) -> None:
     """Mark folds and changes of stability; what they are is said when the cursor is over them."""
     import rerun as rr
 
@@ -126,7 +126,7 @@ def _log_events(rec: Any, path: str, findings: list[Findings]) -> None:
     if events:
         places = np.log10([[event.frequency, event.amplitude] for event in events])
         marks = rr.Points2D(
-            places, labels=[event.words for event in events], show_labels=False, colors=_EVENT,
+            places, labels=[event.description for event in events], show_labels=False, colors=_EVENT,
             radii=rr.Radius.ui_points(4.0), draw_order=40.0,
         )  # fmt: skip
         rec.log(path, marks, static=True)

@@ -115,7 +115,7 @@ def _table(history: str, modes: Modes, *, noted: bool) -> Table:
     rows: list[Row] = [
         (
             str(number + 1),
-            modes.words[number],
+            modes.descriptions[number],
             *(float(values[number]) for values in (modes.frequencies, modes.unloading, modes.loading)),
             *(f"{fixed(in_unit(float(ratio), '%'), 0)} %" for ratio in modes.participation[number]),
         )

@@ -8,7 +8,7 @@ import numpy as np
 
 from wirerope_mj.dynamics.periodic.coordinates import Coordinates
 from wirerope_mj.dynamics.periodic.flow import Flow
-from wirerope_mj.dynamics.periodic.multipliers import Stability, stability, wide_monodromy
+from wirerope_mj.dynamics.periodic.multipliers import FloquetStability, stability, wide_monodromy
 from wirerope_mj.dynamics.periodic.observe import ranges, travel_exceeded
 from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
 from wirerope_mj.dynamics.periodic.shooting import ACCEPTED, Shot, close, shot
@@ -69,17 +69,17 @@ def periodic_orbit(
         direction: of the base, "x", "y", "z" or a vector.
         periods: number of the base's periods after which the motion is to repeat itself; above 1 for subharmonics.
         guess: state at phase 0 to start from, for instance that of a neighbouring motion.
-        history: equilibrium about which the motion is looked for; vibration lets the hysteretic share of the load leak away,
+        history: equilibrium about which the motion is looked for; vibration lets the hysteretic part of the load leak away,
             so that only the relaxed one belongs to a periodic motion of most laws.
         accuracy: error of the integration allowed, relative to the motion's ranges.
         tolerance: largest residual.
-        smoothing: share of the mounts' largest velocity over which the laws are smoothed, for instance 0.01; None leaves them
-            as they are.
+        smoothing: fraction of the mounts' largest velocity over which the laws are smoothed, for instance 0.01; None
+            leaves them as they are.
 
     Raises:
         ValueError: an argument is out of range.
         ModelError: the base has no driven slide in this direction.
-        ConvergenceError: no periodic motion was found; says what is left and what was tried.
+        ConvergenceError: no periodic motion was found; states the residual and what was tried.
         SimulationError: the motion leaves a mount's rated travel or the validity of its law.
     """
     sine = Sine(
@@ -90,7 +90,7 @@ def periodic_orbit(
     check_direction(system, sine)
     if guess is not None:
         _require_state(system, guess)
-    search = Search(
+    search = OrbitSearch(
         system, direction=sine.direction, history=history, accuracy=positive("accuracy", accuracy), smoothing=smoothing
     )
     with search.flow.ready():
@@ -108,8 +108,8 @@ def _require_state(system: System, guess: State) -> None:
         raise ValueError(f"`guess` has {guess.values.size} values; a state of this system has {size}.")
 
 
-class Search:
-    """What a search for periodic motions of one system needs: its unknowns and copies of it."""
+class OrbitSearch:
+    """Search for periodic motions of one system: its unknowns, and copies of it that are stepped."""
 
     def __init__(
         self, system: System, *, direction: Direction, history: History, accuracy: float, smoothing: float | None = None
@@ -120,11 +120,11 @@ class Search:
         stepped = None if smoothing is None else smoothed(system, 1.0)  # the width follows the motion, see `adapt`
         self.flow = Flow(self.coordinates, copies=max(self.coordinates.size + 2, COPIES), system=stepped)
 
-    def adapt(self, found: Shot) -> bool:
-        """Smooth the laws over the share of this motion's velocity that was asked for; return whether that changed much."""
+    def adapt(self, motion: Shot) -> bool:
+        """Smooth the laws over their fraction of this motion's velocity; return whether the width changed much."""
         if self.smoothing is None:
             return False
-        before, wanted = self.flow.width, self.smoothing * ranges(self.system, found.track).rate
+        before, wanted = self.flow.width, self.smoothing * ranges(self.system, motion.track).rate
         self.flow.smooth(wanted)
         return abs(wanted - before) > SAME_WIDTH * wanted
 
@@ -136,7 +136,7 @@ class Search:
     def find(
         self, frequency: float, acceleration: float, periods: int, *, guess: State | None, tolerance: float
     ) -> PeriodicOrbit:
-        """Return the periodic motion, from a guess or from the equilibrium by way of more and more settling."""
+        """Return the periodic motion, from a guess or from the equilibrium after longer and longer transients."""
         drive = self.drive(frequency, acceleration, periods)
         carried = self.coordinates.carried(frequency, acceleration)
         x = self.coordinates.rest() if guess is None else self.coordinates.from_state(guess.values, carried)
@@ -144,27 +144,27 @@ class Search:
         for more in (0, *SETTLING) if guess is not None else SETTLING:
             if more:
                 x, settled = self._settled(x, drive, more), settled + more
-            found = self._closed(x, drive, tolerance)
-            best = min(best, found.residual)
-            if found.residual <= max(tolerance, ACCEPTED):
-                return self.judged(found, tolerance, f" after {settled} periods of settling" if settled else "")
+            motion = self._closed(x, drive, tolerance)
+            best = min(best, motion.residual)
+            if motion.residual <= max(tolerance, ACCEPTED):
+                return self.judged(motion, tolerance, f" after {settled} periods of settling" if settled else "")
         raise ConvergenceError(
             f"no motion of period {periods} / ({frequency:.6g} Hz) was found at {acceleration:.4g} m/s^2: the residual stays "
-            f"at {best:.2g} (asked {tolerance:.2g}) after Newton's method from {'the guess and from ' if guess else ''}"
+            f"at {best:.2g} (`tolerance` {tolerance:.2g}) after Newton's method from {'the guess and from ' if guess else ''}"
             f"{', '.join(str(n) for n in np.cumsum(SETTLING))} periods of settling. The motion may not be periodic there: try "
             "another frequency and follow the branch from it, a lower acceleration, a finer `accuracy`, or `periods=2` or 3."
         )
 
     def _closed(self, x: Array, drive: Drive, tolerance: float) -> Shot:
         """Return the nearest motion that Newton's method closes, with laws smoothed over its own velocity."""
-        found = shot(self.flow, x, drive)
+        motion = shot(self.flow, x, drive)
         for _ in range(WIDTHS):
-            changed = self.adapt(found)
-            start = shot(self.flow, found.x, drive) if changed else found
-            found = close(self.flow, start, tolerance=tolerance, iterations=ITERATIONS)
+            changed = self.adapt(motion)
+            start = shot(self.flow, motion.x, drive) if changed else motion
+            motion = close(self.flow, start, tolerance=tolerance, iterations=ITERATIONS)
             if not changed:
                 break
-        return found
+        return motion
 
     def _settled(self, x: Array, drive: Drive, number: int) -> Array:
         """Return the unknowns after a number of the base's periods."""
@@ -178,7 +178,7 @@ class Search:
         return end
 
     def _explain(self, x: Array, drive: Drive) -> None:
-        """Raise the error that a simulation over the same steps gives in words."""
+        """Raise the error of a simulation over the same steps, which names the reason."""
         carried = self.coordinates.carried(drive.frequency, drive.acceleration)
         sine = Sine(frequency=drive.frequency, acceleration=drive.acceleration, direction=self.coordinates.direction)
         state, step = State(values=self.coordinates.to_state(x, carried), time=0.0), drive.duration / drive.steps
@@ -192,23 +192,25 @@ class Search:
             raise SimulationError(f"{level} the motion is too large: {error} Lower the acceleration.") from None
         raise SimulationError(f"the motion at {drive.frequency:.6g} Hz grew without bound.")
 
-    def judged(self, found: Shot, tolerance: float, words: str) -> PeriodicOrbit:
+    def judged(self, motion: Shot, tolerance: float, settling: str) -> PeriodicOrbit:
         """Return a periodic motion with its stability; one that leaves a rated travel is a SimulationError."""
-        drive = found.track.drive
-        over = travel_exceeded(self.system, found.track)
+        drive = motion.track.drive
+        over = travel_exceeded(self.system, motion.track)
         if over:
             raise SimulationError(
                 f"at {drive.frequency:.5g} Hz and {abs(drive.acceleration):.4g} m/s^2 {over}. Lower the acceleration."
             )
-        judged = stability(self.flow, found, wide_monodromy(self.flow, found))
-        return self.orbit(found, judged, tolerance, words)
+        judged = stability(self.flow, motion, wide_monodromy(self.flow, motion))
+        return self.orbit(motion, judged, tolerance, settling)
 
-    def orbit(self, found: Shot, judged: Stability, tolerance: float, words: str) -> PeriodicOrbit:
+    def orbit(self, motion: Shot, judged: FloquetStability, tolerance: float, settling: str) -> PeriodicOrbit:
         """Return the result for a motion that was found."""
-        drive = found.track.drive
+        drive = motion.track.drive
         carried = self.coordinates.carried(drive.frequency, drive.acceleration)
         reached = (
-            "" if found.residual <= tolerance else f", not the {tolerance:.1g} asked for: rounding stopped it there"
+            ""
+            if motion.residual <= tolerance
+            else f", not the `tolerance` of {tolerance:.1g}: rounding stopped it there"
         )
         return PeriodicOrbit(
             system=self.system,
@@ -217,13 +219,13 @@ class Search:
             direction=self.coordinates.direction,
             periods=drive.periods,
             smoothing_width=self.flow.width,
-            state=State(values=self.coordinates.to_state(found.x, carried), time=0.0),
+            state=State(values=self.coordinates.to_state(motion.x, carried), time=0.0),
             steps=drive.steps,
             floquet_multipliers=judged.multipliers,
             neutral=judged.neutral,
             stable=judged.stable,
-            residual=found.residual,
-            iterations=found.iterations,
+            residual=motion.residual,
+            iterations=motion.iterations,
             model_steps=self.flow.steps,
-            message=f"residual {found.residual:.1e} after {found.iterations} Newton iterations{words}{reached}",
+            message=f"residual {motion.residual:.1e} after {motion.iterations} Newton iterations{settling}{reached}",
         )

@@ -1,4 +1,4 @@
-"""A branch on its way: from point to point until it ends, kept on disk if a folder is given."""
+"""A branch while it is followed, from point to point until it ends; kept on disk if a folder is given."""
 
 import math
 import time
@@ -12,10 +12,10 @@ import numpy as np
 from wirerope_mj.dynamics.periodic.branch import Bifurcation, Branch
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
 from wirerope_mj.dynamics.periodic.events import locate, turns, unstable
+from wirerope_mj.dynamics.periodic.find import ITERATIONS, OrbitSearch
 from wirerope_mj.dynamics.periodic.observe import travel_exceeded
-from wirerope_mj.dynamics.periodic.question import Question
+from wirerope_mj.dynamics.periodic.options import BranchOptions
 from wirerope_mj.dynamics.periodic.rows import Row, row_of
-from wirerope_mj.dynamics.periodic.search import ITERATIONS, Search
 from wirerope_mj.dynamics.periodic.shooting import close, shot
 from wirerope_mj.dynamics.periodic.storage import fingerprint, load_rows, save_rows
 from wirerope_mj.foundation.arrays import Array
@@ -38,24 +38,24 @@ BEND = 0.1
 """Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend."""
 
 STILL = 1e-12
-"""Share of the base's acceleration below which a payload stands still but for rounding."""
+"""Fraction of the base's acceleration below which a payload stands still but for rounding."""
 
 SAVE_EVERY = 2.0
 """Seconds between two looks at the disk: what a killed process loses."""
 
 
-class Walk:
+class GrowingBranch:
     """The points of a branch so far and what happened between them."""
 
-    def __init__(self, search: Search, question: Question, folder: Path | None) -> None:
-        self.search, self.question, self.system, self.folder = search, question, search.system, folder
+    def __init__(self, search: OrbitSearch, options: BranchOptions, folder: Path | None) -> None:
+        self.search, self.options, self.system, self.folder = search, options, search.system, folder
         self.path = Continuation(
             search,
-            parameter=question.parameter,
-            other=question.other,
-            periods=question.periods,
-            unit=question.largest_step,
-            tolerance=question.tolerance,
+            parameter=options.parameter,
+            other=options.other,
+            periods=options.periods,
+            unit=options.largest_step,
+            tolerance=options.tolerance,
         )
         self.rows: list[Row] = []
         self.events: list[Bifurcation] = []
@@ -64,12 +64,12 @@ class Walk:
         self._saved = time.monotonic()
 
     def go(self, guess: State | None, update: Callable[[float, float], None]) -> Branch:
-        """Return the branch, begun at its start or gone on with from where it was interrupted."""
+        """Return the branch, followed from its start or resumed from its last point."""
         last = self._resumed() or (None if self.message else self._first(guess))
         try:
             length = FIRST
             while not self.message and last is not None:
-                update(self.question.share(last.parameter), last.parameter)
+                update(self.options.fraction(last.parameter), last.parameter)
                 last, length = self._advance(last, length)
         finally:
             self._save()
@@ -77,22 +77,22 @@ class Walk:
 
     def _leap(self, last: Point) -> Point | None:
         """Return a motion a little further on, found anew from the last one, None if there is none."""
-        question = self.question
+        options = self.options
         towards = 1.0 if last.tangent[-1] > 0.0 else -1.0
         for leap in LEAPS:
-            value = last.parameter * math.exp(towards * leap * question.largest_step)
-            if (value - question.stop) * question.sign > 0.0:
+            value = last.parameter * math.exp(towards * leap * options.largest_step)
+            if (value - options.stop) * options.sign > 0.0:
                 return None
             start = shot(self.search.flow, last.shot.x, self.path.drive(value))
-            found = close(self.search.flow, start, tolerance=question.tolerance, iterations=ITERATIONS)
-            if found.residual <= question.tolerance:
+            motion = close(self.search.flow, start, tolerance=options.tolerance, iterations=ITERATIONS)
+            if motion.residual <= options.tolerance:
                 self.gaps.append((last.parameter, value))
-                return self.path.point(found, value, before=None, sign=towards)
+                return self.path.point(motion, value, before=None, sign=towards)
         return None
 
     def _advance(self, last: Point, length: float) -> tuple[Point, float]:
         """Take one step and note what it says; `message` is set where the branch ends."""
-        question = self.question
+        options = self.options
         (point, length), leapt = self._next(last, length), False
         if point is None or (turns(last, point) and unstable(last) == unstable(point)):
             # A step that fails, or a fold at which no multiplier passes 1: motions with a long memory, as those of axes that
@@ -101,25 +101,25 @@ class Walk:
             point, length, leapt = (beyond, FIRST, True) if beyond is not None else (point, length, False)
         if point is None:
             self.message = (
-                f"stopped at {self._where(last)}: no point within {question.smallest_step:.1g} of it was found, nor up to "
-                f"{LEAPS[-1] * question.largest_step:.2g} beyond it. Start beyond it, or take another `largest_step`."
+                f"stopped at {self._where(last)}: no point within {options.smallest_step:.1g} of it was found, nor up to "
+                f"{LEAPS[-1] * options.largest_step:.2g} beyond it. Start beyond it, or take another `largest_step`."
             )
             return last, length
         over = travel_exceeded(self.system, point.shot.track)
         if over:
             self.message = f"ended at {self._where(point)}: {over}"
             return last, length
-        if (point.parameter - question.stop) * question.sign >= 0.0:
-            point = self.path.at_value(last, question.stop) or point
+        if (point.parameter - options.stop) * options.sign >= 0.0:
+            point = self.path.at_value(last, options.stop) or point
             passed = "".join(f"; not followed from {a:.5g} to {b:.5g}" for a, b in self.gaps)
             self.complete, self.message = True, f"reached {self._where(point)}{passed}"
-        elif (point.parameter - question.start) * question.sign < 0.0 and len(self.rows) > 2:
+        elif (point.parameter - options.start) * options.sign < 0.0 and len(self.rows) > 2:
             self.message = f"ended at {self._where(point)}: it passed its start again"
         elif not leapt:
             self._between(last, point, length)
         self._add(point)
         self.search.adapt(point.shot)
-        if len(self.rows) >= question.most_points and not self.message:
+        if len(self.rows) >= options.most_points and not self.message:
             self.message = f"ended after {len(self.rows)} points at {self._where(point)}"
         if self.folder is not None and time.monotonic() - self._saved > SAVE_EVERY:
             self._save()
@@ -127,25 +127,25 @@ class Walk:
         return point, min(1.0, length * float(np.clip(wanted, 0.5, 1.6)))
 
     def _first(self, guess: State | None) -> Point:
-        question = self.question
-        drive = self.path.drive(question.start)
+        options = self.options
+        drive = self.path.drive(options.start)
         orbit = self.search.find(
-            drive.frequency, drive.acceleration, question.periods, guess=guess, tolerance=question.tolerance
+            drive.frequency, drive.acceleration, options.periods, guess=guess, tolerance=options.tolerance
         )
         carried = self.search.coordinates.carried(drive.frequency, drive.acceleration)
         x = self.search.coordinates.from_state(orbit.state.values, carried)
-        point = self._at(x, question.start, before=None)
+        point = self._at(x, options.start, before=None)
         self._add(point)
         if self.rows[-1].amplitude <= STILL * abs(drive.acceleration):
-            along = direction_text(question.response_direction)
-            raise ValueError(f"`response_direction`: {question.payload} does not move along {along} in this motion.")
+            along = direction_text(options.response_direction)
+            raise ValueError(f"`response_direction`: {options.payload} does not move along {along} in this motion.")
         return point
 
     def _at(self, x: Array, value: float, before: Array | None) -> Point:
         """Return the point of a motion that has been found before."""
         start = shot(self.search.flow, x, self.path.drive(value))
-        found = close(self.search.flow, start, tolerance=self.question.tolerance, iterations=ITERATIONS)
-        return self.path.point(found, value, before=before, sign=self.question.sign)
+        motion = close(self.search.flow, start, tolerance=self.options.tolerance, iterations=ITERATIONS)
+        return self.path.point(motion, value, before=before, sign=self.options.sign)
 
     def _resumed(self) -> Point | None:
         """Return the last point of a branch that stands in the folder, None if there is none or it had come to its end."""
@@ -161,7 +161,7 @@ class Walk:
         last = self.rows[-1]
         if last.smoothing_width:
             self.search.flow.smooth(last.smoothing_width)
-        value = last.frequency if self.question.parameter == "frequency" else last.acceleration
+        value = last.frequency if self.options.parameter == "frequency" else last.acceleration
         if len(self.rows) == 1:
             return self._at(last.unknowns, value, before=None)
         point = self._at(last.unknowns, value, before=None)
@@ -169,7 +169,7 @@ class Walk:
 
     def _next(self, last: Point, length: float) -> tuple[Point | None, float]:
         """Return the next point and the arclength to it, shorter where the corrector fails."""
-        while length * self.question.largest_step >= self.question.smallest_step:
+        while length * self.options.largest_step >= self.options.smallest_step:
             point = self.path.step(last, length)
             if point is not None:
                 return point, length
@@ -178,24 +178,15 @@ class Walk:
 
     def _between(self, a: Point, b: Point, length: float) -> None:
         """Note what happens between two points (`a` is the last one kept), and the point where it does."""
-        found = locate(self.path, a, b, length)
-        if found is None:
+        event = locate(self.path, a, b, length)
+        if event is None:
             return
-        kind, multiplier, point, place = found
-        index = len(self.rows) if place > 0.0 else len(self.rows) - 1
+        kind, multiplier, point, arclength = event
+        index = len(self.rows) if arclength > 0.0 else len(self.rows) - 1
         self._add(point, index)
-        row = self.rows[index]
+        row = {name: getattr(self.rows[index], name) for name in ("frequency", "acceleration", "amplitude")}
         self.events.append(
-            Bifurcation(
-                kind=kind,
-                frequency=row.frequency,
-                acceleration=row.acceleration,
-                amplitude=row.amplitude,
-                index=index,
-                multiplier=multiplier,
-                before=unstable(a),
-                after=unstable(b),
-            )
+            Bifurcation(kind=kind, **row, index=index, multiplier=multiplier, before=unstable(a), after=unstable(b))
         )
         self._forget_ripple()
 
@@ -208,22 +199,22 @@ class Walk:
         if len(self.events) < 2 or any(event.kind != "fold" for event in self.events[-2:]):
             return
         first, second = (event.frequency * event.acceleration for event in self.events[-2:])  # one of the two is fixed
-        if abs(math.log(second / first)) < RIPPLE * self.question.accuracy:
+        if abs(math.log(second / first)) < RIPPLE * self.options.accuracy:
             del self.events[-2:]
 
     def _add(self, point: Point, index: int | None = None) -> None:
-        row = row_of(self.system, point, self.question.payload, self.question.response_direction)
+        row = row_of(self.system, point, self.options.payload, self.options.response_direction)
         self.rows.insert(len(self.rows) if index is None else index, row)
 
     def _where(self, point: Point) -> str:
-        return f"{point.parameter:.5g} {'Hz' if self.question.parameter == 'frequency' else 'm/s^2'}"
+        return f"{point.parameter:.5g} {'Hz' if self.options.parameter == 'frequency' else 'm/s^2'}"
 
     def _content(self) -> dict[str, Any]:
-        asked = {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self.question).items()}
-        asked["acceleration" if self.question.parameter == "frequency" else "frequency"] = asked.pop("other")
+        options = {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self.options).items()}
+        options["acceleration" if self.options.parameter == "frequency" else "frequency"] = options.pop("other")
         steps = self.search.flow.steps + self._earlier_steps
-        told = {"complete": self.complete, "message": self.message, "model_steps": steps, "gaps": self.gaps}
-        return {"system": fingerprint(self.system), **asked, **told}
+        progress = {"complete": self.complete, "message": self.message, "model_steps": steps, "gaps": self.gaps}
+        return {"system": fingerprint(self.system), **options, **progress}
 
     def _save(self) -> None:
         if self.folder is not None and self.rows:
@@ -231,30 +222,31 @@ class Walk:
             self._saved = time.monotonic()
 
     def _branch(self) -> Branch:
-        rows, question = self.rows, self.question
+        rows, options = self.rows, self.options
         multipliers = np.full((len(rows), max(row.multipliers.size for row in rows)), np.nan + 0.0j)
         for i, row in enumerate(rows):
             multipliers[i, : row.multipliers.size] = row.multipliers
+        columns = (
+            "frequency",
+            "acceleration",
+            "amplitude",
+            "stable",
+            "neutral",
+            "smoothing_width",
+            "unknowns",
+            "steps",
+        )
+        kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
+        values: dict[str, Any] = {
+            name: np.array([getattr(row, name) for row in rows]) for name in (*columns, "residual")
+        }
+        values |= {name: getattr(options, name) for name in kept}
         return Branch(
             system=self.system,
-            parameter=question.parameter,
-            frequency=np.array([row.frequency for row in rows]),
-            acceleration=np.array([row.acceleration for row in rows]),
-            amplitude=np.array([row.amplitude for row in rows]),
-            stable=np.array([row.stable for row in rows]),
-            floquet_multipliers=multipliers,
-            neutral=np.array([row.neutral for row in rows]),
-            bifurcations=tuple(self.events),
-            payload=question.payload,
-            direction=question.direction,
-            response_direction=question.response_direction,
-            periods=question.periods,
-            smoothing_width=np.array([row.smoothing_width for row in rows]),
-            unknowns=np.array([row.unknowns for row in rows]),
-            steps=np.array([row.steps for row in rows]),
+            **values,
             tangents=np.array([row.tangent for row in rows]),
-            residual=np.array([row.residual for row in rows]),
-            history=question.history,
+            floquet_multipliers=multipliers,
+            bifurcations=tuple(self.events),
             complete=self.complete,
             gaps=tuple(self.gaps),
             model_steps=self.search.flow.steps + self._earlier_steps,

@@ -22,15 +22,15 @@ ROWS = 36
 PERIODS = 2
 """Periods that each mode is shown, one second long each."""
 
-SHARE = 0.5
-"""Share of the height of the lowest mount by which the mount that moves most deflects in the picture."""
+FRACTION = 0.5
+"""Fraction of the height of the lowest mount by which the mount that moves most deflects in the picture."""
 
 _FLAT = 0.05
 """That deflection where no height is known [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ModeFilm:
+class ModeAnimation:
     """Modes in motion.
 
     Attributes:
@@ -46,12 +46,12 @@ class ModeFilm:
     response: Response
 
 
-def film_of_modes(system: System, modes: Modes) -> ModeFilm:
+def animated_modes(system: System, modes: Modes) -> ModeAnimation:
     """Return the modes of `system` in motion about the position of rest, drawn large; forces are those of small cycles."""
     rest = linearise(system, modes.equilibrium)
     heights = [m.isolator.geometry.height for m in system.mounts.values() if m.isolator.geometry is not None]
     known = [height for height in heights if height is not None]
-    amplitude = SHARE * min(known) if known else _FLAT
+    amplitude = FRACTION * min(known) if known else _FLAT
     plan = ColumnPlan(
         bodies=[system.model.body(body).name for body in system.assembly.subjects.bodies],
         points=[system.model.site(site).name.split("point/", 1)[-1] for site in system.assembly.subjects.points],
@@ -91,7 +91,7 @@ def film_of_modes(system: System, modes: Modes) -> ModeFilm:
         samples=samples,
     )  # fmt: skip
     starts = PERIODS * np.arange(modes.frequencies.size, dtype=np.float64)
-    return ModeFilm(modes=modes, starts=starts, amplitude=amplitude, response=response)
+    return ModeAnimation(modes=modes, starts=starts, amplitude=amplitude, response=response)
 
 
 def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplitude: float) -> Array:
@@ -100,7 +100,7 @@ def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplit
     data = mujoco.MjData(model)
     mujoco.mj_setState(model, data, modes.equilibrium.state.values, STATE)
     at_rest = data.qpos.copy()
-    place = {name: column for column, name in enumerate(plan.names)}
+    columns = {name: column for column, name in enumerate(plan.names)}
     values = np.zeros((modes.frequencies.size * PERIODS * ROWS, len(plan.names)))
     none = np.zeros(3)
     stiffness = {
@@ -116,19 +116,19 @@ def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplit
         mujoco.mj_kinematics(model, data)
         for name in plan.bodies:
             body = data.body(name)
-            line[_from(place, f"bodies/{name}/position/x", 3)] = body.xipos
-            line[_from(place, f"bodies/{name}/orientation/w", 4)] = body.xquat
+            line[_from(columns, f"bodies/{name}/position/x", 3)] = body.xipos
+            line[_from(columns, f"bodies/{name}/orientation/w", 4)] = body.xquat
         for name, site in zip(plan.points, system.assembly.subjects.points, strict=True):
-            line[_from(place, f"points/{name}/position/x", 3)] = data.site_xpos[site]
+            line[_from(columns, f"points/{name}/position/x", 3)] = data.site_xpos[site]
         for name, shape in modes.mounts.items():
             moved = swing * shape[mode]
-            line[_from(place, f"mounts/{name}/deflection/roll", 3)] = rest.mounts[name].deflection + moved
-            line[_from(place, f"mounts/{name}/force/roll", 3)] = stiffness[name] @ moved
+            line[_from(columns, f"mounts/{name}/deflection/roll", 3)] = rest.mounts[name].deflection + moved
+            line[_from(columns, f"mounts/{name}/force/roll", 3)] = stiffness[name] @ moved
     return values
 
 
-def _from(place: dict[str, int], name: str, size: int) -> slice:
-    return slice(place[name], place[name] + size)
+def _from(columns: dict[str, int], name: str, size: int) -> slice:
+    return slice(columns[name], columns[name] + size)
 
 
 def _peak(values: Array) -> Peak:

@@ -1,4 +1,4 @@
-"""What a branch shows: resonances and what they are made of."""
+"""Resonance peaks of a branch, each with its largest harmonic."""
 
 from dataclasses import dataclass
 
@@ -20,9 +20,9 @@ class ResonancePeak:
         transmissibility: amplitude over the base's acceleration.
         point: nearest point of the branch.
         at_edge: whether it is no peak but the end of the branch.
-        order: of the largest harmonic of the payload's acceleration beside the fundamental; below 1 for a subharmonic.
-        harmonic: what it is called.
-        share: of it, relative to the fundamental.
+        order: of the largest harmonic of the payload's acceleration other than the fundamental; below 1 for a subharmonic.
+        harmonic: its name.
+        share: its amplitude over that of the fundamental.
     """
 
     frequency: float
@@ -37,13 +37,13 @@ class ResonancePeak:
 
 def peaks_of(branch: Branch) -> list[ResonancePeak]:
     """Return the peaks of a branch, the highest (or the end of the branch, if that is higher) first, then by frequency."""
-    found = [(peak.index, peak.frequency, peak.amplitude, False) for peak in resonances(branch)]
+    peaks = [(peak.index, peak.frequency, peak.amplitude, False) for peak in resonances(branch)]
     top = branch.peak
-    if top not in [index for index, *_ in found]:
+    if top not in [index for index, *_ in peaks]:
         at_edge = top in (0, branch.frequency.size - 1)
-        found.append((top, float(branch.frequency[top]), float(branch.amplitude[top]), at_edge))
-    first = max(found, key=lambda peak: peak[2])
-    others = sorted((peak for peak in found if peak is not first), key=lambda peak: peak[1])
+        peaks.append((top, float(branch.frequency[top]), float(branch.amplitude[top]), at_edge))
+    first = max(peaks, key=lambda peak: peak[2])
+    others = sorted((peak for peak in peaks if peak is not first), key=lambda peak: peak[1])
     return [_peak(branch, *peak) for peak in (first, *others)]
 
 

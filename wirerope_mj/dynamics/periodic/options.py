@@ -1,4 +1,4 @@
-"""What a branch is asked for: what is followed, from where to where, and what is read off it."""
+"""Options of a branch: the parameter that is followed and its range, the payload, steps and tolerances."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,14 +10,14 @@ from wirerope_mj.dynamics.periodic.observe import observed_bodies
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.motions import Sine
 
 
 @dataclass(frozen=True, kw_only=True)
-class Question:
-    """What is followed, from where to where, and what is read off it; all arguments checked."""
+class BranchOptions:
+    """The arguments of `follow_branch`, all checked; `other` is the parameter that stays fixed."""
 
     parameter: Parameter
     start: float
@@ -40,12 +40,12 @@ class Question:
         """1 for a rising parameter, -1 for a falling one."""
         return 1.0 if self.stop > self.start else -1.0
 
-    def share(self, value: float) -> float:
-        """Return the share of the way to the end, between 0 and 1."""
+    def fraction(self, value: float) -> float:
+        """Return the fraction of the range that is behind a value, between 0 and 1."""
         return float(np.clip(np.log(value / self.start) / np.log(self.stop / self.start), 0.0, 1.0))
 
 
-def checked_question(
+def branch_options(
     system: System,
     *,
     acceleration: float | None,
@@ -58,28 +58,28 @@ def checked_question(
     history: History,
     smoothing: float | None,
     **numbers: float,
-) -> Question:
-    """Return the question of `follow_branch`; an argument that is out of range is a ValueError."""
+) -> BranchOptions:
+    """Return the options of `follow_branch`; an argument that is out of range is a ValueError."""
     if (acceleration is None) == (frequency is None):
         raise ValueError(
             "give either `acceleration` (to follow the frequency) or `frequency` (to follow the acceleration)."
         )
-    values = _way(numbers)
-    known = observed_bodies(system)
-    if payload not in known:
-        raise ValueError(f"`payload` must be one of {', '.join(known)}; got {payload!r}.")
+    values = _range(numbers)
+    one_of("payload", payload, observed_bodies(system))
     moved = checked_direction(direction)
     parameter: Parameter = "frequency" if frequency is None else "acceleration"
     other = (
         positive("acceleration", acceleration) if acceleration is not None else positive("frequency", frequency or 0.0)
     )
     check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=moved))
-    return Question(
+    return BranchOptions(
         parameter=parameter,
         other=other,
         direction=moved,
         payload=payload,
-        response_direction=moved if response_direction is None else _response_direction(response_direction),
+        response_direction=moved
+        if response_direction is None
+        else checked_direction(response_direction, "response_direction"),
         periods=periods,
         history=history,
         most_points=most_points,
@@ -88,7 +88,7 @@ def checked_question(
     )
 
 
-def _way(numbers: dict[str, float]) -> dict[str, float]:
+def _range(numbers: dict[str, float]) -> dict[str, float]:
     """Return start, stop, steps and tolerances as plain numbers that go together."""
     values = {name: positive(name, value) for name, value in numbers.items()}
     if values["start"] == values["stop"]:
@@ -101,10 +101,3 @@ def _way(numbers: dict[str, float]) -> dict[str, float]:
             f"{values['largest_step']!r}."
         )
     return values
-
-
-def _response_direction(direction: str | Sequence[float]) -> Direction:
-    try:
-        return checked_direction(direction)
-    except ValueError as error:
-        raise ValueError(str(error).replace("`direction`", "`response_direction`")) from None

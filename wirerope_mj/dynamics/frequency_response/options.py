@@ -1,4 +1,4 @@
-"""What is asked of a frequency response, checked before anything is computed, and the range where nothing is said."""
+"""Options of a frequency response, checked before anything is computed; the default range comes from natural frequencies."""
 
 import math
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.simulation.stability import eigenvalues
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arguments import integer, one_of, positive
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import Sine
@@ -17,16 +17,16 @@ from wirerope_mj.motions import Sine
 Method = Literal["sweep", "continuation", "both"]
 
 BELOW, ABOVE = 4.0, 2.0
-"""Default range: from a quarter of the lowest own frequency, where the superharmonic resonances of order 2 and 3 lie above, to
-twice the highest, where every mount isolates."""
+"""Default range: from a quarter of the lowest natural frequency, where the superharmonic resonances of order 2 and 3 lie above,
+to twice the highest, where every mount isolates."""
 
 STILL = 1e-3
-"""Own frequencies below this share of the highest belong to what no mount holds back [-]."""
+"""Natural frequencies below this fraction of the highest belong to what no mount holds back [-]."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Question:
-    """What is asked; `checked` fills in what is left open.
+class ResponseOptions:
+    """Levels, method and range of a frequency response; `checked` fills in what is left open.
 
     Attributes:
         accelerations: levels of the base's acceleration [m/s^2].
@@ -34,12 +34,12 @@ class Question:
         direction: of the base.
         payload: body whose acceleration is the amplitude; None: the first payload.
         response_direction: along which it is taken; None: that of the base.
-        start, stop: range [Hz]; None: from the system's own frequencies.
+        start, stop: range [Hz]; None: from the system's natural frequencies.
         rate: of the sweeps [octaves/min].
         periods: of the base after which the motions repeat themselves.
         largest_step, smallest_step: of the continuation, relative to the frequency.
-        smoothing: share of the mounts' largest velocity over which the continuation smooths the laws; None: as they are.
-        range_from: where the range comes from, in words; set by `checked`.
+        smoothing: fraction of the mounts' largest velocity over which the continuation smooths the laws; None: as they are.
+        range_from: origin of the range as text; set by `checked`.
     """
 
     accelerations: tuple[float, ...]
@@ -56,28 +56,31 @@ class Question:
     smoothing: float | None = None
     range_from: str = "given"
 
-    def checked(self, system: System) -> "Question":
-        """Return the same question with nothing left open.
+    def checked(self, system: System) -> "ResponseOptions":
+        """Return the same options with nothing left open.
 
         Raises:
-            ValueError: a level, the range, a step, the payload or a direction is not what it must be.
+            ValueError: a level, the range, a step, the payload or a direction is not valid.
             ModelError: the base is not driven in this direction, or nothing is mounted on it.
         """
         levels = tuple(positive("acceleration", level) for level in self.accelerations)
         if not levels or len(set(levels)) < len(levels):
             raise ValueError(f"`acceleration` must be one or several different levels, got {list(levels)}.")
         direction = checked_direction(self.direction)
-        along = direction if self.response_direction is None else checked_direction(self.response_direction)
+        along = (
+            direction
+            if self.response_direction is None
+            else checked_direction(self.response_direction, "response_direction")
+        )
         if self.method != "continuation" and np.count_nonzero(unit_vector(along)) > 1:
             raise ValueError(
                 f"`response_direction` must lie along x, y or z for sweeps, whose envelopes are kept along these axes; got "
                 f"{direction_text(along)}. Follow the motions only: method continuation."
             )
         check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=direction))
-        start, stop, words = _range(system, self.start, self.stop)
-        if isinstance(self.periods, bool) or not isinstance(self.periods, int) or self.periods < 1:
-            raise ValueError(f"`periods` must be an integer >= 1, got {self.periods!r}.")
-        if self.method == "sweep" and (self.smoothing is not None or self.periods != 1):
+        start, stop, range_from = _range(system, self.start, self.stop)
+        periods = integer("periods", self.periods, least=1)
+        if self.method == "sweep" and (self.smoothing is not None or periods != 1):
             raise ValueError(
                 "`smoothing` and `periods` belong to the continuation: a sweep has neither. Leave them out."
             )
@@ -86,45 +89,45 @@ class Question:
             raise ValueError(
                 f"`smallest_step` must be below `largest_step`, and that below 1, got {smallest:g} and {largest:g}."
             )
-        return Question(
+        return ResponseOptions(
             accelerations=tuple(sorted(levels)), method=self.method, direction=direction,
             payload=_payload(system, self.payload), response_direction=along, start=start, stop=stop,
-            rate=positive("rate", self.rate), periods=self.periods, largest_step=largest, smallest_step=smallest,
-            smoothing=None if self.smoothing is None else positive("smoothing", self.smoothing), range_from=words,
+            rate=positive("rate", self.rate), periods=periods, largest_step=largest, smallest_step=smallest,
+            smoothing=None if self.smoothing is None else positive("smoothing", self.smoothing), range_from=range_from,
         )  # fmt: skip
 
     @property
     def range(self) -> tuple[float, float]:
-        """Start and stop of a checked question [Hz]."""
+        """Start and stop of checked options [Hz]."""
         assert self.start is not None
         assert self.stop is not None
         return self.start, self.stop
 
 
-def own_frequencies(system: System) -> list[float]:
+def natural_frequencies(system: System) -> list[float]:
     """Return the frequencies of the system on its unloaded mounts, where they are stiffest [Hz], lowest first."""
     values = np.abs(np.imag(eigenvalues(system))) / (2.0 * math.pi)
-    found = sorted(values[values > STILL * values.max(initial=0.0)].tolist())
-    return found[::2]  # every one is there with both signs of its imaginary part
+    frequencies = sorted(values[values > STILL * values.max(initial=0.0)].tolist())
+    return frequencies[::2]  # each appears with both signs of its imaginary part
 
 
 def _range(system: System, start: float | None, stop: float | None) -> tuple[float, float, str]:
     """Return the range and where it comes from."""
-    words = "given"
+    source = "given"
     if start is None or stop is None:
-        own = own_frequencies(system)
-        if not own:
+        natural = natural_frequencies(system)
+        if not natural:
             raise ModelError(
-                "the system has no own frequency that a range could be taken from; give `start` and `stop`."
+                "the system has no natural frequency that a range could be taken from; give `start` and `stop`."
             )
-        several = f" to {own[-1]:.3g}" if len(own) > 1 else ""
-        words = f"from the system's own frequencies of {own[0]:.3g}{several} Hz on its unloaded mounts"
-        start = float(f"{own[0] / BELOW:.2g}") if start is None else start
-        stop = float(f"{own[-1] * ABOVE:.2g}") if stop is None else stop
+        several = f" to {natural[-1]:.3g}" if len(natural) > 1 else ""
+        source = f"from the system's natural frequencies of {natural[0]:.3g}{several} Hz on its unloaded mounts"
+        start = float(f"{natural[0] / BELOW:.2g}") if start is None else start
+        stop = float(f"{natural[-1] * ABOVE:.2g}") if stop is None else stop
     low, high = positive("start", start), positive("stop", stop)
     if low >= high:
         raise ValueError(f"`stop` must be above `start`, got {low:g} to {high:g} Hz; sweeps go up and then down again.")
-    return low, high, words
+    return low, high, source
 
 
 def _payload(system: System, name: str | None) -> str:
@@ -133,6 +136,4 @@ def _payload(system: System, name: str | None) -> str:
         if not payloads:
             raise ModelError("the model has no payload: no mount carries a body.")
         return payloads[0]
-    if name not in payloads:
-        raise ValueError(f"`payload` must be one of {', '.join(payloads)}; got {name!r}.")
-    return name
+    return one_of("payload", name, payloads)

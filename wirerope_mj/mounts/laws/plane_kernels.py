@@ -1,9 +1,13 @@
-"""The kernels of roll and axial deflection coupled as in a loop of rope: the elastic energy, and the law in the plane."""
+"""Kernels of two coupled deflections: two hysteretic forces with one bound, and a rope loop's elastic energy between them."""
 
 import math
 
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.kernels import biaxial_rates, polynomial
+from wirerope_mj.mounts.laws.ni import polynomial
+
+BIAXIAL = 9
+
+LOOP = 11
 
 
 @njit
@@ -52,3 +56,36 @@ def loop_plane(p, i, x, v, z, j, zdot, k):
     biaxial_rates(p, i, v * ex, v * ey, z, j, j + 1, zdot, k, k + 1)
     fu, fw = loop_plane_force(p, i, p[i + 12] + x * ex, p[i + 13] + x * ey, z[j], z[j + 1])
     return ex * fu + ey * fw
+
+
+@njit
+def biaxial_rates(p, i, vx, vy, z, jx, jy, zdot, kx, ky):
+    """Write the rates of two coupled hysteretic forces; p = sigma, n, bounds z_m (2), yield deflections x_y (2).
+
+    The states are `z[jx]` and `z[jy]`, their rates `zdot[kx]` and `zdot[ky]`. With w = z / z_m and u = v / x_y:
+
+        wdot = u - w |w|^(n-2) [sigma |u.w| + (1 - sigma) u.w]
+    """
+    sigma, n = p[i], p[i + 1]
+    wx, wy = z[jx] / p[i + 2], z[jy] / p[i + 3]
+    ux, uy = vx / p[i + 4], vy / p[i + 5]
+    size = math.sqrt(wx * wx + wy * wy)
+    if size > 0.0:
+        wx, wy = wx / size, wy / size
+        along = ux * wx + uy * wy
+        pull = size**n * (sigma * abs(along) + (1.0 - sigma) * along)
+        ux, uy = ux - pull * wx, uy - pull * wy
+    zdot[kx], zdot[ky] = p[i + 2] * ux, p[i + 3] * uy
+
+
+@njit
+def biaxial(p, i, x, v, z, j, zdot, k):
+    """Return the force along a straight line in the plane [N], x the distance from its start, two coupled states.
+
+    p = those of `biaxial_rates`, k1, k2, k3 of both axes, start (2) and direction (2) of the line.
+    """
+    ex, ey = p[i + 14], p[i + 15]
+    biaxial_rates(p, i, v * ex, v * ey, z, j, j + 1, zdot, k, k + 1)
+    fx = z[j] + polynomial(p[i + 6], p[i + 7], p[i + 8], p[i + 12] + x * ex)
+    fy = z[j + 1] + polynomial(p[i + 9], p[i + 10], p[i + 11], p[i + 13] + x * ey)
+    return ex * fx + ey * fy

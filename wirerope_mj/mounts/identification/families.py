@@ -1,0 +1,182 @@
+"""Coordinates of the laws that cyclic tests can fix.
+
+A Bouc-Wen law is searched for by its normalised form (z_max, x_y, sigma, n), whose numbers are less correlated than alpha, beta
+and gamma; b and c of Ni's law by their product, the only one that acts; Jenkin elements by their stiffnesses and the
+deflections at which they slip, each further than the last.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.foundation.arguments import integer
+from wirerope_mj.mounts.identification.coordinates import SEEN, Coordinate, Family, Scales
+from wirerope_mj.mounts.identification.stops import STOP
+from wirerope_mj.mounts.laws import (
+    AsymmetricBoucWen,
+    BoucWen,
+    EnhancedDryFriction,
+    Law,
+    Masing,
+    Ozdemir,
+    Stop,
+    SymmetricBoucWen,
+    VaianaRosati,
+)
+
+
+def least_exponent(s: Scales) -> float:
+    """Return the n below which samples cannot show what it does: then half of the slope at z = 0 is lost before they see it.
+
+    That is at x_y (1/2)^(1/n). A law that yields at the largest amplitude loses it there within what is seen of the least one.
+    """
+    return max(0.1, math.log(2.0) / math.log(s.deflection / (SEEN * s.least)))
+
+
+def _hysteresis(s: Scales, *, sigma: bool = True) -> list[Coordinate]:
+    # A yield deflection far above the amplitudes is elastic, far below them plain friction.
+    rows = [
+        Coordinate("z_max", "N", 1e-4 * s.force, 1e3 * s.force, linear=True),
+        Coordinate("x_y", "m", 1e-4 * s.deflection, 1e3 * s.deflection),
+        Coordinate("sigma", "-", 1e-3, 1e3),
+        Coordinate("n", "-", least_exponent(s), 20.0),
+    ]
+    return rows if sigma else [row for row in rows if row.name != "sigma"]
+
+
+def _elastic(s: Scales, *names: str) -> list[Coordinate]:
+    """Return polynomial stiffnesses; the linear one is that of a spring, which cannot be negative."""
+    rows = []
+    for power, name in enumerate(names, start=1):
+        size = s.force / s.deflection**power
+        unit, lower = ("N/m", 0.0) if power == 1 else (f"N/m^{power}", -1e3 * size)
+        rows.append(Coordinate(name, unit, lower, 1e3 * size, scale=size, linear=True, stiffness=True))
+    return rows
+
+
+def _asymmetry(s: Scales) -> Coordinate:
+    # exp(10) between the ends of the travel is beyond any isolator.
+    x = s.deflection
+    return Coordinate("c_ln_b", "1/m", -5.0 / x, 5.0 / x, scale=1.0 / x, stiffness=True)
+
+
+def _read_normalised(law: Law) -> dict[str, float]:
+    assert isinstance(law, BoucWen | Ozdemir | SymmetricBoucWen)
+    form = law.normalised
+    values = {"z_max": form.z_max, "x_y": form.x_y, "sigma": form.sigma, "n": form.n}
+    if isinstance(law, BoucWen | Ozdemir):
+        values["k"] = law.k
+    else:
+        values |= {"k1": law.k1, "k2": law.k2, "k3": law.k3}
+    if isinstance(law, AsymmetricBoucWen):
+        values["c_ln_b"] = law.asymmetry
+    if isinstance(law, Ozdemir):
+        del values["sigma"]
+    return values
+
+
+def _make_asymmetric(values: dict[str, float]) -> Law:
+    rest = {key: value for key, value in values.items() if key != "c_ln_b"}
+    return AsymmetricBoucWen.from_normalised(**rest, b=math.e, c=values["c_ln_b"])
+
+
+def _vaiana_rosati(s: Scales) -> list[Coordinate]:
+    f, x = s.force, s.deflection
+    return [
+        *_elastic(s, "kb"),
+        Coordinate("f0", "N", 1e-4 * f, 1e3 * f, linear=True),
+        Coordinate("alpha", "1/m", 1e-3 / x, 1e4 / x),
+        Coordinate("b1", "N", -1e3 * f, 1e3 * f, scale=f, linear=True, stiffness=True),
+        Coordinate("b2", "1/m", -20.0 / x, 20.0 / x, scale=1.0 / x, stiffness=True),
+        Coordinate("g1", "N", -1e3 * f, 1e3 * f, scale=f, linear=True, stiffness=True),
+        Coordinate("g2", "1/m", 1e-2 / x, 1e2 / x, stiffness=True),
+        Coordinate("g3", "m", -2.0 * x, 2.0 * x, scale=x, stiffness=True),
+    ]
+
+
+def masing_family(elements: int) -> Family:
+    """Return the family of Masing laws with a number of Jenkin elements."""
+    integer("elements", elements, least=1)
+
+    def coordinates(s: Scales) -> list[Coordinate]:
+        size = s.force / s.deflection
+        rows = [*_elastic(s, "k")]
+        rows += [Coordinate(f"c{e}", "N/m", 1e-5 * size, 1e4 * size, linear=True) for e in range(1, elements + 1)]
+        rows.append(Coordinate("x1", "m", SEEN * s.least, 10.0 * s.deflection))
+        return rows + [Coordinate(f"x{e}/x{e - 1}", "-", 1.01, 1e4) for e in range(2, elements + 1)]
+
+    def make(values: dict[str, float]) -> Law:
+        stiffness = [values[f"c{e}"] for e in range(1, elements + 1)]
+        slip = np.cumprod([values["x1"], *(values[f"x{e}/x{e - 1}"] for e in range(2, elements + 1))])
+        return Masing(
+            stiffness=stiffness, slip_force=[c * x for c, x in zip(stiffness, slip, strict=True)], k=values["k"]
+        )
+
+    def read(law: Law) -> dict[str, float]:
+        assert isinstance(law, Masing)
+        pairs = sorted(zip(law.stiffness, law.slip_force, strict=True), key=lambda pair: pair[1] / pair[0])
+        slip = [h / c for c, h in pairs]
+        values = {"k": law.k} | {f"c{e}": c for e, (c, _) in enumerate(pairs, start=1)} | {"x1": slip[0]}
+        return values | {f"x{e + 1}/x{e}": slip[e] / slip[e - 1] for e in range(1, len(slip))}
+
+    return Family(coordinates=coordinates, make=make, read=read)
+
+
+FAMILIES: dict[type[Law], Family] = {
+    BoucWen: Family(
+        coordinates=lambda s: [*_hysteresis(s), *_elastic(s, "k")],
+        make=lambda values: BoucWen.from_normalised(**values),
+        read=_read_normalised,
+    ),
+    Ozdemir: Family(
+        coordinates=lambda s: [*_hysteresis(s, sigma=False), *_elastic(s, "k")],
+        make=lambda values: Ozdemir.from_normalised(**values),
+        read=_read_normalised,
+    ),
+    SymmetricBoucWen: Family(
+        coordinates=lambda s: [*_hysteresis(s), *_elastic(s, "k1", "k2", "k3")],
+        make=lambda values: SymmetricBoucWen.from_normalised(**values),
+        read=_read_normalised,
+    ),
+    AsymmetricBoucWen: Family(
+        coordinates=lambda s: [*_hysteresis(s), *_elastic(s, "k1", "k2", "k3"), _asymmetry(s)],
+        make=_make_asymmetric,
+        read=_read_normalised,
+    ),
+    EnhancedDryFriction: Family(
+        coordinates=lambda s: [
+            Coordinate("d", "N", 1e-4 * s.force, 1e3 * s.force, linear=True),
+            Coordinate("u_c", "m", 1e-4 * s.deflection, 1e3 * s.deflection),
+            *_elastic(s, "k"),
+        ],
+        make=lambda values: EnhancedDryFriction(**values),
+        read=lambda law: {key: getattr(law, key) for key in ("d", "u_c", "k")},
+    ),
+    VaianaRosati: Family(
+        coordinates=_vaiana_rosati,
+        make=lambda values: VaianaRosati(**values),
+        read=lambda law: {key: getattr(law, key) for key in ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")},
+    ),
+}
+"""The laws that cyclic tests can fix: rate-independent, without wear."""
+
+
+def family_of(law: type[Law], elements: int = 5) -> Family:
+    """Return the coordinates of a class of laws; ValueError if cyclic tests cannot fix them."""
+    require_law(law)
+    if law is Stop:
+        return STOP
+    if law is Masing:
+        return masing_family(elements)
+    if law not in FAMILIES:
+        kinds: list[type[Law]] = [*FAMILIES, Masing, Stop]
+        known = ", ".join(sorted(kind.name for kind in kinds))
+        raise ValueError(f"`law` must be one that cyclic tests can fix ({known}), got {getattr(law, 'name', law)!r}.")
+    return FAMILIES[law]
+
+
+def require_law(law: Any, name: str = "law") -> None:
+    """Raise ValueError unless `law` is a class of laws."""
+    if not (isinstance(law, type) and issubclass(law, Law)):
+        raise ValueError(f"`{name}` must be a class of laws such as BoucWen, got {law!r}.")

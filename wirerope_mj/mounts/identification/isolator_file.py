@@ -1,0 +1,58 @@
+"""An isolator with an identified law, and the provenance of it."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.mounts.identification.result import Identification, fitted_loops
+from wirerope_mj.mounts.isolator import Isolator, Provenance
+from wirerope_mj.mounts.laws import AsymmetricBoucWen
+
+
+def identified_isolator(
+    result: Identification,
+    *,
+    name: str,
+    axis: str,
+    files: Sequence[Path],
+    given: Sequence[str],
+    known: Isolator | None = None,
+) -> Isolator:
+    """Return an isolator with the law of an identification on an axis.
+
+    Args:
+        result: of the identification.
+        name: of the isolator.
+        axis: "roll", "shear" or "axial", the axis that was tested.
+        files: records that were fitted.
+        given: what was given to the fit, one text each.
+        known: isolator whose law on the axis was known; its limits, geometry and other axes stay.
+    """
+    fits = fitted_loops(result)
+    sizes = ", ".join(f"{1e3 * fit.amplitude:.3g} ({100.0 * fit.error:.2g} %)" for fit in fits)
+    points = sorted({round(1e3 * fit.operating_point, 1) + 0.0 for fit in fits})
+    assumed = [*assumptions(result, given), *(f"the data do not identify: {text}" for text in result.non_identifiable)]
+    if not result.converged:
+        assumed.append(f"the fit did not converge ({result.message})")
+    provenance = Provenance(
+        kind="identified",
+        source=f"cyclic tests: {', '.join(path.name for path in files)}",
+        fitted_to=(
+            f"{axis} force over cycles of amplitude [mm] (error of the force over half its range) {sizes}, "
+            f"about {', '.join(f'{point:g}' for point in points)} mm; {result.validity}"
+        ),
+        assumed=tuple(assumed),
+    )
+    axes: Mapping[str, Any] = {axis: result.law}
+    if known is not None:
+        return replace(known.conditioned, name=name, provenance=provenance, spread=None, **axes)
+    return Isolator(name=name, provenance=provenance, **axes)
+
+
+def assumptions(result: Identification, given: Sequence[str]) -> list[str]:
+    """Return what was assumed and not fitted, one text each."""
+    texts = [f"{text}: given, not fitted" for text in given]
+    if isinstance(result.law, AsymmetricBoucWen):
+        texts.append("b = e: of b and c only the product c ln b acts on the force")
+    return [*texts, "the force's zero: the mean of each loop's force was free, so that the law has no force unloaded"]

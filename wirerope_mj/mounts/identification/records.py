@@ -1,0 +1,133 @@
+"""Records of cyclic tests for an identification: read, compared, and warnings about their loops."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.mounts.identification.measured import prepare
+from wirerope_mj.mounts.identification.result import Identification
+from wirerope_mj.mounts.identification.stops import closes
+from wirerope_mj.mounts.laws import Loop, Stop
+from wirerope_mj.mounts.test_rig import read_cycles
+from wirerope_mj.mounts.test_rig.clipping import is_level
+from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
+
+Tests = Mapping[Path, Sequence[Loop]]
+_Loops = Sequence[tuple[Path, Loop]]
+
+_STEADY = 0.01
+"""Fraction of the force range within which cycles that count as steady close: noise of 1 % of its half shows half of it."""
+
+_ONE_CYCLE = 0.05
+"""The same of a single cycle, whose ends have the noise of samples."""
+
+_SOFT = 1e3
+"""Secant stiffness [N/m] below which a device carries less than a kilogram on a centimetre."""
+
+_OTHER_UNITS = 100.0
+"""Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold."""
+
+
+def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[Loop]]:
+    """Return the loops by file, or raise RecordError that names the file which cannot be used.
+
+    Args:
+        files: records.
+        stop: whether the device is a bare bump stop, which may have no force in some of them.
+    """
+    tests: dict[Path, list[Loop]] = {}
+    for path in files:
+        if path in tests:
+            raise ValueError(f"{path} is named twice; its loops would count twice.")
+        tests[path] = read_cycles(path, stop=stop)
+        try:
+            prepare(tests[path], stop=stop)
+        except ValueError as error:
+            raise RecordError(f"{path}: {error}") from None
+    if stop:
+        return tests
+    stiffness = {path: float(np.median([loop.secant_stiffness for loop in loops])) for path, loops in tests.items()}
+    soft, stiff = min(stiffness, key=stiffness.__getitem__), max(stiffness, key=stiffness.__getitem__)
+    if stiffness[stiff] > _OTHER_UNITS * stiffness[soft]:
+        raise RecordError(
+            f"{stiff}: the secant stiffness is {stiffness[stiff]:.3g} N/m, in {soft} it is {stiffness[soft]:.3g} N/m. Are the "
+            "units those that the headers say, and is it the same device?"
+        )
+    return tests
+
+
+def loop_warnings(tests: Tests, result: Identification) -> list[str]:
+    """Return warnings about loops that make their fit doubtful, and the loops of a bare stop that do not close it."""
+    loops = [(path, loop) for path, loops in tests.items() for loop in loops]
+    if not isinstance(result.law, Stop):
+        return [*_unsteady(loops), *_unexplained(loops, result), *_level(loops), *_soft(tests)]
+    inside = [pair for pair in loops if not closes(prepare([pair[1]], stop=True)[0])]
+    closed = [pair for pair in loops if not any(pair[1] is loop for _, loop in inside)]
+    warnings = [f"{path}: {_size(loop)} stays within the gap and is not fitted" for path, loop in inside]
+    return [*warnings, *_unsteady(closed), *_unexplained(closed, result)]
+
+
+def _unsteady(loops: _Loops) -> list[str]:
+    """Return a warning for each loop that counts as steady and still changes from cycle to cycle."""
+    return [
+        f"{path}: {_size(loop)} is not steady, its last cycle ends {100.0 * loop.closure:.2g} % of its force range from where "
+        "it began, and is fitted as if it were: parameters may be off by more than their errors. Record the way from the "
+        "unloaded device, or more cycles"
+        for path, loop in loops
+        if not (isinstance(loop, RecordedLoop) and loop.averaged)
+        and loop.closure > (_STEADY if loop.cycles > 1 else _ONE_CYCLE)
+    ]
+
+
+def _unexplained(loops: _Loops, result: Identification) -> list[str]:
+    """Return a warning for each loop that changes from cycle to cycle otherwise than the law on its way from unloaded."""
+    warnings = []
+    for path, loop in loops:
+        if not (isinstance(loop, RecordedLoop) and loop.averaged > 1):
+            continue
+        law_closure = prepare([loop], stop=isinstance(result.law, Stop))[0].law_closure(result.law)
+        # Besides its noise, which the residual is a measure of.
+        if abs(loop.closure - law_closure) > _STEADY + result.residual:
+            warnings.append(
+                f"{path}: the last cycle of {_size(loop)} ends {100.0 * loop.closure:.2g} % of its force range from where it "
+                f"began, the law's {100.0 * law_closure:.2g} %: was the device unloaded when the record began? If not, "
+                "parameters may be off by more than their errors; record all amplitudes in one, or more cycles"
+            )
+    return warnings
+
+
+def _level(loops: _Loops) -> list[str]:
+    """Return a warning for each loop whose force stays level at an end."""
+    return [
+        f"{path}: the force of {_size(loop)} is level at an end of its stroke: the device yields there, the load cell cut a "
+        "little off, or one channel lags behind the other"
+        for path, loop in loops
+        if is_level(loop)
+    ]
+
+
+def _soft(tests: Tests) -> list[str]:
+    """Return a warning for each file of a device so soft that its forces may be kilonewtons taken for newtons."""
+    stiffness = {path: max(loop.secant_stiffness for loop in loops) for path, loops in tests.items()}
+    return [
+        f"{path}: its secant stiffness of at most {size:.3g} N/m is that of a very soft device; "
+        "are the forces in kN where N is said?"
+        for path, size in stiffness.items()
+        if size < _SOFT
+    ]
+
+
+def contents(loops: Sequence[Loop]) -> str:
+    """Return the loops of a file as text."""
+    return ", ".join(f"{_size(loop)} ({loop.cycles} cycles)" for loop in loops)
+
+
+def millimetres(deflection: float) -> str:
+    """Return a deflection [m] in mm to 1 um: less is noise, and must not look like an operating point."""
+    return f"{round(1e3 * deflection, 3) + 0.0:.6g}"
+
+
+def _size(loop: Loop) -> str:
+    return f"±{1e3 * loop.amplitude:.3g} mm about {millimetres(loop.operating_point)} mm"

@@ -1,0 +1,189 @@
+"""Tables and text of an identification: on the screen and in its report."""
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+from wirerope_mj.foundation.plain_text import markdown
+from wirerope_mj.foundation.tables import Cell, Column, Table
+from wirerope_mj.mounts.identification.records import millimetres
+from wirerope_mj.mounts.identification.result import FittedLoop, Identification, neighbours_correlation
+from wirerope_mj.mounts.laws import Law, Stop
+from wirerope_mj.views.recording.markdown_tables import markdown_table
+
+PICTURES = {
+    "loops.png": "Measured loops and those of the law",
+    "residuals.png": "Residuals of the law",
+    "measures.png": "Energy per cycle and secant stiffness over the amplitude",
+}
+"""Pictures of a report and their captions."""
+
+_UNITS = {
+    "alpha": "N/m", "beta": "N^(1-n)/m", "gamma": "N^(1-n)/m", "k": "N/m", "k1": "N/m", "k2": "N/m^2", "k3": "N/m^3",
+    "c": "1/m", "d": "N", "u_c": "m", "stiffness": "N/m", "slip_force": "N",
+}  # fmt: skip
+_STOP_UNITS = {"gap_below": "m", "gap_above": "m", "k": "N/m^exponent", "rounding": "m", "reversal": "m", "c": "N s/m"}
+"""Of the parameters of laws in their isolator files, where these are not the coordinates of the search; b and n have none."""
+
+_BENT = 0.5
+"""Correlation of neighbouring residuals that white noise of a hundred samples never has."""
+
+
+def parameter_table(result: Identification) -> Table:
+    """Return the table of the parameters with their standard errors."""
+    rows = []
+    for p in result.parameters.values():
+        relative = 100.0 * p.standard_error / abs(p.value) if p.value else math.inf
+        error = ["-", "-"] if p.fixed else [f"{p.standard_error:.2g}", f"{relative:.2g}" if relative < 1e4 else "-"]
+        if not p.fixed and not math.isfinite(p.standard_error):
+            error = ["not identifiable", "-"]
+        note = "given" if p.fixed else "at its bound" if p.at_bound else ""
+        rows.append([p.name, f"{p.value:.6g}", p.unit, *error, note])
+    columns = [
+        Column("parameter", align="left"),
+        Column("value"),
+        Column("unit", align="left"),
+        Column("standard error"),
+        Column("[%]"),
+        Column("note", align="left"),
+    ]
+    return Table(title="Parameters", columns=columns, rows=rows)
+
+
+def loop_table(fits: Iterable[FittedLoop]) -> Table:
+    """Return the table of the loops: error, measures as measured and fitted, and the zero of the force."""
+    columns = [
+        Column("amplitude", "mm", ".4g", align="left"),
+        Column("about [mm]"),
+        Column("error", "%", ".3g"),
+        Column("stiffness measured", "kN/m", ".4g"),
+        Column("fitted", "kN/m", ".4g"),
+        Column("energy measured", "J", ".4g"),
+        Column("fitted", "J", ".4g"),
+        Column("zero of force", "N", ".4g"),
+    ]
+    rows: list[list[Cell]] = [
+        [
+            fit.amplitude,
+            millimetres(fit.operating_point),
+            fit.error,
+            fit.secant_stiffness(fit.measured),
+            fit.secant_stiffness(fit.fitted),
+            fit.energy(fit.measured),
+            fit.energy(fit.fitted),
+            fit.zero,
+        ]
+        for fit in fits
+    ]
+    return Table(title="Loops; the error is that of the force over half its range", columns=columns, rows=rows)
+
+
+def stage_table(result: Identification) -> Table:
+    """Return the table of the stages of the best fit."""
+    columns = [Column("stage", align="left"), Column("evaluations"), Column("error left", "%", ".4g")]
+    rows: list[list[Cell]] = [[stage.name, str(stage.evaluations), stage.error] for stage in result.stages]
+    return Table(title="Stages of the best fit", columns=columns, rows=rows)
+
+
+def correlation_table(result: Identification) -> Table:
+    """Return the table of correlations of the free parameters."""
+    free = result.uncertainty.free
+    rows = [
+        [name, *[f"{value:+.2f}" for value in row]]
+        for name, row in zip(free, result.uncertainty.correlation, strict=True)
+    ]
+    return Table(title="Correlations", columns=[Column(align="left"), *map(Column, free)], rows=rows)
+
+
+def law_text(result: Identification) -> str:
+    """Return the law's name and its own parameters with their units, those of an isolator file."""
+    return " and ".join(_one_law(law, result) for law in result.law.components)
+
+
+def _one_law(law: Law, result: Identification) -> str:
+    """Return name and parameters of one of the laws on the axis; the last one was searched for."""
+    values, fitted, texts = law.to_dict(), law is result.law.components[-1], []
+    units = _UNITS | _STOP_UNITS if isinstance(law, Stop) else _UNITS
+    for name, value in values.items():
+        if name == "law":
+            continue
+        known = result.parameters.get(name) if fitted else None
+        unit = known.unit if known else units.get(name, "-")
+        number = f"[{', '.join(f'{one:.6g}' for one in value)}]" if isinstance(value, list) else f"{value:.6g}"
+        texts.append(f"{name} = {number} {unit}".removesuffix(" -"))
+    return f"{values['law']}: {', '.join(texts)}"
+
+
+def _meanings(result: Identification) -> list[str]:
+    """Return the definitions of the coordinates that an isolator file does not name so."""
+    known = {
+        "z_max": "z_max = (alpha / (beta + gamma))^(1/n), the largest hysteretic force",
+        "x_y": "x_y = z_max / alpha, the deflection at which it yields",
+        "sigma": "sigma = beta / (beta + gamma): the larger, the wider a loop between the same tips",
+        "c_ln_b": "c_ln_b = c ln b: of b and c only this acts",
+        "reversal": "reversal: length over which a stop's force turns from pressing to letting go",
+        "x1": "x1: deflection at which the first element slips; x2/x1 ..: how much further the next ones do",
+    }
+    return [text for name, text in known.items() if name in result.parameters]
+
+
+def findings(result: Identification, fits: Sequence[FittedLoop]) -> list[str]:
+    """Return how the fit ended, what is not identifiable, where the law is valid, and whether its residuals are noise."""
+    texts = [f"{'converged' if result.converged else 'NOT CONVERGED'}: {result.message}"]
+    texts += [f"not identifiable: {text}" for text in result.non_identifiable]
+    if not result.non_identifiable:
+        texts.append("the data identify every free parameter")
+    texts.append(result.validity)
+    correlation = neighbours_correlation(fits)
+    if correlation > _BENT:
+        texts.append(
+            f"what is left is no noise (neighbouring residuals correlate by {correlation:.2f}): this law does not follow the "
+            "loops everywhere, and its standard errors are too small; residuals.png shows where"
+        )
+    return texts
+
+
+def report_text(
+    result: Identification, fits: Sequence[FittedLoop], *, title: str, sources: Sequence[str], given: Sequence[str]
+) -> str:
+    """Return the report as Markdown.
+
+    Args:
+        result: the fit.
+        fits: its loops beside the law's.
+        title: of the report.
+        sources: the files that were read, with their loops.
+        given: what was given and not searched for, one text each.
+    """
+    singular = ", ".join(f"{value:.3g}" for value in result.uncertainty.singular_values)
+    pictures = [f"![{caption}]({name})\n\n{caption}." for name, caption in PICTURES.items()]
+    blocks = [
+        f"# {markdown(title)}",
+        pictures[0],
+        f"Law: {markdown(law_text(result))}",
+        _bullets([*findings(result, fits), *given]),
+        f"Error over all loops {100.0 * result.residual:.3g} % of half their force range; {result.evaluations} evaluations "
+        f"from all starts.",
+        *_section(parameter_table(result)),
+        _bullets(_meanings(result)),
+        *(
+            block
+            for table in (loop_table(fits), stage_table(result), correlation_table(result))
+            for block in _section(table)
+        ),
+        "## Singular values",
+        f"{singular}\n\nOf the residual's change with the parameters, over its noise: one over each is the standard error of "
+        "one combination of them, in logarithms or in the size that it can have. Small ones are not identifiable.",
+        *pictures[1:],
+        "## Read from",
+        _bullets(sources),
+    ]
+    return "\n\n".join(block for block in blocks if block) + "\n"
+
+
+def _section(table: Table) -> tuple[str, str]:
+    return f"## {table.title}", markdown_table(replace(table, title=""))
+
+
+def _bullets(texts: Sequence[str]) -> str:
+    return "\n".join(f"- {markdown(text)}" for text in texts)
