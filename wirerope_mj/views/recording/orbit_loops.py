@@ -7,6 +7,7 @@ import numpy as np
 from wirerope_mj.dynamics.frequency_response.samples import busiest_loops
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.along import AlongBranch, at_points
 from wirerope_mj.views.recording.film import Film, Strip
 from wirerope_mj.views.recording.frame import LARGE, Plot, log_frame
@@ -73,7 +74,7 @@ def _loops(strip: Strip, mount: str, axis: int) -> list[Array]:
 
 
 def _points(mount: Any, axis: int) -> Array:
-    return np.column_stack([1e3 * mount.deflection[:, axis], 1e-3 * mount.force[:, axis]])
+    return np.column_stack([in_unit(mount.deflection[:, axis], "mm"), in_unit(mount.force[:, axis], "kN")])
 
 
 def _filled(loop: Array) -> Array:

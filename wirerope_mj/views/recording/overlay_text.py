@@ -19,6 +19,7 @@ from wirerope_mj.assessment.comparison import (
 from wirerope_mj.assessment.comparison.sentences import ratio_text, size_text, subject_label
 from wirerope_mj.foundation.plain_text import markdown
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.overlay_runs import Overlay
 from wirerope_mj.views.recording.paths import AXES, entity
@@ -60,7 +61,7 @@ def summary_markdown(overlay: Overlay, inputs: Inputs) -> str:
     figures = [(f"{row.label}, peak [g]", *_values(row, "{:.2f}")) for row in rows]
     travel = largest_travel_row(overlay)
     if travel is not None:
-        shares = [f"{100 * value:.0f}" if _known(value) else "-" for value in travel.values]
+        shares = [f"{in_unit(value, '%'):.0f}" if _known(value) else "-" for value in travel.values]
         figures.append(("most of rated travel [%]", *shares))
     columns = [Column(align="left"), *map(Column, names)]
     parts.append(markdown_table(Table(title="", columns=columns, rows=[*differing, *figures])))
