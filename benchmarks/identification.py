@@ -1,12 +1,12 @@
-"""Identification: twin experiments, choice of law, the thesis' methods, and what a fit costs beside `solve_ivp`.
+"""Identification: synthetic specimens, choice of law, the thesis' methods, and what a fit costs beside `solve_ivp`.
 
-    python benchmarks/identification.py twins [--truths 20] [--starts 20] [--laws bouc-wen ...] [--processes 2]
+    python benchmarks/identification.py synthetic [--truths 20] [--starts 20] [--laws bouc-wen ...] [--processes 2]
     python benchmarks/identification.py errors [--truths 20] [--draws 20] [--laws bouc-wen ...] [--processes 2]
     python benchmarks/identification.py choice | methods | cost
 
-twins: loops of random known laws, five amplitudes, 1 % force noise, unknown offset; starts with every parameter log-uniform
+synthetic: loops of random known laws, five amplitudes, 1 % force noise, unknown offset; starts with every parameter log-uniform
 within a factor of ten of the truth. Success: loops at three amplitudes not used are within the noise of the truth.
-errors: as twins, from the grid alone, but many draws of the noise for each truth: how often the parameters that count as
+errors: as synthetic, from the grid alone, but many draws of the noise for each truth: how often the parameters that count as
 identifiable are within three standard errors, which is 99.73 % for normal errors.
 choice: several laws on the device of `odd_device.py`, which is none of them. methods: three stages, one stage in the time
 domain, one in the frequency domain, from near and poor starts without the grid. cost: one residual of the nine-parameter law on
@@ -24,7 +24,16 @@ import numpy.typing as npt
 from odd_device import OddDevice
 from rounds import interleaved
 from scipy.integrate import solve_ivp
-from twins import LAWS, NOISE, Twin, deviations_of_draws, noisy_loops, start_of, truth_of, twin
+from synthetic import (
+    LAWS,
+    NOISE,
+    SyntheticSpecimen,
+    deviations_of_draws,
+    noisy_loops,
+    start_of,
+    synthetic_specimen,
+    truth_of,
+)
 
 import wirerope_mj as wr
 from wirerope_mj.mounts.identification import compare_laws, compare_methods
@@ -41,7 +50,7 @@ SHARES = np.array([0.02, 0.03, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0])  # of the travel,
 CALLED = {kind.name: kind for kind in LAWS}
 
 
-def twins(arguments: argparse.Namespace) -> None:
+def synthetic(arguments: argparse.Namespace) -> None:
     """Print success rates, as truths end."""
     print(f"{arguments.truths} truths x {arguments.starts} starts")
     print(
@@ -51,10 +60,9 @@ def twins(arguments: argparse.Namespace) -> None:
     with ProcessPoolExecutor(arguments.processes) as pool:
         for name in arguments.laws:
             begin = time.perf_counter()
-            rows = list(
-                pool.map(twin, repeat(CALLED[name]), range(arguments.truths), repeat(arguments.starts), timeout=None)
-            )
-            print(twin_row(name, rows) + f"{time.perf_counter() - begin:8.0f}", flush=True)
+            truths, starts = range(arguments.truths), repeat(arguments.starts)
+            rows = list(pool.map(synthetic_specimen, repeat(CALLED[name]), truths, starts, timeout=None))
+            print(specimen_row(name, rows) + f"{time.perf_counter() - begin:8.0f}", flush=True)
             for row in rows:
                 if not all(row.together):
                     print(
@@ -62,7 +70,7 @@ def twins(arguments: argparse.Namespace) -> None:
                     )
 
 
-def twin_row(name: str, rows: list[Twin]) -> str:
+def specimen_row(name: str, rows: list[SyntheticSpecimen]) -> str:
     """Return the table's row of a law."""
     together = [good for row in rows for good in row.together]
     alone = [good for row in rows for good in row.alone]
@@ -204,7 +212,7 @@ def steady(loop: MeasuredLoop, law: Law) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("part", choices=("twins", "errors", "choice", "methods", "cost"))
+    parser.add_argument("part", choices=("synthetic", "errors", "choice", "methods", "cost"))
     parser.add_argument("--truths", type=int, default=20)
     parser.add_argument("--starts", type=int, default=20)
     parser.add_argument("--draws", type=int, default=20, help="of the noise, for `errors`")
@@ -213,7 +221,9 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--seed", type=int, default=0, help="of the truth of `methods`")
     arguments = parser.parse_args()
-    {"twins": twins, "errors": errors, "choice": choice, "methods": methods, "cost": cost}[arguments.part](arguments)
+    {"synthetic": synthetic, "errors": errors, "choice": choice, "methods": methods, "cost": cost}[arguments.part](
+        arguments
+    )
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from wirerope_mj.foundation.atomic_files import atomic_file, atomic_folder, check_place
+from wirerope_mj.foundation.atomic_files import atomic_file, atomic_folder, check_writable
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.half_written import clear_half_written
 
@@ -97,14 +97,14 @@ def test_a_folder_that_cannot_be_written_is_one_sentence_without_the_hidden_name
 
 
 def test_places_are_refused_before_the_work(tmp_path, monkeypatch):
-    check_place(tmp_path / "a.txt")
+    check_writable(tmp_path / "a.txt")
     with pytest.raises(RecordError, match="this is a folder"):
-        check_place(tmp_path)
+        check_writable(tmp_path)
     with pytest.raises(RecordError, match=r"there is no folder '.*new'"):
-        check_place(tmp_path / "new" / "a.txt")
+        check_writable(tmp_path / "new" / "a.txt")
     (tmp_path / "file").write_text("")
     with pytest.raises(RecordError, match=r"there is no folder '.*file'"):
-        check_place(tmp_path / "file" / "a.txt")
+        check_writable(tmp_path / "file" / "a.txt")
     monkeypatch.setattr("os.access", lambda *_: False)
     with pytest.raises(RecordError, match="cannot write here"):
-        check_place(tmp_path / "a.txt")
+        check_writable(tmp_path / "a.txt")

@@ -170,18 +170,18 @@ def test_transition_lies_where_the_closed_secant_stiffness_is_least():
         return d * np.tanh(a / u_c) / a + k1 + k3 * a * a
 
     least = minimize_scalar(secant, bounds=(1e-3, 1e-2), method="bounded", options={"xatol": 1e-12})
-    found = softening_to_hardening(cyclic_test(law, np.geomspace(0.5e-3, 20e-3, 15)))
-    assert found.found
+    transition = softening_to_hardening(cyclic_test(law, np.geomspace(0.5e-3, 20e-3, 15)))
+    assert transition.exists
     # A cubic spline over log A with steps of 0.26: (0.26)^3 / 24 of the curve's scale in place, less in height.
-    assert found.amplitude == pytest.approx(least.x, rel=2e-3)
-    assert found.stiffness == pytest.approx(least.fun, rel=1e-4)
-    assert "softens up to an amplitude of 4.6" in found.message
+    assert transition.amplitude == pytest.approx(least.x, rel=2e-3)
+    assert transition.stiffness == pytest.approx(least.fun, rel=1e-4)
+    assert "softens up to an amplitude of 4.6" in transition.message
 
 
 def test_three_amplitudes_are_enough_for_a_transition():
-    found = softening_to_hardening(cyclic_test(NI, [1e-3, 2e-3, 6e-3]))
-    assert found.found
-    assert 1e-3 < found.amplitude < 6e-3
+    transition = softening_to_hardening(cyclic_test(NI, [1e-3, 2e-3, 6e-3]))
+    assert transition.exists
+    assert 1e-3 < transition.amplitude < 6e-3
 
 
 @pytest.mark.parametrize(
@@ -193,18 +193,18 @@ def test_three_amplitudes_are_enough_for_a_transition():
     ],
 )
 def test_without_a_transition_it_says_what_the_loops_show(law, message):
-    found = softening_to_hardening(cyclic_test(law, [1e-3, 2e-3, 4e-3]))
-    assert not found.found
-    assert np.isnan(found.amplitude)
-    assert np.isnan(found.stiffness)
-    assert re.search(message, found.message), found.message
+    transition = softening_to_hardening(cyclic_test(law, [1e-3, 2e-3, 4e-3]))
+    assert not transition.exists
+    assert np.isnan(transition.amplitude)
+    assert np.isnan(transition.stiffness)
+    assert re.search(message, transition.message), transition.message
 
 
 def test_rise_below_the_scatter_of_the_stiffnesses_is_no_transition():
     loops = cyclic_test(KelvinVoigt(k=1e5, c=10.0), np.linspace(1e-3, 4e-3, 7))
     noisy = measured(loops, seed=1, force_noise=1.0)  # 1 N of 100 to 400 N
-    assert not softening_to_hardening(noisy, rise=0.03).found
-    assert softening_to_hardening(noisy).found  # every scatter has a least value
+    assert not softening_to_hardening(noisy, rise=0.03).exists
+    assert softening_to_hardening(noisy).exists  # every scatter has a least value
 
 
 @pytest.mark.parametrize(

@@ -142,7 +142,10 @@ def test_what_lies_outside_1_to_80_hz_does_not_count_for_2000():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: iso_6954_2000([10.0], [1e-3], subject="deck", space="D"), "`space` must be one of A, B, C, got 'D'"),
+        (
+            lambda: iso_6954_2000([10.0], [1e-3], subject="deck", space="D"),
+            "`space` must be one of 'A', 'B', 'C', got 'D'",
+        ),
         (lambda: iso_6954_2000([10.0], [1e-3, 1e-3], subject="deck", space="A"), "rows of the same length"),
         (lambda: iso_6954_1984([-10.0], [1e-3], subject="deck"), "`frequency` must be finite and > 0 Hz"),
         (

@@ -175,15 +175,15 @@ def test_xml_that_mujoco_reads_leniently_is_refused_with_its_line(copy):
 def test_a_study_reads_nothing_outside_its_folder_either(tmp_path):
     from table_study import table_study
 
-    from wirerope_mj.studies.folder import _identity  # a hostile colleague can compute it, too
-
     folder = tmp_path / "study"
     table_study(variants=4).run(folder, workers=1)
     (tmp_path / "secret.xml").write_text("<mujoco/>", encoding="utf-8")
     edited(folder / "study.toml", 'file = "model/shock_table.xml"', 'file = "../secret.xml"')
     import tomllib
 
+    from wirerope_mj.studies.inputs_file import identity
+
     content = tomllib.loads((folder / "study.toml").read_text(encoding="utf-8"))
-    edited(folder / "study.toml", content["id"], _identity(content))
+    edited(folder / "study.toml", content["id"], identity(content))
     with pytest.raises(RecordError, match=r"the model file '\.\./secret\.xml' is not in this folder"):
         load_study(folder).response(0)

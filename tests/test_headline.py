@@ -10,7 +10,7 @@ from test_recording import column, entities
 
 from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Verdict, headline
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.runs.headline import read_headline
+from wirerope_mj.runs.summary import read_headline
 
 
 def row(value=1.0, limit=2.0, **changes):

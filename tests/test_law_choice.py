@@ -74,7 +74,7 @@ def test_a_law_with_too_few_amplitudes_stands_last_and_says_why():
 def test_bad_input_is_refused():
     with pytest.raises(ValueError, match="`laws` must name at least one law"):
         compare_laws(noisy(TRUTH, AMPLITUDES, seed=3), laws=[])
-    with pytest.raises(ValueError, match="`weights` must be 'range' or 'equal'"):
+    with pytest.raises(ValueError, match="`weights` must be one of 'range', 'equal'"):
         compare_laws(noisy(TRUTH, AMPLITUDES, seed=3), weights="small")
 
 

@@ -26,7 +26,7 @@ HOUSE = {
     "engine": (("response", "control"), ("system",), ("statics",), ("simulation",)),
     "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
     "assessment": (("criteria",), ("comparison", "selection")),
-    "studies": (("inputs",), ("engines",), ("search",), ("results",)),
+    "studies": (("inputs",), ("engines",), ("results",), ("search",)),
     "views": (("plots", "recording"), ("report",)),
     "runs": (),
     "cli": (),

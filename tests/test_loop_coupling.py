@@ -21,7 +21,7 @@ from wirerope_mj.dynamics.periodic.variational import Variational
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts import laws
 from wirerope_mj.mounts.laws.plane_kernels import loop_force
-from wirerope_mj.studies.inputs.variants import without_force
+from wirerope_mj.studies.inputs.failure import without_force
 
 G = wr.STANDARD_GRAVITY
 RNG = np.random.default_rng(11)

@@ -15,7 +15,7 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.rotation import righting_torque, turning_energy
 from wirerope_mj.engine.simulation.stability import eigenvalues
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.studies.inputs.variants import without_force
+from wirerope_mj.studies.inputs.failure import without_force
 
 G = wr.STANDARD_GRAVITY
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION

@@ -10,8 +10,8 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.motions import motion_from_dict
+from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.runs.sources import system_and_motion
-from wirerope_mj.views.plots.record_baseline import records_of
 
 DATA = Path(__file__).parent / "data"
 G = 9.80665
@@ -107,7 +107,7 @@ def test_scaled_and_turned_records_are_rebuilt_from_the_copy_of_their_file(tmp_p
     record = wr.load_record(DATA / "deck_shock.csv", channels={"ax": "x"})
     motion = PULSE + wr.Turned(wr.Scaled(record, 2.0), direction="z")
     assert motion.files == record.files
-    assert records_of(motion) == [record]
+    assert records_in(motion) == [record]
     (tmp_path / "copy.csv").write_bytes((DATA / "deck_shock.csv").read_bytes())
     stored = motion.to_dict(files={record.files[0]: "copy.csv"})
     rebuilt = motion_from_dict(stored, folder=tmp_path)

@@ -87,7 +87,7 @@ def test_the_report_holds_front_and_designs(done):
 def test_axes_and_labels_say_what_they_are(done):
     result = wr.load_study(done)
     panel = front_figure(result).axes[0]
-    assert panel.get_xlabel() == "largest share of a rated travel along one axis [%]"
+    assert panel.get_xlabel() == "largest utilisation of a rated travel along one axis [%]"
     assert panel.get_ylabel() == "largest acceleration [g]"
     assert any(f"design {result.knee}" in text.get_text() for text in panel.texts)
     assert [picture.name for picture in search_pictures(result)] == ["front", "placements"]

@@ -16,7 +16,7 @@ from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.studies.engines.compute import Chunk, compute
 from wirerope_mj.studies.search import run as search_run
 from wirerope_mj.studies.search.evolution import Evolution
-from wirerope_mj.studies.search.front import excesses, feasible, front, nearest
+from wirerope_mj.studies.search.front import feasible, front, nearest, violations
 
 FITTED = [f"mount/{name}/fitted" for name in PLACES]
 
@@ -226,7 +226,7 @@ def test_where_nothing_keeps_the_limits_the_nearest_is_named(tmp_path):
     assert found.front.num_rows == 0
     travel = np.where(np.asarray(found.table["status"]) == "done", np.asarray(found.table["travel"]), np.inf)
     best = int(np.argmin(travel))
-    words = "largest share of a rated travel along one axis"
+    words = "largest utilisation of a rated travel along one axis"
     assert f"The nearest is design {best}: {words} is {100.0 * travel[best]:.4g} %" in found.message
     assert "above its limit of 100 %" in found.message
     assert found.knee is None
@@ -299,7 +299,7 @@ def test_the_front_leaves_out_what_is_beaten_equalled_or_beyond_a_limit():
     assert front(table, ("a", "b"), {"b": 4.0}) == [1, 2, 0, 6]
     assert feasible(table, ("a", "b"), {"b": 4.0}).tolist() == [True] * 5 + [False, True]
     assert front(table, ("a",), {}) == [5]
-    np.testing.assert_array_equal(excesses(table, {"b": 4.0})[:2, 0], [-0.75, 0.0])
+    np.testing.assert_array_equal(violations(table, {"b": 4.0})[:2, 0], [-0.75, 0.0])
     assert nearest(table, ("a", "b"), {"b": 0.25}) == (6, "b", 1.0)
 
 
@@ -321,7 +321,7 @@ def test_the_optimiser_finds_a_known_front_in_numbers_choices_and_truth_values()
         {"x": float(x), "word": str(generator.choice(["a", "b", "c"])), "flag": bool(generator.integers(2))}
         for x in generator.uniform(-10.0, 10.0, 24)
     ]
-    evolution, told = Evolution(choices, first, aims=2, limits=1, seed=5), []
+    evolution, told = Evolution(choices, first, n_objectives=2, n_limits=1, seed=5), []
     for _ in range(30):
         designs = evolution.ask()
         assert {(type(one["x"]), type(one["word"]), type(one["flag"])) for one in designs} == {(float, str, bool)}

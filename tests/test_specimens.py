@@ -100,5 +100,5 @@ def test_bad_input_is_refused():
     with pytest.raises(ValueError, match=r"`specimens\[1\]` must hold at least one closed loop"):
         identify_specimens([one, []], law=wr.EnhancedDryFriction)
     found = identify_specimens([one, noisy(wr.EnhancedDryFriction(**CENTRE), seed=9)], law=wr.EnhancedDryFriction)
-    with pytest.raises(ValueError, match="`axis` must be 'roll', 'shear' or 'axial', got 'x'"):
+    with pytest.raises(ValueError, match="`axis` must be one of 'roll', 'shear', 'axial', got 'x'"):
         found.spread("x")

@@ -22,8 +22,8 @@ from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts import laws
 from wirerope_mj.mounts.laws.smoothed import smoothable
 from wirerope_mj.runs.repeat import replay
-from wirerope_mj.studies.inputs.possible import possible_lines
-from wirerope_mj.studies.inputs.variants import acts, without_force
+from wirerope_mj.studies.inputs.available import available_lines
+from wirerope_mj.studies.inputs.failure import acts, without_force
 from wirerope_mj.studies.measures import measures
 
 G = wr.STANDARD_GRAVITY
@@ -324,5 +324,5 @@ def test_what_a_study_cannot_vary_is_said(name, distribution, device, words):
 
 def test_the_listing_names_it_where_it_is():
     name = "mount/NAME/stiffening/cycles"
-    assert any(name in line for line in possible_lines(one_mass(mount(SETTLED)), PULSE))
-    assert not any(name in line for line in possible_lines(one_mass(mount()), PULSE))
+    assert any(name in line for line in available_lines(one_mass(mount(SETTLED)), PULSE))
+    assert not any(name in line for line in available_lines(one_mass(mount()), PULSE))

@@ -14,7 +14,7 @@ from wirerope_mj.engine.statics import static_table
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.mounts.isolator.files import find_isolator
 from wirerope_mj.mounts.laws.kernels import evaluate
-from wirerope_mj.studies.inputs.variants import without_force
+from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.views.recording import record_rerun
 from wirerope_mj.views.recording.events import events_of
 from wirerope_mj.views.recording.selection import select

@@ -11,7 +11,7 @@ import scipy.stats
 import wirerope_mj as wr
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.studies.inputs.distributions import distribution_from_dict, distribution_to_dict
-from wirerope_mj.studies.results.varied import distribution_words
+from wirerope_mj.studies.results.varied import distribution_text
 
 G = wr.STANDARD_GRAVITY
 PULSE = wr.HalfSine(peak=10.0 * G, duration=0.011, direction="z", start=0.01)
@@ -220,11 +220,11 @@ def test_laws_in_parallel_do_not_vary(parameter):
         (lambda: wr.Isotropic(low=10.0, high=10.0), "`low` must be less than `high`"),
         (lambda: wr.Normal(1.0, np.nan), "`deviation` must be a finite number"),
         (lambda: wr.Choice(), "at least one value"),
-        (lambda: wr.Choice(1.0, "m1"), "must all be numbers, truth values or words"),
+        (lambda: wr.Choice(1.0, "m1"), "must all be numbers, booleans or strings"),
         (lambda: table_study({}), "`vary` must name at least one quantity"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, variants=0), "`variants` must be an integer >= 1"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, variants=None), "`variants` must be an integer"),
-        (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, sampling="halton"), "`sampling` must be one of sobol"),
+        (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, sampling="halton"), "`sampling` must be one of 'sobol'"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, sampling="grid"), "has no values for a grid"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, motion=None), "either `motion` or `motions`"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, motion=None, motions=[PULSE] * 2), "has no .*record"),
@@ -233,7 +233,7 @@ def test_laws_in_parallel_do_not_vary(parameter):
          "'mount/m1/axial/gamma' is 0 in the model, and 0 times anything is 0; give absolute values"),
         (lambda: table_study({"motion/level": wr.Choice(True)}), "must be a distribution of numbers"),
         (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, duration=0.0), "`duration` must be a positive number"),
-        (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, initial="rest"), "`initial` must be one of settled"),
+        (lambda: table_study({"motion/level": wr.Uniform(1, 2)}, initial="rest"), "`initial` must be one of 'settled'"),
         (lambda: table_study({"mount/m1/axial/alpha": 1.1}), "must be a Normal, Uniform, Isotropic, Choice or Specimens"),
         (
             lambda: table_study(
@@ -313,4 +313,4 @@ def test_every_distribution_is_said_in_words():
         wr.Choice(1.0, 2.0): "one of 1, 2",
         wr.Specimens(): "scatter of the specimens that the isolator was identified from",
     }
-    assert {one: distribution_words(one) for one in drawn} == drawn
+    assert {one: distribution_text(one) for one in drawn} == drawn

@@ -11,8 +11,8 @@ from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.runs.study import write_worst
 from wirerope_mj.runs.study_file import load_study_file, shipped_studies
 from wirerope_mj.runs.study_report import write_study_report
-from wirerope_mj.studies.inputs.variants import direction
-from wirerope_mj.studies.results.findings import row_of, worst
+from wirerope_mj.studies.inputs.motion_columns import direction
+from wirerope_mj.studies.results.statistics import row_of, worst
 
 ANGLES = ("motion/azimuth", "motion/elevation")
 
@@ -189,7 +189,7 @@ def test_travel_along_one_axis_is_told_from_that_of_all_together(tmp_path, capsy
     vary = ["--vary", "motion/level = Uniform(0.5, 1.5)", "--variants", "2", "--workers", "1"]
     assert main([*command, *vary]) == 0
     out = capsys.readouterr().out
-    assert "Travel (largest share of a rated travel along one axis): beyond 100 % in 0 of 2" in out
+    assert "Travel (largest utilisation of a rated travel along one axis): beyond 100 % in 0 of 2" in out
     assert "the report of a run judges all axes together, too (travel combined)" in out
 
 

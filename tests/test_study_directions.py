@@ -5,8 +5,8 @@ import pytest
 from wirerope_mj.studies.results.directions import (
     AZIMUTH,
     ELEVATION,
-    directions_words,
-    share_of_directions,
+    directions_text,
+    fraction_of_directions,
     sphere_areas,
 )
 from wirerope_mj.views.plots.directions import directions_figure
@@ -48,7 +48,7 @@ def test_the_share_of_a_cap_is_that_of_its_area_and_not_of_its_points(repeats):
     azimuth, elevation = grid(10.0, repeats=repeats)
     values = np.where(elevation > 54.9, 1.5, 0.5)  # 60 degrees and above are beyond: a cap down to 55 degrees
     table = table_of(azimuth, elevation, values)
-    share = share_of_directions(table, [AZIMUTH, ELEVATION], values, 1.0)
+    share = fraction_of_directions(table, [AZIMUTH, ELEVATION], values, 1.0)
     assert share == pytest.approx((1.0 - np.sin(np.radians(55.0))) / 2.0, rel=1e-12)  # Archimedes; its points are 18 %
     assert np.mean(values > 1.0) > 1.5 * share
 
@@ -58,8 +58,8 @@ def test_shares_of_directions_are_those_of_the_directions_that_are_known():
     values = np.where(elevation > 0.0, 1.5, 0.5)
     table = table_of(azimuth, elevation, values)
     known = np.where(elevation == 0.0, np.nan, values)
-    assert share_of_directions(table, [AZIMUTH, ELEVATION], known, 1.0) == pytest.approx(0.5, rel=1e-12)  # rounding
-    assert share_of_directions(table, [AZIMUTH, "motion/level"], values, 1.0) is None
+    assert fraction_of_directions(table, [AZIMUTH, ELEVATION], known, 1.0) == pytest.approx(0.5, rel=1e-12)  # rounding
+    assert fraction_of_directions(table, [AZIMUTH, "motion/level"], values, 1.0) is None
 
 
 def test_a_map_without_repeats_closes_at_the_seam_and_at_the_poles():
@@ -80,10 +80,10 @@ def test_what_nobody_looked_at_has_no_area():
     azimuth, elevation = (one.ravel() for one in np.meshgrid(np.arange(0.0, 360.0, 45.0), [0.0, 45.0, 90.0]))
     values = np.where(elevation == 0.0, 1.5, 0.5)
     table = table_of(azimuth, elevation, values)
-    share = share_of_directions(table, [AZIMUTH, ELEVATION], values, 1.0)
+    share = fraction_of_directions(table, [AZIMUTH, ELEVATION], values, 1.0)
     # The equator stands for its belt up to 22.5 degrees, of the upper half alone; rounding.
     assert share == pytest.approx(np.sin(np.radians(22.5)), rel=1e-12)
-    assert directions_words(table) == "the directions looked at"
+    assert directions_text(table) == "the directions looked at"
 
 
 def test_the_ends_of_a_fan_stand_for_half_as_much_as_what_lies_between():
@@ -98,8 +98,8 @@ def test_the_ends_of_a_fan_stand_for_half_as_much_as_what_lies_between():
 
 def test_only_a_grid_around_the_sphere_and_from_pole_to_pole_is_all_directions():
     whole = grid(30.0, repeats=False)
-    assert directions_words(table_of(*whole, np.ones(whole.shape[1]))) == "all directions"
+    assert directions_text(table_of(*whole, np.ones(whole.shape[1]))) == "all directions"
     belt = whole[:, np.abs(whole[1]) < 90.0]
-    assert directions_words(table_of(*belt, np.ones(belt.shape[1]))) == "the directions looked at"
+    assert directions_text(table_of(*belt, np.ones(belt.shape[1]))) == "the directions looked at"
     half = whole[:, (whole[0] >= 0.0) | (np.abs(whole[1]) == 90.0)]
-    assert directions_words(table_of(*half, np.ones(half.shape[1]))) == "the directions looked at"
+    assert directions_text(table_of(*half, np.ones(half.shape[1]))) == "the directions looked at"

@@ -14,11 +14,12 @@ from scipy.special import ndtri
 import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.studies.inputs import sobol
-from wirerope_mj.studies.results.answer import Answer
-from wirerope_mj.studies.results.findings import chance, values_of
-from wirerope_mj.studies.results.indices import RESAMPLES, drawn, indices_of
-from wirerope_mj.studies.results.sensitivity import Influence
-from wirerope_mj.studies.results.sentences import of_indices, sentences
+from wirerope_mj.studies.results.effects import Effect
+from wirerope_mj.studies.results.indices import RESAMPLES, indices_of
+from wirerope_mj.studies.results.measure import values_of
+from wirerope_mj.studies.results.statements import of_indices, statements
+from wirerope_mj.studies.results.statistics import exceedance
+from wirerope_mj.studies.results.study_summary import StudySummary
 from wirerope_mj.views.plots.study_indices import indices_figure
 
 SINGLE = [[0], [1], [2]]
@@ -32,7 +33,7 @@ def table_of(values, *, failed=()):
 
 def ishigami(rows, seed=1):
     """Return Ishigami's function at Saltelli's points, and its first-order and total indices."""
-    x1, x2, x3 = math.pi * (2.0 * sobol.shares(SINGLE, 5 * rows, seed) - 1.0).T
+    x1, x2, x3 = math.pi * (2.0 * sobol.points(SINGLE, 5 * rows, seed) - 1.0).T
     a, b = 7.0, 0.1
     # Closed form (Ishigami and Homma 1990): V1 = (1 + b pi^4 / 5)^2 / 2, V2 = a^2 / 8, V13 = 8 b^2 pi^8 / 225.
     v1, v2, v13 = 0.5 * (1.0 + b * math.pi**4 / 5.0) ** 2, a**2 / 8.0, 8.0 * b**2 * math.pi**8 / 225.0
@@ -70,7 +71,7 @@ def test_indices_are_those_that_scipy_finds():
 def test_of_a_sum_first_order_and_total_index_of_a_group_are_its_share():
     groups = [list(range(16)), list(range(16, 20)), [20], [21]]
     weights = np.array([0.25] * 16 + [0.5] * 4 + [1.0] + [0.0])
-    values = ndtri(np.clip(sobol.shares(groups, 6 * 1024, 3), 1e-12, 1.0 - 1e-12)) @ weights
+    values = ndtri(np.clip(sobol.points(groups, 6 * 1024, 3), 1e-12, 1.0 - 1e-12)) @ weights
     found = {one.name: one for one in indices_of(table_of(values), list("abcd"), "acceleration").factors}
     for name, share in zip("abcd", (1 / 3, 1 / 3, 1 / 3, 0.0), strict=True):
         # 0.02: three times the error of 12 seeds with 1024 rows in 38 columns, 0.006 rms of the worst factor.
@@ -163,9 +164,9 @@ def test_a_number_of_variants_that_does_not_suit_names_those_that_do(variants, n
         floor(variants)
 
 
-def test_a_group_must_be_a_word():
+def test_a_group_must_be_a_string():
     for make in (lambda: wr.Normal(1.0, 0.1, group=""), lambda: wr.Specimens(group=3)):
-        with pytest.raises(ValueError, match="`group` must be a word or None"):
+        with pytest.raises(ValueError, match="`group` must be a string or None"):
             make()
 
 
@@ -226,11 +227,11 @@ def test_a_study_of_a_linear_mount_has_the_indices_that_can_be_written_down(line
 
 
 def test_probabilities_are_those_of_the_variants_that_do_not_depend_on_each_other(linear):
-    independent = drawn(linear)
+    independent = linear.independent
     assert independent.num_rows == 2 * 128
     assert (np.asarray(independent["variant"]) % 5 < 2).all()
-    assert chance(values_of(independent, "acceleration"), 0.0).n == 256
-    text = " ".join(sentences(linear))
+    assert exceedance(values_of(independent, "acceleration"), 0.0).n == 256
+    text = " ".join(statements(linear))
     first = wr.sobol_indices(linear, "acceleration").factors[0]
     assert f"{first.name} explains {100 * first.first:.0f} % of its variance alone" in text
 
@@ -268,31 +269,33 @@ def sampled(table, sizes):
         for name, size in sizes.items()
     ]  # fmt: skip
     columns = [column.name for one in quantities for column in one.columns]
-    values = sobol.shares([list(range(len(columns)))], 3 * 64, 1)[: table.num_rows]
+    values = sobol.points([list(range(len(columns)))], 3 * 64, 1)[: table.num_rows]
     inputs = {name: np.resize(values[:, place], table.num_rows) for place, name in enumerate(columns)}
     order = {"variant": table["variant"], **inputs, "acceleration": table["acceleration"]}
     order |= {name: [math.nan] * table.num_rows for name in ("travel", "fragility")}
     whole = pa.table({**order, "status": table["status"], "message": [""] * table.num_rows})
-    return SimpleNamespace(table=whole, study=SimpleNamespace(sampling=sobol.SAMPLING, quantities=quantities))
+    independent = whole.filter(pa.array(np.asarray(whole["variant"]) % (len(sizes) + 2) < 2))
+    study = SimpleNamespace(sampling=sobol.SAMPLING, quantities=quantities)
+    return SimpleNamespace(table=whole, independent=independent, is_sampled=True, study=study)
 
 
 def test_the_inputs_that_are_told_are_those_of_the_strongest_factors_and_large_groups_are_named():
     values, _ = ishigami(256)  # x1 has the largest total index, then x2, then x3
-    answer = Answer(
+    summary = StudySummary(
         result=sampled(table_of(values), {"x1": 1, "x2": 3, "x3": 2}), by="acceleration",
-        influences=(Influence(name="x31", share=0.9, rank=0.9, certain=True),),
+        effects=(Effect(name="x31", index=0.9, rank=0.9, certain=True),),
     )  # fmt: skip
-    assert answer.inputs(4) == ["x10", "x30", "x31"]
-    assert answer.left_out == ("x2 (3 numbers)",)
+    assert summary.ranked_inputs[:4] == ("x10", "x30", "x31")
+    assert summary.left_out == ("x2 (3 numbers)",)
 
 
 def test_the_worst_of_a_study_for_indices_are_those_that_were_drawn_for_themselves():
     values, _ = ishigami(64)
-    answer = Answer(result=sampled(table_of(values), {"x1": 1, "x2": 1, "x3": 1}), by="acceleration", influences=())
+    summary = StudySummary(result=sampled(table_of(values), {"x1": 1, "x2": 1, "x3": 1}), by="acceleration", effects=())
     independent = np.flatnonzero(np.arange(320) % 5 < 2)
     top = independent[np.argsort(-values[independent], kind="stable")][:8]
-    assert [one.variant for one in answer.worst(8, inputs=2)] == top.tolist()
-    assert answer.figures[0].variant == top[0]
+    assert [row["variant"] for row in summary.worst(8)] == top.tolist()
+    assert summary.statistics[0].variant == top[0]
 
 
 def test_few_base_rows_are_said_to_be_too_few_and_no_share_is_beyond_all():

@@ -12,9 +12,9 @@ from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.runs.from_scenario import what_can_vary
 from wirerope_mj.runs.scenario import load_scenario
 from wirerope_mj.runs.study import write_worst
-from wirerope_mj.studies.inputs.possible import possible_lines
-from wirerope_mj.studies.inputs.vary_text import read_vary
-from wirerope_mj.studies.results.findings import row_of
+from wirerope_mj.studies.inputs.available import available_lines
+from wirerope_mj.studies.inputs.vary_option import read_vary
+from wirerope_mj.studies.results.statistics import row_of
 from wirerope_mj.views.recording import viewer
 
 SCENARIO_FILE = textwrap.dedent('''
@@ -186,7 +186,7 @@ def test_what_can_vary_names_mounts_parameters_bodies_and_directions():
         assert words in text
     law = wr.BoucWen(alpha=2e4, beta=30.0, gamma=0.0, n=1.0, k=5e3)
     system = wr.load_system(sdof_text(), isolators={"a": wr.Isolator(name="a", axial=law)})
-    (line,) = [line for line in possible_lines(system, scenario().motion) if "PARAMETER" in line]
+    (line,) = [line for line in available_lines(system, scenario().motion) if "PARAMETER" in line]
     assert line.endswith("gamma = 0, n = 1, k = 5000 (what is 0 takes no factors)")
     three = what_can_vary(load_scenario("floating_floor_shock").make())  # along x, y and z at once: no line to turn
     assert "motion/level" in three

@@ -4,8 +4,9 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from wirerope_mj.studies.results.answer import Answer
-from wirerope_mj.studies.results.sensitivity import Influence, influences
+from wirerope_mj.studies.inputs.sampling import LISTED
+from wirerope_mj.studies.results.effects import Effect, effects
+from wirerope_mj.studies.results.study_summary import StudySummary
 from wirerope_mj.views.plots.directions import directions_figure
 from wirerope_mj.views.plots.study import choices_figure, distribution_figure, scatter_figure, sensitivity_figure
 from wirerope_mj.views.plots.study_pictures import study_pictures
@@ -27,8 +28,9 @@ def table_of(inputs, travel):
 
 
 def pictures(table, sampling, inputs):
-    result = SimpleNamespace(table=table, study=SimpleNamespace(sampling=sampling, quantities=()))
-    answer = Answer(result=result, by="travel", influences=influences(table, inputs, "travel"))
+    study = SimpleNamespace(sampling=sampling, quantities=())
+    result = SimpleNamespace(table=table, independent=table, is_sampled=sampling not in LISTED, study=study)
+    answer = StudySummary(result=result, by="travel", effects=effects(table, inputs, "travel"))
     return {one.name: one for one in study_pictures(answer)}
 
 
@@ -49,9 +51,9 @@ def test_the_distribution_rises_to_all_variants_and_marks_limit_and_percentiles(
 
 def test_bars_of_inputs_go_from_the_strongest_down_and_pale_ones_say_so():
     found = [
-        Influence(name="motion/level", share=0.7, rank=0.9, certain=True),
-        Influence(name="mount/m1/axial/alpha", share=0.1, rank=-0.3, certain=True),
-        Influence(name="body/floor/centre_shift/x", share=-0.01, rank=0.0, certain=False),
+        Effect(name="motion/level", index=0.7, rank=0.9, certain=True),
+        Effect(name="mount/m1/axial/alpha", index=0.1, rank=-0.3, certain=True),
+        Effect(name="body/floor/centre_shift/x", index=-0.01, rank=0.0, certain=False),
     ]
     labels = {"body/floor/centre_shift/x": "body/floor/centre_shift/x [m]", "motion/level": "motion/level [factor]"}
     (panel,) = sensitivity_figure(found, "travel", labels).axes
@@ -89,7 +91,7 @@ def test_choices_may_be_truth_values():
 
 
 def test_the_word_of_chance_stands_beside_the_share_and_every_label_within_the_picture():
-    found = [Influence(name="motion/level", share=share, rank=0.83, certain=False) for share in (0.6, 0.55)]
+    found = [Effect(name="motion/level", index=share, rank=0.83, certain=False) for share in (0.6, 0.55)]
     figure = sensitivity_figure(found, "travel", {})
     figure.canvas.draw()
     (panel,) = figure.axes

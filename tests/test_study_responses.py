@@ -88,9 +88,9 @@ def test_workers_hand_them_over_and_small_memory_makes_small_chunks(alone, tmp_p
     study = table_study(variants=40)
     assert chunk_size(study, "responses") == chunk_size(study) == 3  # of 51 samples there is room for more
     one = 8 * 51 * len(alone.response(0).samples.names)
-    monkeypatch.setattr(responses, "SHARE", 2.5 * one)
+    monkeypatch.setattr(responses, "MEMORY", 2.5 * one)
     assert chunk_size(study, "responses") == 2
-    monkeypatch.setattr(responses, "SHARE", one / 2.0)
+    monkeypatch.setattr(responses, "MEMORY", one / 2.0)
     assert chunk_size(study, "responses") == 1
     result = table_study().run(tmp_path / "two", keep="responses", workers=2)
     assert (result.folder / "variants.parquet").read_bytes() == (alone.folder / "variants.parquet").read_bytes()

@@ -13,15 +13,16 @@ from genset import CENTRE, genset_study, genset_text
 from table_study import rows, table_study
 
 import wirerope_mj as wr
-from wirerope_mj.cli.study_tables import print_varied
+from wirerope_mj.cli.screen import print_table
 from wirerope_mj.runs.from_scenario import what_can_vary
 from wirerope_mj.runs.study_report import write_study_report
-from wirerope_mj.studies.folder import STUDY, TABLE, _identity
-from wirerope_mj.studies.inputs.vary_text import read_vary
-from wirerope_mj.studies.results.answer import answer_of
-from wirerope_mj.studies.results.sentences import sentences
+from wirerope_mj.studies.folder import TABLE
+from wirerope_mj.studies.inputs.vary_option import read_vary
+from wirerope_mj.studies.inputs_file import STUDY, identity
+from wirerope_mj.studies.results.statements import statements
+from wirerope_mj.studies.results.study_summary import summary_of
+from wirerope_mj.studies.results.tables import varied_table
 from wirerope_mj.studies.results.varied import varied_of
-from wirerope_mj.views.report.study import varied_table
 
 VALUE = {"body/genset/centre/z": wr.Normal(CENTRE, 0.03)}
 SHIFT = {"body/genset/centre_shift/z": wr.Normal(0.0, 0.03)}
@@ -34,7 +35,7 @@ def heights(study):
 
 def cells(vary, **others):
     """Return the rows of the table of what varies, by name."""
-    return {row[0]: row[1:] for row in (one.cells for one in varied_of(genset_study(vary, variants=2, **others)))}
+    return {row[0]: row[1:] for row in varied_table(genset_study(vary, variants=2, **others)).rows}
 
 
 def test_a_position_and_its_shift_are_the_same_variants():
@@ -50,8 +51,8 @@ def test_the_genset_leaves_its_travel_as_often_whichever_way_its_centre_is_said(
     shift = genset_study(SHIFT).run(tmp_path / "shift")
     a, b = (np.asarray(one.table["travel"]) for one in (value, shift))
     np.testing.assert_allclose(a, b, rtol=1e-9)  # positions that differ by 1e-16 m, over 300 steps of a smooth motion
-    found = value.chance("travel")
-    assert found == shift.chance("travel")
+    found = value.exceedance("travel")
+    assert found == shift.exceedance("travel")
     assert (found.count, found.n) == (26, 500)
     assert (found.low, found.high) == pytest.approx((0.034, 0.075), abs=5e-4)  # Clopper-Pearson of 26 in 500
 
@@ -183,7 +184,7 @@ def done(tmp_path_factory):
 
 
 def test_the_screen_the_page_the_summary_and_labels_say_what_stands_in_the_model(done, capsys, tmp_path):
-    print_varied(done.study)
+    print_table(varied_table(done.study))
     out = capsys.readouterr().out
     for words in ("body/genset/centre_shift/z", "shift [m]", "0.35 m", "in the model"):
         assert words in out
@@ -195,7 +196,7 @@ def test_the_screen_the_page_the_summary_and_labels_say_what_stands_in_the_model
         "name": "body/genset/centre_shift/z", "kind": "shift", "unit": "m", "nominal": CENTRE, "nominal_unit": "m",
         "distribution": "normal, mean 0, standard deviation 0.03",
     }  # fmt: skip
-    labels = answer_of(done).labels
+    labels = summary_of(done).labels
     assert labels["body/genset/centre_shift/z"] == "body/genset/centre_shift/z [m]"
     assert labels["mount/m1/axial/alpha"] == "mount/m1/axial/alpha [factor]"
 
@@ -223,7 +224,7 @@ def of_format_1(done, tmp_path):
     content["format"] = 1
     content["vary"][0]["name"] = "body/genset/centre/z"
     del content["id"]
-    text = tomli_w.dumps({"id": _identity(content), **content})
+    text = tomli_w.dumps({"id": identity(content), **content})
     (folder / STUDY).write_text(text, encoding="utf-8")
     table = pq.read_table(folder / TABLE)
     names = [name.replace("centre_shift", "centre") for name in table.column_names]
@@ -235,7 +236,7 @@ def test_a_folder_whose_centre_was_a_shift_is_read_as_one(of_format_1, done):
     old = wr.load_study(of_format_1)
     assert rows(old.table) == rows(done.table)
     assert old.study.table().equals(done.study.table())
-    assert old.chance("travel") == done.chance("travel")
+    assert old.exceedance("travel") == done.exceedance("travel")
     assert heights(old.study) == heights(done.study)
     page, *_ = write_study_report(of_format_1)
     assert "body/genset/centre_shift/z" in page.read_text(encoding="utf-8").replace("<wbr>", "")
@@ -248,9 +249,9 @@ def test_a_folder_whose_centre_was_a_shift_does_not_go_on(of_format_1):
 
 def test_a_measure_that_does_not_exist_is_a_value_error_with_a_limit_of_its_own_too(done):
     with pytest.raises(ValueError, match="there is no measure 'relative/top'; there are acceleration"):
-        done.chance("relative/top", 0.03)
+        done.exceedance("relative/top", 0.03)
     with pytest.raises(ValueError, match="`limit` must be a finite number, got nan"):
-        done.chance("travel", float("nan"))
+        done.exceedance("travel", float("nan"))
 
 
 def test_a_group_is_a_word_with_or_without_quotes():
@@ -280,6 +281,6 @@ def test_a_study_says_in_how_many_variants_stops_were_struck(tmp_path, capsys):
     result = table_study(vary={"motion/level": levels}, variants=2, sampling="grid").run(tmp_path / "study")
     struck = np.asarray(result.table["struck"])
     assert sorted(struck > 0.0) == [False, True]
-    (sentence,) = [one for one in sentences(result) if one.startswith("Stops are struck in 1 of 2 variants")]
+    (sentence,) = [one for one in statements(result) if one.startswith("Stops are struck in 1 of 2 variants")]
     assert "depend on stiffness and damping of the stops" in sentence
     assert json.loads((result.folder / "summary.json").read_text())["struck"] == 1

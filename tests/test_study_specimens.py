@@ -14,7 +14,7 @@ from wirerope_mj.mounts.identification import joint_spread
 from wirerope_mj.mounts.identification.specimens import own_parameters
 from wirerope_mj.mounts.laws import LAWS, Masing
 from wirerope_mj.runs.study_file import load_study_file
-from wirerope_mj.studies.inputs.specimens import deviation_bounds, known_specimens, rank, specimen_sentences
+from wirerope_mj.studies.inputs.specimens import deviation_bounds, known_specimens, rank, specimen_messages
 
 TWINS = catalogue_folder() / "twins" / "five_twins_wr16_400.toml"
 BUILD = Path(__file__).parents[1] / "docs" / "specimens" / "build.py"
@@ -135,7 +135,7 @@ def test_every_mount_of_the_floor_is_a_specimen_of_its_own(twins):
     laws = {system.mounts[f"m{number:02d}"].isolator.axial for number in range(1, 17)}
     assert len(laws) == 16
     assert system.mounts["m03"].isolator.shear.k1 == row["mount/m03/shear/k1"]
-    (text,) = specimen_sentences(study.quantities)
+    (text,) = specimen_messages(study.quantities)
     assert "15 parameters scatter along 4 directions, so they come from 5 specimens" in text
     assert "0.6 to 2.9 times" in text
 

@@ -11,7 +11,7 @@ from small_search import beam_study
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import starting_load_verdicts
 from wirerope_mj.mounts.isolator import Limits, Travel
-from wirerope_mj.studies.results.sentences import sentences
+from wirerope_mj.studies.results.statements import statements
 
 G = wr.STANDARD_GRAVITY
 QUIET = wr.HalfSine(peak=10.0, duration=0.011, direction="z", start=0.02)
@@ -84,9 +84,9 @@ def test_a_search_recommends_no_design_beyond_the_rated_static_load(tmp_path):
 
 
 def test_a_static_load_beyond_its_rating_is_said_and_one_within_is_not(tmp_path):
-    said = sentences(sdof_study().run(tmp_path / "heavy", workers=1))
+    said = statements(sdof_study().run(tmp_path / "heavy", workers=1))
     assert any("rated static load): beyond 100 % in 1 of 2 variants" in line for line in said)
-    said = sentences(sdof_study(rated=400.0).run(tmp_path / "light", workers=1))
+    said = statements(sdof_study(rated=400.0).run(tmp_path / "light", workers=1))
     assert not any("static load" in line for line in said)
 
 

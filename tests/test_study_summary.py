@@ -78,12 +78,12 @@ def test_a_result_is_asked_for_its_worst_variants_percentiles_and_chances(drawn)
     middle, high = drawn.quantiles("travel", (0.5, 0.99))
     assert middle == pytest.approx(np.median(travel), rel=1e-12)  # rounding
     assert math.isnan(high)
-    found = drawn.chance("travel")
+    found = drawn.exceedance("travel")
     assert (found.count, found.n, found.failed) == (int((travel > 1.0).sum()), 120, 0)
-    assert drawn.chance("acceleration", 0.0).count == 120
+    assert drawn.exceedance("acceleration", 0.0).count == 120
     with pytest.raises(ValueError, match="`limit` must be given for 'acceleration'"):
-        drawn.chance("acceleration")
+        drawn.exceedance("acceleration")
     with pytest.raises(ValueError, match="there is no measure 'speed'"):
         drawn.worst("speed")
-    with pytest.raises(ValueError, match="`shares` must be from 0 to 1"):
+    with pytest.raises(ValueError, match="`probabilities` must be from 0 to 1"):
         drawn.quantiles("travel", (95,))

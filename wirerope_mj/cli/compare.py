@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from wirerope_mj.foundation.atomic_files import check_place
+from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain
 
@@ -36,8 +36,8 @@ def compare(
     from wirerope_mj.cli.compare_tables import print_comparison
     from wirerope_mj.engine.response import load_response
     from wirerope_mj.runs.checksums import warn_of_alterations
-    from wirerope_mj.runs.headline import read_headline
     from wirerope_mj.runs.inputs import run_inputs
+    from wirerope_mj.runs.summary import read_headline
     from wirerope_mj.views.recording.overlay import write_overlay
     from wirerope_mj.views.recording.overlay_runs import overlay_of
 
@@ -60,13 +60,13 @@ def _names(runs: Sequence[Path], names: Sequence[str] | None) -> list[str]:
     """Return what the runs are called: as is said, or as their folders are, told apart by the folders above or by numbers."""
     if names is None:
         paths = [Path(os.path.abspath(folder)) for folder in runs]  # as it is called, also where that is a link
-        found = [path.name for path in paths]
+        names = [path.name for path in paths]
         longer = [f"{path.parent.name}/{path.name}" for path in paths]
-        if len(set(found)) < len(found) == len(set(longer)):
-            found = longer
+        if len(set(names)) < len(names) == len(set(longer)):
+            names = longer
         return [
-            name if name not in found[:place] else f"{name} ({found[: place + 1].count(name)})"
-            for place, name in enumerate(found)
+            name if name not in names[:index] else f"{name} ({names[: index + 1].count(name)})"
+            for index, name in enumerate(names)
         ]
     if len(names) != len(runs):
         raise ValueError(f"`--names` must be one for each of the {len(runs)} runs, got {len(names)}.")
@@ -91,5 +91,5 @@ def _target(out: Path | None, *, force: bool) -> Path:
     if target.exists() and not force:
         raise RecordError(f"{target}: there is a recording already. Replace it with --force, or choose another place.")
     if out is not None:
-        check_place(out)
+        check_writable(out)
     return target

@@ -1,4 +1,4 @@
-"""Screen of `wirerope compare`: inputs that differ, peaks side by side, and where and when runs differ."""
+"""Output of `wirerope compare`: inputs that differ, peaks side by side, and where and when runs differ."""
 
 import math
 from collections.abc import Mapping, Sequence

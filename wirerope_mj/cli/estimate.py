@@ -7,7 +7,7 @@ from rich.markup import escape
 
 from wirerope_mj.cli.screen import console, print_table
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.atomic_files import check_place
+from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.estimate import LoopEstimate, estimate_loop, estimated_isolator
@@ -33,7 +33,7 @@ def estimate_command(
     if out is not None:
         if out.suffix != ".toml":
             raise ValueError(f"`--out` must end with .toml, got {str(out)!r}.")
-        check_place(out)
+        check_writable(out)
     estimate = estimate_loop(
         height=1e-3 * height,
         width=1e-3 * width,

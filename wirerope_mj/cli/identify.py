@@ -39,24 +39,7 @@ _ELEMENTS = 5  # of a Masing law: with eleven parameters within what an identifi
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """Arguments of the command.
-
-    Attributes:
-        files: records of cyclic tests.
-        law: name of the law.
-        out: isolator file.
-        axis: along which the tests moved.
-        report: folder; None: beside `out`.
-        name: of the isolator; None: that of its file.
-        constraint: on Bouc-Wen's beta and gamma.
-        fix: NAME=VALUE each.
-        free: parameters that are given otherwise.
-        beside: isolator file with the law that is known.
-        elements: of a Masing law; None: five, or as many as the start has.
-        start: law or isolator file where a three-stage search begins too.
-        force: whether `out` and `report` are replaced.
-        accept_unconverged: whether a fit that did not converge may become an isolator.
-    """
+    """Arguments of the command, as `identify_options` describes them; None: its default."""
 
     files: Sequence[Path]
     law: str
@@ -80,7 +63,7 @@ class Request:
 
     @property
     def given(self) -> list[str]:
-        """What is given to the fit."""
+        """Conditions that are given to the fit."""
         texts = [*self.fix, *([self.constraint] if self.constraint is not None else [])]
         return [*texts, f"the law of {self.beside.name} beside it"] if self.beside is not None else texts
 

@@ -6,7 +6,7 @@ from typing import Any
 from rich.markup import escape
 
 from wirerope_mj.cli.screen import console, print_table
-from wirerope_mj.foundation.atomic_files import check_place
+from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.tables import Cell, Column, Table
@@ -151,4 +151,4 @@ def check_picture(out: Path) -> None:
         raise ValueError(f"`--out` must end with .png, .svg or .pdf, got {str(out)!r}.")
     if not out.resolve().parent.is_dir():
         raise ValueError(f"`--out`: there is no folder {str(out.resolve().parent)!r}.")
-    check_place(out)
+    check_writable(out)

@@ -45,18 +45,7 @@ def print_loops(
     out: Path | None,
     csv: Path | None,
 ) -> None:
-    """Test an isolator or a law cyclically, print measures of its loops, draw them, and write them if asked.
-
-    Args:
-        source: isolator of the catalogue, or the path of an isolator file or of a law file.
-        amplitudes: of the tests [m]; None: fractions of the rated travel.
-        operating_point: mean deflection [m].
-        axis: the only axis to test; None: every axis with a force.
-        frequency: of the tests [Hz].
-        cycles: to run; None: until the loops close.
-        out: the picture; None: NAME-loops.png in the current folder.
-        csv: file for the loops of one axis.
-    """
+    """Test an isolator or a law cyclically, print measures of its loops, draw them, and write them if asked. In SI units."""
     isolator, stem, rated = _load(source, axis)
     picture = Path(f"{stem}-loops.png") if out is None else out
     check_picture(picture)

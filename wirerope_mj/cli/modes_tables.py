@@ -17,7 +17,7 @@ from wirerope_mj.dynamics.modes.travel import travel_utilisation
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.atomic_files import check_place
+from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 from wirerope_mj.runs.folder import check_target
@@ -36,7 +36,7 @@ def modes_command(
     if alone and target.exists() and not force:
         raise RecordError(f"{target}: there is a file already. Replace it with --force, or choose another one.")
     if alone:
-        check_place(target)
+        check_writable(target)
     else:
         check_target(target, force=force, kind=KIND, marks=MARKS)
     system = load_system(path)

@@ -26,14 +26,14 @@ def report(
         pdf: write a PDF of the page beside it, which needs the extra "pdf" (WeasyPrint).
         force: replace files that `--out` names.
     """
-    from wirerope_mj.foundation.atomic_files import check_place
+    from wirerope_mj.foundation.atomic_files import check_writable
     from wirerope_mj.runs.page import REPORT
     from wirerope_mj.runs.report import write_report
 
     if out is not None:
-        check_place(out)
+        check_writable(out)
     elif folder.is_dir():  # what is no folder at all has a message of its own
-        check_place(folder / REPORT)
+        check_writable(folder / REPORT)
     for path in write_report(folder, out=out, pdf=pdf, force=force):
         print(plain(f"written: {path} ({path.stat().st_size / 1e6:.2f} MB)"))
     return 0

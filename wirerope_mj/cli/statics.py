@@ -24,10 +24,10 @@ def statics(model: str, *, json: Path | None = None) -> int:
     from wirerope_mj.dynamics.modes import modes
     from wirerope_mj.engine.statics import static_table
     from wirerope_mj.engine.system import load_system
-    from wirerope_mj.foundation.atomic_files import check_place
+    from wirerope_mj.foundation.atomic_files import check_writable
 
     if json is not None:
-        check_place(json)
+        check_writable(json)
     path = model_path(model)
     system = load_system(path)
     table = static_table(system)

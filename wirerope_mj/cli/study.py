@@ -15,7 +15,7 @@ from wirerope_mj.runs.option_file import defines
 from wirerope_mj.runs.scenario import ScenarioFile, load_scenario, shipped_scenarios
 from wirerope_mj.runs.study_file import StudyFile, load_study_file, shipped_studies
 from wirerope_mj.studies.inputs.sampling import SAMPLINGS
-from wirerope_mj.studies.inputs.vary_text import EXAMPLE, read_vary
+from wirerope_mj.studies.inputs.vary_option import EXAMPLE, read_vary
 from wirerope_mj.studies.study import Study
 
 _RUN = (

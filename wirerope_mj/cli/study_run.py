@@ -1,4 +1,4 @@
-"""What `wirerope study` does once the study is known: computes it, writes what stands beside its table, and prints it."""
+"""The run of `wirerope study`: computes the study, writes pictures and worst variants, and prints the results."""
 
 import sys
 from collections.abc import Callable, Sequence
@@ -9,14 +9,15 @@ from typing import Any
 
 from rich.markup import escape
 
-from wirerope_mj.cli.screen import console
-from wirerope_mj.cli.search_tables import print_search
-from wirerope_mj.cli.study_tables import print_study, print_varied
+from wirerope_mj.cli.screen import console, print_table
+from wirerope_mj.cli.study_tables import print_search, print_study
 from wirerope_mj.foundation.errors import WireRopeError
-from wirerope_mj.studies.folder import STUDY, dead
+from wirerope_mj.studies.folder import dead
+from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
-from wirerope_mj.studies.results.answer import answer_of
+from wirerope_mj.studies.results.study_summary import summary_of
+from wirerope_mj.studies.results.tables import varied_table
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study
@@ -32,7 +33,7 @@ def compute_and_print(
     open_worst: int,
     **how: Any,
 ) -> None:
-    """Compute a study or a search and print what it answers.
+    """Compute a study or a search and print its results.
 
     Args:
         make: returns the study.
@@ -54,7 +55,7 @@ def compute_and_print(
     names = measure_names(study.base)
     if by is not None and by not in names:
         raise ValueError(f"`--by`: there is no measure {by!r}; there are {', '.join(names[:8])}, ...")
-    print_varied(study.study if isinstance(study, Search) else study)
+    print_table(varied_table(study.study if isinstance(study, Search) else study))
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     result = _computed(study, folder, resume=resume, **how)
     _print(result, by, open_worst)
@@ -69,8 +70,8 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
     except KeyboardInterrupt:
         if not (folder / STUDY).is_file():
             raise
-        words = f"what is done is kept; go on with the same options and --resume --out {folder}"
-        raise KeyboardInterrupt(words) from None
+        text = f"what is done is kept; go on with the same options and --resume --out {folder}"
+        raise KeyboardInterrupt(text) from None
     if len(result.failed) == result.table.num_rows:
         number, message = next(iter(result.failed.items()))
         raise ValueError(f"every variant failed; variant {number}: {message} The table is in {folder}.")
@@ -78,7 +79,7 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
 
 
 def _print(result: StudyResult, by: str | None, open_worst: int) -> None:
-    """Write the pictures and the worst variants of a study or a search, print what it answers, and open them."""
+    """Write the pictures and the worst variants of a study or a search, print the results, and open them."""
     from wirerope_mj.runs.study import write_search_pictures, write_study_pictures, write_worst
 
     show: Callable[[Sequence[str]], None]
@@ -86,9 +87,9 @@ def _print(result: StudyResult, by: str | None, open_worst: int) -> None:
         write_search_pictures(result)
         by, show = by or result.minimise[0], partial(print_search, result)
     else:
-        answer = answer_of(result, by)
-        write_study_pictures(answer)
-        by, show = answer.by, partial(print_study, answer)
+        summary = summary_of(result, by)
+        write_study_pictures(summary)
+        by, show = summary.by, partial(print_study, summary)
     worst = write_worst(result, by, open_worst) if open_worst else []
     # What begins with a dot another process is writing just now.
     show(sorted(path.name for path in result.folder.glob("[!.]*") if path.is_file()))
@@ -96,12 +97,12 @@ def _print(result: StudyResult, by: str | None, open_worst: int) -> None:
 
 
 def _open(paths: Sequence[Path]) -> None:
-    """Say how the worst variants are shown, and show the first where somebody can see it."""
+    """Print how the worst variants are opened, and open the first where there is a screen."""
     from wirerope_mj.views.recording.viewer import has_display, show
 
     for path in paths:
-        word = "opens the worst variants over each other" if path.suffix else "opens the view of a variant"
-        console().print(f"  [bold]wirerope show {escape(str(path))}[/] {word}", soft_wrap=True)
+        effect = "opens the worst variants over each other" if path.suffix else "opens the view of a variant"
+        console().print(f"  [bold]wirerope show {escape(str(path))}[/] {effect}", soft_wrap=True)
     if not paths:
         return
     if has_display() and sys.stdout.isatty():

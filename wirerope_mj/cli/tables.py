@@ -1,4 +1,4 @@
-"""Screen of a run: peaks against limits, and where the files are; and lists of what ships."""
+"""Output of a run: peaks against limits, and where the files are; and lists of what ships."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -28,8 +28,8 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator.travel import RATINGS
-from wirerope_mj.runs.headline import read_headline
 from wirerope_mj.runs.scenario import Scenario
+from wirerope_mj.runs.summary import read_headline
 
 _NEAR = 0.9  # utilisation from which it is coloured as a warning
 

@@ -1,4 +1,4 @@
-"""What every wing stands on: errors, units, checks of arguments, files written whole, compiled kernels, shipped files.
+"""What every wing stands on: errors, units, checks of arguments, atomic files, CSV with units, compiled kernels, shipped files.
 
 Imports nothing else of the package.
 """

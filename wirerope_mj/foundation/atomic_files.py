@@ -1,4 +1,4 @@
-"""Files and folders that are written whole or not at all."""
+"""Files and folders that are written atomically: whole or not at all."""
 
 import os
 import shutil
@@ -24,15 +24,12 @@ _PATIENCE = 1.0
 
 @contextmanager
 def atomic_file(path: Path, *, clear: bool = True) -> Iterator[Path]:
-    """Rename what the block writes beside `path` to it, and leave nothing behind if the block fails.
+    """Yield a temporary file that is renamed to `path` when the block ends well, and removed when it does not.
 
     Args:
-        path: the file.
+        path: of the file; the temporary one lies in the same folder and has the same ending.
         clear: whether what killed processes left in its folder is removed first: for one who writes there once. Looking through
             a folder of many thousand files for each of them would take hours.
-
-    Yields:
-        The file to write, in the same folder and with the same ending.
 
     Raises:
         RecordError: nothing can be written in its folder.
@@ -40,13 +37,13 @@ def atomic_file(path: Path, *, clear: bool = True) -> Iterator[Path]:
     """
     if clear:
         clear_half_written(path.parent)
-    with full_disk_said(path), hidden_file(path) as beside:
-        yield beside
-        beside.chmod(0o644)  # mkstemp makes files that nobody else may read
-        os.replace(beside, path)
+    with full_disk_named(path), hidden_file(path) as temporary:
+        yield temporary
+        temporary.chmod(0o644)  # mkstemp makes files that nobody else may read
+        os.replace(temporary, path)
 
 
-def check_place(path: Path) -> None:
+def check_writable(path: Path) -> None:
     """Raise RecordError if no file can be written at `path`: cheap, before what takes time.
 
     Folders are not made: one that is not there is a slip of the pen more often than a wish.
@@ -66,7 +63,7 @@ def check_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) 
     Args:
         folder: where something is to be written.
         force: whether it may replace another of its kind.
-        kind: what messages call it.
+        kind: of folder, for messages.
         marks: files by which one is known.
     """
     if not folder.exists() and not folder.is_symlink():
@@ -87,29 +84,29 @@ def check_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) 
 
 @contextmanager
 def atomic_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) -> Iterator[Path]:
-    """Yield a new folder beside `folder` that becomes it when the block ends well, and is removed when it does not.
+    """Yield a temporary folder adjacent to `folder` that becomes it when the block ends well, and is removed when it does not.
 
-    What killed processes left beside it is removed, too. The arguments are those of `check_folder`.
+    What killed processes left there is removed, too. The arguments are those of `check_folder`.
 
     Raises:
         RecordError: as `check_folder`; or another process is writing `folder`, or nothing can be written there.
         DiskFullError: the disk is full.
     """
-    clear_half_written(folder.resolve().parent)
+    target = folder.resolve()
+    clear_half_written(target.parent)
     check_folder(folder, force=force, kind=kind, marks=marks)
-    place, folder = folder, folder.resolve()
-    missing = [parent for parent in folder.parents if not parent.exists()]
+    missing = [parent for parent in target.parents if not parent.exists()]
     try:
-        with full_disk_said(place), hidden_folder(folder, patience=_PATIENCE) as beside:
-            if beside is None:
+        with full_disk_named(folder), hidden_folder(target, patience=_PATIENCE) as temporary:
+            if temporary is None:
                 raise RecordError(
-                    f"{place}: another process is writing this {kind}. Nothing in it was touched; wait for that one, or "
+                    f"{folder}: another process is writing this {kind}. Nothing in it was touched; wait for that one, or "
                     "choose another folder."
                 )
-            check_folder(folder, force=force, kind=kind, marks=marks)  # another process may just have ended
-            yield beside
-            check_folder(folder, force=force, kind=kind, marks=marks)
-            _put(beside, folder)
+            check_folder(target, force=force, kind=kind, marks=marks)  # another process may just have ended
+            yield temporary
+            check_folder(target, force=force, kind=kind, marks=marks)
+            _replace(temporary, target)
     except BaseException:
         for parent in missing:
             with suppress(OSError):  # it is not empty
@@ -119,11 +116,7 @@ def atomic_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str])
 
 @contextmanager
 def worked_on_alone(folder: Path, *, kind: str) -> Iterator[None]:
-    """Hold `folder` for the block, so that no other process works on it; where there are no locks nobody is kept out.
-
-    Raises:
-        RecordError: another process holds it.
-    """
+    """Hold `folder` for the block, or raise RecordError if another process does; without effect where there are no locks."""
     with locked(folder) as lock:
         if lock == TAKEN:
             raise RecordError(
@@ -134,29 +127,25 @@ def worked_on_alone(folder: Path, *, kind: str) -> Iterator[None]:
 
 
 @contextmanager
-def full_disk_said(place: Path) -> Iterator[None]:
-    """Raise DiskFullError about `place`, which people know, if the block finds the disk full, wherever it does.
-
-    Raises:
-        DiskFullError: there is no space left.
-    """
+def full_disk_named(path: Path) -> Iterator[None]:
+    """Raise DiskFullError about `path`, which people know, if the block meets a full disk, at whatever file."""
     try:
         yield
     except (DiskFullError, OSError) as error:
         reason = error.__cause__ if isinstance(error, DiskFullError) else error
         if not isinstance(reason, OSError) or not is_full(reason):
             raise
-        raise refusal(place, reason) from reason
+        raise refusal(path, reason) from reason
 
 
-def _put(beside: Path, folder: Path) -> None:
-    """Rename `beside` to `folder`; what was there is removed only after the new one stands."""
+def _replace(temporary: Path, folder: Path) -> None:
+    """Rename `temporary` to `folder`; what was there is removed only after the new one stands."""
     if not folder.exists():
-        os.rename(beside, folder)
+        os.rename(temporary, folder)
         return
     aside = set_aside(folder)
     try:
-        os.rename(beside, folder)
+        os.rename(temporary, folder)
     except BaseException:
         os.rename(aside, folder)
         raise

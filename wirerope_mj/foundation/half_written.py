@@ -34,12 +34,12 @@ _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 """Errors of the operating system that say that there is no room: on the disk, in the quota, or for so large a file."""
 
 HELD, TAKEN, GONE, UNKNOWN = "held", "taken", "gone", "unknown"
-"""What came of a lock: it is ours, another process has it, nothing is there to lock, or there are no locks here."""
+"""Outcomes of locking: it is ours, another process has it, nothing is there to lock, or there are no locks here."""
 
 
 @contextmanager
 def locked(path: Path) -> Iterator[str]:
-    """Lock a file or a folder for the block, and say what came of it."""
+    """Lock a file or a folder for the block, and yield the outcome."""
     lock, handle = _lock(path)
     try:
         yield lock
@@ -50,7 +50,7 @@ def locked(path: Path) -> Iterator[str]:
 
 @contextmanager
 def hidden_file(path: Path) -> Iterator[Path]:
-    """Lend a new hidden file in the folder of `path`, with its ending, and hold it; it is removed if it is still there.
+    """Yield a new hidden file in the folder of `path`, with its ending, locked; it is removed if it is still there.
 
     Raises:
         RecordError: no file can be made there.
@@ -78,16 +78,14 @@ def hidden_file(path: Path) -> Iterator[Path]:
 
 @contextmanager
 def hidden_folder(folder: Path, *, patience: float = 0.0) -> Iterator[Path | None]:
-    """Lend the hidden folder in which `folder` is written, empty, and hold it; it is removed if it is still there.
+    """Yield the hidden folder in which `folder` is written, empty and locked, or None if another process writes `folder`.
 
     There is one for each folder, so that two processes never write the same one. Where there are no locks nobody is kept out.
+    It is removed if it is still there.
 
     Args:
-        folder: what is written.
-        patience: how long another process may hold the hidden folder [s], perhaps only to remove what was left in it.
-
-    Yields:
-        The hidden folder, or None if another process writes `folder`.
+        folder: that is written.
+        patience: time for which another process may hold the hidden folder [s], perhaps only to remove what was left in it.
 
     Raises:
         RecordError: no folder can be made there.
@@ -112,7 +110,7 @@ def hidden_folder(folder: Path, *, patience: float = 0.0) -> Iterator[Path | Non
 
 
 def _made(folder: Path, patience: float) -> tuple[Path, str, int | None]:
-    """Make the hidden folder of `folder`, and return it, what came of its lock, and the handle that holds it."""
+    """Make the hidden folder of `folder`, and return it, the outcome of locking it, and the handle that holds the lock."""
     hidden = folder.parent / f".{folder.name}.{_MARK}.part"
     lock, handle, end = GONE, None, time.monotonic() + patience
     while (lock == GONE and not hidden.is_symlink()) or (lock == TAKEN and time.monotonic() < end):
@@ -137,12 +135,12 @@ def set_aside(folder: Path) -> Path:
     return aside
 
 
-def refusal(place: Path, error: OSError) -> RecordError:
-    """Return the error that says why nothing can be written at `place`."""
+def refusal(path: Path, error: OSError) -> RecordError:
+    """Return the error that says why nothing can be written at `path`."""
     if not is_full(error):
-        return RecordError(f"{place}: cannot write here ({error.strerror}). Choose another place.")
+        return RecordError(f"{path}: cannot write here ({error.strerror}). Choose another place.")
     return DiskFullError(
-        f"{place}: there is no space left for it ({os.strerror(error.errno or errno.ENOSPC)}); nothing half-written was left "
+        f"{path}: there is no space left for it ({os.strerror(error.errno or errno.ENOSPC)}); nothing half-written was left "
         "behind. Free some space, or choose another place."
     )
 
@@ -190,7 +188,7 @@ def _remove(path: Path) -> None:
 
 
 def _lock(path: Path) -> tuple[str, int | None]:
-    """Lock a path, and return what came of it and the open handle that holds the lock."""
+    """Lock a path, and return the outcome and the open handle that holds the lock."""
     while True:
         try:
             handle = os.open(path, os.O_RDONLY)

@@ -1,4 +1,4 @@
-"""Files that a folder names: somebody else's folder is data, and reaches nothing outside itself."""
+"""Paths that the files of a folder name: somebody else's folder is data, and reaches nothing outside itself."""
 
 from pathlib import Path
 from typing import Any

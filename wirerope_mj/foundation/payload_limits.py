@@ -1,7 +1,9 @@
-"""What a payload can bear: the acceleration of a body or a point, and the room around a point."""
+"""Limits of a payload: the acceleration of a body or a point, and the clearance around it."""
 
 import math
 from dataclasses import dataclass
+
+from wirerope_mj.foundation.arguments import one_of
 
 SIZES = {"acceleration": (1, 3), "clearance": (3, 6)}
 """Kinds of limits and how many values each may have."""
@@ -17,7 +19,7 @@ class PayloadLimit:
 
     Attributes:
         kind: "acceleration" (fragility of what stands there, absolute acceleration) or "clearance" (rattle space: how far a
-            point, or any corner of a body, may move from its modelled place relative to the base).
+            point, or any corner of a body, may move from its modelled position relative to the base).
         name: the body or the point.
         values: acceleration [m/s^2]: one value for the norm, or three along x, y, z; clearance [m]: three values along x, y, z,
             both ways, or six along -x, +x, -y, +y, -z, +z. World axes. Zero: not judged there.
@@ -28,8 +30,7 @@ class PayloadLimit:
     values: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        if self.kind not in SIZES:
-            raise ValueError(f"`kind` must be one of {', '.join(SIZES)}, got {self.kind!r}.")
+        one_of("kind", self.kind, SIZES)
         values = tuple(float(value) for value in self.values)
         if len(values) not in SIZES[self.kind]:
             few, many = SIZES[self.kind]

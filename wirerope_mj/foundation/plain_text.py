@@ -1,4 +1,4 @@
-"""Text that others wrote, as it may be shown: a name in a model or a file is data, on a terminal and in Markdown too."""
+"""Text that others wrote, made safe to display: a name in a model or a file is data, on a terminal and in Markdown too."""
 
 import re
 from unicodedata import category
@@ -11,30 +11,30 @@ _LIST = re.compile(r"^(\s*\d*)([-+=.)])(?=[\s=-]|$)")
 
 
 def plain(text: str) -> str:
-    r"""Text on one line, its invisible characters spelled out: `\x1b` for an escape, `\n` for a line break."""
+    r"""Return text on one line, its invisible characters spelled out: `\x1b` for an escape, `\n` for a line break."""
     if text.isprintable():
         return text
     return "".join(c if c.isprintable() or c == "\t" or category(c) == "Zs" else _spelled(c) for c in text)
 
 
 def short(text: str, most: int = 200) -> str:
-    """Text as it is quoted in a message: what is longer than `most` characters is cut, and ends with three points."""
+    """Return text as it is quoted in a message: what is longer than `most` characters is cut, and ends with three points."""
     return text if len(text) <= most else f"{text[:most]}..."
 
 
 def plain_lines(text: str) -> str:
-    """Text as `plain` returns it, its line breaks kept."""
+    """Return text as `plain` does, its line breaks kept."""
     return "\n".join(plain(line) for line in text.split("\n"))
 
 
 def markdown(text: str) -> str:
-    """Markdown that shows `text` as it is, on one line: no link, picture, table, formula or HTML comes out of it."""
+    """Return Markdown that shows `text` as it is, on one line: no link, picture, table, formula or HTML comes out of it."""
     escaped = _SPECIAL.sub(lambda match: f"\\{match[0]}", plain(text).strip())
     return _LIST.sub(r"\1\\\2", escaped)
 
 
 def markdown_lines(text: str) -> str:
-    """Markdown that shows `text` as it is, its lines and paragraphs kept."""
+    """Return Markdown that shows `text` as it is, its lines and paragraphs kept."""
     return "\n".join(markdown(line) for line in text.split("\n"))
 
 

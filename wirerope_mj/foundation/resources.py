@@ -1,4 +1,4 @@
-"""Where the models and scenarios that ship with the package lie, in a checkout and in an installed wheel."""
+"""Folders of the models and scenarios that ship with the package, in a checkout and in an installed wheel."""
 
 from pathlib import Path
 
@@ -38,20 +38,20 @@ def model_source(model: str | Path, *, folder: Path | None = None, asker: str) -
         model: MJCF text, or a path; a relative one starts at `folder`, then at the models that ship with the package, and
             `.xml` may be left out.
         folder: None for the current one.
-        asker: what messages begin with.
+        asker: beginning of messages.
 
     Raises:
-        ModelError: there is no such file; names where it was looked for.
+        ModelError: there is no such file; names the paths that were tried.
     """
     if isinstance(model, str) and model.lstrip().startswith("<"):
         return model
     wanted = Path(model) if str(model).endswith(".xml") else Path(f"{model}.xml")
-    places = [(folder or Path()) / wanted, models_folder() / wanted]
-    for place in places:
-        if place.is_file():
-            return place
+    candidates = [(folder or Path()) / wanted, models_folder() / wanted]
+    for path in candidates:
+        if path.is_file():
+            return path
     shipped = ", ".join(sorted(path.name for path in models_folder().glob("*.xml")))
     raise ModelError(
         f"{asker}: there is no model {str(model)!r}; looked for "
-        f"{' and '.join(str(place) for place in dict.fromkeys(places))}. The package ships {shipped}."
+        f"{' and '.join(str(path) for path in dict.fromkeys(candidates))}. The package ships {shipped}."
     )

@@ -1,4 +1,4 @@
-"""The state of a system, from which a simulation may start: what statics finds and a response ends with."""
+"""State of a system, from which a simulation may start: a result of statics, and the end of a response."""
 
 import base64
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""TOML files that users write, read with messages that say where they are wrong."""
+"""TOML files that users write, read with messages that name file, line and column."""
 
 import tomllib
 from pathlib import Path
@@ -12,7 +12,7 @@ def read_toml(path: str | Path, kind: str) -> dict[str, Any]:
 
     Args:
         path: of the file.
-        kind: what it should be, for messages: "isolator file".
+        kind: of file, for messages: "isolator file".
 
     Raises:
         ModelError: the file cannot be read, is no text or is not TOML; names file, line and column, and what to do.

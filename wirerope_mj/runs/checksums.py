@@ -80,9 +80,9 @@ def alterations(folder: Path) -> Alterations | None:
 
 def warn_of_alterations(folder: Path) -> None:
     """Issue a RecordWarning if a file of a run was altered or removed since it was written."""
-    found = alterations(folder) if folder.is_dir() else None
-    if found is not None and not found.intact:
-        warnings.warn(f"{folder}: {found.text}", RecordWarning, stacklevel=2)
+    altered = alterations(folder) if folder.is_dir() else None
+    if altered is not None and not altered.intact:
+        warnings.warn(f"{folder}: {altered.text}", RecordWarning, stacklevel=2)
 
 
 def _names(folder: Path) -> list[str]:
@@ -111,13 +111,13 @@ def _read(path: Path) -> dict[str, str]:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError):
         raise RecordError(f"{path}: this is not a text of checksums. {_REMEDY}") from None
-    found = {}
+    sums = {}
     for number, line in enumerate(lines, start=1):
         match = _LINE.fullmatch(line)
         if match is None:
             raise RecordError(f"{path}: line {number} is not a SHA-256 checksum and a file. {_REMEDY}")
-        found[match[2]] = match[1]
-    return found
+        sums[match[2]] = match[1]
+    return sums
 
 
 _REMEDY = "Take it from another copy of the folder, or remove it: then nothing is known of what was altered."

@@ -1,16 +1,13 @@
 """Differences between the numbers that a run's folder holds and those that are computed again."""
 
-import json
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import scene_to_dict
-from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.folder import SUMMARY
 
 Difference = tuple[float, str]
@@ -37,8 +34,8 @@ def sample_differences(stored: Response, again: Response) -> Iterator[Difference
             continue
         scale = np.maximum(np.abs(a).max(axis=0), np.finfo(float).tiny)
         ratio = np.abs(a - b).max(axis=0) / scale
-        place = int(ratio.argmax())
-        yield float(ratio[place]), names[first + place]
+        worst = int(ratio.argmax())
+        yield float(ratio[worst]), names[first + worst]
 
 
 def peak_differences(stored: Response, again: Response) -> Iterator[Difference]:
@@ -63,7 +60,7 @@ def peak_differences(stored: Response, again: Response) -> Iterator[Difference]:
 
 
 _INSTANTS = {1: 0, **{8 + axis: 5 + axis for axis in range(3)}, **{14 + axis: 11 + axis for axis in range(3)}}
-"""Which numbers of a peak are instants, and where the number stands that is reached then, as `Peak.to_list` orders them."""
+"""Positions of the instants in `Peak.to_list`, and of the values that are reached then."""
 
 
 def other_differences(stored: Response, again: Response) -> Iterator[Difference]:
@@ -88,27 +85,12 @@ def other_differences(stored: Response, again: Response) -> Iterator[Difference]
         yield from _plain_differences(here, there, name)
 
 
-def summary_differences(folder: Path, computed: Mapping[str, Any], *, texts: bool) -> Iterator[Difference]:
-    """Yield the differences between summary.json and what the stored response gives.
+def summary_differences(stored: Mapping[str, Any], computed: Mapping[str, Any], *, texts: bool) -> Iterator[Difference]:
+    """Yield the differences between the stored content of summary.json and what the stored response gives.
 
-    Args:
-        folder: of the run.
-        computed: what `summary_content` returns of the stored response.
-        texts: whether texts and the entries themselves are compared, which another version may write otherwise.
-
-    Raises:
-        RecordError: summary.json is missing or damaged.
+    With `texts`, texts and the entries themselves are compared, which another version may write otherwise.
     """
-    path = folder / SUMMARY
-    try:
-        mine = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise RecordError(f"{folder}: there is no {SUMMARY} here. Take it from another copy of the folder.") from None
-    except (OSError, ValueError, RecursionError):
-        raise RecordError(
-            f"{path}: this is not a summary, nor JSON. Take it from another copy of the folder."
-        ) from None
-    yield from _plain_differences(mine, computed, SUMMARY, texts=texts, without=_OF_THIS_TIME)
+    yield from _plain_differences(stored, computed, SUMMARY, texts=texts, without=_OF_THIS_TIME)
 
 
 def _plain_differences(
@@ -142,10 +124,10 @@ def _flat(value: Any, where: str = "") -> dict[str, Any]:
         items = [(_label(item, number), item) for number, item in enumerate(value)]
     else:
         return {where: value}
-    found = {} if items or not where else {where: len(items)}
+    flat = {} if items or not where else {where: len(items)}
     for key, item in items:
-        found |= _flat(item, f"{where}.{key}" if where else key)
-    return found
+        flat |= _flat(item, f"{where}.{key}" if where else key)
+    return flat
 
 
 def _label(item: Any, number: int) -> str:

@@ -8,9 +8,9 @@ from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.runs.scenario import Scenario, load_scenario
+from wirerope_mj.studies.inputs.available import available_lines
 from wirerope_mj.studies.inputs.distributions import Distribution
-from wirerope_mj.studies.inputs.possible import possible_lines
-from wirerope_mj.studies.inputs.vary_text import EXAMPLE, signatures
+from wirerope_mj.studies.inputs.vary_option import EXAMPLE, signatures
 from wirerope_mj.studies.study import Study
 
 VARIANTS = 256
@@ -78,7 +78,7 @@ def study_of(
 def what_can_vary(scenario: Scenario) -> str:
     """Return what can vary in a scenario and how it is said, as lines."""
     system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
-    lines = "\n".join(f"  {line}" for line in possible_lines(system, scenario.motion))
+    lines = "\n".join(f"  {line}" for line in available_lines(system, scenario.motion))
     return (
         f'In {scenario.name} can vary:\n{lines}\nSay it as --vary "{EXAMPLE}", once for each quantity; NAME may hold * and ?. '
         f"Distributions: {', '.join(signatures())}. A value replaces what the model says, a shift is added to it, a factor "

@@ -1,4 +1,4 @@
-"""What a run was given, as names and values: what tells two runs apart before anything is computed."""
+"""Inputs of a run as names and values: the differences of two runs before anything is computed."""
 
 from pathlib import Path
 from typing import Any

@@ -94,11 +94,11 @@ def all_options(path: Path, function: Callable[..., Any], options: dict[str, Any
 
 def _check_kind(path: Path, option: str, default: Any, value: Any) -> None:
     """Raise ModelError unless a value is of the kind of the option's default; None says nothing of it."""
-    for kinds, accepted, words in _KINDS:
+    for kinds, accepted, kind in _KINDS:
         if isinstance(default, kinds):
             if not isinstance(value, accepted) or (isinstance(value, bool) and kinds is not bool):
                 raise ModelError(
-                    f"{path}: option `{option}` must be {words}, as its default {default!r} is, got {value!r}."
+                    f"{path}: option `{option}` must be {kind}, as its default {default!r} is, got {value!r}."
                 )
             return
 
@@ -118,16 +118,16 @@ def guarded(path: Path, action: Callable[[], Any]) -> Any:
     try:
         return action()
     except SyntaxError as error:
-        place = f", line {error.lineno}" if error.lineno else ""
+        line = f", line {error.lineno}" if error.lineno else ""
         quoted = f"`{short(error.text.strip())}`" if error.text else "this"
         what = "is not text in UTF-8. Save it in UTF-8" if "codec" in error.msg else f"is not Python: {error.msg}"
-        raise ModelError(f"{path}{place}: {quoted} {what}.") from error
+        raise ModelError(f"{path}{line}: {quoted} {what}.") from error
     except Exception as error:
         frames = traceback.extract_tb(error.__traceback__)
         own = [frame for frame in frames if Path(frame.filename) == path.resolve()]
-        place = f", line {own[-1].lineno}" if own else ""
+        line = f", line {own[-1].lineno}" if own else ""
         said = isinstance(error, ValueError) and bool(own) and str(own[-1].line).startswith("raise ")
         if isinstance(error, WireRopeError) or said or _PACKAGE in Path(frames[-1].filename).parents:
-            raise ModelError(f"{path}{place}: {error}") from error  # the message says what is wrong, and is meant to
+            raise ModelError(f"{path}{line}: {error}") from error  # the message says what is wrong, and is meant to
         quoted = f"`{short(own[-1].line or '')}` ends with " if own else ""
-        raise ModelError(f"{path}{place}: {quoted}{type(error).__name__}: {error}") from error
+        raise ModelError(f"{path}{line}: {quoted}{type(error).__name__}: {error}") from error

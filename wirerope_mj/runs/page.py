@@ -1,4 +1,4 @@
-"""Where the page of a report goes, and its PDF."""
+"""Files of a report: the page, and its PDF."""
 
 from pathlib import Path
 

@@ -23,7 +23,8 @@ from wirerope_mj.runs.folder import SUMMARY
 from wirerope_mj.runs.judged import judged_run
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
-from wirerope_mj.runs.write import is_streamed, summary_content
+from wirerope_mj.runs.summary import read_summary, summary_content
+from wirerope_mj.runs.write import is_streamed
 
 AGREES = 1e-9
 """Largest difference relative to a column's peak that another processor's rounding explains; a wrong input is far above."""
@@ -31,7 +32,7 @@ AGREES = 1e-9
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Replay(Summarised):
-    """Whether a run computed again gives the same numbers, and which files of its folder were altered.
+    """Comparison of a run with itself computed again, and the files of its folder that were altered.
 
     Attributes:
         identical: every stored number has the same bits: samples, peaks, states, scene, events, step, and those of
@@ -93,14 +94,16 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
         computed = summary_content(content["name"], motion, stored, judged_run(system, stored), seconds=0.0)
         same_version = stored.numerics.versions.get("wirerope-mj") == versions()["wirerope-mj"]
         # Folders without checksums are older than some of the sentences.
-        found = list(summary_differences(folder, computed, texts=same_version and altered is not None))
+        differences = list(
+            summary_differences(read_summary(folder), computed, texts=same_version and altered is not None)
+        )
         arguments = {key: value for key, value in content["simulate"].items() if key != "accuracy"}
         long = is_streamed(arguments)
-        with tempfile.TemporaryDirectory() as place:
-            again = simulate(system, motion, **arguments, out=place if long else None, progress=progress)
+        with tempfile.TemporaryDirectory() as out:
+            again = simulate(system, motion, **arguments, out=out if long else None, progress=progress)
             for compare in (sample_differences, peak_differences, other_differences):
-                found += compare(stored, again)
-    difference, where = _largest(found)
+                differences += compare(stored, again)
+    difference, where = _largest(differences)
     return Replay(
         identical=not where,
         largest_difference=difference,
@@ -121,9 +124,9 @@ def _naming(altered: Alterations | None) -> Iterator[None]:
         raise type(error)(f"{error} {altered.text}") from None
 
 
-def _largest(found: list[Difference]) -> Difference:
+def _largest(differences: list[Difference]) -> Difference:
     """Return the largest difference; the summary repeats what the response says, which is named first."""
-    apart = [one for one in found if one[0] > 0.0]
-    worst = max(apart, default=(0.0, ""))
-    of_response = max((one for one in apart if not one[1].startswith(SUMMARY)), default=worst)
+    nonzero = [one for one in differences if one[0] > 0.0]
+    worst = max(nonzero, default=(0.0, ""))
+    of_response = max((one for one in nonzero if not one[1].startswith(SUMMARY)), default=worst)
     return of_response if (of_response[0] > AGREES) == (worst[0] > AGREES) else worst

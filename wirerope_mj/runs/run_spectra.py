@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.steady import steady_stretch
+from wirerope_mj.assessment.criteria.steady import steady_interval
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion, RandomVibration
@@ -64,12 +64,12 @@ def run_spectra(
             "No shock response spectrum is shown."
         )
     frequencies = octave_grid(_LOWEST, highest, per_octave=_LINES if response.time.size <= _LONG else _FEW_LINES)
-    found: dict[str, dict[str, ShockResponseSpectrum]] = {}
+    spectra: dict[str, dict[str, ShockResponseSpectrum]] = {}
     for axis in axes:
-        found["xyz"[axis]] = {BASE: _of_base(motion, response, axis, frequencies)}
+        spectra["xyz"[axis]] = {BASE: _of_base(motion, response, axis, frequencies)}
         for name in names:
-            found["xyz"[axis]][name] = _spectrum(response, name, axis, frequencies)
-    return found
+            spectra["xyz"[axis]][name] = _spectrum(response, name, axis, frequencies)
+    return spectra
 
 
 def run_densities(
@@ -78,14 +78,14 @@ def run_densities(
     """Return the power spectral densities of a random vibration while it is stationary, by axis and name; else nothing.
 
     They begin where the base is stationary and the response has settled, all at the same instant: after the longest
-    `settling` of the densities found without it.
+    `settling` of the densities without it.
 
     Args:
         motion: of the base.
         response: to it.
         names: bodies and points.
     """
-    alone, first, last = steady_stretch(motion.to_dict())
+    alone, first, last = steady_interval(motion.to_dict())
     axes = moving_axes(response)
     if not (alone and axes):
         return {}

@@ -15,7 +15,7 @@ from wirerope_mj.runs.option_file import all_options, defaults, file_called, gua
 
 @dataclass(frozen=True)
 class Scenario:
-    """What is asked, and everything that a simulation of it needs.
+    """A question and everything that a simulation of it needs.
 
     Attributes:
         question: what the run should answer.

@@ -1,4 +1,4 @@
-"""What a run is computed from: system and motion, read from its folder alone, and whether its response is theirs."""
+"""System and motion of a run, read from its folder alone, and the check that its response is theirs."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path

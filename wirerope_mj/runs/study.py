@@ -1,4 +1,4 @@
-"""What stands beside a study's table: its pictures, and its worst variants as runs."""
+"""Pictures of a study, and its worst variants as runs."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,30 +10,30 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.write import run_scenario
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.answer import Answer
-from wirerope_mj.studies.results.findings import input_names, worst
-from wirerope_mj.studies.results.indices import drawn
+from wirerope_mj.studies.results.measure import input_names
+from wirerope_mj.studies.results.statistics import worst
+from wirerope_mj.studies.results.study_summary import StudySummary
 from wirerope_mj.studies.search.result import SearchResult
 
 if TYPE_CHECKING:
     from wirerope_mj.views.plots.study_pictures import StudyPicture
 
 MOST = 6
-"""Variants in one comparison: more cannot be told apart."""
+"""Variants in one comparison: more cannot be distinguished."""
 
 
 def checked_count(count: int) -> int:
-    """Return the number of worst variants that are written; ValueError if there cannot be so many."""
+    """Return the number of worst variants that are written; ValueError if it is out of range."""
     if not 0 <= count <= MOST:
         raise ValueError(f"`--open-worst` must be from 0 to {MOST}, got {count}: each becomes a run of its own.")
     return count
 
 
-def write_study_pictures(answer: Answer) -> list[Path]:
+def write_study_pictures(summary: StudySummary) -> list[Path]:
     """Write the pictures of a study into its folder and return them."""
     from wirerope_mj.views.plots.study_pictures import study_pictures  # late: matplotlib takes a while
 
-    return _write(answer.result.folder, study_pictures(answer))
+    return _write(summary.result.folder, study_pictures(summary))
 
 
 def write_search_pictures(result: SearchResult) -> list[Path]:
@@ -47,13 +47,13 @@ def _write(folder: Path, pictures: "Sequence[StudyPicture]") -> list[Path]:
     paths = []
     for picture in pictures:
         paths.append(folder / f"{picture.name}.png")
-        with atomic_file(paths[-1]) as beside:
-            picture.figure.savefig(beside, format="png", dpi=150)
+        with atomic_file(paths[-1]) as temporary_path:
+            picture.figure.savefig(temporary_path, format="png", dpi=150)
     return paths
 
 
 def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
-    """Write the worst variants, or the best designs of a search, as runs, and return what can be opened.
+    """Write the worst variants, or the best designs of a search, as runs, and return the paths that can be opened.
 
     A run replaces one that is there. Of a search they are its front's: the knee, the ends, those between; without a front
     those that are nearest to the limits.
@@ -72,7 +72,7 @@ def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
     folders = {}
     checked_count(count)
     best = result.chosen[:count] if isinstance(result, SearchResult) else []
-    for number in best or worst(drawn(result), by, count):
+    for number in best or worst(result.independent, by, count):
         folder = result.folder / WORST / f"variant-{number:06d}"
         run_scenario(_scenario(result, number), folder, force=True)
         folders[f"variant {number}"] = folder
@@ -88,7 +88,7 @@ def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
 
 
 def _inputs(result: StudyResult, number: int) -> dict[str, str]:
-    """Return the inputs of a variant as words."""
+    """Return the inputs of a variant as text."""
     row = result.study.row(number)
     return {
         name: f"{row[name]:.5g}" if isinstance(row[name], float) else str(row[name])

@@ -4,9 +4,9 @@ from pathlib import Path
 
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.page import page_files, write_page
-from wirerope_mj.studies.result import load_study
-from wirerope_mj.studies.results.answer import answer_of
+from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.search.result import SearchResult
+from wirerope_mj.studies.study import load_study
 from wirerope_mj.views.report.page import report_html
 from wirerope_mj.views.report.search import search_content
 from wirerope_mj.views.report.study import study_content
@@ -41,6 +41,6 @@ def write_study_report(
         raise RecordError(result.message)
     if by is not None and isinstance(result, SearchResult):
         raise ValueError("`by` is for studies: the designs of a search are ordered by what it minimises.")
-    content = search_content(result) if isinstance(result, SearchResult) else study_content(answer_of(result, by))
+    content = search_content(result) if isinstance(result, SearchResult) else study_content(summary_of(result, by))
     write_page(report_html(content), files)
     return files

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import tomli_w
 
-from wirerope_mj.assessment.criteria import summary, verdict_lines
+from wirerope_mj.assessment.criteria import verdict_lines
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import System, load_system
@@ -23,10 +23,11 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.copies import copy_records
-from wirerope_mj.motions.records.record import record_warnings, records_in
+from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.runs.checksums import write_checksums
 from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target
 from wirerope_mj.runs.scenario import Scenario
+from wirerope_mj.runs.summary import summary_content
 
 if TYPE_CHECKING:
     from wirerope_mj.runs.judged import JudgedRun
@@ -35,7 +36,7 @@ STREAM_SAMPLES = 10_000
 """Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
 
 SAMPLE_RATE = 1000.0
-"""What `simulate` takes where the scenario says nothing [Hz]."""
+"""Sampling rate of `simulate` where the scenario gives none [Hz]."""
 
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk")
 _ARGUMENTS = ("duration", "initial", "timestep", "accuracy", "sample_rate", "corners", "callback")
@@ -69,7 +70,9 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
             response.save(beside)
         text = _scenario_text(scenario, response, beside, model=model_table(system, model), arguments=arguments)
         (beside / SCENARIO).write_text(text, encoding="utf-8")
-        judged = _judged(system, response)
+        from wirerope_mj.runs.judged import judged_run  # late, as the pictures
+
+        judged = judged_run(system, response)
         content = summary_content(scenario.name, scenario.motion, response, judged, seconds=round(seconds, 3))
         (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         _write_pictures(scenario, response, judged, beside)
@@ -134,37 +137,6 @@ def _scenario_text(
         "versions": {name: version(name) for name in _PACKAGES},
     }
     return tomli_w.dumps(content, multiline_strings=True)
-
-
-def _judged(system: System, response: Response) -> "JudgedRun":
-    from wirerope_mj.runs.judged import judged_run  # late, as the pictures
-
-    return judged_run(system, response)
-
-
-def summary_content(
-    name: str, motion: BaseMotion, response: Response, judged: "JudgedRun", *, seconds: float
-) -> dict[str, Any]:
-    """Return what summary.json says of a run; `seconds` is how long it took."""
-    numerics = response.numerics
-    return {
-        "format": FORMAT,
-        "name": name,
-        "motion": motion.description,
-        "record_warnings": list(record_warnings(motion)),
-        **summary(response, judged.verdicts),
-        "numerics": {
-            "timestep_s": numerics.timestep,
-            "steps": numerics.steps,
-            "samples": int(response.time.size),
-            "callback": numerics.callback,
-            "accuracy": None if math.isnan(numerics.accuracy) else numerics.accuracy,
-            "estimated_error": numerics.error_estimate if math.isfinite(numerics.error_estimate) else None,
-            "limited_by": numerics.limited_by,
-            "seconds": seconds,
-            "versions": numerics.versions,
-        },
-    }
 
 
 def _write_pictures(scenario: Scenario, response: Response, judged: "JudgedRun", folder: Path) -> None:

@@ -1,54 +1,36 @@
-"""The folder of a study: every input resolved in `study.toml`, the parts that are done, and the table that they make."""
+"""The folder of a study: the parts that are done, and the table that they make."""
 
-import hashlib
 import json
 import shutil
 import tempfile
-import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import tomli_w
 
-from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.atomic_files import (
     atomic_file,
     atomic_folder,
     check_folder,
-    full_disk_said,
+    full_disk_named,
     worked_on_alone,
 )
 from wirerope_mj.foundation.errors import DiskFullError, RecordError
 from wirerope_mj.foundation.half_written import clear_half_written
-from wirerope_mj.foundation.toml_file import toml_content
-from wirerope_mj.motions.copies import copy_records
+from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Part
-from wirerope_mj.studies.inputs.distributions import distribution_to_dict
-from wirerope_mj.studies.old_names import FIRST, todays_inputs
-from wirerope_mj.studies.responses import PEAKS, RESPONSES, write_response
-from wirerope_mj.studies.versions import versions
+from wirerope_mj.studies.inputs_file import STUDY, check_same, read_inputs, write_inputs
+from wirerope_mj.studies.responses import RESPONSES, write_response
 
-if TYPE_CHECKING:
-    from wirerope_mj.studies.study import Study
-
-STUDY, TABLE, SUMMARY, PARTS = "study.toml", "variants.parquet", "summary.json", "parts"
+TABLE, SUMMARY, PARTS = "variants.parquet", "summary.json", "parts"
 
 MARKS = (STUDY,)
 """By these files a folder is known as that of a study."""
-
-FORMAT = 2
-"""Of these files; those of format 1 are read, too, but such a study does not go on."""
-
-_WORDS = ("id", "name", "question")
-"""What may differ between two folders of the same study."""
-
-_FILES = "files."
-"""Begins what is said of model and records, by their digests."""
 
 _DIED = ".died"
 """Stands in the name of a part whose process died: its rows are in the table, and the chunk is computed again on resume."""
@@ -58,7 +40,7 @@ ROW_GROUP = 64
 
 
 def prepare(
-    study: "Study", folder: Path, *, keep: str, resume: bool, force: bool, search: dict[str, Any] | None = None
+    study: StudyDefinition, folder: Path, *, keep: str, resume: bool, force: bool, search: dict[str, Any] | None = None
 ) -> str:
     """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with; return its id.
 
@@ -75,8 +57,9 @@ def prepare(
         return _begin(study, folder, keep, search, force=force)
     with worked_on_alone(folder, kind="study"):  # nobody else, before anything is taken away
         if resume or not (_begun(folder) or force):
-            with tempfile.TemporaryDirectory() as place:
-                _check_same(folder, _write_inputs(study, Path(place), keep, search))
+            with tempfile.TemporaryDirectory() as temporary:
+                computed = (folder / TABLE).is_file() and not dead(folder)
+                check_same(folder, write_inputs(study, Path(temporary), keep, search), computed=computed)
             if dead(folder):
                 for name in (SUMMARY, TABLE):
                     (folder / name).unlink(missing_ok=True)
@@ -89,12 +72,12 @@ def prepare(
         )
 
 
-def _begin(study: "Study", folder: Path, keep: str, search: dict[str, Any] | None, *, force: bool) -> str:
+def _begin(study: StudyDefinition, folder: Path, keep: str, search: dict[str, Any] | None, *, force: bool) -> str:
     """Make a new folder of a study, in which nothing is done yet, and return its id."""
-    with atomic_folder(folder, force=force, kind="study", marks=MARKS) as beside:
-        content = _write_inputs(study, beside, keep, search)
-        (beside / STUDY).write_text(tomli_w.dumps(content), encoding="utf-8")
-        (beside / PARTS).mkdir()
+    with atomic_folder(folder, force=force, kind="study", marks=MARKS) as temporary_path:
+        content = write_inputs(study, temporary_path, keep, search)
+        (temporary_path / STUDY).write_text(tomli_w.dumps(content), encoding="utf-8")
+        (temporary_path / PARTS).mkdir()
     return str(content["id"])
 
 
@@ -110,7 +93,7 @@ def computed_alone(folder: Path, identity: str) -> Iterator[None]:
         if read_inputs(folder)["id"] != identity:
             raise RecordError(f"{folder}: another process has put another study here just now. Choose another folder.")
         try:
-            with full_disk_said(folder):
+            with full_disk_named(folder):
                 yield
         except DiskFullError as error:
             if not _begun(folder):
@@ -126,29 +109,6 @@ def _begun(folder: Path) -> bool:
     return bool(done(folder) or (folder / TABLE).is_file())
 
 
-def read_inputs(folder: Path) -> dict[str, Any]:
-    """Return the content of a study's `study.toml`, inputs by the names that they have today.
-
-    Raises:
-        RecordError: there is no study, or it is damaged.
-    """
-    path = folder / STUDY
-    if not path.is_file():
-        raise RecordError(f"{folder}: this is not a study; there is no {STUDY} here.")
-    try:
-        content = toml_content(path)
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
-        raise RecordError(f"{path}: this is not the file of a study, nor TOML. Take it from another copy.") from None
-    if "format" in content and content["format"] not in (FIRST, FORMAT):
-        raise RecordError(f"{path}: `format` is {content['format']!r}, not {FORMAT}; use the version that wrote it.")
-    for key in ("format", *_WORDS):
-        if key not in content or (key in _WORDS and not isinstance(content[key], str)):
-            raise RecordError(f"{path}: this is not the file of a study: `{key}` is missing or no string.")
-    if content["id"] != _identity(content):  # a digest of all other keys: they are what was written
-        raise RecordError(f"{path}: this file was changed after it had been written; its study cannot go on.")
-    return todays_inputs(content)
-
-
 def done(folder: Path) -> set[int]:
     """Return the numbers of the chunks whose parts stand in the folder; those whose process died are not done."""
     return {int(path.stem) for path in (folder / PARTS).glob("*.parquet") if path.stem.isdigit()}
@@ -160,11 +120,11 @@ def dead(folder: Path) -> set[int]:
 
 
 def write_part(folder: Path, part: Part) -> None:
-    """Write the part of one chunk, each file whole or not at all; what is done stands there when all of it does."""
+    """Write the part of one chunk, each file atomically, the part itself last."""
     for variant, content in part.responses.items():
         write_response(folder, variant, content)
-    with atomic_file(part_path(folder, part.number, _DIED if part.died else ""), clear=False) as beside:
-        pq.write_table(part.table, beside)
+    with atomic_file(part_path(folder, part.number, _DIED if part.died else ""), clear=False) as temporary_path:
+        pq.write_table(part.table, temporary_path)
     if not part.died:
         part_path(folder, part.number, _DIED).unlink(missing_ok=True)
 
@@ -242,16 +202,16 @@ def finish(folder: Path, chunks: int, summary: Callable[[], dict[str, Any]]) -> 
     They stay where a process died, so that the study can go on. `summary` is asked once the table is there.
     """
     if not (folder / TABLE).is_file():
-        with atomic_file(folder / TABLE) as beside:
-            _write_table(beside, parts(folder, list(range(chunks))))
+        with atomic_file(folder / TABLE) as temporary_path:
+            _write_table(temporary_path, parts(folder, list(range(chunks))))
     if not (folder / SUMMARY).is_file():
         text = json.dumps(summary(), indent=2, allow_nan=False) + "\n"
-        with atomic_file(folder / SUMMARY) as beside:
-            beside.write_text(text, encoding="utf-8")
+        with atomic_file(folder / SUMMARY) as temporary_path:
+            temporary_path.write_text(text, encoding="utf-8")
     if not dead(folder):
         shutil.rmtree(folder / PARTS, ignore_errors=True)
-    for place in (folder, folder / RESPONSES):  # of a process that was killed while it wrote
-        clear_half_written(place)
+    for path in (folder, folder / RESPONSES):  # of a process that was killed while it wrote
+        clear_half_written(path)
 
 
 def _write_table(path: Path, tables: Iterator[pa.Table]) -> None:
@@ -263,96 +223,5 @@ def _write_table(path: Path, tables: Iterator[pa.Table]) -> None:
 
 
 def part_path(folder: Path, number: int, ending: str = "") -> Path:
-    """Return where the part of a chunk stands."""
+    """Return the path of the part of a chunk."""
     return folder / PARTS / f"{number:06d}{ending}.parquet"
-
-
-def _write_inputs(study: "Study", folder: Path, keep: str, search: dict[str, Any] | None) -> dict[str, Any]:
-    """Write model and records into `folder` and return what `study.toml` says."""
-    model = write_model(study.base, folder / "model")
-    names = copy_records(study.motions, folder)
-    files = sorted(path for path in folder.rglob("*") if path.is_file())
-    work = study.work
-    content: dict[str, Any] = {
-        "format": FORMAT,
-        "name": study.name,
-        "question": study.question.strip(),
-        "model": model_table(study.base, model),
-        "simulate": {
-            "duration": work.duration,
-            "timestep": work.timestep,
-            "sample_rate": work.sample_rate,
-            "initial": work.initial,
-        },
-        "sampling": {"method": study.sampling, "variants": study.size, "seed": study.seed},
-        "vary": [{"name": name, **distribution_to_dict(value)} for name, value in study.vary.items()],
-        "motions": [motion.to_dict(files=names) for motion in study.motions],
-        "versions": versions(),
-        "files": {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
-    }
-    if keep != PEAKS:
-        content["keep"] = keep
-    if search is not None:
-        content["search"] = search
-    return {"id": _identity(content), **content}
-
-
-def _identity(content: dict[str, Any]) -> str:
-    """Return what tells this study from all others: a digest of every input that a number may depend on."""
-    inputs = {key: value for key, value in content.items() if key not in _WORDS}
-    return hashlib.sha256(tomli_w.dumps(inputs).encode()).hexdigest()[:16]
-
-
-def _check_same(folder: Path, content: dict[str, Any]) -> None:
-    """Raise RecordError if another study than that of `content` stands in the folder."""
-    there = read_inputs(folder)
-    if there["id"] == content["id"]:
-        return
-    if there["format"] != FORMAT:
-        raise RecordError(
-            f"{folder}: an earlier version wrote this study, in which `centre` and `position` were the names of shifts. It can "
-            "be read (`wirerope study-report`, `load_study`), but does not go on; nothing in it was touched. Choose another "
-            "folder, or begin it anew with --force (`force=True`)."
-        )
-    old, new = _flat(there), _flat(content)
-    other = [key for key in {**old, **new} if key not in _WORDS and old.get(key) != new.get(key)]
-    if (folder / TABLE).is_file() and not dead(folder):  # nothing is computed any more, whoever computed it
-        other = [key for key in other if not key.startswith("versions.")]
-    if not other:
-        return
-    key = min(other, key=lambda name: (name == "keep", name.startswith("versions."), not name.startswith(_FILES)))
-    raise RecordError(f"{folder}: {_difference(key, old, new)}")
-
-
-def _difference(key: str, old: dict[str, Any], new: dict[str, Any]) -> str:
-    """Return in words what tells a study that stands in a folder from the one that was to go on."""
-    if key == "keep":
-        kept = old.get(key, PEAKS)
-        return f"this study keeps {kept}; go on with it with --keep {kept} (`keep={kept!r}`), or choose another folder."
-    ways = "Nothing in it was touched. Choose another folder, or begin it anew with --force (`force=True`)."
-    if key == "versions.code":
-        return (
-            f"the code of wirerope-mj has changed since this study began, and one table would hold rows of both. {ways}"
-        )
-    if key.startswith("versions."):
-        name = key.removeprefix("versions.")
-        return (
-            f"this study began with {name} {old.get(key, 'absent')} and would go on with {new.get(key, 'absent')}: one table "
-            f"would hold rows of both. {ways}"
-        )
-    if key.startswith(_FILES):
-        name, word = key.removeprefix(_FILES), "has changed" if key in old and key in new else "is not in both"
-        return f"this is the folder of another study: {name} {word}. {ways}"
-    return (
-        f"this is the folder of another study ({key} is {old.get(key, 'absent')!r} there and "
-        f"{new.get(key, 'absent')!r} here); nothing in it was touched. Choose another folder, or replace it with --force "
-        "(`force=True`)."
-    )
-
-
-def _flat(content: Any, place: str = "") -> dict[str, Any]:
-    """Return the values of nested tables and lists by their places, "simulate.duration"."""
-    if not isinstance(content, dict | list):
-        return {place: content}
-    items = content.items() if isinstance(content, dict) else enumerate(content)
-    return {k: v for key, value in items for k, v in _flat(value, f"{place}.{key}" if place else str(key)).items()}

@@ -3,8 +3,6 @@
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.response.response import FILE
 from wirerope_mj.engine.simulation.recorder import column_plan
@@ -17,25 +15,18 @@ RESPONSES = "responses"
 
 PEAKS = "peaks"
 KEPT = (PEAKS, RESPONSES)
-"""What may be kept of each variant: the measures of its peaks, or its whole response, too."""
+"""Content that may be kept of each variant: the measures of its peaks, or its whole response, too."""
 
-SHARE = 64 * 2**20
+MEMORY = 64 * 2**20
 """Samples of a chunk that are kept in memory [bytes]: 32 variants of a floor on 24 mounts with 400 samples each. The response
 of one variant may be larger; it is then alone."""
-
-
-def checked_keep(keep: str) -> str:
-    """Return what is kept of each variant; ValueError if it is none of `KEPT`."""
-    if keep not in KEPT:
-        raise ValueError(f"`keep` must be one of {', '.join(KEPT)}, got {keep!r}.")
-    return keep
 
 
 def most_together(work: Work) -> int:
     """Return how many variants of a study may have their samples in memory together."""
     columns = len(column_plan(work.system).names)
     samples = int(work.duration * work.sample_rate) + 1
-    return max(SHARE // (8 * columns * samples), 1)
+    return max(MEMORY // (8 * columns * samples), 1)
 
 
 def packed(response: Response) -> bytes:
@@ -46,7 +37,7 @@ def packed(response: Response) -> bytes:
 
 
 def write_response(folder: Path, variant: int, content: bytes) -> None:
-    """Write the response of a variant into the study's `folder`, whole or not at all."""
+    """Write the response of a variant into the study's `folder`, atomically."""
     path = _file(folder, variant)
     path.parent.mkdir(exist_ok=True)
     with atomic_file(path, clear=False) as beside:
@@ -71,13 +62,6 @@ def kept_response(folder: Path, variant: int) -> Response | None:
 def kept_numbers(folder: Path) -> set[int]:
     """Return the numbers of the variants whose responses are kept in the study's `folder`."""
     return {int(path.stem) for path in (folder / RESPONSES).glob("*.parquet") if path.stem.isdigit()}
-
-
-def whole_number(variant: int) -> int:
-    """Return the number of a variant; ValueError if it is not a whole one."""
-    if isinstance(variant, bool) or not isinstance(variant, int | np.integer):
-        raise ValueError(f"`variant` must be an integer, got {variant!r}.")
-    return int(variant)
 
 
 def _file(folder: Path, variant: int) -> Path:

@@ -6,18 +6,17 @@ from contextlib import closing
 from functools import partial
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 from wirerope_mj.engine.simulation.progress import share_bar
+from wirerope_mj.foundation.arguments import integer, one_of
+from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine
 from wirerope_mj.studies.engines.local import run_local
 from wirerope_mj.studies.folder import TABLE, computed_alone, done, finish, prepare, write_part
-from wirerope_mj.studies.responses import PEAKS, RESPONSES, checked_keep, most_together
-from wirerope_mj.studies.result import StudyResult, load_study
-from wirerope_mj.studies.results.summary import summary
-
-if TYPE_CHECKING:
-    from wirerope_mj.studies.study import Study
+from wirerope_mj.studies.loading import read_result
+from wirerope_mj.studies.responses import KEPT, PEAKS, RESPONSES, most_together
+from wirerope_mj.studies.result import StudyResult
+from wirerope_mj.studies.results.summary_file import summary
 
 CHUNK = 32
 """Variants of a chunk: enough that stepping them costs more than handing them over, few enough that a kill loses little."""
@@ -29,7 +28,7 @@ ENGINES = ("local", "dask")
 
 
 def run_study(
-    study: "Study",
+    study: StudyDefinition,
     folder: Path,
     *,
     keep: str,
@@ -42,17 +41,19 @@ def run_study(
 ) -> StudyResult:
     """Compute what is missing of a study and return its result; the arguments are those of `Study.run`."""
     run = checked_engine(engine, workers=workers, address=address)
-    checked_keep(keep)
+    one_of("keep", keep, KEPT)
     study.table()  # every variant is checked before anything is written
     identity = prepare(study, folder, keep=keep, resume=resume, force=force)
     with computed_alone(folder, identity):
         if not (folder / TABLE).is_file():
             _compute(study, folder, keep, partial(run, workers=workers, address=address), progress)
-        finish(folder, math.ceil(study.size / chunk_size(study, keep)), lambda: summary(load_study(folder)))
-    return load_study(folder)
+        finish(
+            folder, math.ceil(study.size / chunk_size(study, keep)), lambda: summary(read_result(folder, type(study)))
+        )
+    return read_result(folder, type(study))
 
 
-def _compute(study: "Study", folder: Path, keep: str, run: Engine, progress: bool) -> None:
+def _compute(study: StudyDefinition, folder: Path, keep: str, run: Engine, progress: bool) -> None:
     """Write the parts that are missing as they are ready."""
     size = chunk_size(study, keep)
     missing = sorted(set(range(math.ceil(study.size / size))) - done(folder))
@@ -68,13 +69,13 @@ def _compute(study: "Study", folder: Path, keep: str, run: Engine, progress: boo
                 update((already + ended) / study.size, ended / (perf_counter() - began))
 
 
-def chunk_size(study: "Study", keep: str = PEAKS) -> int:
+def chunk_size(study: StudyDefinition, keep: str = PEAKS) -> int:
     """Return how many variants a chunk has; the study alone says it, so that it may go on with other workers."""
     size = min(CHUNK, math.ceil(study.size / FEWEST_CHUNKS))
     return min(size, most_together(study.work)) if keep == RESPONSES else size
 
 
-def chunks(study: "Study", numbers: Sequence[int], keep: str = PEAKS) -> Iterator[Chunk]:
+def chunks(study: StudyDefinition, numbers: Sequence[int], keep: str = PEAKS) -> Iterator[Chunk]:
     """Yield the chunks of some numbers."""
     size = chunk_size(study, keep)
     for number in numbers:
@@ -89,18 +90,14 @@ def checked_engine(name: str, *, workers: int | None, address: str | None) -> En
         ValueError: there is none, or the other arguments do not suit it.
         SimulationError: its cluster does not answer.
     """
-    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
-        raise ValueError(f"`workers` must be an integer >= 1, got {workers!r}.")
+    if workers is not None:
+        integer("workers", workers, least=1)
+    one_of("engine", name, ENGINES)
     if name == "local":
         if address is not None:
             raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")
         return run_local
-    if name == "dask":
-        from wirerope_mj.studies.engines.dask_engine import (  # an extra that is not always installed
-            check_cluster,
-            run_dask,
-        )
+    from wirerope_mj.studies.engines.dask_engine import check_cluster, run_dask  # an extra that is not always installed
 
-        check_cluster(workers, address)  # before anything is checked or written
-        return run_dask
-    raise ValueError(f"`engine` must be one of {', '.join(ENGINES)}, got {name!r}.")
+    check_cluster(workers, address)  # before anything is checked or written
+    return run_dask

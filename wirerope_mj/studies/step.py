@@ -1,23 +1,22 @@
 """The step that all variants of a study take, chosen once before it starts."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 
 from wirerope_mj.engine.simulation.initial import initial_state
 from wirerope_mj.engine.simulation.timestep import choose_timestep
 from wirerope_mj.engine.system import System
-from wirerope_mj.studies.inputs.quantities import Column
+from wirerope_mj.studies.inputs.column import InputColumn
+from wirerope_mj.studies.inputs.motion_columns import MotionSettings
 from wirerope_mj.studies.inputs.variants import Maker
 
 
 def common_step(
     system: System,
     maker: Maker,
-    columns: Sequence[Column],
+    columns: Sequence[InputColumn],
     inputs: pa.Table,
     *,
     initial: str,
@@ -31,8 +30,8 @@ def common_step(
     y and z.
     """
     steps = []
-    for place in _extremes(columns, inputs):
-        motion = maker.motion(inputs.slice(place, 1).to_pylist()[0])
+    for row in _extremes(columns, inputs):
+        motion = maker.motion(inputs.slice(row, 1).to_pylist()[0])
         start = initial_state(system, motion, initial)
         chosen = choose_timestep(
             system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy
@@ -41,19 +40,18 @@ def common_step(
     return min(steps)
 
 
-def _extremes(columns: Sequence[Column], inputs: pa.Table) -> list[int]:
-    """Return the places of the rows with the extreme motions."""
-    values: dict[str, npt.NDArray[Any]] = {
-        column.kind: np.asarray(inputs[column.name]) for column in columns if not column.targets
-    }
-    size = np.abs(values.get("level", np.ones(inputs.num_rows)))
-    record = values.get("record", np.zeros(inputs.num_rows, dtype=np.int64))
+def _extremes(columns: Sequence[InputColumn], inputs: pa.Table) -> list[int]:
+    """Return the indices of the rows with the extreme motions."""
+    settings = MotionSettings.of(columns, {name: np.asarray(inputs[name]) for name in inputs.column_names})
+    size = np.broadcast_to(np.abs(1.0 if settings.level is None else settings.level), inputs.num_rows)
+    record = np.broadcast_to(settings.record, inputs.num_rows)
     reaches = [size]
-    if {"azimuth", "elevation"} & set(values):
-        a, e = (np.radians(values.get(name, np.zeros(size.size))) for name in ("azimuth", "elevation"))
-        reaches = [size * np.abs(part) for part in (np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e))]
-    found = []
+    if settings.turns:
+        a, e = (np.radians(0.0 if one is None else one) for one in (settings.azimuth, settings.elevation))
+        axes = (np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e))
+        reaches = [size * np.abs(axis) for axis in axes]
+    rows = []
     for number in np.unique(record):
         own = np.flatnonzero(record == number)
-        found += [int(own[np.argmax(reach[own])]) for reach in reaches]
-    return list(dict.fromkeys(found))
+        rows += [int(own[np.argmax(reach[own])]) for reach in reaches]
+    return list(dict.fromkeys(rows))

@@ -1,4 +1,4 @@
-"""What decides the last bits of a row: the versions of the packages that compute, and the code of this one."""
+"""Causes of the last bits of a row: the versions of the packages that compute, and the code of this one."""
 
 import hashlib
 from functools import cache
@@ -32,7 +32,7 @@ def _code() -> str:
     package = Path(__file__).parents[1]
     digest = hashlib.sha256()
     for path in sorted(package.rglob("*.py")):
-        place = path.relative_to(package)
-        if place.parts[0] not in _SHOWS:
-            digest.update(f"{place.as_posix()}\n".encode() + path.read_bytes())
+        relative = path.relative_to(package)
+        if relative.parts[0] not in _SHOWS:
+            digest.update(f"{relative.as_posix()}\n".encode() + path.read_bytes())
     return digest.hexdigest()[:16]

@@ -51,13 +51,13 @@ def measure_secants() -> dict[str, float]:
     """Return where the secant stiffness of the symmetric law is least, and how many plain laws have such an amplitude."""
     transition = softening_to_hardening(wr.cyclic_test(SYMMETRIC, SECANTS))
     smallest, largest = wr.cyclic_test(SYMMETRIC, [SECANTS[0], SECANTS[-1]])
-    found = [softening_to_hardening(wr.cyclic_test(plain(*pair), SECANTS)).found for pair in PLAIN]
+    plain_ones = [softening_to_hardening(wr.cyclic_test(plain(*pair), SECANTS)).exists for pair in PLAIN]
     return {
         "least_amplitude": transition.amplitude,
         "least_stiffness": transition.stiffness,
         "first_stiffness": smallest.secant_stiffness,
         "last_stiffness": largest.secant_stiffness,
-        "plain_found": float(sum(found)),
+        "plain_found": float(sum(plain_ones)),
     }
 
 

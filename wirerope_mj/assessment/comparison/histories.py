@@ -1,4 +1,4 @@
-"""Where and when the histories of runs differ most, and whether they differ at all."""
+"""Largest differences of the histories of runs, where and when, and whether there are any at all."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass

@@ -37,20 +37,20 @@ def acceleration_verdicts(
     """
     bodies, points = payload_bodies(response), list(response.points)
     stated = limits_by_name(response, limits, "acceleration", [*bodies, *points])
-    found: list[Verdict] = []
-    for room, names, peaks in (
+    verdicts: list[Verdict] = []
+    for kind, names, peaks in (
         ("bodies", bodies, response.peaks.bodies),
         ("points", points, response.peaks.points),
     ):
         for name in names:
             if cutoff is None:
-                found += _judge(name, peaks[name].acceleration, stated.get(name), "")
+                verdicts += _judge(name, peaks[name].acceleration, stated.get(name), "")
             else:
-                history = read_columns(response, f"{room}/{name}/acceleration/x", 3)
+                history = read_columns(response, f"{kind}/{name}/acceleration/x", 3)
                 peak = _filtered(response.time, history, cutoff)
                 note = f"below {cutoff:.6g} Hz (Butterworth, second order, forward and backward)"
-                found += _judge(name, peak, stated.get(name), note)
-    return tuple(found)
+                verdicts += _judge(name, peak, stated.get(name), note)
+    return tuple(verdicts)
 
 
 def _judge(name: str, peak: Peak, limit: PayloadLimit | None, note: str) -> list[Verdict]:
@@ -68,11 +68,11 @@ def _judge(name: str, peak: Peak, limit: PayloadLimit | None, note: str) -> list
                 note="; ".join(part for part in notes if part),
             )
         ]
-    found = []
+    verdicts = []
     for axis, allowed in enumerate(limit.values):
         low = -peak.minimum[axis] > peak.maximum[axis]
         when = peak.minimum_time[axis] if low else peak.maximum_time[axis]
-        found.append(
+        verdicts.append(
             Verdict(
                 criterion=f"acceleration along {'xyz'[axis]}",
                 subject=name,
@@ -83,7 +83,7 @@ def _judge(name: str, peak: Peak, limit: PayloadLimit | None, note: str) -> list
                 note="; ".join(part for part in (note, "" if allowed else UNLIMITED) if part),
             )
         )
-    return found
+    return verdicts
 
 
 def _filtered(time: Array, acceleration: Array, cutoff: float) -> Peak:

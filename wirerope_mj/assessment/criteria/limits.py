@@ -1,4 +1,4 @@
-"""Which limits apply, and to whom."""
+"""Limits of the payload by name, and the bodies that they are for."""
 
 from collections.abc import Sequence
 

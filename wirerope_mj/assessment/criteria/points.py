@@ -1,4 +1,4 @@
-"""Curves given by points, straight between them on logarithmic axes."""
+"""Frequencies with values: rows of both, and curves through points, straight between them on logarithmic axes."""
 
 import math
 
@@ -6,6 +6,22 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
+
+
+def check_rows(name: str, frequency: npt.ArrayLike, value: npt.ArrayLike) -> tuple[Array, Array]:
+    """Return frequencies [Hz] and values in any order as arrays.
+
+    Raises:
+        ValueError: they are not as many, a frequency is not positive, or a value is negative.
+    """
+    f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(value, dtype=np.float64))
+    if f.ndim != 1 or f.shape != v.shape or not f.size:
+        raise ValueError(
+            f"`frequency` and `{name}` must be rows of the same length, got the shapes {f.shape} and {v.shape}."
+        )
+    if not (np.isfinite(f).all() and np.isfinite(v).all() and f.min() > 0.0 and v.min() >= 0.0):
+        raise ValueError(f"`frequency` must be finite and > 0 Hz and `{name}` finite and >= 0.")
+    return f, v
 
 
 def check_points(name: str, frequency: npt.ArrayLike, value: npt.ArrayLike) -> tuple[Array, Array]:

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from wirerope_mj.assessment.criteria.acceleration import UNIT, UNLIMITED
 from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
-from wirerope_mj.assessment.criteria.steady import steady_stretch
+from wirerope_mj.assessment.criteria.steady import steady_interval
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
@@ -46,7 +46,7 @@ def random_verdicts(
             without it, everything to the last instant.
         limit: largest acceleration allowed [m/s^2], which 3 sigma and the largest value are judged by; None is not judged.
         rms_limit: largest rms allowed [m/s^2]; None is not judged.
-        resolution: of the density the bandwidth is found from [Hz]; see `power_spectral_density`.
+        resolution: of the density the bandwidth comes from [Hz]; see `power_spectral_density`.
         along: " along x", if the acceleration is a component.
 
     Raises:
@@ -64,11 +64,11 @@ def random_verdicts(
     kept = round(density.duration * (instants.size - 1) / float(instants[-1] - instants[0]))
     instants, values = instants[-kept:], values[-kept:]
     rms = float(np.std(values))
-    certainty = _certainty(density, rms)
+    uncertainty = _uncertainty(density, rms)
     largest, when = sampled_peak(instants, np.abs(values - values.mean()))
     rows = (
-        (f"rms acceleration{along}", rms, rms_limit, None, certainty),
-        (f"{SIGMAS:g}-sigma acceleration{along}", SIGMAS * rms, limit, None, certainty),
+        (f"rms acceleration{along}", rms, rms_limit, None, uncertainty),
+        (f"{SIGMAS:g}-sigma acceleration{along}", SIGMAS * rms, limit, None, uncertainty),
         (f"largest acceleration{along}", largest, limit, when, _expected(density, rms, largest)),
     )
     return tuple(
@@ -95,8 +95,8 @@ def judge_random(
 ) -> tuple[Verdict, ...]:
     """Return `random_verdicts` on x, y and z of every payload body and every point that move along them.
 
-    Without `discard` and `end`, the stretch in which the base is stationary counts, from where the response has settled
-    in it: three decay times of the resonance that dominates, found from the width of its peak (`settling` of the density).
+    Without `discard` and `end`, the interval in which the base is stationary counts, from where the response has settled
+    in it: three decay times of the resonance that dominates, from the width of its peak (`settling` of the density).
 
     Args:
         response: of a run with random vibration.
@@ -110,20 +110,20 @@ def judge_random(
     Raises:
         ValueError: a limit names neither a body nor a point, the run is too short, or `discard` is missing.
     """
-    alone, first, falls = steady_stretch(response.motion)
+    alone, first, falls = steady_interval(response.motion)
     if discard is None and not alone:
         raise ValueError("`discard` must be given: the base of this run does not vibrate at random alone.")
     last = falls if end is None else end
     bodies = payload_bodies(response)
     stated = limits_by_name(response, limits, "acceleration", [*bodies, *response.points])
-    rooms = {name: "bodies" for name in bodies} | {name: "points" for name in response.points}
-    found: list[Verdict] = []
-    for name, room in rooms.items():
-        acceleration = read_columns(response, f"{room}/{name}/acceleration/x", 3)
+    kinds = {name: "bodies" for name in bodies} | {name: "points" for name in response.points}
+    verdicts: list[Verdict] = []
+    for name, kind in kinds.items():
+        acceleration = read_columns(response, f"{kind}/{name}/acceleration/x", 3)
         values = stated[name].values if name in stated else (0.0,)
         for axis in np.flatnonzero(np.ptp(acceleration, axis=0) > 1e-9 * np.ptp(acceleration)):
             history = acceleration[:, axis]
-            found += random_verdicts(
+            verdicts += random_verdicts(
                 response.time,
                 history,
                 subject=name,
@@ -133,7 +133,7 @@ def judge_random(
                 resolution=resolution,
                 along=f" along {'xyz'[axis]}",
             )
-    return tuple(found)
+    return tuple(verdicts)
 
 
 def _settled(time: Array, acceleration: Array, first: float, last: float) -> float:
@@ -143,8 +143,8 @@ def _settled(time: Array, acceleration: Array, first: float, last: float) -> flo
     return lead + float(power_spectral_density(time[rows], acceleration[rows]).settling)
 
 
-def _certainty(density: PowerSpectralDensity, rms: float) -> str:
-    """Return how well the rms is known, in words."""
+def _uncertainty(density: PowerSpectralDensity, rms: float) -> str:
+    """Return how well the rms is known."""
     if not rms > 0.0:
         return ""
     return (

@@ -1,4 +1,4 @@
-"""Rattle space: how far points and the corners of bodies move from their modelled place relative to the base."""
+"""Rattle space: displacements of points and corners of bodies from their modelled position relative to the base."""
 
 from collections.abc import Iterator, Sequence
 
@@ -30,9 +30,9 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
         ValueError: a limit names neither a point nor a body with geoms.
     """
     corners = {
-        body.name: found
+        body.name: box
         for body in response.scene.bodies
-        if body.name in payload_bodies(response) and (found := body_corners(body)).size
+        if body.name in payload_bodies(response) and (box := body_corners(body)).size
     }
     stated = limits_by_name(response, limits, "clearance", [*response.points, *corners])
     verdicts: list[Verdict] = []
@@ -58,7 +58,7 @@ def body_corners(body: SceneBody) -> Array:
 
 
 def corner_displacements(response: Response, body: SceneBody, corners: Array) -> Iterator[Array]:
-    """Yield the displacement of one corner after the other from its modelled place relative to the base [m], (n_t, 3)."""
+    """Yield the displacement of one corner after the other from its modelled position relative to the base [m], (n_t, 3)."""
     moved = read_columns(response, f"bodies/{body.name}/position/x", 7)  # and the orientation
     turns = _rotation(moved[:, 3:]) - _rotation(body.orientation)  # (n_t, 3, 3)
     centre = moved[:, :3] - body.position - response.base.displacement
@@ -70,15 +70,15 @@ def _judge_corners(response: Response, body: SceneBody, corners: Array, limit: P
     """Return the verdicts on a body by the corners that move farthest."""
     farthest, corner = (-1.0, 0.0), corners[0]
     sides = [(-np.inf, 0.0)] * 6
-    for place, moved in zip(corners, corner_displacements(response, body, corners), strict=True):
+    for position, moved in zip(corners, corner_displacements(response, body, corners), strict=True):
         reached = sampled_peak(response.time, np.linalg.norm(moved, axis=1))
         if reached > farthest:
-            farthest, corner = reached, place
+            farthest, corner = reached, position
         along = [sampled_peak(response.time, sign * moved[:, axis]) for axis in range(3) for sign in (-1.0, 1.0)]
         sides = [max(pair) for pair in zip(sides, along, strict=True)]
-    words = ", ".join(f"{1e3 * x:.4g}" for x in corner)
-    where = f"corner at {words} mm from the centre of mass" if limit is None else "the corner that moves farthest"
-    return _judge(body.name, *farthest, sides, limit, where)
+    offset = ", ".join(f"{1e3 * x:.4g}" for x in corner)
+    note = f"corner at {offset} mm from the centre of mass" if limit is None else "the corner that moves farthest"
+    return _judge(body.name, *farthest, sides, limit, note)
 
 
 def _judge(
@@ -86,9 +86,9 @@ def _judge(
 ) -> list[Verdict]:
     """Return one verdict on the length of the displacement without a limit, else one on every direction."""
     if limit is None:
-        words = "; ".join(part for part in (note, UNLIMITED) if part)
+        note = "; ".join(part for part in (note, UNLIMITED) if part)
         return [
-            Verdict(criterion="rattle space", subject=name, value=value, limit=None, unit="m", time=when, note=words)
+            Verdict(criterion="rattle space", subject=name, value=value, limit=None, unit="m", time=when, note=note)
         ]
     allowed = limit.values if len(limit.values) == 6 else tuple(v for v in limit.values for _ in range(2))
     return [
@@ -118,8 +118,8 @@ def _box(geom: Geom) -> tuple[Array, Array]:
     """Return the lowest and highest corner of the box around a geom, in body axes [m]."""
     turn = _rotation(geom.orientation)
     if geom.shape == "mesh":
-        places = geom.position + geom.vertices @ turn.T
-        return places.min(axis=0), places.max(axis=0)
+        vertices = geom.position + geom.vertices @ turn.T
+        return vertices.min(axis=0), vertices.max(axis=0)
     a, b, c = geom.size.tolist()
     halves = {"sphere": (a, a, a), "capsule": (a, a, a + b), "cylinder": (a, a, b)}.get(geom.shape, (a, b, c))
     reach = np.abs(turn) @ np.array(halves)

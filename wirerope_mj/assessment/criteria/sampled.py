@@ -9,14 +9,14 @@ def read_columns(response: Response, first: str, count: int) -> Array:
 
     They are not kept in the response: of a long one in a file only what is looked at is in memory.
     """
-    place = response.samples.names.index(first)
-    return response.samples.columns(place, place + count)
+    column = response.samples.names.index(first)
+    return response.samples.columns(column, column + count)
 
 
 def read_start(response: Response, first: str, count: int) -> Array:
     """Return the first sample of `count` columns from the one named `first` on, (count,)."""
-    place = response.samples.names.index(first)
-    return next(iter(response.samples.blocks(place, place + count)))[0]
+    column = response.samples.names.index(first)
+    return next(iter(response.samples.blocks(column, column + count)))[0]
 
 
 def sampled_peak(time: Array, values: Array) -> tuple[float, float]:

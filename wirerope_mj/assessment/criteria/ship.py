@@ -12,7 +12,9 @@ from scipy import signal
 from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import maximum_filter1d
 
+from wirerope_mj.assessment.criteria.points import check_rows
 from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.spectra import power_spectral_density
 
@@ -22,13 +24,13 @@ PEAKS_1984 = {"lower": (4e-3, 0.126), "upper": (9e-3, 0.285)}
 RMS_2000 = {"A": (2e-3, 4e-3), "B": (3e-3, 6e-3), "C": (4e-3, 8e-3)}
 """Weighted rms velocity, lower and upper [m/s]: A passenger cabins, B crew accommodation, C working spaces."""
 
-_WORDS = {"lower": "adverse comments are not probable below", "upper": "adverse comments are probable above"}
+_MEANING = {"lower": "adverse comments are not probable below", "upper": "adverse comments are probable above"}
 _KNEE = 5.0
 _RANGE_1984 = (1.0, 100.0)
 _RANGE_2000 = (10.0**-0.05, 10.0**1.95)
 """Outer edges of the third-octave bands of 1 and 80 Hz [Hz]: 0.891 and 89.1."""
 
-_LEAST_TOLD = 5.75
+_LEAST_SHOWN = 5.75
 """Resolutions below which the drift of the integral shows in a line: the filter of `velocity_lines` ends at six."""
 
 _HOPS = 32
@@ -65,26 +67,26 @@ def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject:
     Raises:
         ValueError: lines are not as they must be, or none lies between 1 and 100 Hz.
     """
-    f, v = _lines(frequency, velocity)
+    f, v = check_rows("velocity", frequency, velocity)
     inside = (f >= _RANGE_1984[0]) & (f <= _RANGE_1984[1])
     if not inside.any():
         raise ValueError(f"`frequency` must hold a line from 1 to 100 Hz, got {f.min():.6g} to {f.max():.6g}.")
     f, v = f[inside], v[inside]
-    found = []
+    verdicts = []
     for name, (plateau, acceleration) in PEAKS_1984.items():
         allowed = np.where(f < _KNEE, acceleration / (2.0 * math.pi * f), plateau)
         worst = int((v / allowed).argmax())
-        found.append(
+        verdicts.append(
             Verdict(
                 criterion=f"ISO 6954:1984 {name}",
                 subject=subject,
                 value=float(v[worst]),
                 limit=float(allowed[worst]),
                 unit="m/s",
-                note=f"peak velocity at {f[worst]:.4g} Hz, taken as the largest that repeats; {_WORDS[name]}",
+                note=f"peak velocity at {f[worst]:.4g} Hz, taken as the largest that repeats; {_MEANING[name]}",
             )
         )
-    return tuple(found)
+    return tuple(verdicts)
 
 
 def iso_6954_2000(
@@ -101,7 +103,7 @@ def iso_6954_2000(
     Raises:
         ValueError: lines or space are not as they must be, or no line lies in these bands.
     """
-    f, v = _lines(frequency, velocity)
+    f, v = check_rows("velocity", frequency, velocity)
     inside = (f >= _RANGE_2000[0]) & (f <= _RANGE_2000[1])
     if not inside.any():
         raise ValueError(
@@ -160,7 +162,7 @@ def velocity_lines(
     Only what is the highest within two resolutions through a Hann window has this amplitude; beside it stands what that
     window shows, so that a line keeps its frequency. A line shows in several frequencies, and they must not be added up.
 
-    Random vibration has no lines: what is found for it grows with the root of the resolution, and slowly with the length
+    Random vibration has no lines: what comes out for it grows with the root of the resolution, and slowly with the length
     of the record. What lies below six resolutions cannot be told from the drift of the integral and is left out.
 
     Args:
@@ -178,40 +180,28 @@ def velocity_lines(
     size, kept = round(rate / checked.resolution), round(checked.duration * rate)
     velocity = cumulative_trapezoid(signal.detrend(values[-kept:], type="constant"), dx=1.0 / rate, initial=0.0)
     frequency = np.arange(size // 2 + 1) * rate / size
-    told = (frequency > _LEAST_TOLD * checked.resolution) & (frequency < 0.45 * rate)
-    if not told.any():
+    shown = (frequency > _LEAST_SHOWN * checked.resolution) & (frequency < 0.45 * rate)
+    if not shown.any():
         raise ValueError(
             f"`resolution` must leave a line between six resolutions and 0.45 of the sampling rate: less than "
-            f"{0.45 * rate / _LEAST_TOLD:.6g} Hz, got {resolution:.6g}."
+            f"{0.45 * rate / _LEAST_SHOWN:.6g} Hz, got {resolution:.6g}."
         )
     # Cut off, at half, four resolutions from the line; 6 lets 0.07 % through beyond the sixth.
     window = signal.firwin(size, 4.0 / size, window=("kaiser", 6.0), fs=1.0)
     hann = signal.windows.hann(size, sym=False)
-    windows, found = np.stack([window, hann / hann.sum()]), np.zeros((2, frequency.size))
+    windows, peaks = np.stack([window, hann / hann.sum()]), np.zeros((2, frequency.size))
     for first in range(0, velocity.size - size + 1, max(size // _HOPS, 1)):
-        piece = signal.detrend(velocity[first : first + size])
-        np.maximum(found, 2.0 * np.abs(np.fft.rfft(windows * piece)), out=found)
-    largest: Array = np.where(found[1] == maximum_filter1d(found[1], 5), found[0], found[1])[told]
+        segment = signal.detrend(velocity[first : first + size])
+        np.maximum(peaks, 2.0 * np.abs(np.fft.rfft(windows * segment)), out=peaks)
+    largest: Array = np.where(peaks[1] == maximum_filter1d(peaks[1], 5), peaks[0], peaks[1])[shown]
     # The trapezoidal rule integrates a sine to (w T / 2) / tan(w T / 2) of its integral.
-    half = math.pi * frequency[told] / rate
-    return frequency[told], largest * np.tan(half) / half
-
-
-def _lines(frequency: npt.ArrayLike, velocity: npt.ArrayLike) -> tuple[Array, Array]:
-    f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(velocity, dtype=np.float64))
-    if f.ndim != 1 or f.shape != v.shape or not f.size:
-        raise ValueError(
-            f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}."
-        )
-    if not (np.isfinite(f).all() and np.isfinite(v).all() and f.min() > 0.0 and v.min() >= 0.0):
-        raise ValueError("`frequency` must be finite and > 0 Hz and `velocity` finite and >= 0 m/s.")
-    return f, v
+    half = math.pi * frequency[shown] / rate
+    return frequency[shown], largest * np.tan(half) / half
 
 
 def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
     """Return the verdicts on a weighted rms velocity [m/s]."""
-    if space not in RMS_2000:
-        raise ValueError(f"`space` must be one of {', '.join(RMS_2000)}, got {space!r}.")
+    one_of("space", space, RMS_2000)
     return tuple(
         Verdict(
             criterion=f"ISO 6954:2000 {space} {name}",
@@ -219,7 +209,7 @@ def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
             value=velocity,
             limit=limit,
             unit="m/s",
-            note=f"weighted rms velocity from 1 to 80 Hz; {_WORDS[name]}",
+            note=f"weighted rms velocity from 1 to 80 Hz; {_MEANING[name]}",
         )
         for name, limit in zip(("lower", "upper"), RMS_2000[space], strict=True)
     )

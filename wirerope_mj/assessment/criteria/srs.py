@@ -34,15 +34,15 @@ def spectrum_verdict(
     points = check_points("test spectrum", frequency, acceleration)
     values = spectrum.maximax if spectrum.maximax.ndim == 1 else spectrum.maximax.max(axis=1)
     allowed = curve_at(points, spectrum.frequencies)
-    share = np.where(np.isnan(allowed), -np.inf, values / allowed)
-    worst = int(share.argmax())
-    if not np.isfinite(share[worst]):
+    ratio = np.where(np.isnan(allowed), -np.inf, values / allowed)
+    worst = int(ratio.argmax())
+    if not np.isfinite(ratio[worst]):
         low, high = spectrum.frequencies[[0, -1]]
         raise ValueError(
             f"`frequency` of the test spectrum, {points[0][0]:.6g} to {points[0][-1]:.6g} Hz, has nothing in common with the "
             f"spectrum's {low:.6g} to {high:.6g} Hz."
         )
-    judged = spectrum.frequencies[np.isfinite(share)]
+    judged = spectrum.frequencies[np.isfinite(ratio)]
     note = f"at {spectrum.frequencies[worst]:.4g} Hz, Q = {spectrum.q:g}; judged from {judged[0]:.4g} to {judged[-1]:.4g} Hz"
     if judged[0] > points[0][0] * 1.06 or judged[-1] < points[0][-1] / 1.06:  # a twelfth of an octave
         note += f" of {points[0][0]:.4g} to {points[0][-1]:.4g} Hz"

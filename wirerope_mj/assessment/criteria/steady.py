@@ -7,7 +7,7 @@ from typing import Any
 from wirerope_mj.motions import RandomVibration, motion_from_dict
 
 
-def steady_stretch(motion: Mapping[str, Any]) -> tuple[bool, float, float]:
+def steady_interval(motion: Mapping[str, Any]) -> tuple[bool, float, float]:
     """Return whether a motion is random vibration alone, and the instants [s] between which all of that is stationary.
 
     Without any random vibration these are minus and plus infinity. Files of records are not read.
@@ -16,10 +16,10 @@ def steady_stretch(motion: Mapping[str, Any]) -> tuple[bool, float, float]:
         motion: as plain values, as a response holds it.
     """
     parts = list(_elements(motion))
-    stretches = [_steady(part) for part in parts if part.get("kind") == RandomVibration.kind]
-    first = max((stretch[0] for stretch in stretches), default=-math.inf)
-    last = min((stretch[1] for stretch in stretches), default=math.inf)
-    return bool(parts) and len(stretches) == len(parts), first, last
+    intervals = [_steady(part) for part in parts if part.get("kind") == RandomVibration.kind]
+    first = max((interval[0] for interval in intervals), default=-math.inf)
+    last = min((interval[1] for interval in intervals), default=math.inf)
+    return bool(parts) and len(intervals) == len(parts), first, last
 
 
 def _steady(stored: Mapping[str, Any]) -> tuple[float, float]:

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.assessment.criteria.points import check_points, curve_at
+from wirerope_mj.assessment.criteria.points import check_points, check_rows, curve_at
 from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.foundation.arguments import positive
 
 
 def transmissibility_verdict(
@@ -31,30 +32,23 @@ def transmissibility_verdict(
     Raises:
         ValueError: an argument is not positive, or the response ends below `above`.
     """
-    f, a = np.asarray(frequency, dtype=np.float64), np.asarray(amplitude, dtype=np.float64)
-    if f.ndim != 1 or f.shape != a.shape or not f.size:
-        raise ValueError(
-            f"`frequency` and `amplitude` must be rows of the same length, got the shapes {f.shape} and {a.shape}."
-        )
-    if not (np.isfinite(f).all() and np.isfinite(a).all() and f.min() > 0.0 and a.min() >= 0.0):
-        raise ValueError("`frequency` must be finite and > 0 Hz and `amplitude` finite and >= 0 m/s^2.")
-    if not (math.isfinite(base) and base > 0.0):
-        raise ValueError(f"`base` must be finite and > 0 m/s^2, got {base!r}.")
+    f, a = check_rows("amplitude", frequency, amplitude)
+    positive("base", base, unit="m/s^2")
     if not (math.isfinite(above) and 0.0 <= above <= f.max()):
         raise ValueError(f"`above` must be between 0 and {f.max():.6g} Hz, where the response ends, got {above!r}.")
-    places, values = f[f >= above], a[f >= above]
+    frequencies, values = f[f >= above], a[f >= above]
     # Where the curve passes `above` between two of its points it has a value too.
     for i in np.flatnonzero((f[:-1] < above) != (f[1:] < above)):
         if a[i] > 0.0 and a[i + 1] > 0.0:
             pair = [i, i + 1] if f[i] < f[i + 1] else [i + 1, i]
             between = curve_at(check_points("response", f[pair], a[pair]), np.array([above]))
-            places, values = np.append(places, above), np.append(values, between)
+            frequencies, values = np.append(frequencies, above), np.append(values, between)
     worst = int(values.argmax())
-    where = "everywhere" if above <= f.min() else f"from {above:.4g} Hz on"
+    judged = "everywhere" if above <= f.min() else f"from {above:.4g} Hz on"
     note = (
-        f"at {places[worst]:.4g} Hz, judged {where}"
+        f"at {frequencies[worst]:.4g} Hz, judged {judged}"
         if limit is not None
-        else f"at {places[worst]:.4g} Hz; no limit is stated"
+        else f"at {frequencies[worst]:.4g} Hz; no limit is stated"
     )
     return Verdict(
         criterion="transmissibility",

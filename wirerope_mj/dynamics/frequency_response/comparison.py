@@ -35,7 +35,7 @@ class SweepJump:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Comparison:
+class SweepComparison:
     """A sweep's envelope against the stable motions of a branch, away from jumps.
 
     Attributes:
@@ -54,14 +54,14 @@ class Comparison:
     jumps: tuple[SweepJump, ...]
 
 
-def compare(sweep: FrequencySweep, branch: Branch | None, curve: BranchCurve | None) -> Comparison:
+def compare(sweep: FrequencySweep, branch: Branch | None, curve: BranchCurve | None) -> SweepComparison:
     """Return the comparison of a sweep with a branch, if there is one."""
     f, a = sweep.frequency, sweep.amplitude
     top = int(np.argmax(a))
     difference = np.full(f.size, np.nan) if branch is None or curve is None else _differences(f, a, branch, curve)
     known = np.flatnonzero(np.isfinite(difference))
     largest = int(known[np.argmax(difference[known])]) if known.size else -1
-    return Comparison(
+    return SweepComparison(
         largest=float(difference[largest]) if known.size else math.nan,
         at=float(f[largest]) if known.size else math.nan,
         median=float(np.median(difference[known])) if known.size else math.nan,

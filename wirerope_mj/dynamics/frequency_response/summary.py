@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.dynamics.frequency_response.comparison import Comparison, compare
+from wirerope_mj.dynamics.frequency_response.comparison import SweepComparison, compare
 from wirerope_mj.dynamics.frequency_response.curve import BranchCurve, curve_of
 from wirerope_mj.dynamics.frequency_response.peaks import ResonancePeak, peaks_of
 from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Level
@@ -29,7 +29,7 @@ class LevelSummary:
         return [] if self.level.branch is None else peaks_of(self.level.branch)
 
     @cached_property
-    def comparisons(self) -> dict[str, Comparison]:
+    def comparisons(self) -> dict[str, SweepComparison]:
         """Comparisons of the sweeps with the branch, by their direction."""
         return {
             direction: compare(sweep, self.level.branch, self.curve) for direction, sweep in self.level.sweeps.items()

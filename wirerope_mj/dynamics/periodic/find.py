@@ -13,8 +13,7 @@ from wirerope_mj.dynamics.periodic.observe import ranges, travel_exceeded
 from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
 from wirerope_mj.dynamics.periodic.shooting import ACCEPTED, Shot, close, shot
 from wirerope_mj.dynamics.periodic.smoothing import smoothed
-from wirerope_mj.dynamics.periodic.steps import Steps
-from wirerope_mj.dynamics.periodic.track import Drive
+from wirerope_mj.dynamics.periodic.track import Drive, Steps
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.simulation.stepper import STATE

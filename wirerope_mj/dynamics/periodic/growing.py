@@ -15,9 +15,8 @@ from wirerope_mj.dynamics.periodic.events import locate, turns, unstable
 from wirerope_mj.dynamics.periodic.find import ITERATIONS, OrbitSearch
 from wirerope_mj.dynamics.periodic.observe import travel_exceeded
 from wirerope_mj.dynamics.periodic.options import BranchOptions
-from wirerope_mj.dynamics.periodic.rows import Row, row_of
 from wirerope_mj.dynamics.periodic.shooting import close, shot
-from wirerope_mj.dynamics.periodic.storage import fingerprint, load_rows, save_rows
+from wirerope_mj.dynamics.periodic.storage import Row, fingerprint, load_rows, row_of, save_rows
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import direction_text
 from wirerope_mj.foundation.state import State

@@ -8,7 +8,7 @@ from wirerope_mj.engine.response.histories import (
     BodyResponse,
     MountResponse,
     PointResponse,
-    Samples,
+    SampledColumns,
 )
 from wirerope_mj.mounts.isolator import AXES
 
@@ -56,7 +56,7 @@ class ColumnPlan:
         return 1 + 3 * len(BASE)
 
     def parts(
-        self, samples: Samples
+        self, samples: SampledColumns
     ) -> tuple[BaseResponse, dict[str, BodyResponse], dict[str, PointResponse], dict[str, MountResponse]]:
         """Return base, bodies, points and mounts of a response whose columns are `samples`."""
         moved = samples.columns(1, self.first_sensor)

@@ -13,7 +13,7 @@ BLOCK_ROWS = 1 << 16
 """Rows of samples that are handed on at once where a long response must not stand in memory as a whole."""
 
 
-class Samples(Protocol):
+class SampledColumns(Protocol):
     """Sampled columns, in memory or in a file."""
 
     @property
@@ -49,7 +49,7 @@ class MemorySamples:
 
 @dataclass(frozen=True)
 class _Columns:
-    samples: Samples
+    samples: SampledColumns
     first: int
 
     def _part(self, offset: int, size: int) -> Array:

@@ -13,7 +13,7 @@ from wirerope_mj.engine.response.histories import (
     MountResponse,
     Numerics,
     PointResponse,
-    Samples,
+    SampledColumns,
 )
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.scene import Scene, scene_to_dict
@@ -57,7 +57,7 @@ class Response(Summarised):
     numerics: Numerics
     initial_state: State
     final_state: State
-    samples: Samples
+    samples: SampledColumns
     path: Path | None = None
 
     def _summary(self) -> tuple[str, dict[str, str]]:

@@ -49,7 +49,7 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     provenance = Provenance(
         kind="estimated",
         source=_source(estimate),
-        fitted_to=f"estimated figures, none of them measured: {fitted.provenance.fitted_to}",
+        fitted_to=f"estimated values, none of them measured: {fitted.provenance.fitted_to}",
         assumed=(*_assumed(estimate), *fitted.provenance.assumed),
     )
     rotation = None
@@ -84,7 +84,7 @@ def _assumed(estimate: LoopEstimate) -> tuple[str, ...]:
     bar = ("the thickness of the bars, from the trend of the catalogue",) if estimate.bar_assumed else ()
     turning = ("turning: the elastic part of loops spread evenly",) if estimate.bar_length is not None else ()
     return (
-        f"every figure is estimated: such estimates of the shock stiffness in compression are within a factor of "
+        f"every value is estimated: such estimates of the shock stiffness in compression are within a factor of "
         f"{1.0 + band.within:.2f} for 80 % of the catalogue's parts, {1.0 + band.worst:.2f} for all{other}",
         "damping ratio: that of the catalogue's series",
         "[spread]: scatter of these estimates for the catalogue's own parts, as one factor on all forces of an axis; another "

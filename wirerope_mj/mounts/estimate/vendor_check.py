@@ -84,17 +84,10 @@ def _coupled(check: LoopCheck) -> tuple[float, float, float]:
     return errors[0], errors[1], errors[2]
 
 
-@cache
-def vendor_secants(part_name: str) -> Secants:
-    """Return the secants of one loop of a part at its own rated travels, EI = 1 N m^2."""
-    part = next(part for part in vendor_loops() if part.name == part_name)
-    travel = part.travel
-    return loop_secants(part.shape, compression=travel["compression"], roll=travel["shear"], diagonal=travel["45"])
-
-
 def _check(part: VendorLoop) -> LoopCheck:
     """Return one row beside the elastica."""
-    secants = vendor_secants(part.name)
+    travel = part.travel
+    secants = loop_secants(part.shape, compression=travel["compression"], roll=travel["shear"], diagonal=travel["45"])
     stiffness = part.shock["compression"] / (part.loops * secants.compression)
     scale = stiffness * part.loops
     return LoopCheck(

@@ -101,7 +101,7 @@ def compare_laws(
     weights: str = "range",
     leave_out: bool = True,
 ) -> LawComparison:
-    """Return how several laws fit the same loops, and how they do on amplitudes that they have not seen.
+    """Return the fits of several laws to the same loops, and their errors on amplitudes that they have not seen.
 
     The criterion is the Bayesian one. With a thousand samples Akaike's correction for few samples vanishes, and what is left
     of it charges 2 for a parameter, which the serially correlated misfit of any law pays back; ln N is the stricter price.

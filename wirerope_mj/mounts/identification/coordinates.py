@@ -52,7 +52,7 @@ class Coordinate:
 
     @property
     def logarithmic(self) -> bool:
-        """Whether it is searched for by its logarithm."""
+        """True if it is searched for by its logarithm."""
         return self.lower > 0.0
 
     def inside(self, value: float) -> float:

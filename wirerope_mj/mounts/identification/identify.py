@@ -28,7 +28,7 @@ STARTS = 2
 """Best points of the grid from which a search begins, beside the best one for each pattern of signs."""
 
 DEEPER = 2
-"""How often a fit begins again where moving a value has shown a better one."""
+"""Times that a fit begins again where moving a value has shown a better one."""
 
 SAME = 0.01
 """Variances within which the ends of two searches are one: a tenth of a standard error. The earlier one counts."""

@@ -51,7 +51,7 @@ def identified_isolator(
 
 
 def assumptions(result: Identification, given: Sequence[str]) -> list[str]:
-    """Return what was assumed and not fitted, one text each."""
+    """Return the assumptions of a fit, one text each."""
     texts = [f"{text}: given, not fitted" for text in given]
     if isinstance(result.law, AsymmetricBoucWen):
         texts.append("b = e: of b and c only the product c ln b acts on the force")

@@ -51,7 +51,7 @@ class MethodComparison:
 
 
 def compare_methods(loops: Sequence[Loop], *, starts: Mapping[str, Law], weights: str = "range") -> MethodComparison:
-    """Return how the three methods do on the same loops, from each start alone.
+    """Return the fits by the three methods to the same loops, from each start alone.
 
     A search that converged may still stand in a valley of its own: the error says which. A start from which a parameter moves
     nothing is a row with an infinite error and the reason.

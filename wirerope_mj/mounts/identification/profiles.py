@@ -30,7 +30,7 @@ BETTER = 0.25
 """Variances by which a fit has to be better to count as another one: half a standard error of one parameter."""
 
 ROUNDS = 4
-"""How often a value is moved farther as long as the residual has not risen."""
+"""Times that a value is moved farther as long as the residual has not risen."""
 
 STEPS = 15
 """Steps of the others' search at one value: it begins where the straight line ends."""
@@ -155,7 +155,7 @@ class _Profile:
         self.line = column / column[index]
 
     def reach(self, distance: float) -> float:
-        """Return how far the value gets until the sum of squares has risen by nine variances; 0 if not beyond `distance`."""
+        """Return the distance at which the sum of squares has risen by nine variances; 0 if not beyond `distance`."""
         c, begin = self.unknowns.free[self.index], self.best.numbers[self.index]
         value, numbers, limit = c.value(begin), self.best.numbers, ERRORS**2
         farthest, before = 0.0, (0.0, 0.0)

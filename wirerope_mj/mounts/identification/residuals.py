@@ -1,4 +1,4 @@
-"""What a search makes small: forces, their Fourier coefficients, mid-lines, areas."""
+"""Residuals of a search: forces, their Fourier coefficients, mid-lines, areas."""
 
 from collections.abc import Callable, Sequence
 from typing import Literal
@@ -13,7 +13,7 @@ Residual = Callable[[Law], Array]
 Data = Literal["loops", "skeleton"]
 
 THIN = 0.01
-"""Share of the rectangle about a loop below which its area is no size to divide by; wire rope has 0.1 to 0.5."""
+"""Fraction of the rectangle about a loop below which its area is no size to divide by; wire rope has 0.1 to 0.5."""
 
 
 def loop_residual(loops: Sequence[MeasuredLoop], data: Data = "loops") -> Residual:
@@ -22,13 +22,13 @@ def loop_residual(loops: Sequence[MeasuredLoop], data: Data = "loops") -> Residu
     The mean is what a drifting zero of the load cell adds; the law's own is lost with it.
 
     Args:
-        loops: what was measured.
+        loops: as they were measured.
         data: "loops" for all samples, "skeleton" for the forces at the turning points alone.
     """
 
     def whole(law: Law) -> Array:
-        parts = [(loop.model_force(law) - loop.force) / loop.weight for loop in loops]
-        return np.concatenate([part - part.mean() for part in parts])
+        differences = [(loop.model_force(law) - loop.force) / loop.weight for loop in loops]
+        return np.concatenate([difference - difference.mean() for difference in differences])
 
     def tips(law: Law) -> Array:
         parts = []
@@ -72,9 +72,9 @@ def mid_line_residual(loops: Sequence[MeasuredLoop], *, points: int = 41) -> Res
 
 
 def area_residual(loops: Sequence[MeasuredLoop]) -> Residual:
-    """Return the residual of the loops' areas, relative to what was measured: the second stage's.
+    """Return the residual of the loops' areas, relative to the measured ones: the second stage's.
 
-    A loop thinner than `THIN` of the rectangle about it counts relative to that share of the rectangle: noise of the force
+    A loop thinner than `THIN` of the rectangle about it counts relative to that fraction of the rectangle: noise of the force
     makes such an area small, zero or negative.
     """
     thin = [THIN * float(np.ptp(loop.deflection) * np.ptp(loop.force)) for loop in loops]

@@ -88,12 +88,12 @@ def closing(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[list[Meas
 
 
 def closes(loop: MeasuredLoop) -> bool:
-    """Return whether a loop of a bare stop closes it."""
+    """Return True if a loop of a bare stop closes it."""
     return any(_closed([loop], None))
 
 
 def _closed(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[bool, bool]:
-    """Return whether a stop pushes at the lower and at the upper end.
+    """Return two booleans: a stop pushes at the lower end, and at the upper one.
 
     Any elastic force that only grows with the depth is a sum of springs behind gaps, and a lossy one has another sum on the way
     back. They are fitted with stiffnesses >= 0; a side is closed if the fit without it is worse for sure.

@@ -1,4 +1,4 @@
-"""Whether loops can fix what is searched for: right way round, enough amplitudes, and every free parameter felt."""
+"""Conditions for a search: loops the right way round, enough amplitudes, and every free parameter felt."""
 
 import math
 from collections.abc import Mapping, Sequence

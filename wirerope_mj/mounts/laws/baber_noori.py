@@ -82,7 +82,7 @@ class BoucWenBaberNoori(Hysteresis):
         return ("z", "e")
 
     @property
-    def force_powers(self) -> Mapping[str, float]:
+    def force_powers(self) -> Mapping[str, float]:  # type: ignore[override]
         """Power of force in the unit of each parameter; the work e grows with the force."""
         return {**super().force_powers, "delta_nu": -1.0, "delta_eta": -1.0, "p": -1.0, "psi": 1.0}
 

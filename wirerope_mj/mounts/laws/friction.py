@@ -29,6 +29,7 @@ class EnhancedDryFriction(Law):
     name: ClassVar[str] = "enhanced-dry-friction"
     kernel: ClassVar[int] = BOUC_WEN
     smoothable: ClassVar[bool] = True
+    force_powers: ClassVar[Mapping[str, float]] = {"k": 1.0, "d": 1.0}
 
     k: float
     d: float
@@ -46,11 +47,6 @@ class EnhancedDryFriction(Law):
     def state_names(self) -> tuple[str, ...]:
         """The friction force z."""
         return ("z",)
-
-    @property
-    def force_powers(self) -> Mapping[str, float]:
-        """Power of force in the unit of each parameter."""
-        return {"k": 1.0, "d": 1.0}
 
     @property
     def z_max(self) -> float:
@@ -91,6 +87,7 @@ class Masing(Law):
     name: ClassVar[str] = "masing"
     kernel: ClassVar[int] = MASING
     lists: ClassVar[tuple[str, ...]] = ("stiffness", "slip_force")
+    force_powers: ClassVar[Mapping[str, float]] = {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0}
 
     stiffness: Sequence[float]
     slip_force: Sequence[float]
@@ -116,11 +113,6 @@ class Masing(Law):
     def state_names(self) -> tuple[str, ...]:
         """The force z1, z2, ... of every Jenkin element."""
         return tuple(f"z{e + 1}" for e in range(len(self.stiffness)))
-
-    @property
-    def force_powers(self) -> Mapping[str, float]:
-        """Power of force in the unit of each parameter."""
-        return {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0}
 
     @property
     def z_max(self) -> float:

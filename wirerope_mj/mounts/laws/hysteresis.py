@@ -108,7 +108,7 @@ class Hysteresis(Law):
         return ("z",)
 
     @property
-    def force_powers(self) -> Mapping[str, float]:
+    def force_powers(self) -> Mapping[str, float]:  # type: ignore[override]
         """Power of force in the unit of each parameter; beta and gamma are [N^(1-n)/m]."""
         bends = {name: 1.0 - self.n for name in ("beta", "gamma") if hasattr(self, name)}
         return {"alpha": 1.0, **bends, **{name: 1.0 for name in ("k", "k1", "k2", "k3") if hasattr(self, name)}}

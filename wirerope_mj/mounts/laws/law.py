@@ -35,6 +35,8 @@ class Law(ABC):
     travel_rule: ClassVar[str] = "its force becomes infinite"
     needs_rating: ClassVar[bool] = True
     """True if a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into."""
+    force_powers: ClassVar[Mapping[str, float]]
+    """Power of force in the unit of each parameter, 1 for [N/m], -1 for [1/J]; those without force are left out."""
     options: ClassVar[Mapping[str, type]] = {}
     """Parameters that are no numbers but choices, and their types."""
     lists: ClassVar[tuple[str, ...]] = ()
@@ -97,11 +99,6 @@ class Law(ABC):
     def closed_damping(self) -> float:
         """Derivative by the deflection rate there [N s/m]."""
         return self.damping_coefficient
-
-    @property
-    @abstractmethod
-    def force_powers(self) -> Mapping[str, float]:
-        """Power of force in the unit of each parameter, 1 for [N/m], -1 for [1/J]; those without force are left out."""
 
     @property
     def relaxation_rate(self) -> float:

@@ -27,6 +27,7 @@ class Parallel(Law):
 
     name: ClassVar[str] = "parallel"
     kernel: ClassVar[int] = PARALLEL
+    force_powers: ClassVar[Mapping[str, float]] = {}
 
     laws: tuple[Law, ...]
 
@@ -74,11 +75,6 @@ class Parallel(Law):
     def travel_rule(self) -> str:  # type: ignore[override]
         """Why the law does not hold beyond its finite travel."""
         return min(self.laws, key=lambda law: law.finite_travel).travel_rule
-
-    @property
-    def force_powers(self) -> Mapping[str, float]:
-        """Nothing of its own: the laws have all of the force."""
-        return {}
 
     def scaled(self, factor: float) -> Self:
         """Return the laws whose force is `factor` times these."""

@@ -37,6 +37,7 @@ class TinkerCutchins(Law):
     name: ClassVar[str] = "tinker-cutchins"
     kernel: ClassVar[int] = TINKER_CUTCHINS
     rate_independent: ClassVar[bool] = False
+    force_powers: ClassVar[Mapping[str, float]] = dict.fromkeys(("k1", "k2", "k3", "c", "f0", "f1", "f2"), 1.0)
 
     k1: float
     k2: float = 0.0
@@ -57,11 +58,6 @@ class TinkerCutchins(Law):
         return np.array(
             [self.k1, self.k2, self.k3, self.c, self.n, self.f0, self.f1, self.f2, self.smoothing], dtype=np.float64
         )
-
-    @property
-    def force_powers(self) -> Mapping[str, float]:
-        """Power of force in the unit of each parameter."""
-        return dict.fromkeys(("k1", "k2", "k3", "c", "f0", "f1", "f2"), 1.0)
 
     @property
     def initial_stiffness(self) -> float:
@@ -95,6 +91,7 @@ class EquivalentViscous(Law):
     name: ClassVar[str] = "equivalent-viscous"
     kernel: ClassVar[int] = TINKER_CUTCHINS
     rate_independent: ClassVar[bool] = False
+    force_powers: ClassVar[Mapping[str, float]] = dict.fromkeys(("k1", "k2", "k3", "energy"), 1.0)
 
     k1: float
     k2: float = 0.0
@@ -157,11 +154,6 @@ class EquivalentViscous(Law):
     def kernel_parameters(self) -> Array:
         """Return the parameters of Tinker and Cutchins' kernel: the mid-line and linear damping, no friction."""
         return np.array([self.k1, self.k2, self.k3, self.damping_coefficient, 1.0, 0.0, 0.0, 0.0, 1.0])
-
-    @property
-    def force_powers(self) -> Mapping[str, float]:
-        """Power of force in the unit of each parameter."""
-        return dict.fromkeys(("k1", "k2", "k3", "energy"), 1.0)
 
     @property
     def initial_stiffness(self) -> float:

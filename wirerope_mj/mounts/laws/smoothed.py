@@ -40,6 +40,7 @@ class Smoothed(Law):
     name: ClassVar[str] = "smoothed"
     kernel: ClassVar[int] = SMOOTHED
     rate_independent: ClassVar[bool] = False
+    force_powers: ClassVar[Mapping[str, float]] = {}
 
     law: Law
     width: float
@@ -62,11 +63,6 @@ class Smoothed(Law):
     def kernel_parameters(self) -> Array:
         """Return the width, the law's kernel and its parameters."""
         return np.concatenate([[self.width, float(self.law.kernel)], self.law.kernel_parameters()])
-
-    @property
-    def force_powers(self) -> Mapping[str, float]:
-        """Nothing of its own: the law has all of the force."""
-        return {}
 
     def scaled(self, factor: float) -> Self:
         """Return the smoothed law whose force is `factor` times this one's."""

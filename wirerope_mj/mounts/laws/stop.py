@@ -108,9 +108,9 @@ class Stop(Law):
         own = [inverse, inverse, 0.0, 1.0, self.loss, self.c, *gaps, self.rounding]
         if self.k is not None:
             return np.array([*own, self.k, self.exponent, 0.0])
-        constant = level_cubics((), (), 0.0)
-        knots = [self._depth(counted) for counted in self._curve.x]
-        return np.array([*own, 0.0, 1.0, *packed(self._curve, constant, 1.0, 1.0)[4:], *knots])
+        table = packed(self._curve, level_cubics((), (), 0.0), 1.0, 1.0)[4:]
+        depths = [self._depth(counted) for counted in table[1 : 1 + int(table[0])]]  # of all knots, the constant's too
+        return np.array([*own, 0.0, 1.0, *table, *depths])
 
     @property
     def _curve(self) -> PPoly:
@@ -143,7 +143,7 @@ class Stop(Law):
         return ("w",) if self.loss > 0.0 else ()
 
     @property
-    def force_powers(self) -> Mapping[str, float]:
+    def force_powers(self) -> Mapping[str, float]:  # type: ignore[override]
         """Power of force in the unit of each parameter."""
         return {"forces" if self.k is None else "k": 1.0, "c": 1.0}
 

@@ -58,6 +58,7 @@ class Tabulated(Law):
     needs_rating: ClassVar[bool] = False
     lists: ClassVar[tuple[str, ...]] = ("deflection", "upper", "lower", "force", "amplitudes", "areas")
     options: ClassVar[Mapping[str, type]] = {"curve": str, "symmetric": bool, "extrapolate": bool}
+    force_powers: ClassVar[Mapping[str, float]] = {"upper": 1.0, "lower": 1.0, "force": 1.0, "areas": 1.0}
 
     deflection: Sequence[float]
     upper: Sequence[float] = ()
@@ -192,11 +193,6 @@ class Tabulated(Law):
         values = asdict(self)
         stated = {item.name: values[item.name] for item in fields(self) if values[item.name] != item.default}
         return {"law": self.name, **{key: list(v) if isinstance(v, tuple) else v for key, v in stated.items()}}
-
-    @property
-    def force_powers(self) -> Mapping[str, float]:
-        """Power of force in the unit of each parameter."""
-        return {"upper": 1.0, "lower": 1.0, "force": 1.0, "areas": 1.0}
 
     @property
     def state_names(self) -> tuple[str, ...]:

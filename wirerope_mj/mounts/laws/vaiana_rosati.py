@@ -45,6 +45,9 @@ class VaianaRosati(Law):
     smoothable: ClassVar[bool] = True
     travel_rule: ClassVar[str] = "its limit curves cross"
     leaders: ClassVar[Mapping[str, str]] = {f"{name}_minus": name for name in _NAMES}
+    force_powers: ClassVar[Mapping[str, float]] = {
+        name + side: 1.0 for name in ("kb", "f0", "b1", "g1") for side in ("", "_minus")
+    }
 
     kb: float
     f0: float
@@ -110,11 +113,6 @@ class VaianaRosati(Law):
     def state_names(self) -> tuple[str, ...]:
         """The force z from the mean of the limit curves."""
         return ("z",)
-
-    @property
-    def force_powers(self) -> Mapping[str, float]:
-        """Power of force in the unit of each parameter."""
-        return {name + side: 1.0 for name in ("kb", "f0", "b1", "g1") for side in ("", "_minus")}
 
     @property
     def z_max(self) -> float:

@@ -23,6 +23,7 @@ class KelvinVoigt(Law):
     name: ClassVar[str] = "kelvin-voigt"
     kernel: ClassVar[int] = KELVIN_VOIGT
     rate_independent: ClassVar[bool] = False
+    force_powers: ClassVar[Mapping[str, float]] = {"k": 1.0, "c": 1.0}
 
     k: float
     c: float
@@ -35,11 +36,6 @@ class KelvinVoigt(Law):
     def kernel_parameters(self) -> Array:
         """Return k, c."""
         return np.array([self.k, self.c])
-
-    @property
-    def force_powers(self) -> Mapping[str, float]:
-        """Power of force in the unit of each parameter."""
-        return {"k": 1.0, "c": 1.0}
 
     @property
     def initial_stiffness(self) -> float:
@@ -66,6 +62,7 @@ class Zener(Law):
     name: ClassVar[str] = "zener"
     kernel: ClassVar[int] = ZENER
     rate_independent: ClassVar[bool] = False
+    force_powers: ClassVar[Mapping[str, float]] = {"k0": 1.0, "k1": 1.0, "c": 1.0}
 
     k0: float
     k1: float
@@ -83,11 +80,6 @@ class Zener(Law):
     def state_names(self) -> tuple[str, ...]:
         """The force z of the branch with the damper."""
         return ("z",)
-
-    @property
-    def force_powers(self) -> Mapping[str, float]:
-        """Power of force in the unit of each parameter."""
-        return {"k0": 1.0, "k1": 1.0, "c": 1.0}
 
     @property
     def initial_stiffness(self) -> float:

@@ -77,13 +77,13 @@ class Transition:
     """Amplitude of the least secant stiffness: an isolator softens up to there and hardens beyond.
 
     Attributes:
-        found: whether such an amplitude lies between those that were tested.
-        amplitude: of the least secant stiffness [m]; NaN if it was not found.
-        stiffness: the least secant stiffness [N/m]; NaN if it was not found.
+        exists: whether such an amplitude lies between those that were tested.
+        amplitude: of the least secant stiffness [m]; NaN if there is none.
+        stiffness: the least secant stiffness [N/m]; NaN if there is none.
         message: the transition, or what the tested amplitudes show instead.
     """
 
-    found: bool
+    exists: bool
     amplitude: float
     stiffness: float
     message: str
@@ -118,14 +118,14 @@ def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Tran
         log_amplitude = _least_of(spline, math.log(amplitude[least - 1]), math.log(amplitude[least + 1]))
         size, value = math.exp(log_amplitude), float(spline(log_amplitude))
         message = f"softens up to an amplitude of {1e3 * size:.4g} mm (secant stiffness {value / 1e3:.4g} kN/m), hardens beyond"
-        return Transition(found=True, amplitude=size, stiffness=value, message=message)
+        return Transition(exists=True, amplitude=size, stiffness=value, message=message)
     if falls:
         message = f"softens over all amplitudes tested, {first} to {last}: a transition, if there is one, lies above"
     elif rises:
         message = f"hardens over all amplitudes tested, {first} to {last}: a transition, if there is one, lies below"
     else:
         message = f"neither softens nor hardens between {first} and {last}"
-    return Transition(found=False, amplitude=math.nan, stiffness=math.nan, message=message)
+    return Transition(exists=False, amplitude=math.nan, stiffness=math.nan, message=message)
 
 
 def _least_of(spline: CubicSpline, low: float, high: float) -> float:

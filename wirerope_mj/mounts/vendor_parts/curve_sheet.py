@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.foundation.errors import ModelError, RecordError
-from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.mounts.isolator.curves import read_curve
 from wirerope_mj.mounts.vendor_parts.toml_table import FORCE, LENGTH, Pairs, TomlTable
 
@@ -90,8 +90,8 @@ def read_curve_sheet(content: Mapping[str, Any], path: Path) -> CurveSheet:
 
 def _side(table: TomlTable, folder: Path) -> Side:
     curves = {kind: points for kind in KINDS if (points := _points(table, kind, folder))}
-    areas = _in_si(table.pairs("areas_mm_J"), 1e-3, 1.0)
-    damping = _in_si(table.pairs("damping_mm"), 1e-3, 1.0)
+    areas = _scaled(table.pairs("areas_mm_J"), 1e-3, 1.0)
+    damping = _scaled(table.pairs("damping_mm"), 1e-3, 1.0)
     if areas and damping:
         raise ModelError(f"{table.location} give `areas_mm_J` or `damping_mm`, not both.")
     travel = table.optional_quantity("travel", LENGTH)
@@ -105,7 +105,7 @@ def _points(table: TomlTable, kind: str, folder: Path) -> Pairs:
         for length in LENGTH:
             for force in FORCE:
                 if rows := table.pairs(f"{kind}_{length}_{force}"):
-                    return _in_si(rows, LENGTH_UNITS[length], FORCE_UNITS[force])
+                    return _scaled(rows, LENGTH_UNITS[length], FORCE_UNITS[force])
         return []
     location = f"{table.location} `{kind}`"
     if not isinstance(file := table.entries.pop(kind), str):
@@ -124,6 +124,5 @@ def _points(table: TomlTable, kind: str, folder: Path) -> Pairs:
     return rows
 
 
-def _in_si(rows: Pairs, first: float, second: float) -> Pairs:
-    """Return pairs times what their units are in SI; 6.8 mm are 0.0068 m, not 0.006799999999999999 m."""
-    return [(float(f"{x * first:.12g}"), float(f"{y * second:.12g}")) for x, y in rows]
+def _scaled(rows: Pairs, first: float, second: float) -> Pairs:
+    return [(in_si(x, first), in_si(y, second)) for x, y in rows]

@@ -92,7 +92,7 @@ class DataSheet:
         roll_of_loop: whether roll follows from the rope loop; else it is the same as shear.
         yielding: yield deflection of friction [m]; None where a damping ratio gives it.
         damping_range: lowest and highest damping ratio that the vendor states [-]; None where it states none.
-        assumed: what no source gives, one sentence each.
+        assumed: what no source gives, one text each.
     """
 
     name: str

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 
 _UNITS = {
     **LENGTH_UNITS,
@@ -44,7 +44,7 @@ class TomlTable:
         """Take a quantity > 0 whose key ends with its unit; None where there is none."""
         for unit in units:
             if (value := self.optional_number(f"{name}_{unit}")) is not None:
-                return float(f"{value * _UNITS[unit]:.12g}")  # 45.2 mm are 0.0452 m, not 0.045200000000000004 m
+                return in_si(value, _UNITS[unit])
         return None
 
     def optional_number(self, key: str) -> float | None:

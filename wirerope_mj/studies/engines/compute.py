@@ -1,4 +1,4 @@
-"""What every engine computes: the rows of some variants, from what all variants share and their own inputs."""
+"""The computation of every engine: the rows of some variants, from what all variants share and their own inputs."""
 
 from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field
@@ -9,7 +9,6 @@ import pyarrow as pa
 from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import WireRopeError
-from wirerope_mj.studies.inputs.sampling import arrow_type
 from wirerope_mj.studies.inputs.variants import Maker, Work
 from wirerope_mj.studies.measures import NAN, measure_names, measures
 from wirerope_mj.studies.responses import packed
@@ -18,7 +17,7 @@ UNLOADED = "unloaded"
 """The start of a variant that does not begin at rest."""
 
 DONE, FAILED = "done", "failed"
-"""What `status` says."""
+"""Values of `status`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +37,7 @@ class Chunk:
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
-    """What came of a chunk.
+    """The result of a chunk.
 
     Attributes:
         number: of the chunk.
@@ -68,7 +67,7 @@ _RESULTS = (ValueError, ArithmeticError, WireRopeError)
 
 def schema(work: Work) -> pa.Schema:
     """Return names and types of the table's columns."""
-    fields = [("variant", pa.int64()), *((column.name, arrow_type(column)) for column in work.columns)]
+    fields = [("variant", pa.int64()), *((column.name, column.type) for column in work.columns)]
     fields += [(name, pa.float64()) for name in measure_names(work.system)]
     return pa.schema([*fields, ("status", pa.string()), ("message", pa.string())])
 
@@ -97,17 +96,17 @@ Outcome = dict[str, float] | str
 def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, bytes] | None) -> list[Outcome]:
     """Return measures or message of every row; `responses` takes the variants' responses unless it is None."""
     make = Maker(work.system, work.motions, work.columns)
-    found: dict[int, Outcome] = {}
-    systems, motions, places = [], [], []
-    for place, row in enumerate(rows):
+    outcomes: dict[int, Outcome] = {}
+    systems, motions, indices = [], [], []
+    for index, row in enumerate(rows):
         try:
             system, motion = make.system(row), make.motion(row)
         except (ValueError, WireRopeError) as error:
-            found[place] = str(error)
+            outcomes[index] = str(error)
         else:
             systems.append(system)
             motions.append(motion)
-            places.append(place)
+            indices.append(index)
     try:
         results = simulate_batch(
             systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
@@ -118,11 +117,11 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, b
         if len(rows) > 1:
             return [outcome for row in rows for outcome in _outcomes(work, [row], responses)]
         return [why_not(error)]
-    for place, system, result in zip(places, systems, results, strict=True):
-        found[place] = _outcome(work, system, result)
+    for index, system, result in zip(indices, systems, results, strict=True):
+        outcomes[index] = _outcome(work, system, result)
         if responses is not None and isinstance(result, BatchResult) and result.response is not None:
-            responses[int(rows[place]["variant"])] = packed(result.response)
-    return [found[place] for place in range(len(rows))]
+            responses[int(rows[index]["variant"])] = packed(result.response)
+    return [outcomes[index] for index in range(len(rows))]
 
 
 def why_not(error: Exception) -> str:

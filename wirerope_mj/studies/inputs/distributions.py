@@ -1,26 +1,27 @@
-"""What a quantity of a study may be: distributions and choices, each a function of a number between 0 and 1."""
+"""Distributions and choices of the quantities of a study, each a function of a number between 0 and 1."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from typing import Any, ClassVar, get_args
 
 import numpy as np
 import numpy.typing as npt
 from scipy.special import ndtr, ndtri
 
+from wirerope_mj.foundation.arguments import finite, integer, positive
 from wirerope_mj.foundation.arrays import Array
 
 SMALLEST, LARGEST = 2.0**-54, 1.0 - 2.0**-53
-"""What stands for 0 and 1, at which a normal distribution is infinite: Sobol points may be 0, and sums be rounded to 1."""
+"""In place of 0 and 1, at which a normal distribution is infinite: Sobol points may be 0, and sums be rounded to 1."""
 
 FARTHEST = 37.0
 """Deviations from the mean beyond which nothing of a normal distribution is left that a number could say."""
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True)
 class Normal:
-    """A normal distribution, cut off at `low` and `high` if they are given.
+    """A normal distribution, truncated at `low` and `high` if they are given.
 
     Args:
         mean: its mean.
@@ -33,30 +34,18 @@ class Normal:
 
     mean: float
     deviation: float
-    relative: bool
-    each: bool
-    group: str | None
-    low: float | None
-    high: float | None
+    _: KW_ONLY
+    relative: bool = False
+    each: bool = False
+    group: str | None = None
+    low: float | None = None
+    high: float | None = None
 
-    def __init__(
-        self,
-        mean: float,
-        deviation: float,
-        *,
-        relative: bool = False,
-        each: bool = False,
-        group: str | None = None,
-        low: float | None = None,
-        high: float | None = None,
-    ) -> None:
-        _keep(self, mean=_finite("mean", mean), deviation=_finite("deviation", deviation), relative=relative, each=each)
-        _keep(self, group=_word("group", group))
-        _keep(
-            self, low=low if low is None else _finite("low", low), high=high if high is None else _finite("high", high)
-        )
-        if self.deviation <= 0.0:
-            raise ValueError(f"`deviation` must be > 0, got {deviation}.")
+    def __post_init__(self) -> None:
+        _check_group(self.group)
+        _keep(self, mean=finite("mean", self.mean), deviation=positive("deviation", self.deviation))
+        _keep(self, low=None if self.low is None else finite("low", self.low))
+        _keep(self, high=None if self.high is None else finite("high", self.high))
         if self.low is not None and self.high is not None:
             _check_bounds(self.low, self.high)
         low, high = self._ends
@@ -72,56 +61,46 @@ class Normal:
         low = -math.inf if self.low is None else (self.low - self.mean) / self.deviation
         return low, math.inf if self.high is None else (self.high - self.mean) / self.deviation
 
-    def values(self, shares: Array) -> Array:
-        """Return the quantiles at shares of 0 to 1, (n,)."""
+    def values(self, probabilities: Array) -> Array:
+        """Return the quantiles at probabilities, (n,)."""
         low, high = self._ends
         sign = 1.0
         if low > 0.0:  # of the upper tail a number near 1 says nothing: its mirror image is the lower one
-            low, high, shares, sign = -high, -low, 1.0 - shares, -1.0
+            low, high, probabilities, sign = -high, -low, 1.0 - probabilities, -1.0
         first, last = ndtr(np.array([low, high]))
-        inside = np.clip(first + shares * (last - first), SMALLEST * last, LARGEST)
+        inside = np.clip(first + probabilities * (last - first), SMALLEST * last, LARGEST)
         lowest, highest = -math.inf if self.low is None else self.low, math.inf if self.high is None else self.high
         return np.clip(self.mean + sign * self.deviation * ndtri(inside), lowest, highest)
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True)
 class Uniform:
     """Values between two bounds, all equally likely.
 
     Args:
         low, high: the bounds, low < high.
-        relative: whether its values are factors on what the model says, and not values themselves.
-        each: whether every mount or body that the name matches has a sample of its own; else they share one.
-        group: factor of Sobol's indices that it belongs to, together with all of the same group; None: one of its own.
+        relative, each, group: as for `Normal`.
         points: number of equally spaced values from `low` to `high` in a grid, at least 2; other samplings do not use it.
     """
 
     low: float
     high: float
-    relative: bool
-    each: bool
-    group: str | None
-    points: int | None
+    _: KW_ONLY
+    relative: bool = False
+    each: bool = False
+    group: str | None = None
+    points: int | None = None
 
-    def __init__(
-        self,
-        low: float,
-        high: float,
-        *,
-        relative: bool = False,
-        each: bool = False,
-        group: str | None = None,
-        points: int | None = None,
-    ) -> None:
-        _keep(self, low=_finite("low", low), high=_finite("high", high), relative=relative, each=each, points=points)
-        _keep(self, group=_word("group", group))
+    def __post_init__(self) -> None:
+        _check_group(self.group)
+        _keep(self, low=finite("low", self.low), high=finite("high", self.high))
         _check_bounds(self.low, self.high)
-        if points is not None and (isinstance(points, bool) or points != int(points) or points < 2):
-            raise ValueError(f"`points` must be an integer >= 2, got {points!r}.")
+        if self.points is not None:
+            _keep(self, points=integer("points", self.points, least=2))
 
-    def values(self, shares: Array) -> Array:
-        """Return the quantiles at shares of 0 to 1, (n,)."""
-        return self.low + shares * (self.high - self.low)
+    def values(self, probabilities: Array) -> Array:
+        """Return the quantiles at probabilities, (n,)."""
+        return self.low + probabilities * (self.high - self.low)
 
     @property
     def listed(self) -> list[float]:
@@ -134,10 +113,8 @@ class Choice:
     """One of some values, all equally likely; in a grid each of them.
 
     Args:
-        choices: numbers, truth values or words, all of one kind.
-        relative: whether they are factors on what the model says, and not values themselves.
-        each: whether every mount or body that the name matches has a sample of its own; else they share one.
-        group: factor of Sobol's indices that it belongs to, together with all of the same group; None: one of its own.
+        choices: numbers, booleans or strings, all of one kind.
+        relative, each, group: as for `Normal`.
     """
 
     choices: tuple[Any, ...]
@@ -150,16 +127,18 @@ class Choice:
             choices = tuple(choices[0])
         if not choices:
             raise ValueError("`Choice` must have at least one value, got none.")
+        _check_group(group)
         plain = tuple(choice.item() if isinstance(choice, np.generic) else choice for choice in choices)
-        _keep(self, choices=plain, relative=relative, each=each, group=_word("group", group))
-        kinds = {_kind(choice) for choice in plain}
-        if len(kinds) > 1 or kinds - {"number", "boolean", "word"}:
-            raise ValueError(f"the values of a `Choice` must all be numbers, truth values or words, got {list(plain)}.")
+        _keep(self, choices=plain, relative=relative, each=each, group=group)
+        booleans = [isinstance(choice, bool) for choice in plain]
+        numbers = [isinstance(choice, int | float) for choice in plain]
+        if not (all(booleans) or (all(numbers) and not any(booleans)) or all(isinstance(one, str) for one in plain)):
+            raise ValueError(f"the values of a `Choice` must all be numbers, booleans or strings, got {list(plain)}.")
 
-    def values(self, shares: Array) -> npt.NDArray[Any]:
-        """Return the choices at shares of 0 to 1, (n,)."""
-        places = np.minimum((shares * len(self.choices)).astype(np.int64), len(self.choices) - 1)
-        return np.array(self.choices)[places]
+    def values(self, probabilities: Array) -> npt.NDArray[Any]:
+        """Return the choices at probabilities, (n,)."""
+        indices = np.minimum((probabilities * len(self.choices)).astype(np.int64), len(self.choices) - 1)
+        return np.array(self.choices)[indices]
 
     @property
     def listed(self) -> list[Any]:
@@ -173,7 +152,7 @@ class Specimens:
 
     Attributes:
         each: whether every mount has specimens of its own; else those that the name matches share one.
-        group: factor of Sobol's indices that it belongs to, together with all of the same group; None: one of its own.
+        group: as for `Normal`.
     """
 
     each: bool = True
@@ -181,7 +160,7 @@ class Specimens:
     relative: bool = False
 
     def __post_init__(self) -> None:
-        _word("group", self.group)
+        _check_group(self.group)
 
 
 @dataclass(frozen=True)
@@ -193,7 +172,7 @@ class Isotropic:
 
     Attributes:
         low, high: bounds of the elevation [deg], -90 <= low < high <= 90; from 0 up it is the half above the horizon.
-        group: factor of Sobol's indices that it belongs to, together with all of the same group; None: one of its own.
+        group: as for `Normal`.
     """
 
     relative: ClassVar[bool] = False
@@ -204,15 +183,16 @@ class Isotropic:
     group: str | None = None
 
     def __post_init__(self) -> None:
-        _keep(self, low=_finite("low", self.low), high=_finite("high", self.high), group=_word("group", self.group))
+        _check_group(self.group)
+        _keep(self, low=finite("low", self.low), high=finite("high", self.high))
         _check_bounds(self.low, self.high)
         if self.low < -90.0 or self.high > 90.0:
             raise ValueError(f"`low` and `high` must be from -90 to 90 degrees, got {self.low:g} and {self.high:g}.")
 
-    def values(self, shares: Array) -> Array:
-        """Return the quantiles [deg] at shares of 0 to 1, (n,)."""
+    def values(self, probabilities: Array) -> Array:
+        """Return the quantiles [deg] at probabilities of 0 to 1, (n,)."""
         first, last = math.sin(math.radians(self.low)), math.sin(math.radians(self.high))
-        heights = np.clip(first + shares * (last - first), -1.0, 1.0)
+        heights = np.clip(first + probabilities * (last - first), -1.0, 1.0)
         return np.array([math.degrees(math.asin(height)) for height in heights.tolist()])
 
 
@@ -237,23 +217,11 @@ def _keep(thing: Any, **values: Any) -> None:
         object.__setattr__(thing, name, value)
 
 
-def _finite(name: str, value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float | np.number) or not math.isfinite(value):
-        raise ValueError(f"`{name}` must be a finite number, got {value!r}.")
-    return float(value)
-
-
-def _word(name: str, value: Any) -> str | None:
-    if value is not None and (not isinstance(value, str) or not value):
-        raise ValueError(f"`{name}` must be a word or None, got {value!r}.")
-    return value
+def _check_group(group: Any) -> None:
+    if group is not None and (not isinstance(group, str) or not group):
+        raise ValueError(f"`group` must be a string or None, got {group!r}.")
 
 
 def _check_bounds(low: float, high: float) -> None:
     if not low < high:
         raise ValueError(f"`low` must be less than `high`, got {low:g} and {high:g}: the bounds may be reversed.")
-
-
-def _kind(value: Any) -> str:
-    kinds = (("boolean", bool), ("number", int | float), ("word", str))
-    return next((word for word, kind in kinds if isinstance(value, kind)), "thing")

@@ -10,14 +10,15 @@ import pyarrow as pa
 from scipy.special import ndtri
 from scipy.stats import qmc
 
+from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.inputs import sobol
+from wirerope_mj.studies.inputs.column import Quantity
 from wirerope_mj.studies.inputs.distributions import LARGEST, SMALLEST, Choice, Specimens, Uniform
-from wirerope_mj.studies.inputs.quantities import Column, Quantity
 
 LISTED = ("grid", "list")
-"""Samplings of values that are listed, and not drawn."""
+"""Samplings of values that are listed, and not sampled."""
 
 RANK = 1e-9
 """Eigenvalue of the correlations, of the largest one, below which a direction does not scatter: rounding leaves 1e-15, and the
@@ -36,32 +37,25 @@ def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: st
         ValueError: the number of variants is not positive or does not suit the sampling, the sampling is unknown, or a grid has
             no listed values.
     """
-    if sampling not in SAMPLINGS:
-        raise ValueError(f"`sampling` must be one of {', '.join(SAMPLINGS)}, got {sampling!r}.")
+    one_of("sampling", sampling, SAMPLINGS)
     columns = [column for quantity in quantities for column in quantity.columns]
     if sampling in LISTED:
         values: Sequence[Any] = _listed(quantities, variants, sampling)
     else:
-        if isinstance(variants, bool) or not isinstance(variants, int | np.integer) or variants < 1:
-            raise ValueError(f"`variants` must be an integer >= 1, got {variants!r}.")
+        variants = integer("variants", variants, least=1)
         if sampling == sobol.SAMPLING:
-            shares = sobol.shares(list(sobol.factors(quantities).values()), int(variants), seed)
+            points = sobol.points(list(sobol.factors(quantities).values()), variants, seed)
         else:
-            shares = _shares(sampling, int(variants), len(columns), seed)
+            points = _points(sampling, variants, len(columns), seed)
         ends = np.cumsum([len(quantity.columns) for quantity in quantities])[:-1]
-        blocks = zip(quantities, np.split(shares, ends, axis=1), strict=True)
+        blocks = zip(quantities, np.split(points, ends, axis=1), strict=True)
         values = [column for quantity, own in blocks for column in _values(quantity, own)]
     numbers = pa.array(np.arange(len(values[0])), type=pa.int64())
-    arrays = [pa.array(value, type=arrow_type(column)) for value, column in zip(values, columns, strict=True)]
+    arrays = [pa.array(value, type=column.type) for value, column in zip(values, columns, strict=True)]
     return pa.table([numbers, *arrays], names=["variant", *(column.name for column in columns)])
 
 
-def arrow_type(column: Column) -> pa.DataType:
-    """Return the type of a column in the table."""
-    return {"double": pa.float64(), "int64": pa.int64(), "bool": pa.bool_(), "string": pa.string()}[column.type]
-
-
-def _shares(sampling: str, variants: int, dimensions: int, seed: int) -> Array:
+def _points(sampling: str, variants: int, dimensions: int, seed: int) -> Array:
     """Return numbers from 0 to 1, (variants, dimensions)."""
     generator = np.random.default_rng(seed)
     if sampling == "random":
@@ -78,24 +72,24 @@ def _shares(sampling: str, variants: int, dimensions: int, seed: int) -> Array:
     return np.asarray(points[:variants])
 
 
-def _values(quantity: Quantity, shares: Array) -> list[npt.NDArray[Any]]:
-    """Return the values of a quantity's columns from their shares (n, n_columns)."""
+def _values(quantity: Quantity, points: Array) -> list[npt.NDArray[Any]]:
+    """Return the values of a quantity's columns from numbers between 0 and 1, (n, n_columns)."""
     distribution = quantity.distribution
     if not isinstance(distribution, Specimens):
-        return [distribution.values(shares[:, place]) for place in range(shares.shape[1])]
-    found: list[npt.NDArray[Any]] = []
+        return [distribution.values(column) for column in points.T]
+    values: list[npt.NDArray[Any]] = []
     for isolator in quantity.isolators:
         size = len(isolator.spread.parameters) if isolator.spread else 0
-        own = ndtri(np.clip(shares[:, len(found) : len(found) + size], SMALLEST, LARGEST))
-        found += list(drawn(isolator, own).T)
-    return found
+        own = ndtri(np.clip(points[:, len(values) : len(values) + size], SMALLEST, LARGEST))
+        values += list(sampled(isolator, own).T)
+    return values
 
 
-def drawn(isolator: Isolator, normals: Array) -> Array:
-    """Return what the parameters of an isolator's spread are in specimens, (n, n_parameters), from as many standard normals."""
+def sampled(isolator: Isolator, normals: Array) -> Array:
+    """Return the parameters of specimens from an isolator's spread, (n, n_parameters), from as many standard normals."""
     mean, root = _joint(isolator)
     # Sums in one order, so that a value has the same bits however many variants there are, and those of its twin.
-    return np.asarray(mean + sum(normals[:, [place]] * root[place] for place in range(mean.size)))
+    return np.asarray(mean + sum(normals[:, [k]] * root[k] for k in range(mean.size)))
 
 
 def _joint(isolator: Isolator) -> tuple[Array, Array]:
@@ -117,14 +111,10 @@ def _joint(isolator: Isolator) -> tuple[Array, Array]:
         raise ValueError(f"the covariance in the [spread] of isolator {isolator.name!r} is not positive semidefinite.")
     kept = np.where(values > RANK * values.max(initial=0.0), values, 0.0)
     root = (vectors * np.sqrt(kept)) @ vectors.T * sizes
-    for place, row in enumerate(correlation):
+    for k, row in enumerate(correlation):
         twin = int(np.argmax(row > 1.0 - RANK))  # the first parameter that is as this one, itself at the latest
-        if (
-            row[twin] > 1.0 - RANK
-            and mean[twin] == mean[place]
-            and math.isclose(sizes[twin], sizes[place], rel_tol=RANK)
-        ):
-            root[:, place] = root[:, twin]
+        if row[twin] > 1.0 - RANK and mean[twin] == mean[k] and math.isclose(sizes[twin], sizes[k], rel_tol=RANK):
+            root[:, k] = root[:, twin]
     return mean, root
 
 
@@ -147,5 +137,5 @@ def _listed(quantities: Sequence[Quantity], variants: int | None, sampling: str)
         raise ValueError(f"`variants` must be left out of a {sampling}, or be its size {size}, got {variants}.")
     if sampling == "list":
         return lists
-    places = np.unravel_index(np.arange(size), sizes)
-    return [[values[place] for place in where] for values, where in zip(lists, places, strict=True)]
+    indices = np.unravel_index(np.arange(size), sizes)
+    return [[values[k] for k in own] for values, own in zip(lists, indices, strict=True)]

@@ -6,27 +6,27 @@ import numpy as np
 from scipy.stats import qmc
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.studies.inputs.quantities import Quantity
+from wirerope_mj.studies.inputs.column import Quantity
 
 SAMPLING = "sobol-indices"
-"""The word for it."""
+"""Its name."""
 
 FEWEST = 8
 """Base rows below which no variance is worth the name."""
 
 
 def factors(quantities: Sequence[Quantity]) -> dict[str, list[int]]:
-    """Return the factors, whose indices are found, with the places of their columns among all columns.
+    """Return the factors, whose indices are found, with the indices of their columns among all columns.
 
     A factor is one quantity with all its columns, or what bears the same `group`.
     """
-    found: dict[str, list[int]] = {}
-    place = 0
+    columns: dict[str, list[int]] = {}
+    first = 0
     for quantity in quantities:
-        places = range(place, place + len(quantity.columns))
-        found.setdefault(quantity.distribution.group or quantity.name, []).extend(places)
-        place += len(quantity.columns)
-    return found
+        own = range(first, first + len(quantity.columns))
+        columns.setdefault(quantity.distribution.group or quantity.name, []).extend(own)
+        first += len(quantity.columns)
+    return columns
 
 
 def base_rows(variants: int, n_factors: int) -> int:
@@ -48,14 +48,14 @@ def base_rows(variants: int, n_factors: int) -> int:
     )
 
 
-def shares(groups: Sequence[Sequence[int]], variants: int, seed: int) -> Array:
+def points(groups: Sequence[Sequence[int]], variants: int, seed: int) -> Array:
     """Return numbers from 0 to 1, (variants, n_columns), of Saltelli's matrices (Saltelli et al. 2010).
 
     Row by row: A, B, then for each factor A with the columns of this factor from B. So a larger study begins with a smaller
-    one, and what a failed variant spoils is one stretch.
+    one, and what a failed variant spoils is one row.
 
     Args:
-        groups: places of each factor's columns.
+        groups: indices of each factor's columns.
         variants: n (factors + 2) of them.
         seed: of Sobol's sequence.
 
@@ -66,14 +66,14 @@ def shares(groups: Sequence[Sequence[int]], variants: int, seed: int) -> Array:
     columns = sum(map(len, groups))
     if 2 * columns > qmc.Sobol.MAXDIM:
         raise ValueError(f"Sobol's sequence has {qmc.Sobol.MAXDIM} dimensions, and {columns} numbers vary, each twice.")
-    points = qmc.Sobol(2 * columns, scramble=True, rng=np.random.default_rng(seed)).random(rows)
+    sequence = qmc.Sobol(2 * columns, scramble=True, rng=np.random.default_rng(seed)).random(rows)
     # Sobol's first dimensions fill the space best, even in pairs: they go to factors of few columns, for each of which much
     # hangs on one number.
-    order = [place for group in sorted(groups, key=len) for place in group]
+    order = [column for group in sorted(groups, key=len) for column in group]
     a, b = np.empty((2, rows, columns))
-    a[:, order], b[:, order] = points[:, 0::2], points[:, 1::2]
-    found = np.repeat(a[:, None], len(groups) + 2, axis=1)
-    found[:, 1] = b
+    a[:, order], b[:, order] = sequence[:, 0::2], sequence[:, 1::2]
+    rows_of = np.repeat(a[:, None], len(groups) + 2, axis=1)
+    rows_of[:, 1] = b
     for number, group in enumerate(groups, start=2):
-        found[:, number, group] = b[:, group]
-    return found.reshape(variants, columns)
+        rows_of[:, number, group] = b[:, group]
+    return rows_of.reshape(variants, columns)

@@ -1,4 +1,4 @@
-"""How uncertain the scatter of a few specimens is: what as many others of the same make might have shown."""
+"""Uncertainty of the scatter of a few specimens: what as many others of the same make might have shown."""
 
 import math
 from collections.abc import Sequence
@@ -7,10 +7,11 @@ from dataclasses import replace
 import numpy as np
 from scipy.stats import chi2
 
+from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.mounts.isolator import Isolator, Spread
+from wirerope_mj.studies.inputs.column import Quantity
 from wirerope_mj.studies.inputs.distributions import Specimens
-from wirerope_mj.studies.inputs.quantities import Quantity
-from wirerope_mj.studies.inputs.sampling import RANK, drawn
+from wirerope_mj.studies.inputs.sampling import RANK, sampled
 
 
 def rank(spread: Spread) -> int:
@@ -24,8 +25,8 @@ def rank(spread: Spread) -> int:
 
 def known_specimens(spread: Spread) -> int | None:
     """Return of how many specimens the covariance is; None if it is of full rank, so of any number above that."""
-    found = rank(spread)
-    return found + 1 if found < len(spread.parameters) else None
+    directions = rank(spread)
+    return directions + 1 if directions < len(spread.parameters) else None
 
 
 def deviation_bounds(specimens: int, *, confidence: float = 0.95) -> tuple[float, float]:
@@ -33,14 +34,13 @@ def deviation_bounds(specimens: int, *, confidence: float = 0.95) -> tuple[float
 
     (n - 1) s^2 / sigma^2 of n normal specimens is chi-squared with n - 1 degrees of freedom.
     """
-    if specimens < 2:
-        raise ValueError(f"`specimens` must be >= 2, got {specimens}.")
+    specimens = integer("specimens", specimens, least=2)
     tail = (1.0 - confidence) / 2.0
     low, high = chi2.ppf([tail, 1.0 - tail], specimens - 1)
     return math.sqrt((specimens - 1) / high), math.sqrt((specimens - 1) / low)
 
 
-def specimen_sentences(quantities: Sequence[Quantity]) -> list[str]:
+def specimen_messages(quantities: Sequence[Quantity]) -> list[str]:
     """Return for every isolator whose specimens vary how well their scatter is known at all."""
     isolators = {
         one.name: one
@@ -48,10 +48,10 @@ def specimen_sentences(quantities: Sequence[Quantity]) -> list[str]:
         if isinstance(quantity.distribution, Specimens)
         for one in quantity.isolators
     }
-    return [text for one in isolators.values() if one.spread is not None and (text := _sentence(one.name, one.spread))]
+    return [text for one in isolators.values() if one.spread is not None and (text := _message(one.name, one.spread))]
 
 
-def _sentence(name: str, spread: Spread) -> str:
+def _message(name: str, spread: Spread) -> str:
     specimens = known_specimens(spread)
     if specimens is None or specimens < 2:
         return ""
@@ -66,13 +66,13 @@ def _sentence(name: str, spread: Spread) -> str:
 def redrawn(isolator: Isolator, *, seed: int, specimens: int | None = None) -> Isolator:
     """Return the isolator that as many other specimens of the same make might have given.
 
-    They are drawn from the isolator's own spread; their mean and covariance replace parameters and spread. Studies with several
-    seeds tell how far a result hangs on the specimens that happened to be tested (a parametric bootstrap).
+    They are sampled from the isolator's own spread; their mean and covariance replace parameters and spread. Studies with
+    several seeds show how far a result hangs on the specimens that happened to be tested (a parametric bootstrap).
 
     Args:
         isolator: with a [spread].
-        seed: of the draw.
-        specimens: how many were tested, >= 2; None if fewer than there are parameters, which the covariance then tells.
+        seed: of the sample.
+        specimens: how many were tested, >= 2; None if fewer than there are parameters, which the covariance then shows.
 
     Raises:
         ValueError: the isolator has no spread, or an argument is out of range, or a parameter leaves its law's range.
@@ -83,12 +83,11 @@ def redrawn(isolator: Isolator, *, seed: int, specimens: int | None = None) -> I
         specimens = known_specimens(isolator.spread)
         if specimens is None:
             raise ValueError(
-                f"`specimens` must be given: the [spread] of {isolator.name!r} does not tell how many there were."
+                f"`specimens` must be given: the [spread] of {isolator.name!r} does not say how many there were."
             )
-    if specimens < 2:
-        raise ValueError(f"`specimens` must be >= 2, got {specimens}.")
+    specimens = integer("specimens", specimens, least=2)
     normals = np.random.default_rng(seed).standard_normal((specimens, len(isolator.spread.parameters)))
-    values = drawn(isolator, normals)
+    values = sampled(isolator, normals)
     laws: dict[str, dict[str, float]] = {}
     for name, value in zip(isolator.spread.parameters, values.mean(axis=0), strict=True):
         axis, _, key = name.partition(".")

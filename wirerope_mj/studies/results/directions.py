@@ -1,4 +1,4 @@
-"""Directions of a study's motion as points on the sphere: how much of it each stands for."""
+"""Directions of a study's motion as points on the sphere: the area that each stands for."""
 
 import numpy as np
 import pyarrow as pa
@@ -13,7 +13,7 @@ _GAP = 1.5
 
 
 def sphere_areas(azimuth: Array, elevation: Array) -> Array:
-    """Return the share of the sphere that each direction stands for, of the part that the directions span, (n,), 1 in all.
+    """Return the fraction of the sphere that each direction stands for, of the part that the directions span, (n,), 1 in all.
 
     Directions of one elevation share a belt that reaches halfway to their neighbours above and below, sin(upper) - sin(lower)
     of the sphere's area 2 pi (Archimedes), and along it what lies halfway to their neighbours: points of equal angle crowd at
@@ -30,11 +30,11 @@ def sphere_areas(azimuth: Array, elevation: Array) -> Array:
     belts = np.diff(np.sin(edges)) if rings.size > 1 else np.ones(1)
     around = np.where(np.abs(elevation) == 90.0, 0.0, np.mod(azimuth, 360.0))
     areas, widths = np.zeros(azimuth.size), np.zeros(rings.size)
-    for place in range(rings.size):
-        on = np.flatnonzero(ring == place)
+    for k in range(rings.size):
+        on = np.flatnonzero(ring == k)
         angles, same, times = np.unique(around[on], return_inverse=True, return_counts=True)
-        shares, widths[place] = _arcs(angles)
-        areas[on] = (shares / times)[same.ravel()]
+        fractions, widths[k] = _arcs(angles)
+        areas[on] = (fractions / times)[same.ravel()]
     # One direction stands for as much of its circle as the others of theirs: so a pole.
     widths = np.where(widths == 0.0, widths.max() or 1.0, widths)
     areas *= (belts * widths)[ring]
@@ -42,7 +42,7 @@ def sphere_areas(azimuth: Array, elevation: Array) -> Array:
 
 
 def _arcs(angles: Array) -> tuple[Array, float]:
-    """Return the share of its circle's part that each of some angles [deg] stands for, and how wide that part is [deg].
+    """Return the fraction of its circle's part that each of some angles [deg] stands for, and how wide that part is [deg].
 
     They go around unless there is a gap wider than all others by half: then they are a fan.
     """
@@ -67,13 +67,13 @@ def whole_sphere(table: pa.Table) -> bool:
     return bool(between) and all(_arcs(ring)[1] > 360.0 - 1e-6 for ring in between)
 
 
-def directions_words(table: pa.Table) -> str:
-    """Return of which directions shares are told: all, or those that a study spans."""
+def directions_text(table: pa.Table) -> str:
+    """Return of which directions a fraction is: all, or those that a study spans."""
     return "all directions" if whole_sphere(table) else "the directions looked at"
 
 
-def share_of_directions(table: pa.Table, inputs: list[str], values: Array, limit: float) -> float | None:
-    """Return the share of the directions that a study spans in which a limit is exceeded, by area on the sphere.
+def fraction_of_directions(table: pa.Table, inputs: list[str], values: Array, limit: float) -> float | None:
+    """Return the fraction of the directions that a study spans in which a limit is exceeded, by area on the sphere.
 
     Args:
         table: of a study.

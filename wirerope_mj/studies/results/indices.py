@@ -2,21 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.inputs.sobol import FEWEST, SAMPLING, factors
-from wirerope_mj.studies.results.findings import measures_of
-
-if TYPE_CHECKING:
-    from wirerope_mj.studies.result import StudyResult
-
-
-CONFIDENCE = 0.95
+from wirerope_mj.studies.result import StudyResult
+from wirerope_mj.studies.results.measure import measures_of, values_of
+from wirerope_mj.studies.results.statistics import CONFIDENCE
 
 _WIDE, _BEYOND = 0.25, 0.1
 """Half the width of a total index's interval, and how far an index lies outside 0 to 1, from which on the rows are too few."""
@@ -30,12 +24,12 @@ _SEED = 1  # of the resampling, so that the same table says the same again
 
 @dataclass(frozen=True, kw_only=True)
 class SobolIndex:
-    """What one factor does to the variance of a measure.
+    """Sensitivity indices of one factor for a measure.
 
     Attributes:
         name: of the factor.
-        first: share of the variance that it explains alone; by chance a little less than 0 where there is no effect.
-        total: share that it explains alone and together with others, so what would be gone if it were known.
+        first: fraction of the variance that it explains alone; by accident a little less than 0 where there is no effect.
+        total: fraction that it explains alone and together with others, so what would be gone if it were known.
         first_interval, total_interval: lower and upper bound at `CONFIDENCE`.
     """
 
@@ -57,7 +51,7 @@ class SobolIndices:
 
     Attributes:
         measure: name of its column.
-        factors: the indices, the largest total one first; empty if too few rows are left or the measure stands still.
+        factors: the indices, the largest total one first; empty if too few rows are left or the measure does not vary.
         rows: base rows that were used.
         dropped: base rows that were not, because one of their variants failed or has no value.
     """
@@ -75,7 +69,7 @@ class SobolIndices:
         )
 
 
-def sobol_indices(result: "StudyResult", measure: str) -> SobolIndices:
+def sobol_indices(result: StudyResult, measure: str) -> SobolIndices:
     """Return the indices of a measure of a study with `sampling="sobol-indices"`.
 
     Raises:
@@ -91,17 +85,8 @@ def sobol_indices(result: "StudyResult", measure: str) -> SobolIndices:
     return indices_of(result.table, list(factors(result.study.quantities)), measure)
 
 
-def drawn(result: "StudyResult") -> pa.Table:
-    """Return the variants that do not depend on each other: all of a study, but only A and B of one for Sobol's indices."""
-    table = result.table
-    if result.study.sampling != SAMPLING:
-        return table
-    of_row = len(factors(result.study.quantities)) + 2
-    return table.filter(pa.array(np.asarray(table["variant"]) % of_row < 2))
-
-
 def indices_of(table: pa.Table, names: Sequence[str], measure: str) -> SobolIndices:
-    """Return the indices of a measure from a table of variants in the order of `sobol.shares`; rows may be missing.
+    """Return the indices of a measure from a table of variants in the order of `sobol.points`; rows may be missing.
 
     With f of A, B and A_B (A with one factor from B) and V the variance over A and B, centred about its mean: first order
     E(f_B (f_AB - f_A)) / V, total E((f_A - f_AB)^2) / 2V (Saltelli et al. 2010, table 2 b and f), as SciPy's
@@ -115,9 +100,8 @@ def indices_of(table: pa.Table, names: Sequence[str], measure: str) -> SobolIndi
     """
     of_row = len(names) + 2
     numbers = np.asarray(table["variant"])
-    values = np.where(np.asarray(table["status"]) == DONE, np.asarray(table[measure], dtype=np.float64), np.nan)
     every = np.full((int(numbers.max(initial=0)) // of_row + 1, of_row), np.nan)
-    every.flat[numbers] = values
+    every.flat[numbers] = values_of(table, measure)
     kept = every[np.isfinite(every).all(axis=1)]
     dropped = len(every) - len(kept)
     scale = float(np.abs(kept).max(initial=0.0))
@@ -126,7 +110,7 @@ def indices_of(table: pa.Table, names: Sequence[str], measure: str) -> SobolIndi
     kept = kept / scale
     first, total = _estimates(kept[None])
     low, high = _intervals(kept)
-    found = [
+    indices = [
         SobolIndex(
             name=name, first=float(first[0, k]), total=float(total[0, k]),
             first_interval=(float(low[0, k]), float(high[0, k])),
@@ -134,8 +118,8 @@ def indices_of(table: pa.Table, names: Sequence[str], measure: str) -> SobolIndi
         )
         for k, name in enumerate(names)
     ]  # fmt: skip
-    found.sort(key=lambda one: -one.total)
-    return SobolIndices(measure=measure, factors=tuple(found), rows=len(kept), dropped=dropped)
+    indices.sort(key=lambda one: -one.total)
+    return SobolIndices(measure=measure, factors=tuple(indices), rows=len(kept), dropped=dropped)
 
 
 def _estimates(values: Array) -> tuple[Array, Array]:
@@ -152,10 +136,10 @@ def _intervals(values: Array) -> tuple[Array, Array]:
     generator = np.random.default_rng(_SEED)
     at_once = max(_BLOCK // values.size, 1)
     parts: list[tuple[Array, Array]] = []
-    for begun in range(0, RESAMPLES, at_once):
-        places = generator.integers(len(values), size=(min(at_once, RESAMPLES - begun), len(values)))
-        parts.append(_estimates(values[places]))
-    drawn = np.stack([np.concatenate(both) for both in zip(*parts, strict=True)])
+    for first in range(0, RESAMPLES, at_once):
+        rows = generator.integers(len(values), size=(min(at_once, RESAMPLES - first), len(values)))
+        parts.append(_estimates(values[rows]))
+    samples = np.stack([np.concatenate(both) for both in zip(*parts, strict=True)])
     tail = (1.0 - CONFIDENCE) / 2.0
-    low, high = np.quantile(drawn, [tail, 1.0 - tail], axis=1)
+    low, high = np.quantile(samples, [tail, 1.0 - tail], axis=1)
     return low, high

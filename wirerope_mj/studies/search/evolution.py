@@ -1,4 +1,4 @@
-"""The optimiser of a search: NSGA-II of pymoo, asked for generations of designs and told what came of them."""
+"""The optimiser of a search: NSGA-II of pymoo, asked for generations of designs and told their results."""
 
 from collections.abc import Mapping, Sequence
 from importlib.metadata import version
@@ -12,7 +12,7 @@ from wirerope_mj.studies.inputs import distributions
 Design = dict[str, Any]
 
 UNKNOWN = 1e12
-"""What an optimiser is told of a design that failed: a number, because it adds them up, and worse than any that did not."""
+"""Value of a design that failed, for the optimiser: a number, because it adds them up, and worse than any that did not."""
 
 
 def check_installed() -> str:
@@ -29,7 +29,7 @@ class Evolution:
 
     NSGA-II (Deb et al. 2002): of parents and children those survive that fewest others beat, and of equals those that stand
     apart. A design that keeps its limits beats one that does not; of two that do not, the one that exceeds them less. Numbers
-    are crossed by simulated binary crossover and mutated by a polynomial, truth values and choices are taken from either
+    are crossed by simulated binary crossover and mutated by a polynomial, booleans and choices are taken from either
     parent and flipped.
     """
 
@@ -38,17 +38,17 @@ class Evolution:
         variables: Mapping[str, distributions.Uniform | distributions.Choice],
         first: Sequence[Design],
         *,
-        aims: int,
-        limits: int,
+        n_objectives: int,
+        n_limits: int,
         seed: int,
     ) -> None:
         """Begin with the designs of the first generation.
 
         Args:
-            variables: what a design says, and among which values.
+            variables: of a design, with their values.
             first: the designs of the first generation; later ones have as many, or fewer where no others are found.
-            aims: how many numbers are minimised.
-            limits: how many limits there are.
+            n_objectives: how many numbers are minimised.
+            n_limits: how many limits there are.
             seed: of the optimiser's random numbers.
         """
         from pymoo.algorithms.moo.nsga2 import NSGA2, binary_tournament
@@ -69,7 +69,9 @@ class Evolution:
         mutation = {Binary: BFM(), Real: PM(), Choice: ChoiceRandomMutation(**often)}
         # One constraint more: that the design could be simulated at all.
         self._problem = Problem(
-            vars={name: _variable(one) for name, one in variables.items()}, n_obj=aims, n_ieq_constr=limits + 1
+            vars={name: _variable(one) for name, one in variables.items()},
+            n_obj=n_objectives,
+            n_ieq_constr=n_limits + 1,
         )
         self._algorithm = NSGA2(
             pop_size=len(first),
@@ -85,24 +87,24 @@ class Evolution:
         self._asked: Any = None
 
     def ask(self) -> list[Design]:
-        """Return the designs of the next generation; none if no other ones are found."""
+        """Return the designs of the next generation; none if there are no other ones."""
         self._asked = self._algorithm.ask()
-        found = [] if self._asked is None else self._asked.get("X")
-        return [{name: _plain(value) for name, value in design.items()} for design in found]
+        designs = [] if self._asked is None else self._asked.get("X")
+        return [{name: _plain(value) for name, value in design.items()} for design in designs]
 
-    def tell(self, aims: Array, excesses: Array) -> None:
-        """Say what came of the designs that were asked for last.
+    def tell(self, objectives: Array, violations: Array) -> None:
+        """Take the results of the designs that were asked for last.
 
         Args:
-            aims: what is minimised, (n, n_aims); infinite where it is not known.
-            excesses: of the limits, (n, n_limits), <= 0 where they are kept; infinite where that is not known.
+            objectives: what is minimised, (n, n_objectives); infinite where it is not known.
+            violations: of the limits, (n, n_limits), <= 0 where they are kept; infinite where that is not known.
         """
         from pymoo.core.evaluator import Evaluator
         from pymoo.problems.static import StaticProblem
 
-        unknown = ~(np.isfinite(aims).all(axis=1) & np.isfinite(excesses).all(axis=1))
-        limits = np.column_stack([np.where(unknown, UNKNOWN, 0.0), np.where(np.isfinite(excesses), excesses, 0.0)])
-        values = np.where(np.isfinite(aims), aims, UNKNOWN)
+        unknown = ~(np.isfinite(objectives).all(axis=1) & np.isfinite(violations).all(axis=1))
+        limits = np.column_stack([np.where(unknown, UNKNOWN, 0.0), np.where(np.isfinite(violations), violations, 0.0)])
+        values = np.where(np.isfinite(objectives), objectives, UNKNOWN)
         Evaluator().eval(StaticProblem(self._problem, F=values, G=limits), self._asked)
         self._algorithm.tell(infills=self._asked)
 

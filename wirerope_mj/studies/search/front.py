@@ -1,4 +1,4 @@
-"""Which designs of a table keep their limits, and which of these no other one beats in every respect."""
+"""Feasible designs of a table, and the Pareto front of them."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -13,28 +13,30 @@ from wirerope_mj.studies.engines.compute import DONE
 Mask = npt.NDArray[np.bool_]
 
 
-def aims(table: pa.Table, names: Sequence[str]) -> Array:
+def objectives(table: pa.Table, names: Sequence[str]) -> Array:
     """Return what is minimised of every design, (n, n_names); infinite where a design failed or nothing is judged."""
     values = np.full((table.num_rows, len(names)), np.inf)
     done = np.asarray(table["status"]) == DONE
-    for place, name in enumerate(names):
+    for index, name in enumerate(names):
         column = np.asarray(table[name], dtype=np.float64)
-        values[:, place] = np.where(done & ~np.isnan(column), column, np.inf)
+        values[:, index] = np.where(done & ~np.isnan(column), column, np.inf)
     return values
 
 
-def excesses(table: pa.Table, limits: Mapping[str, float]) -> Array:
-    """Return by how much every design exceeds each limit, as a share of it, (n, n_limits): <= 0 where it is kept.
+def violations(table: pa.Table, limits: Mapping[str, float]) -> Array:
+    """Return by how much every design exceeds each limit, relative to it, (n, n_limits): <= 0 where it is kept.
 
     Of a limit 0 it is the value itself. Infinite where a design failed or nothing is judged: nobody knows that it is kept.
     """
     allowed = np.array(list(limits.values()))
-    return (aims(table, list(limits)) - allowed) / np.where(allowed == 0.0, 1.0, np.abs(allowed))
+    return (objectives(table, list(limits)) - allowed) / np.where(allowed == 0.0, 1.0, np.abs(allowed))
 
 
 def feasible(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> Mask:
-    """Return which designs were simulated, have a value of all that is minimised, and keep all limits, (n,)."""
-    return np.asarray(np.isfinite(aims(table, names)).all(axis=1) & (excesses(table, limits) <= 0.0).all(axis=1))
+    """Return the mask of the designs that were simulated, have a value of all that is minimised, and keep all limits, (n,)."""
+    return np.asarray(
+        np.isfinite(objectives(table, names)).all(axis=1) & (violations(table, limits) <= 0.0).all(axis=1)
+    )
 
 
 def front(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> list[int]:
@@ -43,9 +45,9 @@ def front(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) ->
     A design is one of them unless another feasible one is not worse in any respect and better in one; of several that are
     equal in all respects it is the first.
     """
-    values = aims(table, names)
-    possible = np.flatnonzero(feasible(table, names, limits))
-    order = possible[np.lexsort([possible, *values[possible].T[::-1]])]
+    values = objectives(table, names)
+    candidates = np.flatnonzero(feasible(table, names, limits))
+    order = candidates[np.lexsort([candidates, *values[candidates].T[::-1]])]
     kept: list[int] = []
     for row in order:  # what beats a row stands before it
         if not any((values[other] <= values[row]).all() for other in kept):
@@ -61,13 +63,13 @@ def nearest(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) 
     rows = nearest_first(table, names, limits)
     if not limits or not rows:
         return None
-    over = excesses(table, limits)[rows[0]]
-    place = int(np.argmax(over))
-    return rows[0], list(limits)[place], float(over[place])
+    over = violations(table, limits)[rows[0]]
+    index = int(np.argmax(over))
+    return rows[0], list(limits)[index], float(over[index])
 
 
 def nearest_first(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> list[int]:
     """Return the rows that can be judged, that which exceeds its limits the least first."""
-    over = excesses(table, limits).max(axis=1, initial=-math.inf)
-    worst = np.where(np.isfinite(aims(table, names)).all(axis=1), over, np.inf)
+    over = violations(table, limits).max(axis=1, initial=-math.inf)
+    worst = np.where(np.isfinite(objectives(table, names)).all(axis=1), over, np.inf)
     return [int(row) for row in np.argsort(worst, kind="stable") if worst[row] < np.inf]

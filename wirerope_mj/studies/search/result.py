@@ -1,21 +1,18 @@
-"""What a search has found: the table of all its designs, and the front of those that nothing beats."""
+"""The result of a search: the table of all its designs, and the front of those that nothing beats."""
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.engine.simulation.scene import scene_of
-from wirerope_mj.studies.inputs.variants import acts
+from wirerope_mj.studies.definition import StudyDefinition
+from wirerope_mj.studies.inputs.failure import acts
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.findings import measure_of
+from wirerope_mj.studies.results.measure import measure_of
 from wirerope_mj.studies.search.front import Mask, feasible, front, nearest, nearest_first
-
-if TYPE_CHECKING:
-    from wirerope_mj.studies.study import Study
 
 GENERATION = "generation"
 """Column of the table: in which generation a design was first made."""
@@ -47,13 +44,13 @@ class SearchResult(StudyResult):
         return len(self.inputs["search"]["start"])
 
     @cached_property
-    def study(self) -> "Study":
+    def study(self) -> StudyDefinition:
         """The study whose variants are the designs, made from the folder alone."""
         return super().study.of(self.table)
 
     @cached_property
     def feasible(self) -> Mask:
-        """Which designs were simulated and keep the limits, (n,)."""
+        """Mask of the designs that were simulated and keep the limits, (n,)."""
         return feasible(self.table, self.minimise, self.limits)
 
     @cached_property
@@ -69,11 +66,11 @@ class SearchResult(StudyResult):
             return f"{self.folder}: not complete; go on with it with --resume (`resume=True`)."
         table = self.table
         generations = int(np.asarray(table[GENERATION]).max()) + 1
-        found = f"{self.variants} designs in {generations} generations, {len(self.failed)} failed, "
+        text = f"{self.variants} designs in {generations} generations, {len(self.failed)} failed, "
         if self.feasible.any():
             front = self.front.num_rows
-            return f"{found}{self.feasible.sum()} within the limits, {front} of them on the front.{self.missing}"
-        return f"{found}none within the limits. {self._nearest()}{self.missing}"
+            return f"{text}{self.feasible.sum()} within the limits, {front} of them on the front.{self.missing}"
+        return f"{text}none within the limits. {self._nearest()}{self.missing}"
 
     def scene(self, variant: int) -> Scene:
         """Return the modelled geometry of a design, to be drawn."""
@@ -86,7 +83,7 @@ class SearchResult(StudyResult):
 
     @cached_property
     def knee(self) -> int | None:
-        """Number of the front's design that is farthest below the line between its ends, each measure in shares of its range.
+        """Number of the front's design that is farthest below the line between its ends, each measure relative to its range.
 
         Beyond it, either way, little is gained for much. None where fewer than two measures are minimised or three designs
         are on the front, and where none lies below the line: such a front has no knee.
@@ -95,8 +92,8 @@ class SearchResult(StudyResult):
             return None
         x, y = (np.asarray(self.front[name]) for name in self.minimise)
         distance = (x - x[0]) / np.ptp(x) + (y - y[-1]) / np.ptp(y)  # the ends have 1
-        place = int(np.argmin(distance))
-        return int(self.front["variant"][place].as_py()) if distance[place] < 1.0 - _LINE else None
+        row = int(np.argmin(distance))
+        return int(self.front["variant"][row].as_py()) if distance[row] < 1.0 - _LINE else None
 
     @cached_property
     def chosen(self) -> list[int]:
@@ -108,23 +105,22 @@ class SearchResult(StudyResult):
             rows = nearest_first(self.table, self.minimise, self.limits)
             return [int(self.table["variant"][row].as_py()) for row in rows]
         front = [int(number) for number in self.front["variant"].to_pylist()]
-        spread = [front[round(share * (len(front) - 1))] for share in (0.0, 1.0, 0.5, 0.25, 0.75)]
+        spread = [front[round(fraction * (len(front) - 1))] for fraction in (0.0, 1.0, 0.5, 0.25, 0.75)]
         return list(dict.fromkeys([*([] if self.knee is None else [self.knee]), *spread, *front]))
 
     @property
     def shown(self) -> tuple[str, ...]:
-        """The measures that are told of a design: what was minimised, what is limited, and the number of mounts."""
+        """The measures that are displayed of a design: what was minimised, what is limited, and the number of mounts."""
         return tuple(dict.fromkeys([*self.minimise, *self.limits, "mounts"]))
 
-    def word(self, variant: int) -> str:
-        """Return what a design is besides one of the table: "given", "knee" or nothing."""
-        words = ["given"] * (variant < self.start) + ["knee"] * (variant == self.knee)
-        return ", ".join(words)
+    def remark(self, variant: int) -> str:
+        """Return "given", "knee", both or nothing."""
+        return ", ".join(["given"] * (variant < self.start) + ["knee"] * (variant == self.knee))
 
     def _nearest(self) -> str:
-        """Return in words which design is nearest to the limits."""
-        found = nearest(self.table, self.minimise, self.limits)
-        if found is None:
+        """Return as text the design that is nearest to the limits."""
+        closest = nearest(self.table, self.minimise, self.limits)
+        if closest is None:
             first = min(self.failed, default=None)
             why = (
                 "nothing is rated or stated by which the designs would be judged"
@@ -132,16 +128,16 @@ class SearchResult(StudyResult):
                 else self.failed[first]
             )
             return f"None has values of all that is minimised or limited: {why.rstrip('.')}."
-        row, name, over = found
+        row, name, over = closest
         measure, value = measure_of(name), self.table[name][row].as_py()
         number = self.table["variant"][row].as_py()
         return (
-            f"The nearest is design {number}: {measure.words} is {measure.factor * value:.4g} {measure.unit}, "
+            f"The nearest is design {number}: {measure.text} is {measure.factor * value:.4g} {measure.unit}, "
             f"{_over(over)} above its limit of {measure.factor * self.limits[name]:.4g} {measure.unit}."
         )
 
 
 def _over(over: float) -> str:
-    """Return by what share a limit is exceeded, in per cent to two digits: "0.3 %", "103 %"."""
+    """Return by how much a limit is exceeded, in per cent to two digits: "0.3 %", "103 %"."""
     value = 100.0 * over
     return f"{value:.2g} %" if value < 99.5 else f"{value:.0f} %"

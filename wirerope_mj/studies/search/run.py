@@ -1,4 +1,4 @@
-"""The run of a search: the optimiser is asked for designs, engines compute those that are new, and it is told."""
+"""The run of a search: the optimiser is asked for designs, engines compute those that are new, and it takes the results."""
 
 import queue
 from collections.abc import Generator, Iterator, Sequence
@@ -6,30 +6,30 @@ from contextlib import closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.simulation.progress import Update, share_bar
+from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine, Part
 from wirerope_mj.studies.engines.local import run_local
 from wirerope_mj.studies.folder import TABLE, computed_alone, finish, part_path, prepare, read_part, write_part
-from wirerope_mj.studies.responses import RESPONSES, checked_keep
-from wirerope_mj.studies.result import load_study
+from wirerope_mj.studies.loading import read_result
+from wirerope_mj.studies.responses import KEPT, RESPONSES
 from wirerope_mj.studies.run import checked_engine, chunk_size
+from wirerope_mj.studies.search.definition import SearchDefinition
 from wirerope_mj.studies.search.evolution import Design, Evolution, check_installed
-from wirerope_mj.studies.search.front import aims, excesses
+from wirerope_mj.studies.search.front import objectives, violations
 from wirerope_mj.studies.search.result import GENERATION, SearchResult
 from wirerope_mj.studies.search.summary import search_summary
 
-if TYPE_CHECKING:
-    from wirerope_mj.studies.search.search import Search
-
 
 def run_search(
-    search: "Search",
+    search: SearchDefinition,
     folder: Path,
     *,
     keep: str,
@@ -42,7 +42,7 @@ def run_search(
 ) -> SearchResult:
     """Evolve what is missing of a search and return its result; the arguments are those of `Search.run`."""
     run = checked_engine(engine, workers=workers, address=address)
-    checked_keep(keep)
+    one_of("keep", keep, KEPT)
     added = {"optimiser": check_installed(), **search.to_dict()}
     identity = prepare(search.study, folder, keep=keep, resume=resume, force=force, search=added)
     with computed_alone(folder, identity):
@@ -51,29 +51,29 @@ def run_search(
             with share_bar(
                 "search", "designs/s", total=search.generations, parts="generations", enabled=progress
             ) as update:
-                here = _Run(search, folder, keep, run, {"workers": workers, "address": address}, update)
+                here = _Evolving(search, folder, keep, run, {"workers": workers, "address": address}, update)
                 with closing(here):  # so that no process goes on if this one is interrupted
                     here.evolve()
             parts = here.parts
-        finish(folder, parts, lambda: search_summary(_loaded(folder)))
-    return _loaded(folder)
+        finish(folder, parts, lambda: search_summary(_loaded(folder, search.study)))
+    return _loaded(folder, search.study)
 
 
-def _loaded(folder: Path) -> SearchResult:
-    result = load_study(folder)
+def _loaded(folder: Path, study: StudyDefinition) -> SearchResult:
+    result = read_result(folder, type(study))
     assert isinstance(result, SearchResult)
     return result
 
 
-class _Run:
-    """What a search knows while it runs.
+class _Evolving:
+    """A search that runs.
 
     Attributes:
         parts: number of the parts of the table so far; their numbers follow each other through the generations.
     """
 
     def __init__(
-        self, search: "Search", folder: Path, keep: str, engine: Engine, where: dict[str, Any], update: Update
+        self, search: SearchDefinition, folder: Path, keep: str, engine: Engine, where: dict[str, Any], update: Update
     ) -> None:
         self._search, self._folder, self._keep = search, folder, keep
         self._engine, self._where, self._update = engine, where, update
@@ -87,7 +87,8 @@ class _Run:
         """Compute all generations."""
         search = self._search
         evolution = Evolution(
-            search.variables, search.first, aims=len(search.minimise), limits=len(search.limits), seed=search.study.seed
+            search.variables, search.first, n_objectives=len(search.minimise), n_limits=len(search.limits),
+            seed=search.study.seed,
         )  # fmt: skip
         for generation in range(search.generations):
             designs = evolution.ask()
@@ -98,37 +99,37 @@ class _Run:
             )
             for table in self._tables(new, generation):
                 self._remember(table)
-            found = [self._known[self._key(design)] for design in designs]
-            evolution.tell(np.array([one for one, _ in found]), np.array([one for _, one in found]))
-            self._tell(generation + 1)
+            results = [self._known[self._key(design)] for design in designs]
+            evolution.tell(np.array([one for one, _ in results]), np.array([one for _, one in results]))
+            self._report(generation + 1)
 
     def _key(self, design: Design) -> tuple[Any, ...]:
         return tuple(design[name] for name in self._search.variables)
 
     def _remember(self, table: pa.Table) -> None:
-        values = aims(table, self._search.minimise), excesses(table, self._search.limits)
-        for design, *found in zip(table.select(list(self._search.variables)).to_pylist(), *values, strict=True):
-            self._known[self._key(design)] = (found[0], found[1])
+        values = objectives(table, self._search.minimise), violations(table, self._search.limits)
+        for design, *result in zip(table.select(list(self._search.variables)).to_pylist(), *values, strict=True):
+            self._known[self._key(design)] = (result[0], result[1])
 
     def _tables(self, designs: Sequence[Design], generation: int) -> list[pa.Table]:
         """Return the rows of new designs: of the parts that are done already, and of those that are computed now."""
         rows, size = self._search.rows(designs, len(self._known)), chunk_size(self._search.study, self._keep)
-        pieces = {self.parts + n: rows.slice(first, size) for n, first in enumerate(range(0, len(designs), size))}
-        found = {number: table for number, piece in pieces.items() if (table := self._done(number, piece)) is not None}
+        blocks = {self.parts + n: rows.slice(first, size) for n, first in enumerate(range(0, len(designs), size))}
+        tables = {number: table for number, block in blocks.items() if (table := self._done(number, block)) is not None}
         missing = [
-            Chunk(number=one, rows=piece.to_pylist(), responses=self._keep == RESPONSES)
-            for one, piece in pieces.items()
-            if one not in found
+            Chunk(number=one, rows=block.to_pylist(), responses=self._keep == RESPONSES)
+            for one, block in blocks.items()
+            if one not in tables
         ]
         for part in self._computed_by_engine(missing):
             numbers = pa.array([generation] * part.table.num_rows, type=pa.int64())
             table = part.table.append_column(GENERATION, numbers)
             write_part(self._folder, replace(part, table=table))
-            found[part.number] = table
+            tables[part.number] = table
             self._computed += table.num_rows
-            self._tell(generation + len(found) / len(pieces))
-        self.parts += len(pieces)
-        return [found[number] for number in sorted(pieces)]
+            self._report(generation + len(tables) / len(blocks))
+        self.parts += len(blocks)
+        return [tables[number] for number in sorted(blocks)]
 
     def _computed_by_engine(self, missing: Sequence[Chunk]) -> Iterator[Part]:
         """Yield the parts of some chunks; processes of this machine wait for the chunks of later generations."""
@@ -156,6 +157,6 @@ class _Run:
         table = read_part(path) if path.is_file() else None
         return table if table is not None and table.select(rows.column_names).equals(rows) else None
 
-    def _tell(self, generations: float) -> None:
+    def _report(self, generations: float) -> None:
         rate = self._computed / (perf_counter() - self._began)
         self._update(generations / self._search.generations, rate)

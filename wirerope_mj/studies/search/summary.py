@@ -1,8 +1,8 @@
-"""What a reader of a search wants first, as the plain values of its `summary.json`."""
+"""The content of a search's `summary.json`."""
 
 from typing import Any
 
-from wirerope_mj.studies.results.summary import begun
+from wirerope_mj.studies.results.summary_file import head
 from wirerope_mj.studies.search.result import GENERATION, SearchResult
 
 
@@ -10,7 +10,7 @@ def search_summary(result: SearchResult) -> dict[str, Any]:
     """Return the front of a search, SI, and its knee; percentiles of designs that an evolution has chosen mean nothing."""
     names = ["variant", GENERATION, *result.shown]
     return {
-        **begun(result),
+        **head(result),
         "minimised": list(result.minimise),
         "limits": result.limits,
         "within_limits": int(result.feasible.sum()),

@@ -9,7 +9,7 @@ from matplotlib.ticker import MultipleLocator
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.results.directions import AZIMUTH, ELEVATION
-from wirerope_mj.studies.results.findings import Measure, measure_of, values_of
+from wirerope_mj.studies.results.measure import Measure, measure_of, values_of
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import RATED, WIDTH, report_style, short
 
@@ -28,7 +28,7 @@ def directions_figure(table: pa.Table, measure: str) -> Figure:
             drawn: Any = panel.scatter(azimuth, height, c=values, cmap="viridis", s=14)
         else:
             drawn = _field(panel, *grid, shown)
-        label = f"{short(shown.words) if '/' in shown.name else shown.words} [{shown.unit}]"
+        label = f"{short(shown.text) if '/' in shown.name else shown.text} [{shown.unit}]"
         figure.colorbar(drawn, ax=panel, label=label, pad=0.01)
         if np.isfinite(values).any():
             top = int(np.nanargmax(values))

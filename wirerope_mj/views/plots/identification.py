@@ -59,9 +59,9 @@ def residual_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
         start = int(np.argmin(fit.deflection[:-1]))
         path, residual = (np.roll(values[:-1], -start) for values in (1e3 * fit.deflection, 100.0 * fit.residual))
         top = int(np.argmax(path))
-        for way, part, colour in (("up", slice(0, top + 1), _MEASURED), ("down", slice(top, None), _FITTED)):
-            panel.plot(path[part], residual[part], "o", color=colour, ms=2.5, mew=0.0, alpha=0.4)
-            panel.plot(*_running_mean(path[part], residual[part]), color=colour, lw=1.6, label=f"on the way {way}")
+        for way, branch, colour in (("up", slice(0, top + 1), _MEASURED), ("down", slice(top, None), _FITTED)):
+            panel.plot(path[branch], residual[branch], "o", color=colour, ms=2.5, mew=0.0, alpha=0.4)
+            panel.plot(*_running_mean(path[branch], residual[branch]), color=colour, lw=1.6, label=f"on the way {way}")
         panel.axhline(0.0, color="0.3", lw=0.7, zorder=1)
         panel.set_title(_name(fit, fits), fontsize=10)
         panel.set_ylabel("fitted - measured\n[% of half its range]")
@@ -83,9 +83,9 @@ def measures_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
     _entitle(figure, title)
     energy, stiffness = figure.subplots(1, 2)
     groups = _groups(fits)
-    for place, group in enumerate(groups):
-        marker = _MARKERS[place % len(_MARKERS)]
-        colours = (_MEASURED, _FITTED) if len(groups) == 1 else 2 * (_COLOURS[place % len(_COLOURS)],)
+    for index, group in enumerate(groups):
+        marker = _MARKERS[index % len(_MARKERS)]
+        colours = (_MEASURED, _FITTED) if len(groups) == 1 else 2 * (_COLOURS[index % len(_COLOURS)],)
         about = "" if len(groups) == 1 else f" about {_millimetres(group)} mm"
         _draw(energy, group, "energy", 1.0, marker, colours, about)
         _draw(stiffness, group, "secant_stiffness", 1e-3, marker, colours, about)
@@ -125,9 +125,9 @@ def _panels(
     figure = PlainFigure(figsize=(0.6 + 3.7 * across, 0.9 + height * down), layout="constrained", dpi=120)
     _entitle(figure, title + left_out)
     pairs: list[tuple[FittedLoop, Any]] = []
-    for place, fit in enumerate(chosen):
+    for index, fit in enumerate(chosen):
         first = pairs[0][1] if sharey and pairs else None
-        panel = figure.add_subplot(down, across, place + 1, sharey=first)
+        panel = figure.add_subplot(down, across, index + 1, sharey=first)
         panel.set_xlabel("deflection [mm]")
         panel.grid(color="0.92")
         panel.set_axisbelow(True)
@@ -181,7 +181,7 @@ def _millimetres(group: Sequence[FittedLoop]) -> str:
 
 
 def _name(fit: FittedLoop, fits: Sequence[FittedLoop]) -> str:
-    """Return amplitude and, where there are several, operating point in words."""
+    """Return amplitude and, where there are several, operating point as text."""
     groups = _groups(fits)
     own = next(group for group in groups if any(fit is other for other in group))
     about = "" if len(groups) == 1 else f" about {_millimetres(own)}"

@@ -1,4 +1,4 @@
-"""What a search has found, as pictures: its designs with the front, and how some of the front's look from above."""
+"""Pictures of a search: its designs with the front, and some of the front's from above."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.studies.results.findings import Measure, measure_of, row_of, values_of
+from wirerope_mj.studies.results.measure import Measure, measure_of, values_of
+from wirerope_mj.studies.results.statistics import row_of
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import COLOURS, RATED, WIDTH, report_style
@@ -26,20 +27,20 @@ _APART = 0.04  # of the picture's height: labels that are nearer would cover eac
 
 def search_pictures(result: SearchResult) -> list[StudyPicture]:
     """Return the pictures of a search; of one that found nothing within its limits, its designs alone."""
-    words = " and ".join(measure_of(name).words for name in result.minimise)
-    said = [f"All designs by {words}, some with their numbers of mounts"]
+    text = " and ".join(measure_of(name).text for name in result.minimise)
+    parts = [f"All designs by {text}, some with their numbers of mounts"]
     if result.front.num_rows:
-        said[0] += ". Line: the front, designs within the limits that no other one beats"
+        parts[0] += ". Line: the front, designs within the limits that no other one beats"
     if result.knee is not None:
-        said.append("ring: its knee")
+        parts.append("ring: its knee")
     if result.start:
-        said.append("diamond: the design that was given")
+        parts.append("diamond: the design that was given")
     if not result.feasible.all():
-        said.append("grey: beyond a limit")
-    caption = f"{'; '.join(said)}."
+        parts.append("grey: beyond a limit")
+    caption = f"{'; '.join(parts)}."
     pictures = [StudyPicture(name="front", figure=front_figure(result), caption=caption)]
-    placed = any(column.kind in ("fitted", "position") for one in result.study.quantities for column in one.columns)
-    if placed and result.front.num_rows:
+    with_mounts = any(column.places_mounts for one in result.study.quantities for column in one.columns)
+    if with_mounts and result.front.num_rows:
         caption = (
             "Designs of the front from above, and the given one first: filled marks are mounts, crosses empty places."
         )
@@ -132,29 +133,29 @@ def _labels(panel: Any, result: SearchResult, front: npt.NDArray[np.int64], x: A
     first = [*range(result.start), *([] if result.knee is None else [result.knee])]
     heights: list[float] = []
     for variant in [*first, *front[[0, -1]], *front] if front.size else first:
-        place = panel.transAxes.inverted().transform(panel.transData.transform((x[variant], y[variant])))
-        if not np.isfinite(place).all() or any(abs(place[1] - other) < _APART for other in heights):
+        position = panel.transAxes.inverted().transform(panel.transData.transform((x[variant], y[variant])))
+        if not np.isfinite(position).all() or any(abs(position[1] - other) < _APART for other in heights):
             continue
         if len(heights) == _NAMED:
             return
-        heights.append(place[1])
-        word = f"{mounts[variant]:.0f} mounts" + (f", design {variant}" if variant in first else "")
+        heights.append(position[1])
+        label = f"{mounts[variant]:.0f} mounts" + (f", design {variant}" if variant in first else "")
         # Below and to the left of a front there is nothing; beyond the given design there is room on the right.
-        left = place[0] > _LEFT and variant >= result.start
+        left = position[0] > _LEFT and variant >= result.start
         panel.annotate(
-            word, (x[variant], y[variant]), xytext=(-7, -7) if left else (8, 2), textcoords="offset points", fontsize=7,
+            label, (x[variant], y[variant]), xytext=(-7, -7) if left else (8, 2), textcoords="offset points", fontsize=7,
             ha="right" if left else "left", path_effects=halo, annotation_clip=True,
         )  # fmt: skip
 
 
 def _legend(figure: Figure, panels: Iterable[Any], *, title: str | None = None) -> None:
     """Say below the figure what the marks of its panels are."""
-    found: dict[str, Any] = {}
+    marks: dict[str, Any] = {}
     for panel in panels:
         handles, labels = panel.get_legend_handles_labels()
-        found |= dict(zip(labels, handles, strict=True))
+        marks |= dict(zip(labels, handles, strict=True))
     figure.legend(
-        found.values(), found.keys(), loc="outside lower center", ncols=len(found), frameon=False, title=title,
+        marks.values(), marks.keys(), loc="outside lower center", ncols=len(marks), frameon=False, title=title,
         title_fontsize=7,
     )  # fmt: skip
 
@@ -174,10 +175,10 @@ def _shown(result: SearchResult) -> list[int]:
 
 def _title(result: SearchResult, variant: int) -> str:
     row = row_of(result.table, variant)
-    words = [f"{row['mounts']:.0f} mounts"]
+    parts = [f"{row['mounts']:.0f} mounts"]
     for name in result.minimise:
         measure = measure_of(name)
         if name != "mounts":
-            words.append(f"{name} {measure.factor * row[name]:.3g} {measure.unit}")
-    word = result.word(variant)
-    return f"design {variant}{f' ({word})' if word else ''}\n{', '.join(words)}"
+            parts.append(f"{name} {measure.factor * row[name]:.3g} {measure.unit}")
+    remark = result.remark(variant)
+    return f"design {variant}{f' ({remark})' if remark else ''}\n{', '.join(parts)}"

@@ -1,4 +1,4 @@
-"""What a study says, as pictures: how likely, which inputs, and where."""
+"""Pictures of a study: distributions, effects of the inputs, curves and choices."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -13,17 +13,10 @@ from matplotlib.ticker import MaxNLocator
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.results.findings import (
-    CONFIDENCE,
-    Measure,
-    chance_of,
-    finite,
-    measure_of,
-    percent,
-    quantiles,
-    values_of,
-)
-from wirerope_mj.studies.results.sensitivity import Influence
+from wirerope_mj.studies.results.effects import Effect
+from wirerope_mj.studies.results.measure import Measure, measure_of, values_of
+from wirerope_mj.studies.results.statements import percent
+from wirerope_mj.studies.results.statistics import CONFIDENCE, exceedance_of, finite, quantiles
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import BASE, COLOURS, RATED, WIDTH, report_style, short
 
@@ -36,19 +29,19 @@ MOST_BARS = 12
 """Inputs in one picture: those below explain next to nothing."""
 
 MOST_SCATTERS = 3
-"""Inputs that are drawn with all their variants."""
+"""Inputs that are plotted with all their variants."""
 
 _LEAST = 1.9  # height of a picture of few choices, beside which the name of their input stands [in]
-_ROOM = 2.1  # length of an axis in its longest bar, so that there is room for the words beside it
-_LINE = 36  # letters of a measure's words on one line
+_ROOM = 2.1  # length of an axis in its longest bar, so that there is room for the text beside it
+_LINE = 36  # letters of a measure's text on one line
 _NAME = 34  # letters of an input's name beside its bar
 
 
 def distribution_figure(table: pa.Table, names: Sequence[str]) -> Figure:
-    """Return for each measure the share of variants that stay below a value, with percentiles and limit.
+    """Return for each measure the fraction of variants that stay below a value, with percentiles and limit.
 
     Args:
-        table: of a study whose variants were drawn.
+        table: of a study whose variants were sampled.
         names: measures with values, one panel each.
     """
     with report_style():
@@ -56,30 +49,30 @@ def distribution_figure(table: pa.Table, names: Sequence[str]) -> Figure:
         panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
         for panel, name in zip(panels, names, strict=True):
             _distribution(panel, measure_of(name), table)
-        panels[0].set_ylabel("share of the variants below [%]")
+        panels[0].set_ylabel("fraction of the variants below [%]")
     return figure
 
 
-def sensitivity_figure(found: Sequence[Influence], measure: str, labels: Mapping[str, str]) -> Figure:
-    """Return what the inputs explain of a measure's variance, as bars named by `labels`; those that may be chance are pale."""
-    shown = list(found[:MOST_BARS])[::-1]
-    end = _ROOM * max(*(100.0 * one.share for one in shown), 2.5)
+def sensitivity_figure(effects: Sequence[Effect], measure: str, labels: Mapping[str, str]) -> Figure:
+    """Return what the inputs explain of a measure's variance, as bars named by `labels`; pale if they may be chance."""
+    shown = list(effects[:MOST_BARS])[::-1]
+    end = _ROOM * max(*(100.0 * one.index for one in shown), 2.5)
     with report_style():
         figure = PlainFigure(figsize=(WIDTH, 1.1 + 0.24 * len(shown)), layout="constrained")
         panel = figure.subplots()
-        for place, one in enumerate(shown):
+        for row, one in enumerate(shown):
             colour = BASE if math.isnan(one.rank) else COLOURS[0] if one.rank >= 0.0 else COLOURS[1]
-            share = max(100.0 * one.share, 0.0)
-            panel.barh(place, share, color=colour, alpha=1.0 if one.certain else 0.25, height=0.7)
+            percent_of = max(100.0 * one.index, 0.0)
+            panel.barh(row, percent_of, color=colour, alpha=1.0 if one.certain else 0.25, height=0.7)
             panel.annotate(
-                _sign(one), (share, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7
+                _sign(one), (percent_of, row), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7
             )
         panel.set_yticks(range(len(shown)), [_shortened(labels.get(one.name, one.name)) for one in shown])
         panel.set_xlim(0.0, end)
         panel.xaxis.set_major_locator(MaxNLocator(6))
         panel.set_xticks([tick for tick in panel.get_xticks() if 0.0 <= tick <= 100.0])
         panel.set_xlim(0.0, end)
-        panel.set_xlabel(f"share of the variance that the input explains alone [%]:\n{words_of(measure_of(measure))}")
+        panel.set_xlabel(f"variance that the input explains alone [%]:\n{text_of(measure_of(measure))}")
         _calm(panel, axis="x")
     return figure
 
@@ -130,25 +123,23 @@ def curve_figure(table: pa.Table, name: str, names: Sequence[str], labels: Mappi
 
 def choices_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
     """Return measures of each choice as bars, the largest first by the first measure."""
-    words = [_word(choice) for choice in table[name].to_pylist()]
+    names_of = [_name_of(choice) for choice in table[name].to_pylist()]
     order = np.argsort(np.nan_to_num(values_of(table, names[0]), nan=-1.0), kind="stable")
     with report_style():
-        figure = PlainFigure(figsize=(WIDTH, max(1.1 + 0.2 * len(words), _LEAST)), layout="constrained")
+        figure = PlainFigure(figsize=(WIDTH, max(1.1 + 0.2 * len(names_of), _LEAST)), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
         failed = np.asarray(table["status"])[order] != DONE
         for panel, measure in zip(panels, names, strict=True):
             shown = measure_of(measure)
             values = shown.factor * values_of(table, measure)[order]
-            colours = [BASE if words[place] == "none" else COLOURS[0] for place in order]
-            panel.barh(range(len(words)), np.nan_to_num(values), color=colours, height=0.7)
-            for place in np.flatnonzero(failed):
-                panel.annotate(
-                    "failed", (0.0, place), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7
-                )
+            colours = [BASE if names_of[row] == "none" else COLOURS[0] for row in order]
+            panel.barh(range(len(names_of)), np.nan_to_num(values), color=colours, height=0.7)
+            for row in np.flatnonzero(failed):
+                panel.annotate("failed", (0.0, row), xytext=(4, 0), textcoords="offset points", va="center", fontsize=7)
             _limit(panel.axvline, shown)
             panel.set_xlabel(_wrapped(shown))
             _calm(panel, axis="x")
-        panels[0].set_yticks(range(len(words)), [_shortened(words[place]) for place in order])
+        panels[0].set_yticks(range(len(names_of)), [_shortened(names_of[row]) for row in order])
         panels[0].set_ylabel(_shortened(name))
     return figure
 
@@ -156,8 +147,8 @@ def choices_figure(table: pa.Table, name: str, names: Sequence[str]) -> Figure:
 def _distribution(panel: Any, shown: Measure, table: pa.Table) -> None:
     values = values_of(table, shown.name)
     known = shown.factor * np.sort(finite(values))
-    shares = 100.0 * np.arange(1, known.size + 1) / known.size
-    panel.step(known, shares, where="post", color=COLOURS[0], lw=1.4)
+    fractions = 100.0 * np.arange(1, known.size + 1) / known.size
+    panel.step(known, fractions, where="post", color=COLOURS[0], lw=1.4)
     for q, value in zip(QUANTILES, quantiles(values, QUANTILES), strict=True):
         if math.isfinite(value):
             x = shown.factor * value
@@ -168,7 +159,7 @@ def _distribution(panel: Any, shown: Measure, table: pa.Table) -> None:
             )  # fmt: skip
     _limit(panel.axvline, shown)
     if shown.limit is not None:
-        beyond = chance_of(table, shown.name, shown.limit)
+        beyond = exceedance_of(table, shown.name, shown.limit)
         bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
         failed = f"; {beyond.failed} more failed" if beyond.failed else ""
         text = f"beyond the limit: {beyond.count} of {beyond.n} variants{failed}\n{bounds}"
@@ -184,9 +175,9 @@ def _means(x: Array, y: Array) -> tuple[Array, Array]:
     """Return the mean at each value of x; where hardly any value repeats, of each of some classes of equal size."""
     known = np.isfinite(x) & np.isfinite(y)
     x, y = x[known], y[known]
-    values, places = np.unique(x, return_inverse=True)
+    values, classes = np.unique(x, return_inverse=True)
     if 2 * values.size <= x.size:
-        return values, np.bincount(places, weights=y) / np.bincount(places)
+        return values, np.bincount(classes, weights=y) / np.bincount(classes)
     order = np.argsort(x, kind="stable")
     parts = min(max(round(order.size ** (1.0 / 3.0)), 3), 12)
     rows = [part for part in np.array_split(order, parts) if part.size]
@@ -198,13 +189,13 @@ def _limit(draw: Callable[..., Any], shown: Measure) -> None:
         draw(shown.factor * shown.limit, color=RATED, ls="--", lw=1.2)
 
 
-def _sign(one: Influence) -> str:
-    chance = "" if one.certain else " (may be chance)"
+def _sign(one: Effect) -> str:
+    doubtful = "" if one.certain else " (may be chance)"
     trend = "" if math.isnan(one.rank) else f", rank correlation {one.rank:+.2f}".replace("-", "\N{MINUS SIGN}")
-    return f"{max(100.0 * one.share, 0.0):.0f} %{chance}{trend}"
+    return f"{max(100.0 * one.index, 0.0):.0f} %{doubtful}{trend}"
 
 
-def _word(choice: Any) -> str:
+def _name_of(choice: Any) -> str:
     """Return one of some choices; that of the mount that fails is "" where none does."""
     return f"{choice:g}" if isinstance(choice, float) else str(choice) or "none"
 
@@ -215,13 +206,13 @@ def _shortened(name: str) -> str:
 
 
 def _wrapped(shown: Measure) -> str:
-    return f"{words_of(shown)} [{shown.unit}]"
+    return f"{text_of(shown)} [{shown.unit}]"
 
 
-def words_of(shown: Measure) -> str:
-    """Return a measure's words on lines that fit an axis, of which body or mount on a line of its own."""
-    words, *rest = shown.words.rsplit(", ", 1) if "/" in shown.name else [shown.words]
-    return "\n".join(wrap(words, _LINE)) + "".join(f",\n{short(one)}" for one in rest)
+def text_of(shown: Measure) -> str:
+    """Return a measure's text on lines that fit an axis, of which body or mount on a line of its own."""
+    text, *rest = shown.text.rsplit(", ", 1) if "/" in shown.name else [shown.text]
+    return "\n".join(wrap(text, _LINE)) + "".join(f",\n{short(one)}" for one in rest)
 
 
 def _calm(panel: Any, *, axis: str = "both") -> None:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from wirerope_mj.assessment.criteria import MountPeak, body_peaks, mount_peaks
-from wirerope_mj.assessment.criteria.steady import steady_stretch
+from wirerope_mj.assessment.criteria.steady import steady_interval
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator import AXES
@@ -202,7 +202,7 @@ def _densities(run: FinishedRun) -> list[Block]:
 def _rms_rows(run: FinishedRun, name: str) -> Iterator[tuple[Cell, ...]]:
     """Yield the root mean square of a body along every axis: of its density, or else of the samples it was made of."""
     one = next(iter(run.densities.values()))[name]
-    _, _, last = steady_stretch(run.response.motion)
+    _, _, last = steady_interval(run.response.motion)
     rows = slice(*np.searchsorted(run.response.time, [min(last, run.response.time[-1]) - one.duration, last]))
     for axis in range(3):
         density = run.densities.get("xyz"[axis], {}).get(name)

@@ -38,7 +38,7 @@ def _environment() -> Environment:
         "data_uri": _data_uri,
         "breakable": _breakable,
         "letter": lambda column: column.align[0],
-        "heading": lambda column: column.title().replace("\n", " "),
+        "heading": lambda column: column.title().replace("/\n", "/").replace("\n", " "),
         "cells": lambda table: table.marks(absent=ABSENT, minus=MINUS),
         "one": lambda table: table.table() if isinstance(table, Table) else table,
     }

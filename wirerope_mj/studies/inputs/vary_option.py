@@ -1,4 +1,4 @@
-"""What varies, as a line of text says it: "mount/m*/axial/alpha = Normal(1, 0.1, relative, each)"."""
+"""Quantities that vary, from lines of text: "mount/m*/axial/alpha = Normal(1, 0.1, relative, each)"."""
 
 import ast
 import inspect
@@ -10,7 +10,7 @@ from wirerope_mj.studies.inputs.distributions import Distribution
 EXAMPLE = "mount/m*/axial/alpha = Normal(1, 0.1, relative, each)"
 
 _GROUP = "group"
-"""The argument of every distribution that is a word."""
+"""The argument of every distribution that is a string."""
 
 _KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)}
 
@@ -18,21 +18,21 @@ _KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)
 def read_vary(texts: Sequence[str]) -> dict[str, Distribution]:
     """Return distributions by the names of quantities, from texts "NAME = Normal(1, 0.1, relative)".
 
-    A distribution is written as in Python, with numbers, words in quotes, True and False; nothing is evaluated. A flag such
+    A distribution is written as in Python, with numbers, strings in quotes, True and False; nothing is evaluated. A flag such
     as `relative` may stand for `relative=True`, and a group without quotes: `group=ropes`.
 
     Raises:
         ValueError: a text is not of this form, or the distribution cannot be; says what there is.
     """
-    found: dict[str, Distribution] = {}
+    distributions: dict[str, Distribution] = {}
     for text in texts:
-        name, equals, words = (part.strip() for part in text.partition("="))
-        if not (name and equals and words):
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
             raise ValueError(f'what varies must be written like "{EXAMPLE}", got {text!r}.')
-        if name in found:
+        if name in distributions:
             raise ValueError(f"{name!r} is said twice; a quantity has one distribution.")
-        found[name] = _distribution(name, words)
-    return found
+        distributions[name] = _distribution(name, value)
+    return distributions
 
 
 def signatures() -> list[str]:
@@ -40,15 +40,15 @@ def signatures() -> list[str]:
     return [_signature(kind) for kind in _KINDS]
 
 
-def _distribution(name: str, words: str) -> Distribution:
+def _distribution(name: str, text: str) -> Distribution:
     try:
-        call = ast.parse(words, mode="eval").body
+        call = ast.parse(text, mode="eval").body
     except (SyntaxError, ValueError):
-        raise ValueError(f"{name!r}: {words!r} cannot be read; write it like {EXAMPLE.partition('= ')[2]}.") from None
+        raise ValueError(f"{name!r}: {text!r} cannot be read; write it like {EXAMPLE.partition('= ')[2]}.") from None
     function = call.func if isinstance(call, ast.Call) else call
     kind = function.id if isinstance(function, ast.Name) else ""
     if kind not in _KINDS:
-        raise ValueError(f"{name!r}: {words!r} is no distribution; there are {', '.join(signatures())}.")
+        raise ValueError(f"{name!r}: {text!r} is no distribution; there are {', '.join(signatures())}.")
     positional: list[Any] = []
     named: dict[str, Any] = {}
     if isinstance(call, ast.Call):
@@ -72,18 +72,20 @@ def _made(name: str, kind: str, positional: Sequence[Any], named: dict[str, Any]
     except TypeError as error:
         raise ValueError(f"{name!r}: {error}; it is written {_signature(kind)}.") from None
     try:
-        made: Distribution = _KINDS[kind](*positional, **named)
+        distribution: Distribution = _KINDS[kind](*positional, **named)
     except ValueError as error:
         raise ValueError(f"{name!r}: {error}") from None
-    return made
+    return distribution
 
 
-def _flag(name: str, kind: str, word: str) -> str:
+def _flag(name: str, kind: str, flag: str) -> str:
     flags = _flags(kind)
-    if word not in flags:
+    if flag not in flags:
         there = " and ".join(flags) or "none"
-        raise ValueError(f"{name!r}: {kind} has no flag {word!r}; it has {there}. A word as a value stands in quotes.")
-    return word
+        raise ValueError(
+            f"{name!r}: {kind} has no flag {flag!r}; it has {there}. A string as a value stands in quotes."
+        )
+    return flag
 
 
 def _flags(kind: str) -> list[str]:
@@ -93,7 +95,7 @@ def _flags(kind: str) -> list[str]:
 
 
 def _keyword(name: str, keyword: ast.keyword) -> Any:
-    """Return the value of a keyword argument; a group may stand without quotes, since it is always a word."""
+    """Return the value of a keyword argument; a group may stand without quotes, since it is always a string."""
     if keyword.arg == _GROUP and isinstance(keyword.value, ast.Name):
         return keyword.value.id
     return _value(name, keyword.value)
@@ -104,18 +106,18 @@ def _value(name: str, node: ast.expr) -> Any:
         return ast.literal_eval(node)
     except ValueError:
         raise ValueError(
-            f"{name!r}: {ast.unparse(node)!r} must be a number, a word in quotes, True, False or a list of them."
+            f"{name!r}: {ast.unparse(node)!r} must be a number, a string in quotes, True, False or a list of them."
         ) from None
 
 
 def _signature(kind: str) -> str:
     """Return how a distribution is written: `Normal(mean, deviation, relative, each, low=, high=)`."""
-    flags, words = _flags(kind), []
+    flags, parts = _flags(kind), []
     for name, parameter in inspect.signature(_KINDS[kind]).parameters.items():
         if parameter.kind is parameter.VAR_POSITIONAL:
-            words.append("value, value, ...")
+            parts.append("value, value, ...")
         elif name in flags or parameter.default is parameter.empty:
-            words.append(name)
+            parts.append(name)
         else:
-            words.append(f"{name}=")
-    return f"{kind}({', '.join(words)})"
+            parts.append(f"{name}=")
+    return f"{kind}({', '.join(parts)})"

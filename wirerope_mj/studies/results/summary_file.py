@@ -1,4 +1,4 @@
-"""What a reader of a study wants first, as the plain values of its `summary.json`."""
+"""The content of a study's `summary.json`."""
 
 from typing import Any
 
@@ -9,18 +9,16 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs.sampling import LISTED
 from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.findings import (
+from wirerope_mj.studies.results.indices import sobol_indices
+from wirerope_mj.studies.results.measure import STRUCK, measure_of, values_of
+from wirerope_mj.studies.results.statistics import (
     CONFIDENCE,
-    STRUCK,
-    chance_of,
+    exceedance_of,
     finite,
-    measure_of,
     quantiles,
     struck_variants,
-    values_of,
     worst,
 )
-from wirerope_mj.studies.results.indices import drawn, sobol_indices
 from wirerope_mj.studies.results.varied import varied_of
 
 SUMMARISED = ("acceleration", "travel", "static_load", "fragility")
@@ -30,24 +28,24 @@ _QUANTILES = {"q05": 0.05, "median": 0.5, "q95": 0.95}
 
 
 def summary(result: StudyResult) -> dict[str, Any]:
-    """Return what a study says of its measures, SI: what its tables tell, too.
+    """Return the statistics of a study's measures, SI.
 
-    Of variants that were drawn percentiles, as far as five variants lie beyond them, and the probability beyond the limit with
-    its bounds; of those for Sobol's indices these, too; of listed ones the smallest, the middle and the largest value.
+    Of variants that were sampled percentiles, as far as five variants lie beyond them, and the probability beyond the limit
+    with its bounds; of those for Sobol's indices these, too; of listed ones the smallest, the middle and the largest value.
     """
     result = result.narrowed(("variant", "status", "message", STRUCK, *SUMMARISED))
     method = result.inputs["sampling"]["method"]
-    table = drawn(result) if method == SAMPLING else result.table
+    table = result.independent if method == SAMPLING else result.table
     measures = {}
     for name in known(table):
-        measures[name] = _of_measure(table, name, is_drawn=method not in LISTED)
+        measures[name] = _of_measure(table, name, sampled=method not in LISTED)
         if method == SAMPLING:
             measures[name] |= _indices(result, name)
     struck = struck_variants(result.table)
-    return {**begun(result), **({} if struck is None else {"struck": struck}), "measures": measures}
+    return {**head(result), **({} if struck is None else {"struck": struck}), "measures": measures}
 
 
-def begun(result: StudyResult) -> dict[str, Any]:
+def head(result: StudyResult) -> dict[str, Any]:
     """Return what the summaries of studies and of searches begin with."""
     return {
         "format": result.inputs["format"],
@@ -66,16 +64,16 @@ def known(table: pa.Table) -> list[str]:
     return [name for name in names if finite(values_of(table, name)).size]
 
 
-def _of_measure(table: pa.Table, name: str, *, is_drawn: bool) -> dict[str, Any]:
+def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> dict[str, Any]:
     values, limit = finite(values_of(table, name)), measure_of(name).limit
-    found = _quantiles(values) if is_drawn else {"smallest": float(values.min()), "median": float(np.median(values))}
-    found |= {"largest": float(values.max()), "variant": worst(table, name, 1)[0]}
+    content = _quantiles(values) if sampled else {"smallest": float(values.min()), "median": float(np.median(values))}
+    content |= {"largest": float(values.max()), "variant": worst(table, name, 1)[0]}
     if limit is not None:
-        beyond = chance_of(table, name, limit)
-        found |= {"limit": limit, "beyond": beyond.count, "of": beyond.n}
-        if is_drawn:
-            found |= {"probability": beyond.share, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
-    return found
+        beyond = exceedance_of(table, name, limit)
+        content |= {"limit": limit, "beyond": beyond.count, "of": beyond.n}
+        if sampled:
+            content |= {"probability": beyond.ratio, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
+    return content
 
 
 def _quantiles(values: Array) -> dict[str, Any]:
@@ -84,12 +82,12 @@ def _quantiles(values: Array) -> dict[str, Any]:
 
 
 def _indices(result: StudyResult, name: str) -> dict[str, Any]:
-    found = sobol_indices(result, name)
+    sobol = sobol_indices(result, name)
     indices = {
         one.name: {
             "first": one.first, "first_interval": list(one.first_interval),
             "total": one.total, "total_interval": list(one.total_interval),
         }
-        for one in found.factors
+        for one in sobol.factors
     }  # fmt: skip
-    return {"base_rows": found.rows, "dropped_rows": found.dropped, "indices": indices} if indices else {}
+    return {"base_rows": sobol.rows, "dropped_rows": sobol.dropped, "indices": indices} if indices else {}

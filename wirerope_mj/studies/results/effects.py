@@ -1,4 +1,4 @@
-"""Which inputs of a study matter: how much of a measure's variance each explains alone, and which way it goes."""
+"""Effects of the inputs of a study: the fraction of a measure's variance that each explains alone, and its direction."""
 
 import math
 from collections.abc import Sequence
@@ -14,39 +14,39 @@ from scipy.stats import rankdata
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.engines.compute import DONE
 
-CHANCE = 0.01
-"""How likely any of the inputs may be called certain by accident, if none has an effect."""
+SIGNIFICANCE = 0.01
+"""Probability that any of the inputs is called certain by accident, if none has an effect."""
 
-SMALLEST_SHARE = 0.005
-"""Share of the variance below which no effect is called certain: the test takes the scatter in all classes for equal, which is
-not quite so where inputs act together, and so little matters to nobody."""
+SMALLEST = 0.005
+"""Fraction of the variance below which no effect is called certain: the test takes the scatter in all classes for equal, which
+is not quite so where inputs act together, and so little matters to nobody."""
 
 _LEAST = 12  # variants below which nothing is said: three bins of four
 
 
 @dataclass(frozen=True, kw_only=True)
-class Influence:
-    """What one input does to a measure.
+class Effect:
+    """Effect of one input on a measure.
 
     Attributes:
         name: of the input.
-        share: of the measure's variance that the input alone explains, its first-order Sobol index; 0 to 1, and by chance a
-            little less than 0 where there is no effect.
+        index: first-order Sobol index, the fraction of the measure's variance that the input alone explains; 0 to 1, and by
+            accident a little less than 0 where there is no effect.
         rank: Spearman's correlation of input and measure, -1 to 1; NaN where the input has no order.
-        certain: whether chance alone would hardly give such a share to any of the inputs.
+        certain: whether accident alone would hardly give any of the inputs such an index.
     """
 
     name: str
-    share: float
+    index: float
     rank: float
     certain: bool
 
 
-def influences(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Influence, ...]:
-    """Return what each input does to a measure, the strongest first; nothing if too few variants can tell.
+def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effect, ...]:
+    """Return the effect of each input on a measure, the strongest first; nothing of too few variants.
 
-    The share is estimated from the variants as they are (given data): the input is cut into classes with as many variants
-    each, and eta^2 = variance between classes / variance. What classes without any effect would give by chance is taken
+    The index is estimated from the variants as they are (given data): the input is cut into classes with as many variants
+    each, and eta^2 = variance between classes / variance. What classes without any effect would give by accident is taken
     away: 1 - (1 - eta^2)(n - 1)/(n - m) of n variants in m classes (epsilon^2, Kelley 1935). It needs no special sampling,
     and sees effects that rise and fall again. The strongest input comes first, and what its classes explain is taken from
     the measure before the next one is looked at: few variants of many inputs are never quite independent (pairs of Sobol's
@@ -65,25 +65,25 @@ def influences(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[In
         return ()
     columns = {name: np.asarray(table[name])[kept] for name in inputs}
     classes = {name: _classes(column) for name, column in columns.items()}
-    left = {name: places for name, places in classes.items() if 2 <= places.max() + 1 <= values.size / 2}
+    left = {name: own for name, own in classes.items() if 2 <= own.max() + 1 <= values.size / 2}
     whole, rest = float(np.sum((values - values.mean()) ** 2)), values - values.mean()
-    found, certain = [], True
-    effects: dict[str, tuple[float, float]] = {}
+    results, certain = [], True
+    sizes: dict[str, tuple[float, float]] = {}
     while left:
         if certain:  # the measure has changed
-            effects = {name: _effect(places, rest) for name, places in left.items()}
-        name = max(left, key=lambda one: effects[one][0])
-        explained, chance = effects[name]
-        certain = chance < CHANCE / len(classes) and explained >= SMALLEST_SHARE * whole
-        found.append(Influence(name=name, share=explained / whole, rank=_rank(columns[name], values), certain=certain))
-        places = left.pop(name)
+            sizes = {name: _effect(own, rest) for name, own in left.items()}
+        name = max(left, key=lambda one: sizes[one][0])
+        explained, probability = sizes[name]
+        certain = probability < SIGNIFICANCE / len(classes) and explained >= SMALLEST * whole
+        results.append(Effect(name=name, index=explained / whole, rank=_rank(columns[name], values), certain=certain))
+        own = left.pop(name)
         if certain:
-            rest = rest - _class_means(places, rest)[places]
-    return tuple(found)
+            rest = rest - _class_means(own, rest)[own]
+    return tuple(results)
 
 
 def _effect(classes: npt.NDArray[np.int64], values: Array) -> tuple[float, float]:
-    """Return the sum of squares that classes explain beyond chance, and how likely chance gives as much."""
+    """Return the sum of squares that classes explain beyond accident, and the probability that accident gives as much."""
     n, m = values.size, int(classes.max()) + 1
     whole = float(np.sum((values - values.mean()) ** 2))
     inside = float(np.sum((values - _class_means(classes, values)[classes]) ** 2))
@@ -98,16 +98,16 @@ def _class_means(classes: npt.NDArray[np.int64], values: Array) -> Array:
 
 
 def _classes(column: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
-    """Return the class of each variant: its value, or of many different numbers one of some stretches of equal size."""
-    _, places = np.unique(column, return_inverse=True)
-    if column.dtype.kind not in "fiu":  # words and truth values
-        return np.asarray(places, dtype=np.int64)
+    """Return the class of each variant: its value, or of many different numbers one of some intervals of as many variants."""
+    _, classes = np.unique(column, return_inverse=True)
+    if column.dtype.kind not in "fiu":  # strings and booleans
+        return np.asarray(classes, dtype=np.int64)
     # The cube root: enough classes for a curve, and enough variants in each for its mean.
     wanted = max(round(column.size ** (1.0 / 3.0)), 3)
-    distinct = int(places.max()) + 1
+    distinct = int(classes.max()) + 1
     if distinct <= 4 * wanted:
-        return np.asarray(places, dtype=np.int64)
-    ranks = rankdata(places, method="min") - 1
+        return np.asarray(classes, dtype=np.int64)
+    ranks = rankdata(classes, method="min") - 1
     _, classes = np.unique((ranks * wanted) // column.size, return_inverse=True)
     return np.asarray(classes, dtype=np.int64)
 

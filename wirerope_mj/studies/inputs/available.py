@@ -1,4 +1,4 @@
-"""What can vary in a system and under a motion, as a person reads it before saying what does."""
+"""Quantities that can vary in a system and under a motion, as a person reads them before choosing."""
 
 from collections.abc import Iterable, Mapping
 
@@ -6,21 +6,21 @@ import numpy as np
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.centres import centre_of_mass
-from wirerope_mj.engine.system.varied import moving_bodies
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.laws import Law, Parallel
-from wirerope_mj.studies.inputs.quantities import WORLD
+from wirerope_mj.studies.inputs.body_columns import bodies_of
+from wirerope_mj.studies.inputs.shift import WORLD
 
 _AXES = ", ".join(WORLD)
 
 
-def possible_lines(system: System, motion: BaseMotion) -> list[str]:
+def available_lines(system: System, motion: BaseMotion) -> list[str]:
     """Return a line for every group of quantities that can vary: its name with NAME in place of mounts or bodies.
 
     Mounts whose laws have the same parameters stand together, with their values where these are equal.
     """
     lines = []
-    for mounts, laws in _alike(system):
+    for mounts, laws in _identical(system):
         lines.append(f"mounts {', '.join(mounts)}:")
         for axis, law in laws.items():
             if isinstance(law, Parallel):
@@ -46,7 +46,7 @@ def possible_lines(system: System, motion: BaseMotion) -> list[str]:
 
 def _bodies(system: System) -> list[str]:
     """Return the lines of the bodies that can vary, with the model's masses and centres of mass."""
-    bodies = [body for body in moving_bodies(system.model) if body != system.base]
+    bodies = bodies_of(system)
     if not bodies:
         return []
     lines = ["bodies, with the model's mass and centre of mass from the body's origin:"]
@@ -61,7 +61,7 @@ def _bodies(system: System) -> list[str]:
     ]
 
 
-def _alike(system: System) -> Iterable[tuple[list[str], Mapping[str, Law]]]:
+def _identical(system: System) -> Iterable[tuple[list[str], Mapping[str, Law]]]:
     """Yield the mounts that have the same laws, and these."""
     groups: dict[tuple[Law | None, ...], list[str]] = {}
     for name, mount in system.mounts.items():

@@ -1,4 +1,4 @@
-"""Twin experiments: loops of a known law with noise, searches from poor starts, and whether they end at the known law."""
+"""Synthetic specimens: loops of a known law with noise, searches from poor starts, and whether they end at the known law."""
 
 from dataclasses import dataclass
 
@@ -29,8 +29,8 @@ LAWS: tuple[type[Law], ...] = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Twin:
-    """What became of one truth.
+class SyntheticSpecimen:
+    """Identification of one known law.
 
     Attributes:
         law: its name.
@@ -55,7 +55,7 @@ class Twin:
 
 
 def truth_of(kind: type[Law], rng: np.random.Generator) -> Law:
-    """Return a law as a wire-rope isolator of 10 mm travel could have, drawn at random."""
+    """Return a law as a wire-rope isolator of 10 mm travel could have, sampled at random."""
 
     def draw(low: float, high: float) -> float:
         return float(np.exp(rng.uniform(np.log(low), np.log(high))))
@@ -97,13 +97,13 @@ def start_of(truth: Law, rng: np.random.Generator) -> Law:
     return family.make(away)
 
 
-def left_out_error(found: Law, truth: Law) -> float:
+def left_out_error(fitted: Law, truth: Law) -> float:
     """Return the largest rms error at the amplitudes not used, over half the true force range, means apart."""
-    pairs = zip(cyclic_test(found, LEFT_OUT), cyclic_test(truth, LEFT_OUT), strict=True)
+    pairs = zip(cyclic_test(fitted, LEFT_OUT), cyclic_test(truth, LEFT_OUT), strict=True)
     return max(float(np.std(a.force - b.force) / (0.5 * np.ptp(b.force))) for a, b in pairs)
 
 
-def twin(kind: type[Law], number: int, starts: int) -> Twin:
+def synthetic_specimen(kind: type[Law], number: int, starts: int) -> SyntheticSpecimen:
     """Return what becomes of one truth from several starts.
 
     `identify` keeps the better of the searches from the given start and from the grid. The grid does not depend on the start:
@@ -128,7 +128,7 @@ def twin(kind: type[Law], number: int, starts: int) -> Twin:
         together.append(alone[-1] if better else good)
         best = one if one.residual < best.residual else best
     final = identify(loops, law=kind, start=best.law, method="time")
-    return Twin(
+    return SyntheticSpecimen(
         law=kind.name, truth=number, alone=tuple(alone), together=tuple(together), deviations=_deviations(final, truth),
         evaluations=evaluations,
     )  # fmt: skip
@@ -144,7 +144,7 @@ def deviations_of_draws(kind: type[Law], number: int, draws: int) -> list[dict[s
     return [_deviations(identify(noisy_loops(truth, np.random.default_rng(seed)), law=kind), truth) for seed in seeds]
 
 
-def _deviations(found: Identification, truth: Law) -> dict[str, float]:
+def _deviations(fitted: Identification, truth: Law) -> dict[str, float]:
     """Return the distances of the identifiable parameters from the truth, in standard errors.
 
     Identifiable is what the data fix to better than `OPEN` of itself or of its scale, away from a bound.
@@ -152,6 +152,6 @@ def _deviations(found: Identification, truth: Law) -> dict[str, float]:
     expected = family_of(type(truth)).read(truth)
     return {
         name: (p.value - expected[name]) / p.standard_error
-        for name, p in found.parameters.items()
+        for name, p in fitted.parameters.items()
         if not p.fixed and not p.at_bound and p.standard_error < OPEN * abs(p.value)
     }

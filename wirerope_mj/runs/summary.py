@@ -1,0 +1,76 @@
+"""summary.json of a run: what is written into it, and its headline read back."""
+
+import json
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wirerope_mj.assessment.criteria import summary
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions.records.record import record_warnings
+from wirerope_mj.runs.folder import FORMAT, SUMMARY
+
+if TYPE_CHECKING:
+    from wirerope_mj.runs.judged import JudgedRun
+
+_REMEDY = "Take the file from another copy of the folder, or repeat the run."
+
+
+def summary_content(
+    name: str, motion: BaseMotion, response: Response, judged: "JudgedRun", *, seconds: float
+) -> dict[str, Any]:
+    """Return the content of summary.json; `seconds` is how long the simulation took."""
+    numerics = response.numerics
+    return {
+        "format": FORMAT,
+        "name": name,
+        "motion": motion.description,
+        "record_warnings": list(record_warnings(motion)),
+        **summary(response, judged.verdicts),
+        "numerics": {
+            "timestep_s": numerics.timestep,
+            "steps": numerics.steps,
+            "samples": int(response.time.size),
+            "callback": numerics.callback,
+            "accuracy": None if math.isnan(numerics.accuracy) else numerics.accuracy,
+            "estimated_error": numerics.error_estimate if math.isfinite(numerics.error_estimate) else None,
+            "limited_by": numerics.limited_by,
+            "seconds": seconds,
+            "versions": numerics.versions,
+        },
+    }
+
+
+def read_summary(folder: str | Path) -> dict[str, Any]:
+    """Return the content of a run's summary.json.
+
+    Raises:
+        RecordError: there is none, or it cannot be read.
+    """
+    path = Path(folder) / SUMMARY
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise RecordError(f"{folder}: there is no {SUMMARY} here. {_REMEDY}") from None
+    except OSError as error:
+        raise RecordError(f"{path}: {why_unread(error)}") from None
+    except json.JSONDecodeError as error:
+        raise RecordError(
+            f"{path}, line {error.lineno}, column {error.colno}: this is not the summary of a run, nor JSON. {_REMEDY}"
+        ) from None
+    except (ValueError, RecursionError):
+        raise RecordError(f"{path}: this is not the summary of a run, nor JSON in UTF-8. {_REMEDY}") from None
+    if not isinstance(content, dict):
+        raise RecordError(f"{path}: this is not the summary of a run, which has names and values in braces. {_REMEDY}")
+    return content
+
+
+def read_headline(folder: str | Path) -> str:
+    """Return the headline in a run's summary.json, "" for a run that has none: older ones, and a response saved alone.
+
+    Raises:
+        RecordError: the summary cannot be read.
+    """
+    return str(read_summary(folder).get("headline", "")) if (Path(folder) / SUMMARY).is_file() else ""

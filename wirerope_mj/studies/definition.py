@@ -1,0 +1,198 @@
+"""The definition of a study: a system and a base motion, what varies of them, and how it is sampled."""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self
+
+import pyarrow as pa
+
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.simulation.grid import joined
+from wirerope_mj.engine.simulation.simulate import check_arguments
+from wirerope_mj.engine.system import Changes, System, load_system
+from wirerope_mj.engine.system.model_files import read_changes
+from wirerope_mj.engine.system.named_files import check_inside
+from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.arguments import integer, one_of
+from wirerope_mj.foundation.resources import model_source
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions.copies import check_records
+from wirerope_mj.motions.restore import motion_from_dict
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.studies.inputs.check import check_variants
+from wirerope_mj.studies.inputs.column import InputColumn
+from wirerope_mj.studies.inputs.distributions import Distribution, distribution_from_dict
+from wirerope_mj.studies.inputs.quantities import quantities
+from wirerope_mj.studies.inputs.sampling import inputs
+from wirerope_mj.studies.inputs.variants import Maker, Row, Work
+from wirerope_mj.studies.step import common_step
+
+STARTS = ("settled", "relaxed", "unloaded")
+
+GIVEN = "given"
+"""Value of `sampling` of a study whose variants were not sampled, but given."""
+
+
+class StudyDefinition:
+    """Variants of one system under one base motion, or under several; `Study` computes them."""
+
+    def __init__(
+        self,
+        *,
+        model: str | Path,
+        motion: BaseMotion | None = None,
+        motions: Sequence[BaseMotion] = (),
+        duration: float,
+        vary: Mapping[str, Distribution],
+        variants: int | None = None,
+        sampling: str = "sobol",
+        seed: int = 1,
+        timestep: float | None = None,
+        accuracy: float = 1e-4,
+        sample_rate: float = 1000.0,
+        initial: str = "settled",
+        isolators: Mapping[str, Isolator] | None = None,
+        changes: Sequence[Changes] = (),
+        name: str = "study",
+        question: str = "",
+        folder: Path | None = None,
+    ) -> None:
+        """Prepare a study; nothing is simulated, and names and distributions are checked.
+
+        Args:
+            model: MJCF file or text; a relative path starts at `folder`, then at the models that ship with the package.
+            motion: base motion.
+            motions: several of them instead, among which "motion/record" chooses.
+            duration: simulated time [s].
+            vary: distributions by the names above.
+            variants: how many; may be left out of a grid, whose values say it.
+            sampling: "sobol", "latin-hypercube", "random"; or "grid": all combinations of Choice(...) and of
+                Uniform(..., points=...); or "list": the first values of all of them, then the second, and so on; or
+                "sobol-indices": what `sobol_indices` needs, n (factors + 2) variants with n a power of two; a factor is one
+                entry of `vary`, or several with the same `group`.
+            seed: of the sampling.
+            timestep: largest step [s] of all variants; None: chosen once, for the nominal system under the highest levels.
+            accuracy: for which it is chosen, as `simulate` does; of no use with a `timestep`.
+            sample_rate: as `simulate` takes it [Hz].
+            initial: "settled", "relaxed" or "unloaded".
+            isolators: isolators in memory by the name that follows `isolator/` in the model.
+            changes: what the base system differs by from the model, as `changes` of what `wirerope_mj.varied` returns.
+            name: what the study is called.
+            question: what it asks.
+            folder: where a relative model path starts; None for the current folder.
+
+        Raises:
+            ValueError: an argument is out of range.
+            ModelError: the model is not what it must be, or a name stands for nothing in it.
+        """
+        check_arguments(duration=duration, timestep=timestep, accuracy=accuracy, sample_rate=sample_rate)
+        one_of("initial", initial, STARTS)
+        self.name, self.question, self.vary = name, question, dict(vary)
+        self.duration, self.sample_rate, self.initial = float(duration), float(sample_rate), initial
+        self.timestep, self.accuracy = None if timestep is None else float(timestep), accuracy
+        self.sampling, self.seed = sampling, integer("seed", seed, least=0)
+        self.motions = _motions(motion, motions)
+        written = load_system(model_source(model, folder=folder, asker=f"study {name!r}"), isolators=isolators)
+        self.base = with_changes(written, changes)
+        self.quantities = quantities(self.vary, self.base, self.motions)
+        if len(self.motions) > 1 and not any(one.name == "motion/record" for one in self.quantities):
+            raise ValueError('`motions` holds several base motions, and `vary` has no "motion/record" that chooses.')
+        self._inputs = inputs(self.quantities, variants=variants, sampling=sampling, seed=seed)
+        self.size = self._inputs.num_rows
+        self._maker = Maker(self.base, self.motions, self._columns)
+
+    @classmethod
+    def restored(cls, folder: Path, content: Mapping[str, Any]) -> Self:
+        """Return the study whose `study.toml` says `content`, from its folder alone."""
+        model = check_inside(folder, content["model"])
+        for motion in content["motions"]:
+            check_records(motion, folder)
+        vary = {one["name"]: {key: value for key, value in one.items() if key != "name"} for one in content["vary"]}
+        return cls(
+            model=model,
+            changes=read_changes(folder / content["model"]["changes"]) if "changes" in content["model"] else (),
+            motions=[motion_from_dict(motion, folder=folder) for motion in content["motions"]],
+            vary={name: distribution_from_dict(value) for name, value in vary.items()},
+            variants=content["sampling"]["variants"],
+            sampling=content["sampling"]["method"],
+            seed=content["sampling"]["seed"],
+            name=content["name"],
+            question=content["question"],
+            **content["simulate"],
+        )
+
+    def table(self) -> pa.Table:
+        """Return the inputs of all variants: `variant` and one column for every sampled number.
+
+        Raises:
+            ModelError: a variant cannot be: a value is outside a law's valid range, for instance; says which and why.
+        """
+        return self._checked
+
+    def row(self, variant: int) -> Row:
+        """Return the inputs of one variant by column."""
+        variant = integer("variant", variant, least=0)
+        if variant >= self.size:
+            raise ValueError(f"`variant` must be from 0 to {self.size - 1}, got {variant}.")
+        return self._inputs.slice(variant, 1).to_pylist()[0]
+
+    def system(self, variant: int) -> System:
+        """Return the system of one variant."""
+        return self._maker.system(self.row(variant))
+
+    def motion(self, variant: int) -> BaseMotion:
+        """Return the base motion of one variant."""
+        return self._maker.motion(self.row(variant))
+
+    def response(self, variant: int) -> Response:
+        """Return the whole response of one variant; its peaks are those of the study, bit for bit."""
+        work = self.work
+        return simulate(
+            self.system(variant), self.motion(variant), duration=work.duration, timestep=work.timestep,
+            initial=work.initial, sample_rate=work.sample_rate, corners=work.corners,
+        )  # fmt: skip
+
+    def of(self, rows: pa.Table) -> Self:
+        """Return this study with other variants, to be looked at: `rows` has the columns of its table. Its step stays."""
+        work = self.work
+        other = copy(self)
+        vars(other).pop("_checked", None)
+        other._inputs, other.size, other.sampling = rows.select(self._inputs.column_names), rows.num_rows, GIVEN
+        vars(other)["work"] = work
+        return other
+
+    @cached_property
+    def work(self) -> Work:
+        """What all variants share, the timestep chosen."""
+        step = self.timestep
+        if step is None:
+            step = common_step(
+                self.base, self._maker, self._columns, self._checked, initial=self.initial, duration=self.duration,
+                sample_rate=self.sample_rate, accuracy=self.accuracy,
+            )  # fmt: skip
+        return Work(
+            system=self.base, motions=self.motions, columns=self._columns, duration=self.duration, timestep=step,
+            sample_rate=self.sample_rate, initial=self.initial, corners=joined(*(one.corners for one in self.motions)),
+        )  # fmt: skip
+
+    @property
+    def _columns(self) -> tuple[InputColumn, ...]:
+        return tuple(column for quantity in self.quantities for column in quantity.columns)
+
+    @cached_property
+    def _checked(self) -> pa.Table:
+        check_variants(self.name, self.base, self.motions, self._columns, self._inputs)
+        return self._inputs
+
+
+def _motions(motion: BaseMotion | None, motions: Sequence[BaseMotion]) -> tuple[BaseMotion, ...]:
+    given = (motion,) if motion is not None else tuple(motions)
+    if (motion is None) == (len(motions) == 0):
+        raise ValueError("either `motion` or `motions` must be given.")
+    for one in given:
+        if not isinstance(one, BaseMotion):
+            raise ValueError(f"`motion` must be a base motion, got {one!r}.")
+    return given

@@ -1,0 +1,170 @@
+"""Masses and centres of mass that vary."""
+
+import math
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system.centres import body_axes, centre_of_mass, is_aligned
+from wirerope_mj.engine.system.varied import moving_bodies
+from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, Quantity, ValueOrFactor, matching
+from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Normal, Uniform
+from wirerope_mj.studies.inputs.shift import NEAR, WORLD, Shift, check_axis, check_finite
+
+_NOUN = "moving body with a mass (the driven base does not count)"
+
+
+def bodies_of(system: System) -> list[str]:
+    """Return the moving bodies; the mass of the base drives nothing."""
+    return [body for body in moving_bodies(system.model) if body != system.base]
+
+
+class Mass(ValueOrFactor):
+    """Mass [kg] of bodies, with their moments of inertia."""
+
+    form = "body/NAME/mass"
+    pattern = re.compile(r"body/(.*)/mass")
+    model_unit = "kg"
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return the columns of the matching bodies."""
+        return cls.split(entry, matching(entry, bodies_of(entry.system), _NOUN))
+
+    def nominal_of(self, system: System, target: str) -> float:
+        """Return what the model says of one target."""
+        return float(system.model.body(target).mass[0])
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put a value into a variant."""
+        if not (math.isfinite(value) and value > 0.0):
+            unit = "" if self.relative else " kg"
+            raise ValueError(f"{self.name} must be finite and > 0{unit}, got {value:g}{unit}.")
+        for body in self.targets:
+            draft.masses[body] = value if self.relative else value / self.nominal_of(draft.system, body)
+
+    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+        """Return whether all values are valid; False says nothing."""
+        return bool(np.isfinite(values).all() and values.min() > 0.0)
+
+
+class CentreShift(Shift):
+    """Shift [m] of the centre of mass along an axis of the world."""
+
+    form = "body/NAME/centre_shift/x"
+    pattern = re.compile(r"body/(.*)/centre_shift/([^/]*)")
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return the columns of the matching bodies."""
+        return cls.shifted(entry, bodies_of(entry.system), _NOUN)
+
+    def nominal_of(self, system: System, target: str) -> float:
+        """Return what the model says of one target."""
+        return float((body_axes(system, target) @ centre_of_mass(system, target))[WORLD.index(self.key[0])])
+
+    def shifts_of(self, draft: Draft) -> dict[str, list[float]]:
+        """Return the shifts of a variant to which this one belongs."""
+        return draft.centre_shifts
+
+    def remedy(self, system: System) -> str:
+        """Return how positions are given."""
+        return f"say {_renamed(self, system, 'centre')!r}"
+
+
+class Centre(InputColumn):
+    """Position [m] of the centre of mass along an axis of the body, from the body's origin; its key is the axis."""
+
+    form = "body/NAME/centre/x"
+    pattern = re.compile(r"body/(.*)/centre/([^/]*)")
+    model_unit = "m"
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return the columns of the matching bodies."""
+        check_axis(entry, "a position")
+        return cls.split(entry, matching(entry, bodies_of(entry.system), _NOUN))
+
+    def nominal_of(self, system: System, target: str) -> float:
+        """Return what the model says of one target."""
+        return float(centre_of_mass(system, target)[WORLD.index(self.key[0])])
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put a value into a variant."""
+        check_finite(self.name, value)
+        for body in self.targets:
+            centre = draft.centres.setdefault(body, centre_of_mass(draft.system, body))
+            centre[WORLD.index(self.key[0])] = value
+
+    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+        """Return whether all values are valid; False says nothing."""
+        return bool(np.isfinite(values).all())
+
+    def moved(self, system: System, values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+        """Return in which variants the centre stands elsewhere than in the model."""
+        return np.asarray(values != self.nominal(system)[0])
+
+    def check(self, distribution: Distribution, system: System) -> None:
+        """Raise ValueError if positions look like shifts, or are no positions in the model as written.
+
+        A value whose middle is nearer to 0 than to the model's is refused: it is what a shift looks like, and taken as a
+        position it would move the centre of mass to the body's origin unnoticed. All that is refused can be said as a shift.
+        """
+        shift = _renamed(self, system, "centre_shift")
+        for body in self.targets:
+            if is_aligned(system, body):
+                raise ValueError(
+                    f"`vary`: {self.name!r}: MuJoCo has moved the origin of body {body!r} into its centre of mass (`align` of "
+                    f"its free joint), so that positions in its axes are not those of the model; say shifts: {shift!r}."
+                )
+        nominal, text = self.nominal(system), self.nominal_text(system)
+        if max(nominal) - min(nominal) > NEAR:
+            raise ValueError(
+                f"`vary`: {self.name!r} is one position for bodies whose centres of mass stand at {text} in the model; name "
+                f"one body, or say shifts: {shift!r}."
+            )
+        middle = _middle(distribution)
+        if abs(nominal[0]) > NEAR and abs(middle) < abs(middle - nominal[0]):
+            raise ValueError(
+                f"`vary`: {self.name!r} is the position of the centre of mass in the body's axes [m], and stands at {text} in "
+                f"the model; values around {middle:g} m are nearer to 0 than to that, as shifts are. If they are shifts, say "
+                f"{shift!r}, along the world's axes; if the centre is to stand there, say {shift!r} with shifts that bring it "
+                f"there, {middle - nominal[0]:.4g} m along this axis of the body."
+            )
+
+
+def check_centres(quantities: Sequence[Quantity], system: System) -> None:
+    """Raise ValueError if centres of mass are said in two ways, or positions of them look like shifts."""
+    columns = [column for quantity in quantities for column in quantity.columns]
+    absolute = {target: column.name for column in columns if isinstance(column, Centre) for target in column.targets}
+    for column in columns:
+        for body in column.targets if isinstance(column, CentreShift) else ():
+            if body in absolute:
+                raise ValueError(
+                    f"`vary`: {absolute[body]!r} is a position and {column.name!r} a shift of the same body {body!r}; say all "
+                    "of them in one of these ways."
+                )
+    for quantity in quantities:
+        for column in quantity.columns:
+            if isinstance(column, Centre):
+                column.check(quantity.distribution, system)
+
+
+def _renamed(column: Centre | CentreShift, system: System, noun: str) -> str:
+    """Return the name of a centre of mass as the other kind; without its axis where the body's axes are not the world's."""
+    start, _, axis = column.name.rpartition("/")
+    parallel = all(np.allclose(body_axes(system, body), np.eye(3), atol=1e-9) for body in column.targets)
+    return f"{start.rpartition('/')[0]}/{noun}/{axis if parallel else 'AXIS'}"
+
+
+def _middle(distribution: Distribution) -> float:
+    if isinstance(distribution, Normal):
+        return distribution.mean
+    ends = [distribution.low, distribution.high] if isinstance(distribution, Uniform) else []
+    if isinstance(distribution, Choice):
+        ends = [min(distribution.choices), max(distribution.choices)]
+    return (ends[0] + ends[1]) / 2.0

@@ -1,0 +1,234 @@
+"""A column of a study's inputs: one sampled number, its unit, what the model says of it, its check and what it changes.
+
+Each kind of quantity is a class of columns; `quantities.KINDS` lists them.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
+from typing import Any, ClassVar, Self
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.studies.inputs.distributions import Choice, Distribution
+
+FAR = 10.0
+"""Factor between the model's value and all of a study's beyond which these may have been meant as factors."""
+
+
+@dataclass(kw_only=True)
+class Draft:
+    """Changes of a variant's system, gathered column by column.
+
+    Attributes:
+        system: the base system.
+        parameters: by mount, and there by ("axial", parameter) or ("stiffening", parameter).
+        failed, absent: mounts.
+        masses: factors by body.
+        centres: positions of centres of mass in the body's axes [m], by body.
+        centre_shifts: along the world's axes [m], by body.
+        position_shifts: along the world's axes [m], by mount.
+    """
+
+    system: System
+    parameters: dict[str, dict[tuple[str, ...], Any]] = field(default_factory=dict)
+    failed: set[str] = field(default_factory=set)
+    absent: set[str] = field(default_factory=set)
+    masses: dict[str, float] = field(default_factory=dict)
+    centres: dict[str, Array] = field(default_factory=dict)
+    centre_shifts: dict[str, list[float]] = field(default_factory=dict)
+    position_shifts: dict[str, list[float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """One entry of `vary` with the system and the motions in which it varies.
+
+    Attributes:
+        name: as it was written.
+        pattern: of mounts or bodies in the name; "" of a motion.
+        key: the rest of the name: axis and parameter, for instance.
+    """
+
+    name: str
+    pattern: str
+    key: tuple[str, ...]
+    distribution: Distribution
+    system: System
+    motions: Sequence[BaseMotion]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """One entry of `vary`, resolved.
+
+    Attributes:
+        name: as it was written.
+        distribution: of its values.
+        columns: one, or one for each mount or body; for specimens one for each parameter.
+        isolators: of specimens, one for each group of columns that are sampled jointly.
+    """
+
+    name: str
+    distribution: Distribution
+    columns: "tuple[InputColumn, ...]"
+    isolators: tuple[Isolator, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class InputColumn:
+    """One sampled number, its column in the table, and what it acts on.
+
+    Attributes:
+        form: the name as it is written, with NAME for mounts or bodies.
+        pattern: of such names; its first group is NAME, the others are the key.
+        nature: of the numbers: "value", "shift", "factor", "index" or "choice".
+        model_unit: of what the model says: "SI" as the law states.
+        type: of the numbers in the table.
+        places_mounts: whether it says where mounts are.
+        name: of the column.
+        targets: mounts or bodies.
+        key: axis and parameter, for instance.
+        relative: whether the numbers are factors on what the model says.
+    """
+
+    form: ClassVar[str]
+    pattern: ClassVar[re.Pattern[str]]
+    nature: ClassVar[str] = "value"
+    model_unit: ClassVar[str] = ""
+    type: ClassVar[pa.DataType] = pa.float64()
+    places_mounts: ClassVar[bool] = False
+
+    name: str
+    targets: tuple[str, ...] = ()
+    key: tuple[str, ...] = ()
+    relative: bool = False
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> "tuple[InputColumn, ...]":
+        """Return the columns of an entry whose name has this form.
+
+        Raises:
+            ModelError: it stands for nothing that exists.
+            ValueError: the distribution does not suit it.
+        """
+        raise NotImplementedError
+
+    @property
+    def nature_of_numbers(self) -> str:
+        """Nature of the numbers, which are factors if they are relative."""
+        return "factor" if self.relative else self.nature
+
+    @property
+    def unit(self) -> str:
+        """Unit of the numbers; "" of factors, indices and choices."""
+        return "" if self.relative else self.model_unit
+
+    @property
+    def label(self) -> str:
+        """Name with the unit of the numbers, as an axis or a heading says it."""
+        unit = "factor" if self.nature_of_numbers == "factor" else self.unit
+        return self.name if unit in ("", "SI") else f"{self.name} [{unit}]"
+
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+        """Return what the model says of the quantity, one value for each target; empty where it says nothing.
+
+        Of a shift it is the position that is shifted, of a factor the value that is multiplied: [m], [kg], SI, [deg].
+        """
+        return [self.nominal_of(system, target) for target in self.targets]
+
+    def nominal_of(self, system: System, target: str) -> Any:
+        """Return what the model says of one target."""
+        raise NotImplementedError
+
+    def nominal_text(self, system: System) -> str:
+        """Return what the model says as a cell."""
+        return nominal_text(self.nominal(system), self.model_unit)
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put a value of the column into a variant; ValueError if it can be none."""
+        raise NotImplementedError
+
+    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+        """Return whether all values are valid; False says nothing. Parameters of laws go into `draft`, which checks them."""
+        return False
+
+    def moved(self, system: System, values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+        """Return in which variants something stands elsewhere than in the model."""
+        return np.zeros(len(values), dtype=np.bool_)
+
+    def warnings(self, system: System, values: Array) -> list[str]:
+        """Return messages if the sampled values look like another kind than the name says."""
+        return []
+
+    @classmethod
+    def split(cls, entry: Entry, targets: Sequence[str]) -> "tuple[Self, ...]":
+        """Return one column, or one for each target if each has its own."""
+        name, distribution = entry.name, entry.distribution
+        choices = distribution.choices if isinstance(distribution, Choice) and cls.type == pa.float64() else ()
+        if any(isinstance(value, bool | str) for value in choices):
+            raise ValueError(f"`vary`: {name!r} must be a distribution of numbers, got {distribution}.")
+        start = name.index("/") + 1
+        before, after = name[:start], name[start + len(entry.pattern) :]
+        each = [(f"{before}{target}{after}", (target,)) for target in targets]
+        groups = each if distribution.each else [(name, tuple(targets))]
+        return tuple(cls(name=one, targets=own, key=entry.key, relative=distribution.relative) for one, own in groups)
+
+
+class ValueOrFactor(InputColumn):
+    """Column of values in place of the model's, or of factors on them."""
+
+    def warnings(self, system: System, values: Array) -> list[str]:
+        """Return a message if all factors are far from 1, or all values far from the model's."""
+        sizes = np.abs(values)
+        low, high = sizes.min(), sizes.max()
+        if self.relative:
+            if high >= 1.0 / FAR and low <= FAR:
+                return []
+            return [
+                f"{self.name} is a factor, from {low:.3g} to {high:.3g} in the study, on {self.nominal_text(system)} in the "
+                "model; if these are values, leave out `relative`."
+            ]
+        model = np.abs(np.array(self.nominal(system), dtype=np.float64))
+        if not (high < model.min() / FAR or low > model.max() * FAR > 0.0):
+            return []
+        return [
+            f"{self.name} is from {low:.3g} to {high:.3g} in the study and {nominal_text(sorted(model), '')} in the model; if "
+            "these are to be factors on the model's value, say `relative`."
+        ]
+
+
+def matching(entry: Entry, existing: Sequence[str], noun: str, stops: Sequence[str] = ()) -> list[str]:
+    """Return what the parts of a pattern match; a part that matches isolators as well as stops, as * does, means those."""
+    matches: list[str] = []
+    for part in parts_of(entry.pattern, existing):
+        matched = [one for one in existing if fnmatchcase(one, part)]
+        if not matched:
+            raise ModelError(f"`vary`: {entry.name!r}: there is no {noun} {part!r}. There is: {', '.join(existing)}.")
+        matches += [one for one in matched if one not in stops] or matched
+    return list(dict.fromkeys(matches))
+
+
+def parts_of(pattern: str, existing: Sequence[str]) -> list[str]:
+    """Return the parts of a pattern "m01,m04"; a name that exists is one part whatever is in it."""
+    return [pattern] if pattern in existing else pattern.split(",")
+
+
+def nominal_text(values: Sequence[Any], unit: str) -> str:
+    """Return nominal values as a cell: "0.35 m", "0.2 to 0.9 m", "True"; "-" where there are none."""
+    numbers = np.concatenate([np.ravel(value) for value in values]) if values else np.empty(0)
+    if numbers.size == 0:
+        return "-"
+    if numbers.dtype == np.bool_:
+        return " or ".join(map(str, np.unique(numbers)))
+    low, high = f"{numbers.min():.4g}", f"{numbers.max():.4g}"
+    text = low if low == high else f"{low} to {high}"
+    return f"{text} {unit}" if unit not in ("", "SI") else text

@@ -1,0 +1,266 @@
+"""Parameters, positions, absence and failure of mounts that vary."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any
+
+import numpy.typing as npt
+import pyarrow as pa
+
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
+from wirerope_mj.mounts.laws import Parallel
+from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, ValueOrFactor, matching
+from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Specimens
+from wirerope_mj.studies.inputs.failure import without_force
+from wirerope_mj.studies.inputs.shift import WORLD, Shift
+
+STIFFENING = "stiffening"
+"""Stands in a name where a law has its axis."""
+
+
+def _mounts(entry: Entry) -> list[str]:
+    return matching(entry, list(entry.system.mounts), "mount", _stops(entry.system))
+
+
+def _stops(system: System) -> list[str]:
+    return [name for name, mount in system.mounts.items() if mount.isolator.is_stop]
+
+
+class LawParameter(ValueOrFactor):
+    """Parameter of a law; its key is the axis and the parameter."""
+
+    form = "mount/NAME/AXIS/PARAMETER"
+    pattern = re.compile(rf"mount/(.*)/({'|'.join(AXES)})/([^/]*)")
+    model_unit = "SI"
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return the columns of the matching mounts."""
+        mounts, name = _mounts(entry), entry.name
+        nominal = [cls.checked(name, entry.system.mounts[mount].written, mount, *entry.key) for mount in mounts]
+        if not entry.distribution.relative and any(isinstance(value, tuple) for value in nominal):
+            raise ValueError(f"`vary`: {name!r} is several numbers; give it factors, `relative=True`.")
+        if entry.distribution.relative and all(value == 0.0 for value in nominal):
+            raise ValueError(f"`vary`: {name!r} is 0 in the model, and 0 times anything is 0; give absolute values.")
+        return cls.split(entry, mounts)
+
+    @classmethod
+    def checked(cls, name: str, isolator: Isolator, mount: str, axis: str, parameter: str) -> Any:
+        """Return the parameter in the model; ModelError says what there is."""
+        law = isolator.axes[axis]
+        if law is None:
+            there = [axis for axis, law in isolator.axes.items() if law is not None]
+            raise ModelError(
+                f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}."
+            )
+        if isinstance(law, Parallel):
+            raise ModelError(
+                f"`vary`: {name!r}: mount {mount!r} has several laws on its {axis} axis, which do not vary. Make the one that "
+                "varies a mount of its own between the same sites."
+            )
+        names = [key for key in law.to_dict() if key != "law" and key not in law.options]
+        lists = {key: value for key in names if isinstance(value := getattr(law, key), tuple)}
+        if parameter not in names + [f"{key}[{n}]" for key, value in lists.items() for n in range(len(value))]:
+            raise ModelError(
+                f"`vary`: {name!r}: law {law.name} of mount {mount!r} has no parameter {parameter!r}; it has "
+                f"{', '.join(names)}."
+            )
+        value = law.parameter(parameter)
+        if not isinstance(value, float | int | tuple):
+            raise ModelError(f"`vary`: {name!r}: {parameter!r} of mount {mount!r} is not a number.")
+        return value
+
+    def nominal_of(self, system: System, target: str) -> Any:
+        """Return what the model says of one target."""
+        law = system.mounts[target].written.axes[self.key[0]]
+        assert law is not None  # `checked` has seen to it
+        return law.parameter(self.key[1])
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put a value into a variant."""
+        for mount in self.targets:
+            own = value
+            if self.relative:
+                nominal = self.nominal_of(draft.system, mount)
+                own = tuple(value * one for one in nominal) if isinstance(nominal, tuple) else value * nominal
+            draft.parameters.setdefault(mount, {})[self.key] = own
+
+    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+        """Return whether all values are valid; False says nothing."""
+        self.apply(draft, values)  # columns in place of numbers: all parameters of a law are checked together
+        return True
+
+
+class StiffeningParameter(LawParameter):
+    """Parameter of the stiffening by loading cycles; its key is "stiffening" and the parameter."""
+
+    form = f"mount/NAME/{STIFFENING}/cycles, mount/NAME/{STIFFENING}/after_50"
+    pattern = re.compile(rf"mount/(.*)/({STIFFENING})/([^/]*)")
+    model_unit = ""
+
+    @classmethod
+    def checked(cls, name: str, isolator: Isolator, mount: str, axis: str, parameter: str) -> Any:
+        """Return the parameter in the model; ModelError says what there is."""
+        if isolator.stiffening is None:
+            raise ModelError(f"`vary`: {name!r}: isolator {isolator.name!r} of mount {mount!r} has no [stiffening].")
+        if parameter not in (known := [item.name for item in fields(Stiffening)]):
+            raise ModelError(f"`vary`: {name!r}: stiffening has no {parameter!r}; it has {', '.join(known)}.")
+        return float(getattr(isolator.stiffening, parameter))
+
+    def nominal_of(self, system: System, target: str) -> Any:
+        """Return what the model says of one target."""
+        return float(getattr(system.mounts[target].written.stiffening, self.key[1]))
+
+    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+        """Return whether all values are valid; False says nothing."""
+        return False  # the factor acts on whole laws: each variant is made
+
+    def warnings(self, system: System, values: npt.NDArray[Any]) -> list[str]:
+        """Return nothing: any number of cycles may be meant."""
+        return []
+
+
+class Spread(LawParameter):
+    """Parameters that scatter together from specimen to specimen; each is a column of `LawParameter`."""
+
+    form = "mount/NAME/spread"
+    pattern = re.compile(r"mount/(.*)/spread")
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return the columns of the matching mounts."""
+        name, each = entry.name, entry.distribution.each
+        if not isinstance(entry.distribution, Specimens):
+            raise ValueError(f"`vary`: {name!r} must be Specimens, got {entry.distribution!r}.")
+        mounts = _mounts(entry)
+        isolators = [entry.system.mounts[mount].written for mount in mounts]
+        for mount, isolator in zip(mounts, isolators, strict=True):
+            if isolator.spread is None:
+                raise ModelError(f"`vary`: {name!r}: isolator {isolator.name!r} of mount {mount!r} has no [spread].")
+            for parameter in isolator.spread.parameters:
+                axis, _, key = parameter.partition(".")
+                if axis not in AXES:
+                    raise ModelError(
+                        f"`vary`: {name!r}: {parameter!r} in the [spread] of {isolator.name!r} is no parameter."
+                    )
+                cls.checked(name, isolator, mount, axis, key)
+        if not each and any(isolator != isolators[0] for isolator in isolators):
+            raise ValueError(f"`vary`: {name!r}: the mounts have different isolators and cannot share one specimen.")
+        groups = [(mount, (mount,)) for mount in mounts] if each else [(entry.pattern, tuple(mounts))]
+        return tuple(
+            LawParameter(name=f"mount/{group}/{'/'.join(key)}", targets=targets, key=key)
+            for (group, targets), isolator in zip(groups, isolators, strict=False)
+            for key in (tuple(one.split(".", 1)) for one in (isolator.spread.parameters if isolator.spread else ()))
+        )
+
+
+class PositionShift(Shift):
+    """Shift [m] of a mount along an axis of the world."""
+
+    form = "mount/NAME/position_shift/x"
+    pattern = re.compile(r"mount/(.*)/position_shift/([^/]*)")
+    places_mounts = True
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return the columns of the matching mounts."""
+        return cls.shifted(entry, list(entry.system.mounts), "mount", _stops(entry.system))
+
+    def nominal_of(self, system: System, target: str) -> float:
+        """Return what the model says of one target."""
+        return float(system.mounts[target].position[WORLD.index(self.key[0])])
+
+    def shifts_of(self, draft: Draft) -> dict[str, list[float]]:
+        """Return the shifts of a variant to which this one belongs."""
+        return draft.position_shifts
+
+
+class Fitted(InputColumn):
+    """Presence of mounts."""
+
+    form = "mount/NAME/fitted"
+    pattern = re.compile(r"mount/(.*)/fitted")
+    nature = "choice"
+    type = pa.bool_()
+    places_mounts = True
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return the columns of the matching mounts."""
+        mounts = _mounts(entry)
+        if not _all_of(bool, entry.distribution):
+            raise ValueError(f"`vary`: {entry.name!r} must be a Choice of True and False, got {entry.distribution!r}.")
+        return cls.split(entry, mounts)
+
+    def nominal_of(self, system: System, target: str) -> bool:
+        """Return what the model says of one target."""
+        return True
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put a value into a variant."""
+        draft.absent |= set() if value else set(self.targets)
+
+    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+        """Return whether all values are valid; False says nothing."""
+        try:
+            for mount in self.targets:
+                without_force(draft.system.mounts[mount].written)
+        except ValueError:
+            return False
+        return True
+
+
+class Failed(Fitted):
+    """Failure of mounts: each may fail, or one of several does."""
+
+    form = "mount/NAME/failed"
+    pattern = re.compile(r"mount/(.*)/failed")
+    places_mounts = False
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return the columns of the matching mounts."""
+        mounts, distribution = _mounts(entry), entry.distribution
+        if _all_of(str, distribution) and not distribution.each and isinstance(distribution, Choice):
+            if unknown := [value for value in distribution.choices if value not in ("", *mounts)]:
+                raise ModelError(
+                    f'`vary`: {entry.name!r}: there is no mount {unknown[0]!r} there; choose from "" (none), '
+                    f"{', '.join(mounts)}."
+                )
+            return (FailedMount(name=entry.name, targets=tuple(mounts)),)
+        if not _all_of(bool, distribution):
+            raise ValueError(
+                f"`vary`: {entry.name!r} must be a Choice of True and False, or of the mount's name that has failed "
+                '("" = none).'
+            )
+        return cls.split(entry, mounts)
+
+    def nominal_of(self, system: System, target: str) -> bool:
+        """Return what the model says of one target."""
+        return False
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put a value into a variant."""
+        draft.failed |= set(self.targets) if value else set()
+
+
+class FailedMount(Failed):
+    """Name of the one mount that has failed, "" if none has."""
+
+    type = pa.string()
+
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+        """Return what the model says."""
+        return []
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put a value into a variant."""
+        draft.failed |= {value} if value else set()
+
+
+def _all_of(kind: type, distribution: Distribution) -> bool:
+    return isinstance(distribution, Choice) and all(isinstance(value, kind) for value in distribution.choices)

@@ -1,0 +1,101 @@
+"""Measures of a study's table: their columns, and how each is displayed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pyarrow as pa
+
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.tables import Column
+from wirerope_mj.foundation.units import shown_in
+from wirerope_mj.studies.engines.compute import DONE
+
+HEADLINES = ("travel", "acceleration", "fragility")
+"""Measures that are looked at first, in this order."""
+
+STRUCK = "struck"
+"""Column of the number of stops that were struck."""
+
+_OTHER = ("variant", "status", "message", "generation")
+_QUANTITIES = {
+    "travel": ("largest utilisation of a rated travel along one axis", "%", 100.0, 1.0),
+    "acceleration": ("largest acceleration", *shown_in("m/s^2"), None),
+    "static_load": ("utilisation of the rated static load", "%", 100.0, 1.0),
+    "fragility": ("utilisation of the stated acceleration limit", "%", 100.0, 1.0),
+    "mounts": ("number of mounts that act", "-", 1.0, None),
+    "struck": ("number of stops struck", "-", 1.0, None),
+    "deflection": ("largest deflection", *shown_in("m"), None),
+    "displacement": ("largest displacement relative to the base", *shown_in("m"), None),
+    "force": ("largest force", *shown_in("N"), None),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measure:
+    """A measure as it is displayed.
+
+    Attributes:
+        name: column of the table.
+        text: its meaning, without the unit.
+        unit: in which it is displayed.
+        factor: from SI to this unit.
+        limit: that it must not exceed, SI; None if there is none.
+    """
+
+    name: str
+    text: str
+    unit: str
+    factor: float
+    limit: float | None
+
+    @property
+    def label(self) -> str:
+        """Text and unit, as an axis says it."""
+        return f"{self.text} [{self.unit}]"
+
+    @property
+    def column(self) -> Column:
+        """Column of its values in a table."""
+        return Column(self.name, form=".4g") if self.unit == "-" else Column(self.name, self.unit)
+
+
+def measure_of(name: str) -> Measure:
+    """Return the measure of a column."""
+    quantity, _, rest = name.partition("/")
+    text, unit, factor, limit = _QUANTITIES[quantity]
+    return Measure(name=name, text=f"{text}, {rest}" if rest else text, unit=unit, factor=factor, limit=limit)
+
+
+def input_names(table: pa.Table) -> list[str]:
+    """Return the names of the columns that were sampled."""
+    names = table.column_names
+    return names[1 : names.index("acceleration")]
+
+
+def measures_of(table: pa.Table) -> list[str]:
+    """Return the names of the measures of a table."""
+    first = table.column_names.index("acceleration")
+    return [name for name in table.column_names[first:] if name not in _OTHER]
+
+
+def checked_measure(table: pa.Table, name: str) -> str:
+    """Return `name`; ValueError names the measures if it is none, or was not judged."""
+    names = measures_of(table)
+    if name not in names:
+        shown = ", ".join(names[:8])
+        raise ValueError(f"there is no measure {name!r}; there are {shown}{', ...' if len(names) > 8 else ''}.")
+    if not np.isfinite(values_of(table, name)).any():
+        raise ValueError(
+            f"{name!r} has no value in any variant: nothing is rated or stated by which it would be judged."
+        )
+    return name
+
+
+def headlines(table: pa.Table) -> list[str]:
+    """Return the measures of `HEADLINES` that have values."""
+    return [name for name in HEADLINES if np.isfinite(values_of(table, name)).any()]
+
+
+def values_of(table: pa.Table, name: str) -> Array:
+    """Return a column of measures, NaN where the variant failed or nothing is judged, (n,)."""
+    return np.where(np.asarray(table["status"]) == DONE, np.asarray(table[name], dtype=np.float64), np.nan)

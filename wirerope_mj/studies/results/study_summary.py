@@ -1,0 +1,179 @@
+"""The summary of a study: statistics, effects and worst variants, the same on the screen, on a page and in pictures."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.studies.inputs.sobol import SAMPLING, factors
+from wirerope_mj.studies.result import StudyResult
+from wirerope_mj.studies.results.directions import directions_text, fraction_of_directions
+from wirerope_mj.studies.results.effects import Effect, effects
+from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
+from wirerope_mj.studies.results.measure import (
+    HEADLINES,
+    Measure,
+    checked_measure,
+    headlines,
+    input_names,
+    measure_of,
+    values_of,
+)
+from wirerope_mj.studies.results.statements import exceedance_text
+from wirerope_mj.studies.results.statistics import Exceedance, exceedance_of, quantiles, row_of, worst
+
+QUANTILES = (0.5, 0.9, 0.95, 0.99)
+
+_PAIR = 2  # columns of a factor that are listed one by one: two angles of a direction
+
+
+@dataclass(frozen=True, kw_only=True)
+class Statistics:
+    """Statistics of one measure, SI.
+
+    Attributes:
+        measure: with its unit and limit.
+        quantiles: at `QUANTILES`; NaN where too few variants lie beyond.
+        smallest, median, largest: of all variants.
+        variant: number of the one with the largest value.
+        beyond: exceedance of the limit; None without a limit.
+        ratio: of it to all variants if they were sampled, or to all directions if these vary; else None.
+    """
+
+    measure: Measure
+    quantiles: tuple[float, ...]
+    smallest: float
+    median: float
+    largest: float
+    variant: int
+    beyond: Exceedance | None
+    ratio: float | None
+
+    @property
+    def beyond_text(self) -> str:
+        """How often the limit is exceeded: "88 of 325 (34 %)"; "" without a limit."""
+        return "" if self.beyond is None else exceedance_text(self.beyond, self.ratio)
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudySummary:
+    """Summary of a study.
+
+    Attributes:
+        result: of the study.
+        by: the measure that is looked at most.
+        effects: of the inputs on it, the strongest first.
+    """
+
+    result: StudyResult
+    by: str
+    effects: tuple[Effect, ...]
+
+    @cached_property
+    def indices(self) -> tuple[SobolIndices, ...]:
+        """Sobol's indices of the measures that are displayed; of a study that was not sampled for them, none."""
+        if self.result.study.sampling != SAMPLING:
+            return ()
+        every = (sobol_indices(self.result, measure.name) for measure in self.measures)
+        return tuple(indices for indices in every if indices.factors)
+
+    @cached_property
+    def labels(self) -> dict[str, str]:
+        """Names of the inputs with the units of their numbers, by name: "body/floor/mass [kg]", "motion/level [factor]"."""
+        return {column.name: column.label for one in self.result.study.quantities for column in one.columns}
+
+    @cached_property
+    def measures(self) -> tuple[Measure, ...]:
+        """The measures that are displayed: `by` first, then those that are looked at first anyway."""
+        return tuple(measure_of(name) for name in dict.fromkeys([self.by, *headlines(self.result.table)]))
+
+    @cached_property
+    def statistics(self) -> tuple[Statistics, ...]:
+        """Statistics of each measure."""
+        return tuple(self._statistics(measure) for measure in self.measures)
+
+    @property
+    def of_directions(self) -> str:
+        """Text behind a ratio of directions: " of all directions"; "" of variants."""
+        return "" if self.result.is_sampled else f" of {directions_text(self.result.table)}"
+
+    @cached_property
+    def ranked_inputs(self) -> tuple[str, ...]:
+        """The inputs in the order in which they are displayed of a variant, those that matter most first.
+
+        Of a study for Sobol's indices they are those of the factors with the largest total indices, as long as a factor is one
+        number or two. Of others those that certainly matter come first, then what all mounts share, then what each mount has
+        of its own: of those that may be chance nobody knows which one is the strongest.
+        """
+        names = input_names(self.result.table)
+        if self.result.study.sampling == SAMPLING:
+            strong = [names[column] for own in self._factors.values() if len(own) <= _PAIR for column in own]
+            return tuple(strong) or tuple(names)
+        certain = [one.name for one in self.effects if one.certain]
+        others = sorted((one.name for one in self.effects if not one.certain), key=_of_one_mount)
+        return tuple(dict.fromkeys([*certain, *others, *sorted(names, key=_of_one_mount)]))
+
+    @cached_property
+    def left_out(self) -> tuple[str, ...]:
+        """Factors of Sobol's indices that are many numbers, of which none is displayed: "stiffness (16 numbers)"."""
+        if self.result.study.sampling != SAMPLING:
+            return ()
+        return tuple(f"{name} ({len(own)} numbers)" for name, own in self._factors.items() if len(own) > _PAIR)
+
+    def worst(self, count: int) -> list[dict[str, Any]]:
+        """Return the rows of the variants with the largest values of `by`.
+
+        Of a study for Sobol's indices they are independent ones: the others repeat them but for one factor.
+        """
+        table = self.result.independent
+        return [row_of(table, number) for number in worst(table, self.by, count)]
+
+    @cached_property
+    def _factors(self) -> dict[str, list[int]]:
+        """Indices of the columns of each factor, the one with the largest total index first."""
+        columns = factors(self.result.study.quantities)
+        order = [one.name for one in sobol_indices(self.result, self.by).factors]
+        return {name: columns[name] for name in dict.fromkeys([*order, *columns])}
+
+    def _statistics(self, measure: Measure) -> Statistics:
+        table, limit = self.result.independent, measure.limit
+        values = values_of(table, measure.name)
+        beyond = ratio = None
+        if limit is not None:
+            beyond = exceedance_of(table, measure.name, limit)
+            ratio = fraction_of_directions(table, input_names(table), values, limit)
+        return Statistics(
+            measure=measure,
+            quantiles=tuple(quantiles(values, QUANTILES)),
+            smallest=float(np.nanmin(values)),
+            median=float(np.nanmedian(values)),
+            largest=float(np.nanmax(values)),
+            variant=worst(table, measure.name, 1)[0],
+            beyond=beyond,
+            ratio=beyond.ratio if beyond and self.result.is_sampled else ratio,
+        )
+
+
+def _of_one_mount(name: str) -> bool:
+    """Return whether an input is that of a single mount, as each has one of its own."""
+    return name.startswith("mount/") and not set(name) & set("*?,")
+
+
+def summary_of(result: StudyResult, by: str | None = None) -> StudySummary:
+    """Return the summary of a study.
+
+    Args:
+        result: of the study.
+        by: measure that is looked at most; None: travel if anything is rated, else acceleration.
+
+    Raises:
+        ValueError: there is no such measure, or it has no value in any variant.
+    """
+    table = result.table
+    by = checked_measure(table, by or (headlines(table) or HEADLINES)[0])
+    # Listed inputs go hand in hand: what one of them explains alone means nothing.
+    listed = result.study.sampling == "list"
+    return StudySummary(
+        result=result, by=by, effects=() if listed else effects(result.independent, input_names(table), by)
+    )

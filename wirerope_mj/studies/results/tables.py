@@ -1,0 +1,141 @@
+"""Tables of a study's results, the same on the screen, on a page and in a recording."""
+
+from typing import Any
+
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
+from wirerope_mj.studies.definition import StudyDefinition
+from wirerope_mj.studies.results.indices import SobolIndices
+from wirerope_mj.studies.results.measure import measure_of
+from wirerope_mj.studies.results.statistics import CONFIDENCE
+from wirerope_mj.studies.results.study_summary import QUANTILES, Statistics, StudySummary
+from wirerope_mj.studies.results.varied import varied_of
+
+_LONG = 14  # letters of a heading that stands on two lines where lines are short
+
+
+def varied_table(study: StudyDefinition) -> Table:
+    """Return the quantities that vary: kinds and units, what the model says of them, and their distributions."""
+    rows = []
+    for one in varied_of(study):
+        group = one.distribution.group
+        rows.append(
+            (
+                f"{one.name} ({group})" if group else one.name,
+                f"{one.kind} [{one.unit}]" if one.unit else one.kind,
+                one.model,
+                one.distribution_text,
+                "each its own" if one.distribution.each else "one for all",
+            )
+        )
+    heads = ("quantity", "is a", "in the model", "values", "of what the name matches")
+    return Table(
+        title=f"Quantities that vary in {study.name}",
+        columns=[Column(head, align="text") for head in heads],
+        rows=rows,
+        note="A value replaces what the model says, a shift is added to it, a factor multiplies it. SI: as the law states.",
+    )
+
+
+def measures_table(summary: StudySummary) -> Table:
+    """Return the statistics of each measure: percentiles of sampled variants, smallest and median of listed ones."""
+    sampled = summary.result.is_sampled
+    heads = [f"{100.0 * q:.0f} %" for q in QUANTILES] if sampled else ["smallest", "median"]
+    meanings = "; ".join(f"{one.name.replace('_', ' ')}: {one.text}" for one in summary.measures)
+    percentiles = " A percentile is given if at least five variants lie beyond it." if sampled else ""
+    return Table(
+        title="Measures and their percentiles" if sampled else "Measures",
+        columns=[
+            Column("measure", align="left"),
+            *map(Column, heads),
+            *map(Column, ("largest", "in variant", "limit", "beyond it")),
+        ],
+        rows=[_measure_row(one, sampled) for one in summary.statistics],
+        note=f"{meanings[0].upper()}{meanings[1:]}.{percentiles}",
+    )
+
+
+def _measure_row(one: Statistics, sampled: bool) -> list[Cell]:
+    column = one.measure.column
+    values = [*(one.quantiles if sampled else (one.smallest, one.median)), one.largest]
+    row: list[Cell] = [column.title(), *map(column.text, values), str(one.variant)]
+    if one.beyond is None:
+        return [*row, None, None]
+    tone = "exceeded" if one.beyond.count else "within"
+    return [*row, column.text(one.measure.limit), Mark(one.beyond_text, tone)]
+
+
+def indices_tables(summary: StudySummary) -> list[Table]:
+    """Return Sobol's indices of each measure; none of a study that was not sampled for them."""
+    return [_indices_table(indices) for indices in summary.indices]
+
+
+def _indices_table(indices: SobolIndices) -> Table:
+    dropped = f"; {indices.dropped} more were dropped, because variants of them failed" if indices.dropped else ""
+    few = " So few base rows say nothing: take more." if indices.too_few else ""
+    rows = "1 base row" if indices.rows == 1 else f"{indices.rows} base rows"
+    return Table(
+        title=f"Variance explained of: {measure_of(indices.measure).text}",
+        columns=[
+            Column("factor", align="text"),
+            *(Column(head, "%", "z.1f") for head in ("alone", "from", "to", "with others", "from", "to")),
+        ],
+        rows=[(one.name, one.first, *one.first_interval, one.total, *one.total_interval) for one in indices.factors],
+        note=f"Sobol's first-order and total indices with bounds of {100.0 * CONFIDENCE:.0f} % confidence (bootstrap) from "
+        f"{rows}{dropped}. A factor may be several quantities of one group. Below 0 an index is chance.{few}",
+    )
+
+
+def effects_table(summary: StudySummary, most: int) -> Table | None:
+    """Return the effects of the strongest inputs; None of fewer than two."""
+    if len(summary.effects) < 2:
+        return None
+    certain = {True: Mark("certain", "strong"), False: Mark("may be chance", "quiet")}
+    return Table(
+        title=f"Variance explained by each input alone of: {measure_of(summary.by).text}",
+        columns=[
+            Column("input", align="text"),
+            Column("first-order index", "%", ".1f"),
+            Column("which is", align="left"),
+            Column("rank correlation", form="+.2f"),
+        ],
+        rows=[(one.name, max(one.index, 0.0), certain[one.certain], one.rank) for one in summary.effects[:most]],
+        note="Estimated from the variants as they are; what is missing to 100 % is left to inputs together and to what so few "
+        "classes do not resolve. Of several inputs that move together, the strongest is given what they share.",
+    )
+
+
+def worst_table(summary: StudySummary, count: int, *, inputs: int) -> Table:
+    """Return the variants with the largest values of the measure that is looked at most, with their strongest inputs."""
+    names = summary.ranked_inputs[:inputs]
+    return Table(
+        title=f"Worst variants by {summary.by}, with the inputs that matter most",
+        columns=[
+            Column("variant", align="left"),
+            *(measure.column for measure in summary.measures),
+            *(Column(two_lines(summary.labels[name]), form=4) for name in names),
+        ],
+        rows=[
+            (
+                str(row["variant"]),
+                *(row[measure.name] for measure in summary.measures),
+                *(input_cell(row[name]) for name in names),
+            )
+            for row in summary.worst(count)
+        ],
+        note=f"Not shown: {', '.join(summary.left_out)}." if summary.left_out else "",
+    )
+
+
+def input_cell(value: Any) -> Cell:
+    """Return the value of an input; of the mount that fails "none" where none does."""
+    return value if isinstance(value, float) else str(value) or "none"
+
+
+def two_lines(name: str) -> str:
+    """Return a heading on two lines if it is long: "mount/m16/", "axial/k1"."""
+    parts = name.replace(" [", "/[").split("/")
+    if len(name) <= _LONG or len(parts) < 2:
+        return name
+    half = len(parts) // 2
+    first = "/".join(parts[:half]) + ("" if parts[half].startswith("[") else "/")
+    return f"{first}\n{'/'.join(parts[half:]).replace('/[', ' [')}"
