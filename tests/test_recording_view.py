@@ -10,10 +10,10 @@ import pytest
 from made_up_floor import floor_response
 
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
+from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.recording import loops, record_rerun, show
 from wirerope_mj.views.recording.documents import peaks_markdown
 from wirerope_mj.views.recording.events import events_of
-from wirerope_mj.views.recording.frame import ticks
 from wirerope_mj.views.recording.poses import quaternion_of, rotate
 from wirerope_mj.views.recording.selection import select
 from wirerope_mj.views.recording.thin import rows_of_extremes, rows_of_line, rows_of_steps
@@ -102,8 +102,8 @@ def test_nothing_is_judged_where_nothing_is_rated():
 
 
 def test_axis_numbers_are_round_and_about_as_many_as_asked():
-    np.testing.assert_allclose(ticks(-42.6, 17.9, 6), [-40, -30, -20, -10, 0, 10], atol=1e-12)
-    np.testing.assert_allclose(ticks(-5.1, 4.2, 5), [-4, -2, 0, 2, 4], atol=1e-12)
+    np.testing.assert_allclose(linear_ticks(-42.6, 17.9, most=6), [-40, -30, -20, -10, 0, 10], atol=1e-12)
+    np.testing.assert_allclose(linear_ticks(-5.1, 4.2, most=5), [-4, -2, 0, 2, 4], atol=1e-12)
 
 
 def test_quaternion_of_a_rotation_turns_as_the_matrix_does():

@@ -14,6 +14,7 @@ import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN, judge
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs import report as report_module
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.run_spectra import run_spectra
@@ -21,8 +22,8 @@ from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.views.plots.report_response import accelerations_figure
 from wirerope_mj.views.plots.report_scene import crowded_label
 from wirerope_mj.views.report import Absent, judged, report_content, report_html, worst_names
-from wirerope_mj.views.report.content import Picture, Table
-from wirerope_mj.views.report.display import fixed
+from wirerope_mj.views.report.content import Picture
+from wirerope_mj.views.report.display import ABSENT, MINUS, fixed
 from wirerope_mj.views.report.model import model_section
 
 HOSTILE = "<script>alert('deck')</script>"
@@ -110,10 +111,15 @@ def finished_of(folder):
     return seen[0]
 
 
-def table_called(content, caption):
-    """Return the table whose caption begins so, of the answer or of a section."""
+def table_called(content, title):
+    """Return the table whose title begins so, of the answer or of a section."""
     blocks = [*content.answer, *(block for section in content.sections for block in section.blocks)]
-    return next(block for block in blocks if isinstance(block, Table) and block.caption.startswith(caption))
+    return next(block for block in blocks if isinstance(block, Table) and block.title.startswith(title))
+
+
+def rows_of(table):
+    """Return the texts of a table as the page shows them, a tuple for each row."""
+    return [tuple(text for text, _ in row) for row in table.marks(absent=ABSENT, minus=MINUS)]
 
 
 def record_of(place, *, values, rate=4000.0, name="deck.csv"):
@@ -166,9 +172,9 @@ def test_the_words_of_every_verdict_are_those_of_the_criteria(content, finished,
     assert verdicts[: len(found)] == tuple(found)
     rows = tables_of(content)[-1].rows
     assert len(rows) == len(verdicts)
-    told = sorted((row[0], row[2], row[1].text) for row in rows)
+    told = sorted((row[0], row[2], row[1].content) for row in rows)
     assert told == sorted((v.criterion, v.subject, v.verdict) for v in verdicts)
-    tones = {row[1].text: row[1].tone for row in rows}
+    tones = {row[1].content: row[1].tone for row in rows}
     assert tones == {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged", STRUCK: "exceeded"}
 
 
@@ -204,7 +210,7 @@ def test_peaks_and_numerics_are_those_of_the_response(page, table):
 
 
 def test_the_peak_of_the_base_is_that_of_its_closed_form(content):
-    (row,) = table_called(content, "Extremes of the base").rows
+    (row,) = rows_of(table_called(content, "Extremes of the base"))
     assert row[:3] == ("z", "0", "60.0")  # samples 0.5 ms apart would miss it by up to 0.3 %
 
 
@@ -217,8 +223,8 @@ def test_the_peak_of_a_record_that_falls_between_the_samples_is_reported(tmp_pat
     content = report_content(run)
     sampled = np.abs(run.response.base.acceleration[:, 2]).max() / wr.STANDARD_GRAVITY
     assert sampled < 9.0  # 0.3 ms beside the peak of a pulse of 2 ms: cos(0.15 pi) = 0.89 of it
-    assert table_called(content, "Extremes of the base").rows[0][:3] == ("z", "0", "10.0")
-    assert table_called(content, "Largest absolute").rows[0][:3] == ("deck", "base", "10.00")
+    assert rows_of(table_called(content, "Extremes of the base"))[0][:3] == ("z", "0", "10.0")
+    assert rows_of(table_called(content, "Largest absolute"))[0][:3] == ("deck", "base", "10.00")
 
 
 def test_warnings_of_a_record_are_in_the_answer_in_the_motion_and_in_the_summary(tmp_path):
@@ -261,7 +267,7 @@ def test_the_baseline_correction_stands_in_the_motion_with_its_picture(tmp_path)
     assert captions[1] == (
         "The whole record deck.csv along z, as measured and as it is played, baseline: the mean taken off."
     )
-    measured, played = table_called(content, "What the baseline correction changes").rows
+    measured, played = rows_of(table_called(content, "What the baseline correction changes"))
     assert (measured[:2], played[:2]) == (("z", "as measured"), ("z", "as played"))
     # The mean is 0.4 m/s^2 over 399 intervals; the trapezoidal rule leaves half a sample's worth at either end, 5e-5 m/s.
     assert abs(float(measured[3]) - 0.4 * 399 / 4000) < 3e-4
@@ -386,10 +392,11 @@ def test_random_vibration_is_shown_by_its_density(tmp_path):
     assert abs(rms / (math.sqrt(40.0 * level) / wr.STANDARD_GRAVITY) - 1.0) < 0.11
     # Where there is no density along an axis, the samples give the rms: as if the base had moved along x alone.
     run = finished_of(folder)
-    turned = table_called(report_content(replace(run, densities={"x": run.densities["z"]})), "Root mean squares")
-    plain = {(row[0], row[1]): row[2] for row in turned.rows}
-    assert turned.rows[1][4] == "–"
-    assert [row[:2] for row in turned.rows] == [(name, axis) for name in ("base", "mass") for axis in "xz"]
+    content = report_content(replace(run, densities={"x": run.densities["z"]}))
+    turned = rows_of(table_called(content, "Root mean squares"))
+    plain = {(row[0], row[1]): row[2] for row in turned}
+    assert turned[1][4] == "–"
+    assert [row[:2] for row in turned] == [(name, axis) for name in ("base", "mass") for axis in "xz"]
     for name in (
         "base",
         "mass",
@@ -438,8 +445,8 @@ def test_long_names_are_numbered_in_the_drawing(finished):
     response = replace(finished.response, scene=replace(scene, mounts=mounts))
     run = replace(finished, response=response, isolators={long: finished.isolators["m1"]}, modes={})
     section = model_section(run)
-    mount_table = next(block for block in section.blocks if isinstance(block, Table) and block.caption == "Mounts")
-    assert mount_table.head[0] == "no."
+    mount_table = next(block for block in section.blocks if isinstance(block, Table) and block.title == "Mounts")
+    assert mount_table.columns[0].heading == "no."
     assert mount_table.rows[0][:2] == ("1", long)
     assert "numbers" in next(block for block in section.blocks if isinstance(block, Picture)).caption
 

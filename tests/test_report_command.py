@@ -9,13 +9,14 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import ConvergenceError, RecordError, WireRopeError
+from wirerope_mj.foundation.tables import Column, Mark, Table
 from wirerope_mj.runs import page as page_module
 from wirerope_mj.runs import report as report_module
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import load_scenario
 from wirerope_mj.views.report import pdf as pdf_module
 from wirerope_mj.views.report import report_html
-from wirerope_mj.views.report.content import Mark, ReportContent, Section, Table
+from wirerope_mj.views.report.content import ReportContent, Section
 
 
 @pytest.fixture(scope="module")
@@ -124,7 +125,7 @@ def test_long_tables_repeat_their_heading_on_every_page():
     import weasyprint
 
     rows = tuple((f"m{place}", f"{place}") for place in range(200))
-    long = Table(caption="Mounts", head=("mount", "headed"), align="lr", rows=rows)
+    long = Table(title="Mounts", columns=(Column("mount", align="left"), Column("headed")), rows=rows)
     content = ReportContent(
         title="Long", facts=(), question=("?",), verdict=Mark(content="", tone=""), answer=(),
         sections=(Section(title="Table", blocks=(long,)),),

@@ -1,4 +1,4 @@
-"""How a report words verdicts and figures."""
+"""Words and numbers of a report: verdicts, values and tables."""
 
 import math
 from dataclasses import replace
@@ -6,8 +6,9 @@ from dataclasses import replace
 import pytest
 
 from wirerope_mj.assessment.criteria import Verdict
+from wirerope_mj.foundation.tables import Column, Mark, Table
 from wirerope_mj.views.report import judged
-from wirerope_mj.views.report.content import Mark, Paragraph, Table
+from wirerope_mj.views.report.content import Paragraph
 from wirerope_mj.views.report.display import fixed, listed, number, shown, shown_unit, title_of
 
 
@@ -47,11 +48,11 @@ def test_the_worst_of_what_is_not_judged_is_the_largest():
 @pytest.mark.parametrize("value", [0.0, math.nan])
 def test_a_sum_of_shares_of_which_none_is_rated_is_no_figure(value):
     row = verdict(criterion="travel combined", unit="", value=value, limit=None, time=0.0, note="no travel is rated")
-    (told,) = judged.full_table([row]).rows
-    assert (told[3], told[7]) == ("–", "–")
+    (shown_row,) = judged.full_table([row]).marks()
+    assert [shown_row[number][0] for number in (3, 7)] == ["–", "-"]
     assert judged.worst_table([row]).rows[0][3] == "–"
     bound = replace(row, value=0.3, time=0.012)  # of those axes that are rated
-    assert judged.full_table([bound]).rows[0][3:8:4] == ("0.300", "0.0120")
+    assert [text for text, _ in judged.full_table([bound]).marks()[0][3:8:4]] == ["0.300", "0.0120"]
 
 
 def test_nothing_judged_is_never_passed():
@@ -73,6 +74,17 @@ def test_figures_are_shown_in_the_units_of_the_trade():
 
 def test_a_table_has_a_cell_for_every_heading():
     with pytest.raises(ValueError, match="`rows` must have 2 cells each"):
-        Table(caption="", head=("a", "b"), align="lr", rows=(("1",),))
-    with pytest.raises(ValueError, match="`align` must be 2 letters"):
-        Table(caption="", head=("a", "b"), align="l", rows=())
+        Table(title="", columns=(Column("a"), Column("b")), rows=(("1",),))
+    with pytest.raises(ValueError, match="`tone` must be one of"):
+        Mark("1", "loud")
+
+
+def test_a_column_shows_si_values_in_its_unit():
+    rows = [(0.0123456, -1.5), (Mark(-1e-9, "quiet"), None), ("text", math.inf)]
+    table = Table(title="", columns=(Column("a", "mm", "z.1f"), Column("b")), rows=rows)
+    assert table.columns[0].title() == "a [mm]"
+    assert table.marks(absent="–", minus="−") == [
+        [("12.3", ""), ("−1.50", "")],
+        [("0.0", "quiet"), ("–", "")],
+        [("text", ""), ("–", "")],
+    ]

@@ -14,6 +14,7 @@ WIDTH = 120
 """Width of tables where there is no terminal to fit them into [characters]."""
 
 _ROOMY = 100  # characters below which columns move together
+_LONG = 16  # characters of a heading above numbers that stands on several lines
 _STYLES = {"exceeded": "bold red", "near": "yellow", "quiet": "dim", "strong": "bold"}
 
 
@@ -34,14 +35,20 @@ def console() -> Console:
 def print_table(table: Table) -> None:
     """Print a table with its title and note; in a narrow terminal its columns move together."""
     screen = console()
-    whole = Text(plain_lines(table.title), style="bold", no_wrap=True, overflow="ignore")  # may be wider than its table
-    shown = RichTable(box=box.SIMPLE_HEAD, title=whole, title_justify="left", title_style="none", show_edge=False)
+    title = Text(plain_lines(table.title), style="bold", no_wrap=True, overflow="ignore")  # may be wider than its table
+    shown = RichTable(
+        box=box.SIMPLE_HEAD,
+        title=title if table.title else None,
+        title_justify="left",
+        title_style="none",
+        show_edge=False,
+    )
     shown.padding = (0, 1, 0, 0) if screen.width >= _ROOMY else 0
     for column in table.columns:
         shown.add_column(
             _text(column.title("\n")),
             justify="right" if column.align == "right" else "left",
-            no_wrap=column.align != "text",
+            no_wrap=column.align == "left" or (column.align == "right" and len(column.heading) <= _LONG),
             overflow="fold",
         )
     for row in table.marks():

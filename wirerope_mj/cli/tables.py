@@ -1,4 +1,4 @@
-"""Output of a run: peaks against limits, and where the files are."""
+"""Output of a run: peaks against limits, and where the files are; and lists of what ships."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -6,24 +6,26 @@ from pathlib import Path
 
 from rich import box
 from rich.markup import escape
-from rich.table import Table
+from rich.table import Table as RichTable
 
 from wirerope_mj.assessment.criteria import (
     COMBINED,
     EXCEEDED,
     NOT_JUDGED,
+    STRUCK,
     WITHIN,
     MountPeak,
     Verdict,
     body_peaks,
+    contact_verdicts,
     judge,
     mount_peaks,
     verdict_lines,
 )
-from wirerope_mj.cli.contact_table import contact_table
-from wirerope_mj.cli.screen import console
+from wirerope_mj.cli.screen import console, print_table
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.runs.scenario import Scenario
@@ -33,27 +35,23 @@ _NEAR = 0.9  # utilisation from which it is coloured as a warning
 
 
 def print_questions(kind: str, questions: Mapping[str, str]) -> None:
-    """Print what ships with the package: names of scenarios or studies and what each asks."""
-    table = Table(box=None, pad_edge=False)
-    table.add_column(kind, no_wrap=True)
-    table.add_column("question")
-    for name, question in questions.items():
-        table.add_row(escape(name), escape(question))
-    console().print(table)
+    """Print what ships with the package: names of scenarios or studies and the question of each."""
+    columns = Column(kind, align="left"), Column("question", align="text")
+    print_table(Table(title="", columns=columns, rows=list(questions.items())))
 
 
 def print_run(scenario: Scenario, response: Response, folder: Path, *, seconds: float) -> None:
     """Print peaks against limits, how they were computed, and where the files are."""
     out, verdicts = console(), judge(response)
     out.print(f"\n[bold]{escape(scenario.name)}[/]  {escape(scenario.motion.description)}")
-    out.print(_accelerations(scenario, response, verdicts))
+    print_table(_accelerations(scenario, response, verdicts))
     if response.scene.isolating:
         out.print()
-        out.print(_mounts(response, verdicts))
+        print_table(_mounts(response, verdicts))
         out.print()
-    contacts = contact_table(response)
+    contacts = _contacts(response)
     if contacts is not None:
-        out.print(contacts)
+        print_table(contacts)
         out.print()
     out.print(f"  [bold]{escape(read_headline(folder))}[/]", soft_wrap=True)
     for line in verdict_lines(response, verdicts):
@@ -72,52 +70,80 @@ def _folders(folder: Path) -> str:
 
 def _accelerations(scenario: Scenario, response: Response, verdicts: Sequence[Verdict]) -> Table:
     sweep = scenario.motion if isinstance(scenario.motion, Sweep) else None
-    frequency = ("at [Hz]",) if sweep is not None else ()
     judged = [row for row in verdicts if row.criterion.startswith("acceleration") and row.utilisation is not None]
     limited = {row.subject: row for row in sorted(judged, key=lambda row: row.utilisation or 0.0)}
-    limits = ("limit [g]", "used [%]") if limited else ()
-    title = "Peak accelerations" if limited else "Peak accelerations, not judged: the model states no limits"
-    table = _table(title, "", ("peak [g]", "x [g]", "y [g]", "z [g]", "at [s]", *frequency, *limits))
+    columns = [
+        Column(align="left"),
+        *(Column(f"{name}\n[g]") for name in ("peak", "x", "y", "z")),
+        Column("at", "s", ".4f"),
+    ]
+    columns += [] if sweep is None else [Column("at", "Hz", ".2f")]
+    columns += [Column("limit\n[g]"), Column("used", "%", ".0f")] if limited else []
+    rows: list[Row] = []
     for row in body_peaks(response):
         name = row.name if row.kind == "body" else f"{row.name} ({row.kind})"
-        cells = [f"[bold]{row.value:.2f}[/]", *[f"{value:.2f}" for value in row.axes], f"{row.time:.4f}"]
-        cells += [f"{sweep.frequency([row.time])[0]:.2f}"] if sweep is not None else []
-        cells += _against_limit(limited.get(row.name)) if limits else []
-        table.add_row(escape(name), *cells)
-    return table
+        cells: list[Cell] = [
+            name,
+            Mark(f"{row.value:.2f}", "strong"),
+            *(f"{value:.2f}" for value in row.axes),
+            row.time,
+        ]
+        cells += [] if sweep is None else [float(sweep.frequency([row.time])[0])]
+        rows.append([*cells, *(_against_limit(limited.get(row.name)) if limited else [])])
+    title = "Peak accelerations" if limited else "Peak accelerations, not judged: the model states no limits"
+    return Table(title=title, columns=columns, rows=rows)
 
 
-def _against_limit(row: Verdict | None) -> list[str]:
+def _against_limit(row: Verdict | None) -> list[Cell]:
     """Return limit and utilisation of the component that is nearest to its limit."""
     if row is None or row.limit is None:
-        return ["[dim]-[/]", "[dim]-[/]"]
+        return [Mark("-", "quiet")] * 2
     axis = row.criterion.removeprefix("acceleration along ")
     along = "" if axis == row.criterion else f"{axis} "
-    return [f"{along}{row.limit / STANDARD_GRAVITY:.4g}", _percent(row.utilisation)]
+    return [f"{along}{in_unit(row.limit, 'g'):.4g}", _used(row.utilisation)]
 
 
 def _mounts(response: Response, verdicts: Sequence[Verdict]) -> Table:
-    rows = mount_peaks(response)
-    ratings = [name for name in RATINGS if any(row.travel[name].utilisation is not None for row in rows)]
-    units = ("axial [mm]", "shear [mm]", "roll [mm]", "axial [kN]", "shear [kN]", "roll [kN]")
-    used = [f"{name.replace('compression', 'compr.')} [%]" for name in ratings]
-    used += ["comb. [%]"] if ratings else []
+    peaks = mount_peaks(response)
+    ratings = [name for name in RATINGS if any(row.travel[name].utilisation is not None for row in peaks)]
     combined = {row.subject: row for row in verdicts if row.criterion == COMBINED}
-    title = "Peaks of the mounts, and their utilisation of the rated travel [%]"
-    table = _table(title, "mount", [name.replace(" ", "\n") for name in (*units, *used)])
-    table.add_column("verdict", no_wrap=True)
-    for row in rows:
-        deflection = [_range(row, 2), _largest(row, 1), _largest(row, 0)]
-        force = [f"{1e-3 * value:.2f}" for value in reversed(row.force)]
-        used = [_percent(row.travel[name].utilisation) for name in ratings]
-        used += [_percent(combined[row.name].utilisation)] if ratings else []
-        table.add_row(escape(row.name), *deflection, *force, *used, _short(row, combined[row.name]))
-    return table
+    columns = [Column("mount", align="left"), *(Column(axis, "mm", ".1f") for axis in ("axial", "shear", "roll"))]
+    columns += [Column(axis, "kN", ".2f") for axis in ("axial", "shear", "roll")]
+    columns += [Column(name.replace("compression", "compr."), "%", ".0f") for name in ratings]
+    columns += [Column("comb.", "%", ".0f")] * bool(ratings) + [Column("verdict", align="left")]
+    rows: list[Row] = []
+    for row in peaks:
+        both = " ".join(f"{in_unit(extreme[2], 'mm'):+.1f}" for extreme in (row.minimum, row.maximum))
+        sides = [max(row.maximum[axis], -row.minimum[axis]) for axis in (1, 0)]
+        used = [_used(row.travel[name].utilisation) for name in ratings]
+        used += [_used(combined[row.name].utilisation)] if ratings else []
+        rows.append([row.name, both, *sides, *reversed(row.force), *used, _verdict(row, combined[row.name])])
+    return Table(title="Peaks of the mounts, and their utilisation of the rated travel [%]", columns=columns, rows=rows)
 
 
-def _table(title: str, first: str, numbers: Sequence[str]) -> Table:
+def _contacts(response: Response) -> Table | None:
+    """Return first touch, peak force, penetration and verdict of every stop and pair that touched; None if none did."""
+    contacts = response.peaks.contacts or {}
+    rows: list[Row] = []
+    for verdict in contact_verdicts(response):
+        contact = contacts[verdict.subject]
+        if contact.touches:
+            touched = (contact.first_touch, contact.touches, contact.duration, contact.force, contact.force_time)
+            judged = Mark(verdict.verdict, "exceeded" if verdict.verdict == STRUCK else "")
+            rows.append([contact.called(verdict.subject), *touched, contact.penetration, judged])
+    columns = (
+        Column("stop or pair", align="text"), Column("first", "s", ".4f"), Column("touches", form="d"),
+        Column("in all", "ms", ".1f"), Column("peak", "kN", ".2f"), Column("at", "s", ".4f"), Column("depth", "mm", ".2f"),
+        Column("verdict", align="left"),
+    )  # fmt: skip
+    return Table(title="Stops and contacts", columns=columns, rows=rows) if rows else None
+
+
+def _table(title: str, first: str, numbers: Sequence[str]) -> RichTable:
     """Return a table of one column of names and columns of numbers; brackets in headings are no markup."""
-    table = Table(box=box.SIMPLE_HEAD, title=escape(title), title_style="bold", title_justify="left", show_edge=False)
+    table = RichTable(
+        box=box.SIMPLE_HEAD, title=escape(title), title_style="bold", title_justify="left", show_edge=False
+    )
     table.padding = (0, 1, 0, 0) if console().width >= 100 else 0
     table.add_column(escape(first), no_wrap=True)
     for name in numbers:
@@ -125,25 +151,16 @@ def _table(title: str, first: str, numbers: Sequence[str]) -> Table:
     return table
 
 
-def _range(row: MountPeak, axis: int) -> str:
-    return f"{1e3 * row.minimum[axis]:+.1f} {1e3 * row.maximum[axis]:+.1f}"
-
-
-def _largest(row: MountPeak, axis: int) -> str:
-    return f"{1e3 * max(row.maximum[axis], -row.minimum[axis]):.1f}"
-
-
-def _percent(used: float | None) -> str:
-    if used is None:
-        return "[dim]-[/]"
-    style = "bold red" if used > 1.0 else "yellow" if used > _NEAR else "none"
-    return f"[{style}]{100.0 * used:.0f}[/]"
+def _used(utilisation: float | None) -> Mark:
+    near = "near" if utilisation is not None and utilisation > _NEAR else ""
+    tone = "quiet" if utilisation is None else "exceeded" if utilisation > 1.0 else near
+    return Mark(utilisation, tone)
 
 
 def _numerics(response: Response) -> str:
     numerics = response.numerics
     limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
-    text = f"{numerics.steps} steps of at most {1e3 * numerics.timestep:.4g} ms{limit}, {numerics.callback} callback"
+    text = f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}, {numerics.callback} callback"
     if math.isfinite(numerics.error_estimate):
         missed = (
             "" if numerics.error_estimate <= numerics.accuracy else f", above the {numerics.accuracy:.0e} asked for"
@@ -152,7 +169,7 @@ def _numerics(response: Response) -> str:
     return f"{text}, step given: no error estimated"
 
 
-def _short(row: MountPeak, combined: Verdict) -> str:
+def _verdict(row: MountPeak, combined: Verdict) -> str:
     """Return the verdict in a word; the coloured values say in which direction, or that it is all of them together."""
     if row.exceeded or combined.verdict == EXCEEDED:
         return EXCEEDED

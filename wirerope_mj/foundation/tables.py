@@ -30,6 +30,7 @@ class Mark:
 
 
 Cell = Content | Mark
+Row = Sequence[Cell]
 
 
 @dataclass(frozen=True)
@@ -73,7 +74,7 @@ class Table:
 
     title: str
     columns: Sequence[Column]
-    rows: Sequence[Sequence[Cell]]
+    rows: Sequence[Row]
     note: str = ""
 
     def __post_init__(self) -> None:

@@ -33,7 +33,7 @@ _SHOWN = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "m/s^2": ("g", 1.0 / STANDARD_GRA
 _PER_SI = {
     "mm": 1e3, "ms": 1e3, "mrad": 1e3, "kN": 1e-3, "kN/m": 1e-3, "N/mm": 1e-3, "MB": 1e-6, "%": 100.0,
 }  # fmt: skip
-"""How many of a displayed unit one SI unit is; the g is a divisor, so that whole numbers of g stay whole."""
+"""How many of a displayed unit one SI unit is; the g is a divisor, so that integers of it stay integers."""
 
 
 def shown_in(unit: str) -> tuple[str, float]:
@@ -56,7 +56,9 @@ def in_unit(value: Array, unit: str) -> Array: ...
 
 def in_unit(value: float | Array, unit: str) -> float | Array:
     """Return SI values in the unit that is displayed: "mm", "ms", "mrad", "kN", "kN/m", "N/mm", "g", "%"; else as they are."""
-    return value / STANDARD_GRAVITY if unit == "g" else _PER_SI.get(unit, 1.0) * value
+    if unit == "g":
+        return value / STANDARD_GRAVITY
+    return _PER_SI[unit] * value if unit in _PER_SI else value
 
 
 def significant(value: float, digits: int = 3) -> str:

@@ -8,13 +8,12 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from wirerope_mj.dynamics.frequency_response.curve import BranchCurve
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.ticks import log_ticks
 from wirerope_mj.views.plots.plain_figure import PlainFigure
+from wirerope_mj.views.plots.report_image import round_ticks
 
 COLOURS = ("#08519c", "#d95f0e", "#238b45", "#7a0177", "#b30000", "#525252", "#02818a", "#8c6d31")
 _MARKS = {"fold": "o", "period doubling": "s", "Neimark-Sacker": "D", "symmetry breaking": "X"}
@@ -113,10 +112,7 @@ def _dress(panel: Any, drawn: Array, label: str) -> None:
     """Give the axes ranges that hold everything, round numbers, and names."""
     for axis, values, room in ((panel.xaxis, drawn[0], 1.01), (panel.yaxis, drawn[1], 1.12)):
         low, high = values.min() / room, values.max() * room
-        ticks = log_ticks(low, high)
-        axis.set_major_locator(FixedLocator(ticks.tolist()))
-        axis.set_major_formatter(FixedFormatter([f"{tick:.6g}" for tick in ticks]))
-        axis.set_minor_locator(NullLocator())
+        round_ticks(axis, low, high)
         (panel.set_xlim if axis is panel.xaxis else panel.set_ylim)(low, high)
     panel.set_xlabel("frequency of the base [Hz]")
     panel.set_ylabel(label)

@@ -8,7 +8,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria import MountPeak, body_peaks, mount_peaks
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS, SIDES
 from wirerope_mj.views.plots.plain_figure import PlainFigure
@@ -27,16 +27,16 @@ def save_histories(response: Response, path: str | Path, *, title: str = "") -> 
     figure.suptitle("\n".join(wrap(title, 100)), fontsize=12, fontweight="bold")
     bodies = [row.name for row in body_peaks(response) if row.kind == "body"][:_MOST]
     for axis, panel in enumerate(panels[:3]):
-        _line(panel, response.time, response.base.acceleration[:, axis] / STANDARD_GRAVITY, "base", _BASE)
+        _line(panel, response.time, in_unit(response.base.acceleration[:, axis], "g"), "base", _BASE)
         for name, colour in zip(bodies, _LINES, strict=False):
-            _line(panel, response.time, response.bodies[name].acceleration[:, axis] / STANDARD_GRAVITY, name, colour)
+            _line(panel, response.time, in_unit(response.bodies[name].acceleration[:, axis], "g"), name, colour)
         panel.set_ylabel(f"acceleration {'xyz'[axis]} [g]")
     mounts = mount_peaks(response)[:_MOST]
     for row, colour in zip(mounts, _LINES, strict=False):
         mount, axis = response.mounts[row.name], _governing(row)
         label = f"{row.name} {AXES[axis]}"
-        _line(panels[3], response.time, 1e3 * mount.deflection[:, axis], label, colour)
-        _line(panels[4], response.time, 1e-3 * mount.force[:, axis], label, colour)
+        _line(panels[3], response.time, in_unit(mount.deflection[:, axis], "mm"), label, colour)
+        _line(panels[4], response.time, in_unit(mount.force[:, axis], "kN"), label, colour)
     if mounts:
         _rated(response, panels[3], mounts[0])
     panels[3].set_ylabel("deflection [mm]")
@@ -62,7 +62,7 @@ def save_mount_loops(response: Response, path: str | Path, *, title: str = "") -
         middle = int(np.searchsorted(response.time, response.peaks.mounts[row.name].deflection.time))
         part = slice(max(middle - _AROUND, 0), middle + _AROUND)
         where = f", {response.time[part][0]:.5g} to {response.time[part][-1]:.5g} s"
-    deflection, force = 1e3 * mount.deflection[part], 1e-3 * mount.force[part]
+    deflection, force = in_unit(mount.deflection[part], "mm"), in_unit(mount.force[part], "kN")
     axes = [axis for axis in range(len(AXES)) if force[:, axis].any()] or [AXES.index("axial")]
     figure = PlainFigure(figsize=(1.0 + 4.4 * len(axes), 4.6), layout="constrained", dpi=110)
     figure.suptitle(f"{title}\n{row.name}, {row.isolator}{where}", fontsize=12, fontweight="bold")
@@ -96,4 +96,4 @@ def _rated(response: Response, panel: Any, row: MountPeak) -> None:
     for limit, sign in ((below, -1.0), (above, 1.0)):
         if limit in travel:
             label = f"rated {limit}, {row.name}" if (limit, sign) != (below, 1.0) else None
-            panel.axhline(sign * 1e3 * travel[limit], color=_RATED, ls="--", lw=1.0, label=label)
+            panel.axhline(sign * in_unit(travel[limit], "mm"), color=_RATED, ls="--", lw=1.0, label=label)

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of, distinct_axes, largest_amplitude
 from wirerope_mj.mounts.laws import Law, Loop
@@ -85,10 +86,12 @@ def _draw_loops(panel: Any, loops: Sequence[Loop], *, kilo: bool) -> None:
     shades = matplotlib.colormaps["Blues"](np.linspace(0.4, 0.95, len(loops)))
     labelled = set(np.linspace(0, len(loops) - 1, min(len(loops), _MOST_LABELS)).round().astype(int))
     for index, (loop, colour) in enumerate(zip(loops, shades, strict=True)):
-        ratio, size = loop.damping_ratio, f"±{_tidy(1e3 * loop.amplitude)} mm"
-        label = f"{size}, within the gap" if math.isnan(ratio) else f"{size}, ζ = {100.0 * ratio:.1f} %"
-        force = loop.force / 1e3 if kilo else loop.force
-        panel.plot(1e3 * loop.deflection, force, color=colour, lw=1.6, label=label if index in labelled else None)
+        ratio, size = loop.damping_ratio, f"±{_tidy(in_unit(loop.amplitude, 'mm'))} mm"
+        label = f"{size}, within the gap" if math.isnan(ratio) else f"{size}, ζ = {in_unit(ratio, '%'):.1f} %"
+        force = in_unit(loop.force, "kN") if kilo else loop.force
+        panel.plot(
+            in_unit(loop.deflection, "mm"), force, color=colour, lw=1.6, label=label if index in labelled else None
+        )
 
 
 def _dress(panel: Any, axis: str, title: str, *, unit: str = "kN") -> None:
@@ -117,10 +120,12 @@ def _draw_virgin(panel: Any, law: Law, largest: float, rated: tuple[float | None
     """Draw the first loading to both sides and mark the rated travel on it."""
     for sign, limit in zip((-1.0, 1.0), rated, strict=True):
         path = law.trace(sign * np.linspace(0.0, largest, 200))
-        panel.plot(1e3 * path.deflection, path.force / 1e3, "--", color="0.25", lw=1.0)
+        panel.plot(in_unit(path.deflection, "mm"), in_unit(path.force, "kN"), "--", color="0.25", lw=1.0)
         if limit is not None:
             end = law.trace([0.0, sign * limit])
-            panel.plot(1e3 * end.deflection[-1], end.force[-1] / 1e3, "o", color=_RATED, ms=6, zorder=5)
+            panel.plot(
+                in_unit(end.deflection[-1], "mm"), in_unit(end.force[-1], "kN"), "o", color=_RATED, ms=6, zorder=5
+            )
     panel.plot([], [], "--", color="0.25", lw=1.0, label="first loading")
     if any(limit is not None for limit in rated):
         panel.plot([], [], "o", color=_RATED, ms=6, label="rated travel")
@@ -131,8 +136,10 @@ def _draw_load(panel: Any, law: Law, load: float, travel: float) -> None:
     path = law.trace(-np.linspace(0.0, travel, 2001))
     if -path.force[-1] >= load:
         depth = float(np.interp(load, -path.force, -path.deflection))
-        label = f"rated load {load / 1e3:.3g} kN"
-        panel.plot(-1e3 * depth, -load / 1e3, "s", color=_RATED, mfc="white", ms=7, zorder=6, label=label)
+        label = f"rated load {in_unit(load, 'kN'):.3g} kN"
+        panel.plot(
+            -in_unit(depth, "mm"), -in_unit(load, "kN"), "s", color=_RATED, mfc="white", ms=7, zorder=6, label=label
+        )
 
 
 def _tidy(value: float) -> str:

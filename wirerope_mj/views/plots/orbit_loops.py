@@ -9,6 +9,7 @@ import numpy as np
 
 from wirerope_mj.dynamics.frequency_response.samples import along_resonance, busiest_loops
 from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 
@@ -38,9 +39,9 @@ def _draw(panel: Any, branch: Branch, mount: str, axis: int) -> None:
     weak = max(float(np.abs(series).max()) for series in force) < _WEAK
     top = points.index(branch.peak)
     for number, (orbit, series) in enumerate(zip(orbits, force, strict=True)):
-        deflection = 1e3 * orbit.response.mounts[mount].deflection[:, axis]
+        deflection = in_unit(orbit.response.mounts[mount].deflection[:, axis], "mm")
         panel.plot(
-            deflection, series if weak else 1e-3 * series, color=_colour(number, top, len(points)),
+            deflection, series if weak else in_unit(series, "kN"), color=_colour(number, top, len(points)),
             lw=1.8 if number == top else 1.2, ls="-" if orbit.stable else (0, (3.0, 2.0)), label=_label(orbit, number == top),
         )  # fmt: skip
     panel.set_title(f"{abs(float(branch.acceleration[0])):.4g} m/s²", fontsize=11)

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import COLOURS, WIDTH, dress, legend_above, line, report_style
@@ -42,9 +42,9 @@ def motion_figure(response: Response, motion: BaseMotion) -> Figure:
         for axis in axes:
             # Alike in all axes, the lines lie on each other: each is narrower than the one before.
             label, colour, width = "xyz"[axis], COLOURS[axis], 1.0 + 0.9 * (len(axes) - 1 - axes.index(axis))
-            line(panels[0], time, acceleration[:, axis] / STANDARD_GRAVITY, label, colour, lw=width)
+            line(panels[0], time, in_unit(acceleration[:, axis], "g"), label, colour, lw=width)
             line(panels[1], response.time, response.base.velocity[:, axis], label, colour, lw=width)
-            line(panels[2], response.time, 1e3 * response.base.displacement[:, axis], label, colour, lw=width)
+            line(panels[2], response.time, in_unit(response.base.displacement[:, axis], "mm"), label, colour, lw=width)
         for panel, name in zip(panels, ("acceleration\n[g]", "velocity\n[m/s]", "displacement\n[mm]"), strict=True):
             dress(panel, ylabel=name)
         panels[-1].set_xlabel("time [s]")

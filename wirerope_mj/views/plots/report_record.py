@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Record
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import COLOURS, WIDTH, dress, legend_above, line, report_style
@@ -25,9 +25,9 @@ def record_figure(measured: Record, played: Record) -> Figure:
         for record, colour, label in ((measured, _MEASURED, "as measured"), (played, _PLAYED, "as played")):
             velocity, displacement = record.velocity(record.time), record.displacement(record.time)
             for column, axis in zip(panels.T, axes, strict=True):
-                line(column[0], record.time, record.samples[:, axis] / STANDARD_GRAVITY, label, colour)
+                line(column[0], record.time, in_unit(record.samples[:, axis], "g"), label, colour)
                 line(column[1], record.time, velocity[:, axis], label, colour)
-                line(column[2], record.time, 1e3 * displacement[:, axis], label, colour)
+                line(column[2], record.time, in_unit(displacement[:, axis], "mm"), label, colour)
         for row, name in zip(panels, ("acceleration\n[g]", "velocity\n[m/s]", "displacement\n[mm]"), strict=True):
             for panel in row:
                 dress(panel, ylabel=name if panel is row[0] else "")

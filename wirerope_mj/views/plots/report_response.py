@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.views.plots.plain_figure import PlainFigure
@@ -55,9 +55,9 @@ def accelerations_figure(response: Response, names: Sequence[str], base: tuple[A
     """
     lines: list[list[Line]] = []
     for axis in range(3):
-        drawn = [Line("base", BASE, *thinned(base[0], base[1][:, axis] / STANDARD_GRAVITY))]
+        drawn = [Line("base", BASE, *thinned(base[0], in_unit(base[1][:, axis], "g")))]
         for name, colour in zip(names[:MOST], COLOURS, strict=False):
-            values = acceleration_along(response, name, axis) / STANDARD_GRAVITY
+            values = in_unit(acceleration_along(response, name, axis), "g")
             drawn.append(Line(short(name), colour, *thinned(response.time, values)))
         lines.append(drawn)
     return _histories(lines, [f"acceleration\nalong {axis} [g]" for axis in "xyz"])
@@ -71,7 +71,7 @@ def deflections_figure(response: Response, names: Sequence[str]) -> Figure:
             Line(
                 short(name),
                 colour,
-                *thinned(response.time, 1e3 * response.column(f"mounts/{name}/deflection/{axis}")),
+                *thinned(response.time, in_unit(response.column(f"mounts/{name}/deflection/{axis}"), "mm")),
             )
             for name, colour in zip(names[:MOST], COLOURS, strict=False)
         ]
@@ -118,7 +118,7 @@ def sweep_figure(response: Response, names: Sequence[str], frequency: Any, direc
             size = np.zeros(response.time.size)
             for axis in directions:
                 size += acceleration_along(response, name, axis) ** 2
-            panel.plot(*crest(frequency, np.sqrt(size) / STANDARD_GRAVITY), color=colour, label=short(name))
+            panel.plot(*crest(frequency, in_unit(np.sqrt(size), "g")), color=colour, label=short(name))
         panel.set_xscale("log")
         panel.set_xlabel("frequency of the base [Hz]")
         round_ticks(panel.xaxis, *panel.get_xlim())
@@ -167,5 +167,7 @@ def _histories(lines: list[list[Line]], names: list[str], marks: list[list[float
 def _ratings(travel: dict[str, float], axis: str) -> list[float]:
     """Return the rated travels of an axis below and above zero [mm], as far as there are any."""
     return [
-        sign * 1e3 * travel[rating] for rating, sign in zip(SIDES[axis], (-1.0, 1.0), strict=True) if rating in travel
+        sign * in_unit(travel[rating], "mm")
+        for rating, sign in zip(SIDES[axis], (-1.0, 1.0), strict=True)
+        if rating in travel
     ]

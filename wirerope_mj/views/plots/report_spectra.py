@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import (
@@ -36,7 +36,7 @@ def base_spectrum_figure(spectra: Mapping[str, ShockResponseSpectrum]) -> Figure
         left, right = figure.subplots(1, 2)
         for number, (axis, spectrum) in enumerate(spectra.items()):
             style = {"color": COLOURS["xyz".index(axis)], "label": axis, "lw": 1.0 + 0.9 * (len(spectra) - 1 - number)}
-            left.plot(spectrum.frequencies, spectrum.maximax / STANDARD_GRAVITY, **style)
+            left.plot(spectrum.frequencies, in_unit(spectrum.maximax, "g"), **style)
             right.plot(spectrum.frequencies, spectrum.pseudo_velocity, **style)
         _dress(left, "acceleration, maximax [g]")
         _dress(right, "pseudo-velocity [m/s]")
@@ -51,7 +51,7 @@ def payload_spectra_figure(spectra: Mapping[str, Mapping[str, ShockResponseSpect
         spectra: by axis and name; the one called "base" is grey.
     """
     lines = {
-        axis: {name: (found.frequencies, found.maximax / STANDARD_GRAVITY) for name, found in along.items()}
+        axis: {name: (found.frequencies, in_unit(found.maximax, "g")) for name, found in along.items()}
         for axis, along in spectra.items()
     }
     return _panels(lines, "acceleration, maximax [g]")

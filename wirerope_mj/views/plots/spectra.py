@@ -8,13 +8,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.ticks import log_ticks
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.views.plots.plain_figure import PlainFigure
+from wirerope_mj.views.plots.report_image import round_ticks
 
 COLOURS = ("#08519c", "#d95f0e", "#31a354", "#7a0177", "#02818a", "#8c6d31")
 """Of the payloads, in their order; the base is grey."""
@@ -68,10 +67,10 @@ def shock_spectra_figure(
     panel = figure.add_subplot()
     _title(figure, title)
     for name, spectrum, style in _styled(spectra):
-        panel.plot(spectrum.frequencies, _one(spectrum.maximax, name) / STANDARD_GRAVITY, label=name, zorder=3, **style)
+        panel.plot(spectrum.frequencies, in_unit(_one(spectrum.maximax, name), "g"), label=name, zorder=3, **style)
     if test is not None:
         f, a = (np.asarray(part, dtype=np.float64) for part in test)
-        panel.plot(f, a / STANDARD_GRAVITY, color=TEST, ls="--", lw=1.3, label="test spectrum", zorder=3)
+        panel.plot(f, in_unit(a, "g"), color=TEST, ls="--", lw=1.3, label="test spectrum", zorder=3)
     q = {spectrum.q for spectrum in spectra.values()}
     words = f", Q = {q.pop():g}" if len(q) == 1 else ""
     _dress(panel, f"absolute acceleration, maximax{words} [g]")
@@ -91,7 +90,7 @@ def density_figure(densities: Mapping[str, PowerSpectralDensity], *, title: str 
     _title(figure, title)
     for name, density, style in _styled(densities):
         f, values = density.frequency[1:], _one(density.density, name)[1:] / STANDARD_GRAVITY**2
-        label = f"{name}: {float(density.rms) / STANDARD_GRAVITY:.3g} g rms"
+        label = f"{name}: {in_unit(float(density.rms), 'g'):.3g} g rms"
         panel.plot(f, values, label=label, zorder=3, **style)
         error = density.standard_error
         panel.fill_between(
@@ -161,11 +160,8 @@ def _dress(panel: Any, label: str, *, decades: float = _DECADES) -> None:
     panel.set_ylim(low, high)
     panel.set_xscale("log")  # after the limits: lines that are zero have none on such an axis
     panel.set_yscale("log")
-    for axis, ends in ((panel.xaxis, (first, last)), (panel.yaxis, (low, high))):
-        ticks = log_ticks(*ends)
-        axis.set_major_locator(FixedLocator(ticks.tolist()))
-        axis.set_major_formatter(FixedFormatter([f"{tick:.6g}" for tick in ticks]))
-        axis.set_minor_locator(NullLocator())
+    round_ticks(panel.xaxis, first, last)
+    round_ticks(panel.yaxis, low, high)
     panel.set_xlabel("frequency [Hz]")
     panel.set_ylabel(label)
     panel.grid(color="0.9")
@@ -184,11 +180,11 @@ def _diagonals(panel: Any) -> None:
         if turn * f * d < v1 / 1.5 and f < math.sqrt(f0 * f1):
             _label(panel, f, turn * f * d, f"{d / 1e-3:.4g} mm", 45.0, "left", "#41648c")
     for a in _round_numbers(turn * f0 * v0, turn * f1 * v1, scale=STANDARD_GRAVITY):
-        panel.plot(ends, a / (turn * ends), color="#c9a58a", lw=_weight(a / STANDARD_GRAVITY), zorder=1)
+        panel.plot(ends, a / (turn * ends), color="#c9a58a", lw=_weight(in_unit(a, "g")), zorder=1)
         # where it leaves, on the right or below
         f = min(f1, a / (turn * v0)) / 1.06
         if a / (turn * f) < v1 / 1.5 and f > math.sqrt(f0 * f1):
-            _label(panel, f, a / (turn * f), f"{a / STANDARD_GRAVITY:.4g} g", -45.0, "right", "#8a5a33")
+            _label(panel, f, a / (turn * f), f"{in_unit(a, 'g'):.4g} g", -45.0, "right", "#8a5a33")
 
 
 def _label(panel: Any, x: float, y: float, text: str, angle: float, end: str, colour: str) -> None:

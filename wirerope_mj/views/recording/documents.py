@@ -1,5 +1,6 @@
 """Texts beside the pictures: the scenario as it was given, and the peaks as tables."""
 
+import math
 import re
 import tomllib
 from collections.abc import Sequence
@@ -8,8 +9,11 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import markdown, plain_lines
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.tables import Column, Mark, Row, Table
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.paths import AXES, entity
 from wirerope_mj.views.recording.selection import Selection
 
@@ -47,7 +51,7 @@ def scenario_markdown(response: Response, title: str, text: str) -> str:
     body = _fenced(text) if _is_toml(text) else text.strip()
     numerics = response.numerics
     limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
-    how = f"{numerics.steps} steps of at most {1e3 * numerics.timestep:.4g} ms{limit}, {numerics.callback} callback"
+    how = f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}, {numerics.callback} callback"
     if np.isfinite(numerics.error_estimate):
         how += f", estimated error {numerics.error_estimate:.1e} of the peaks"
     return "\n\n".join(part for part in (f"### {markdown(title or response.scene.name)}", body, f"*{how}*") if part)
@@ -56,51 +60,46 @@ def scenario_markdown(response: Response, title: str, text: str) -> str:
 def peaks_markdown(response: Response, selection: Selection, verdicts: Sequence[str] | None) -> str:
     """Return verdicts, peak accelerations, and peaks of the mounts against their rated travel."""
     parts = ["### Verdicts\n" + "\n".join(f"- {markdown(line)}" for line in verdicts)] if verdicts else []
-    parts.append(_acceleration_table(response))
+    parts.append(markdown_table(_acceleration_table(response)))
     if selection.mounts:
-        parts.append(_mount_table(response, selection))
+        parts.append(markdown_table(_mount_table(response, selection)))
     return "\n\n".join(parts)
 
 
-def _acceleration_table(response: Response) -> str:
-    rows = ["| | peak [g] | at [ms] | x [g] | y [g] | z [g] |", "|:--|--:|--:|--:|--:|--:|"]
+def _acceleration_table(response: Response) -> Table:
     accelerations = [(name, peaks.acceleration) for name, peaks in response.peaks.bodies.items()]
     accelerations += [(f"point {name}", peaks.acceleration) for name, peaks in response.peaks.points.items()]
     accelerations.sort(key=lambda item: item[1].value, reverse=True)
-    base = response.scene.base
-    parts = []
+    base, rows = response.scene.base, []
     for name, peak in sorted(accelerations, key=lambda item: item[0] != base):
-        extremes = np.maximum(peak.maximum, -peak.minimum) / STANDARD_GRAVITY
-        title = f"{name} (base)" if name == base else name
-        parts.append((title, peak.value / STANDARD_GRAVITY, peak.time, extremes))
+        extremes = np.maximum(peak.maximum, -peak.minimum)
+        rows.append(_acceleration_row(f"{name} (base)" if name == base else name, peak.value, peak.time, extremes))
     if base not in response.peaks.bodies:
-        acceleration = response.base.acceleration / STANDARD_GRAVITY
+        acceleration = response.base.acceleration
         norms = np.linalg.norm(acceleration, axis=1)
         at = int(norms.argmax())
-        parts.insert(
-            0, ("base (samples)", float(norms[at]), float(response.time[at]), np.abs(acceleration).max(axis=0))
-        )
-    for name, value, time, xyz in parts:
-        components = " | ".join(f"{component:.2f}" for component in xyz)
-        rows.append(f"| {markdown(name)} | **{value:.2f}** | {1e3 * time:.1f} | {components} |")
-    return "### Peak accelerations\n" + "\n".join(rows)
+        extremes = np.abs(acceleration).max(axis=0)
+        rows.insert(0, _acceleration_row("base (samples)", float(norms[at]), float(response.time[at]), extremes))
+    columns = [Column(align="left"), Column("peak [g]"), Column("at", "ms", ".1f")]
+    columns += [Column(axis, "g", ".2f") for axis in "xyz"]
+    return Table(title="Peak accelerations", columns=columns, rows=rows)
 
 
-def _mount_table(response: Response, selection: Selection) -> str:
-    rows = [
-        "| mount | axial [mm] | shear [mm] | roll [mm] | axial [kN] | shear [kN] | roll [kN] | rated travel used |",
-        "|:--|--:|--:|--:|--:|--:|--:|--:|",
-    ]
-    worst = {name: max(_known(selection, name), default=float("nan")) for name in selection.mounts}
+def _acceleration_row(name: str, size: float, time: float, extremes: Array) -> Row:
+    return name, Mark(f"{in_unit(size, 'g'):.2f}", "strong"), time, *map(float, extremes)
+
+
+def _mount_table(response: Response, selection: Selection) -> Table:
+    worst = {name: max(_known(selection, name), default=math.nan) for name in selection.mounts}
+    rows: list[Row] = []
     for name in sorted(worst, key=lambda name: (-np.nan_to_num(worst[name]), name)):
-        peaks = response.peaks.mounts[name]
-        cells = [f"{_extreme(peaks.deflection, axis) * 1e3:.1f}" for axis in reversed(range(len(AXES)))]
-        cells += [f"{_extreme(peaks.force, axis) * 1e-3:.2f}" for axis in reversed(range(len(AXES)))]
-        share = worst[name]
-        used = "not rated" if np.isnan(share) else f"{100 * share:.0f} %"
-        used = f"**{used}, exceeded**" if share >= 1.0 else used
-        rows.append(f"| {markdown(name)} | {' | '.join(cells)} | {used} |")
-    return "### Mounts\n" + "\n".join(rows)
+        peaks, ratio = response.peaks.mounts[name], worst[name]
+        extremes = [_extreme(peak, axis) for peak in (peaks.deflection, peaks.force) for axis in (2, 1, 0)]
+        used = "not rated" if math.isnan(ratio) else f"{in_unit(ratio, '%'):.0f} %"
+        rows.append((name, *extremes, Mark(f"{used}, exceeded", "exceeded") if ratio >= 1.0 else used))
+    columns = [Column("mount", align="left"), *(Column(axis, "mm", ".1f") for axis in reversed(AXES))]
+    columns += [*(Column(axis, "kN", ".2f") for axis in reversed(AXES)), Column("rated travel used")]
+    return Table(title="Mounts", columns=columns, rows=rows)
 
 
 def _known(selection: Selection, name: str) -> list[float]:

@@ -9,7 +9,7 @@ from wirerope_mj.assessment.criteria import closing_text
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.paths import AXES, AXIAL, at, entity
 from wirerope_mj.views.recording.selection import Selection, travel_limits
 from wirerope_mj.views.recording.stops import CLOSED, changes, closed_at
@@ -65,7 +65,7 @@ def events_of(response: Response, selection: Selection) -> list[Event]:
     found = [Event(time=time, level="INFO", text=text) for time, text in dict.fromkeys(response.events)]
     for name in selection.bodies:
         peak = response.peaks.bodies[name].acceleration
-        text = f"{name}: peak acceleration {peak.value / STANDARD_GRAVITY:.2f} g"
+        text = f"{name}: peak acceleration {in_unit(peak.value, 'g'):.2f} g"
         found.append(Event(time=_short(peak.time), level="INFO", text=text))
     for mount in response.scene.mounts:
         found += [event for axis in AXES for event in _travel_events(response, mount, axis)]
@@ -79,7 +79,7 @@ def _contact_events(response: Response) -> list[Event]:
     found = []
     for name in response.peaks.struck:
         contact = contacts[name]
-        text = f"{name}: struck, at most {1e-3 * contact.force:.3g} kN"
+        text = f"{name}: struck, at most {in_unit(contact.force, 'kN'):.3g} kN"
         text = closing_text(name, contact) if contact.mount else text
         found.append(Event(time=_short(contact.first_touch or 0.0), level="WARN", text=text))
     return found
@@ -99,12 +99,12 @@ def _travel_events(response: Response, mount: SceneMount, axis: str) -> list[Eve
             continue
         level = min(share, 1.0) if share >= 1.0 else NEAR
         beyond = np.flatnonzero(deflection / limit >= level)
-        how = (("compression", "tension")[side] if number == AXIAL else axis) + f" {1e3 * abs(value):.1f} mm"
+        how = (("compression", "tension")[side] if number == AXIAL else axis) + f" {in_unit(abs(value), 'mm'):.1f} mm"
         found.append(
             Event(
                 time=_short(float(response.time[beyond[0]]) if beyond.size else instant),
                 level="ERROR" if share >= 1.0 else "WARN",
-                text=f"{mount.name}: {how} is {100 * share:.0f} % of the rated {1e3 * abs(limit):.1f} mm",
+                text=f"{mount.name}: {how} is {in_unit(share, '%'):.0f} % of the rated {in_unit(abs(limit), 'mm'):.1f} mm",
             )
         )
     return found

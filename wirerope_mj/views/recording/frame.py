@@ -49,14 +49,6 @@ class Plot:
         return rr.Transform3D(translation=[*self.place(0.0, 0.0)[0], 0.0], scale=[sx, sy, 1.0])
 
 
-def ticks(low: float, high: float, most: int) -> Array:
-    """Return round numbers inside a range, about `most` of them."""
-    rough = np.log10((high - low) / most)
-    steps = np.floor(rough) + np.log10([1.0, 2.0, 5.0, 10.0])
-    step = float(10.0 ** steps[np.abs(steps - rough).argmin()])
-    return np.arange(np.ceil(low / step), np.floor(high / step) + 1) * step
-
-
 def log_frame(
     rec: Any,
     path: str,

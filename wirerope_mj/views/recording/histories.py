@@ -7,7 +7,7 @@ import numpy as np
 
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.views.recording.paths import AXES, at, child, entity
 from wirerope_mj.views.recording.selection import Selection, travel_limits
 from wirerope_mj.views.recording.thin import rows_of_line
@@ -77,7 +77,7 @@ def _log_accelerations(rec: Any, response: Response, selection: Selection) -> No
     parts = {"base": response.base.acceleration}
     parts |= {name: response.bodies[name].acceleration for name in selection.bodies}
     parts |= {f"point {name}": response.points[name].acceleration for name in selection.points}
-    values = np.stack([part / STANDARD_GRAVITY for part in parts.values()], axis=1)  # (n_t, n_parts, 3)
+    values = np.stack([in_unit(part, "g") for part in parts.values()], axis=1)  # (n_t, n_parts, 3)
     colors = [_BASE, *(_LINES[n % len(_LINES)] for n in range(len(parts) - 1))]
     top = max(float(np.abs(values).max()), 1e-9)
     for number, direction in enumerate((*DIRECTIONS, TOTAL)):
@@ -108,7 +108,7 @@ def extreme_marker(name: str, peak: Peak, axis: int, unit: float, unit_name: str
 
 def peak_marker(name: str, time: float, value: float, unit: str) -> Marker:
     """Return the marker of a peak of something called `name`."""
-    instant = f"{1e3 * time:.0f} ms" if time < LATE else f"{time:.2f} s"
+    instant = f"{in_unit(time, 'ms'):.0f} ms" if time < LATE else f"{time:.2f} s"
     return Marker(time=time, value=value, text=f"{name} peak {value:.2f} {unit} @ {instant}")
 
 
@@ -143,9 +143,9 @@ def log_limit(rec: Any, path: str, name: str, limit: float, *, ends: Array) -> N
     """Log a rated travel [m] as a line between two instants [s]."""
     import rerun as rr
 
-    look = rr.SeriesLines(names=f"{name} {1e3 * limit:.1f} mm", colors=_LIMIT, widths=1.0)
+    look = rr.SeriesLines(names=f"{name} {in_unit(limit, 'mm'):.1f} mm", colors=_LIMIT, widths=1.0)
     rec.log(path, look, static=True)
-    rec.send_columns(path, at(ends), rr.Scalars.columns(scalars=np.full(2, 1e3 * limit)))
+    rec.send_columns(path, at(ends), rr.Scalars.columns(scalars=np.full(2, in_unit(limit, "mm"))))
 
 
 def log_lines(

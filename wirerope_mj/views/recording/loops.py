@@ -9,7 +9,9 @@ import numpy as np
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.recording.frame import HEIGHT, Color, Plot, log_frame, ticks
+from wirerope_mj.foundation.ticks import linear_ticks
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.recording.frame import HEIGHT, Color, Plot, log_frame
 from wirerope_mj.views.recording.paths import AXES, Rows, at, child, entity
 from wirerope_mj.views.recording.selection import Selection, travel_limits
 from wirerope_mj.views.recording.thin import MOST_ROWS, rows_of_extremes, rows_of_line, rows_of_steps
@@ -83,7 +85,9 @@ def loops_of(response: Response, selection: Selection) -> list[Loop]:
         shown = selection.shown(axis)
         for name in selection.ranked[axis]:
             mount = response.mounts[name]
-            values = np.column_stack([mount.deflection[:, number] * 1e3, mount.force[:, number] * 1e-3])
+            values = np.column_stack(
+                [in_unit(mount.deflection[:, number], "mm"), in_unit(mount.force[:, number], "kN")]
+            )
             line = rows_of_line(response.time, values, _tolerance(values, _FINE), limit=response.time.size)
             outline = line[rows_of_extremes(values[line], MOST_TRAIL_ROWS)]
             if name not in shown:
@@ -145,8 +149,8 @@ def _plot(loop: Array, mount: SceneMount, axis: str, width: float) -> Plot:
     for limit in travel_limits(mount, axis):
         if np.isfinite(limit):
             near = low[0] if limit < 0.0 else high[0]
-            if near / (limit * 1e3) > 0.5:
-                low[0], high[0] = min(low[0], limit * 1e3), max(high[0], limit * 1e3)
+            if near / in_unit(limit, "mm") > 0.5:
+                low[0], high[0] = min(low[0], in_unit(limit, "mm")), max(high[0], in_unit(limit, "mm"))
     low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
     room = 0.06 * np.maximum(high - low, 1e-6)
     low, high = low - room, high + room
@@ -158,10 +162,10 @@ def log_loop_frame(
 ) -> None:
     """Log the frame of a loop, the rated travel of the mounts that it is of in red; `lift` is that of `log_frame`."""
     low, high = plot.across
-    limits = dict.fromkeys(1e3 * limit for mount in mounts for limit in travel_limits(mount, axis))
+    limits = dict.fromkeys(in_unit(limit, "mm") for mount in mounts for limit in travel_limits(mount, axis))
     marked = [(limit, _RATED) for limit in limits if np.isfinite(limit) and low < limit < high]
-    across = ticks(low, high, max(2, round(plot.width / 26)))
-    log_frame(rec, path, plot, across=across, upward=ticks(*plot.upward, 5), marked=marked, lift=lift)
+    across = linear_ticks(low, high, most=max(2, round(plot.width / 26)))
+    log_frame(rec, path, plot, across=across, upward=linear_ticks(*plot.upward, most=5), marked=marked, lift=lift)
 
 
 def outlines(loops: Sequence[Loop], colors: Sequence[Color], labels: Sequence[str]) -> Any:

@@ -13,6 +13,7 @@ import numpy as np
 from wirerope_mj.dynamics.modes.animation import ModeAnimation
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.foundation.plain_text import markdown
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.camera import Camera, whole_scene
 from wirerope_mj.views.recording.paths import TIMELINE, entity, nanoseconds
 from wirerope_mj.views.recording.poses import Frame, frames_of
@@ -92,7 +93,7 @@ def mode_text(modes: Modes, mode: int) -> str:
         f"{_hertz(modes.loading[mode])} with the tangents on further loading, {_hertz(modes.unloading[mode])} on unloading; "
         f"damping ratio {modes.damping_ratio[mode]:.3f}"
     )
-    parts.append("Share of the mass along x, y, z: " + ", ".join(f"{100 * part:.1f} %" for part in share))
+    parts.append("Share of the mass along x, y, z: " + ", ".join(f"{in_unit(part, '%'):.1f} %" for part in share))
     rows = ["| mount | roll | shear | axial |", "|:--|--:|--:|--:|"]
     for name, shape in modes.mounts.items():
         rows.append(f"| {markdown(name)} | " + " | ".join(f"{value:+.3f}" for value in shape[mode]) + " |")
@@ -103,7 +104,7 @@ def mode_text(modes: Modes, mode: int) -> str:
 def modes_table(modes: Modes, larger: Sequence[Modes] = ()) -> str:
     """Return Markdown with a row for every mode, and a column for every amplitude."""
     results = [modes, *larger]
-    sizes = ["small cycles" if r.amplitude is None else f"{1e3 * r.amplitude:.4g} mm" for r in results]
+    sizes = ["small cycles" if r.amplitude is None else f"{in_unit(r.amplitude, 'mm'):.4g} mm" for r in results]
     rows = [
         f"### About the {modes.history} position",
         "",
@@ -135,7 +136,7 @@ def _blueprint(film: ModeAnimation, frames: dict[str, Frame], title: str) -> Any
     camera = whole_scene(response)
     camera = Camera(eye=camera.target + _AWAY * (camera.eye - camera.target), target=camera.target)
     origin = frames[base].path if base in response.bodies else entity("world")
-    name = f"{title}: modes, drawn with mounts that swing by {1e3 * film.amplitude:.3g} mm"
+    name = f"{title}: modes, drawn with mounts that swing by {in_unit(film.amplitude, 'mm'):.3g} mm"
     scene = scene_view(origin, ["+ " + entity("world") + "/**"], name, camera)
     words = rrb.Vertical(
         rrb.TextDocumentView(origin=entity(MODE), name="Mode in view"),

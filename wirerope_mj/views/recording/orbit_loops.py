@@ -6,9 +6,11 @@ import numpy as np
 
 from wirerope_mj.dynamics.frequency_response.samples import busiest_loops
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.ticks import linear_ticks
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.along import AlongBranch, at_points
 from wirerope_mj.views.recording.film import Film, Strip
-from wirerope_mj.views.recording.frame import LARGE, Plot, log_frame, ticks
+from wirerope_mj.views.recording.frame import LARGE, Plot, log_frame
 from wirerope_mj.views.recording.paths import AXES, at, child, entity
 from wirerope_mj.views.recording.response_curve import level_color
 
@@ -50,7 +52,14 @@ def log_orbit_loops(rec: Any, film: Film, strips: list[Strip], *, width: float, 
         loops = [_loops(strip, mount, axis) for strip in strips]
         plot = _plot([loop for part in loops for loop in part], width)
         path = loop_path(mount, axis)
-        log_frame(rec, path, plot, across=ticks(*plot.across, most), upward=ticks(*plot.upward, most), lift=lift)
+        log_frame(
+            rec,
+            path,
+            plot,
+            across=linear_ticks(*plot.across, most=most),
+            upward=linear_ticks(*plot.upward, most=most),
+            lift=lift,
+        )
         _log(rec, child(path, "data"), plot, film, strips, loops)
         _log_cursor(rec, child(path, "data", "cursor"), film, _points(film.response.mounts[mount], axis))
     loops = [[_filled(loop) for loop in _loops(strip, *shown[0])] for strip in strips]
@@ -65,7 +74,7 @@ def _loops(strip: Strip, mount: str, axis: int) -> list[Array]:
 
 
 def _points(mount: Any, axis: int) -> Array:
-    return np.column_stack([1e3 * mount.deflection[:, axis], 1e-3 * mount.force[:, axis]])
+    return np.column_stack([in_unit(mount.deflection[:, axis], "mm"), in_unit(mount.force[:, axis], "kN")])
 
 
 def _filled(loop: Array) -> Array:

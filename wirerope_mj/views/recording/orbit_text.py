@@ -8,6 +8,7 @@ from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.dynamics.periodic import Bifurcation, Branch, PeriodicOrbit
 from wirerope_mj.foundation.plain_text import markdown
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.along import at_points
 from wirerope_mj.views.recording.film import Film, Strip
 from wirerope_mj.views.recording.orbit_loops import shown_loops
@@ -90,7 +91,8 @@ def _loop_text(orbit: PeriodicOrbit, name: str, axis: int) -> str:
     mount = orbit.response.mounts[name]
     x, force = mount.deflection[:, axis], mount.force[:, axis]
     work = float(np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(x)))
+    x, force = in_unit(x, "mm"), in_unit(force, "kN")
     return (
-        f"Mount {markdown(name)}, {AXES[axis]}: {1e3 * x.min():.4g} to {1e3 * x.max():.4g} mm, {1e-3 * force.min():.4g} to "
-        f"{1e-3 * force.max():.4g} kN, {work:.3g} J per repetition"
+        f"Mount {markdown(name)}, {AXES[axis]}: {x.min():.4g} to {x.max():.4g} mm, {force.min():.4g} to {force.max():.4g} kN, "
+        f"{work:.3g} J per repetition"
     )

@@ -6,7 +6,7 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import Component, difference
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.views.recording.histories import (
     DIRECTIONS,
     FINE,
@@ -87,7 +87,7 @@ def mount_markers(overlay: Overlay, mount: str, quantity: str, axis: str) -> lis
 def _log_acceleration(rec: Any, overlay: Overlay, part: Component, direction: str) -> None:
     drawn, markers = {}, {}
     for run in overlay.having(part):
-        values = part.acceleration(run.response) / STANDARD_GRAVITY
+        values = in_unit(part.acceleration(run.response), "g")
         drawn[run.name] = (
             np.linalg.norm(values, axis=1) if direction == TOTAL else values[:, DIRECTIONS.index(direction)]
         )
@@ -150,7 +150,7 @@ def _log_limits(rec: Any, overlay: Overlay, mount: str, axis: str) -> None:
             if np.isfinite(limit) and reached[number] / limit >= SHOWN_LIMIT:
                 near.add(limit)
     for limit in sorted(near):
-        path = child(overlaid_mount_path(mount, "deflection", axis), "rated", f"{1e3 * limit:+.3f}")
+        path = child(overlaid_mount_path(mount, "deflection", axis), "rated", f"{in_unit(limit, 'mm'):+.3f}")
         log_limit(rec, path, "rated travel", limit, ends=ends)
 
 

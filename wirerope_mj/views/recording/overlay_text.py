@@ -18,6 +18,9 @@ from wirerope_mj.assessment.comparison import (
 )
 from wirerope_mj.assessment.comparison.sentences import ratio_text, size_text, subject_label
 from wirerope_mj.foundation.plain_text import markdown
+from wirerope_mj.foundation.tables import Cell, Column, Row, Table
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.overlay_runs import Overlay
 from wirerope_mj.views.recording.paths import AXES, entity
 
@@ -58,34 +61,35 @@ def summary_markdown(overlay: Overlay, inputs: Inputs) -> str:
     figures = [(f"{row.label}, peak [g]", *_values(row, "{:.2f}")) for row in rows]
     travel = largest_travel_row(overlay)
     if travel is not None:
-        shares = [f"{100 * value:.0f}" if _known(value) else "-" for value in travel.values]
+        shares = [f"{in_unit(value, '%'):.0f}" if _known(value) else "-" for value in travel.values]
         figures.append(("most of rated travel [%]", *shares))
-    parts.append(_table(["", *names], [*differing, *figures]))
+    columns = [Column(align="left"), *map(Column, names)]
+    parts.append(markdown_table(Table(title="", columns=columns, rows=[*differing, *figures])))
     parts.append("\n".join(f"- {markdown(line)}" for line in (*comparison_lines(overlay), *long)))
     return "\n\n".join(part for part in parts if part)
 
 
 def acceleration_tables(overlay: Overlay) -> str:
     """Return the peak accelerations side by side: norms, then components."""
-    parts = ["### Peak accelerations [g]\n" + _peak_table(overlay, acceleration_rows(overlay), "{:.2f}", times=True)]
+    tables = [_peak_table("Peak accelerations [g]", overlay, acceleration_rows(overlay), ".2f", times=True)]
     for number, axis in enumerate("xyz"):
         rows = acceleration_rows(overlay, number)
-        parts.append(f"### Along {axis} [g]\n" + _peak_table(overlay, rows, "{:.2f}", times=True))
-    return "\n\n".join(parts)
+        tables.append(_peak_table(f"Along {axis} [g]", overlay, rows, ".2f", times=True))
+    return "\n\n".join(tables)
 
 
 def mount_tables(overlay: Overlay) -> str:
-    """Return what the mounts use of their rated travel, their deflections and forces, side by side."""
-    parts = []
+    """Return the mounts' utilisation of their rated travel, their deflections and forces, side by side."""
+    tables = []
     travel = [row for row in travel_rows(overlay) if any(_known(value) for value in row.values)]
     if travel:
-        parts.append("### Utilisation of the rated travel [%]\n" + _peak_table(overlay, travel, "{:.0f}", scale=100.0))
+        tables.append(_peak_table("Utilisation of the rated travel [%]", overlay, travel, ".0f", scale=100.0))
     for quantity, unit, name in (("deflection", 1e-3, "mm"), ("force", 1e3, "kN")):
         for number, axis in reversed(list(enumerate(AXES))):
             rows = [row for row in mount_rows(overlay, quantity, number, unit) if any(row.values)]
             if rows:
-                parts.append(f"### Largest {axis} {quantity} [{name}]\n" + _peak_table(overlay, rows, "{:.2f}"))
-    return "\n\n".join(parts) or "There are no mounts."
+                tables.append(_peak_table(f"Largest {axis} {quantity} [{name}]", overlay, rows, ".2f"))
+    return "\n\n".join(tables) or "There are no mounts."
 
 
 def apart_tables(overlay: Overlay) -> str:
@@ -94,27 +98,34 @@ def apart_tables(overlay: Overlay) -> str:
     parts = []
     for run in overlay.runs[1:]:
         own = [entry for entry in overlay.differences if entry.run == run.name and entry.value > 0.0]
-        rows = [(subject_label(e.subject), size_text(e), f"{1e3 * e.time:.1f}", ratio_text(e)) for e in own]
-        table = _table(["", "farthest apart", "at [ms]", f"of {first}'s peak"], rows)
+        rows = [(subject_label(e.subject), size_text(e), e.time, ratio_text(e)) for e in own]
+        columns = (
+            Column(align="left"),
+            Column("farthest apart"),
+            Column("at", "ms", ".1f"),
+            Column(f"of {first}'s peak"),
+        )
+        table = markdown_table(Table(title="", columns=columns, rows=rows))
         parts.append(f"### {markdown(run.name)} against {markdown(first)}\n{table or 'Histories do not differ.'}")
     return "\n\n".join(parts)
 
 
 def _peak_table(
-    overlay: Overlay, rows: Sequence[PeakRow], form: str, *, times: bool = False, scale: float = 1.0
+    title: str, overlay: Overlay, rows: Sequence[PeakRow], form: str, *, times: bool = False, scale: float = 1.0
 ) -> str:
-    head = [""]
+    columns, first = [Column(align="left")], overlay.runs[0].name
     for number, run in enumerate(overlay.runs):
-        head += [run.name, *(["at [ms]"] if times else []), *([f"to {overlay.runs[0].name}"] if number else [])]
-    body = []
+        columns += [Column(run.name), *([Column("at", "ms", ".1f")] if times else [])]
+        columns += [Column(f"to {first}")] if number else []
+    body: list[Row] = []
     for row in rows:
-        cells = [row.label]
-        for number, (value, time, word) in enumerate(zip(row.values, row.times, row.notes, strict=True)):
-            shown = form.format(scale * value) if _known(value) else "-"
-            cells += [f"{shown} {word}".strip(), *([f"{1e3 * time:.1f}" if _known(time) else "-"] if times else [])]
+        cells: list[Cell] = [row.label]
+        for number, (value, time, note) in enumerate(zip(row.values, row.times, row.notes, strict=True)):
+            shown = format(scale * value, form) if _known(value) else "-"
+            cells += [f"{shown} {note}".strip(), *([time] if times else [])]
             cells += [difference_text(row, number)] if number else []
-        body.append(tuple(cells))
-    return _table(head, body)
+        body.append(cells)
+    return markdown_table(Table(title=title, columns=columns, rows=body))
 
 
 def _values(row: PeakRow, form: str) -> list[str]:
@@ -123,17 +134,3 @@ def _values(row: PeakRow, form: str) -> list[str]:
 
 def _known(value: float | None) -> TypeGuard[float]:
     return value is not None and bool(np.isfinite(value))
-
-
-def _cell(text: str) -> str:
-    """Return a cell; what begins a list elsewhere is a sign here."""
-    return text if text in ("-", "=") else markdown(text)
-
-
-def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a Markdown table, its first column to the left; "" without rows."""
-    if not rows:
-        return ""
-    texts = [[_cell(cell) for cell in row] for row in (head, *rows)]
-    lines = [texts[0], [":--", *["--:"] * (len(head) - 1)], *texts[1:]]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)

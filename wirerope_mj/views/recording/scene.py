@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.camera import reach, scene_extent
 from wirerope_mj.views.recording.mounts import log_mounts
 from wirerope_mj.views.recording.paths import Rows, at, child, entity
@@ -97,7 +97,7 @@ def _log_base_acceleration(
         origins=[[-corner[0], -corner[1], 0.0]], colors=[color], radii=[0.004 * extent], show_labels=True
     )
     rec.log(path, look, static=True)
-    levels = np.linalg.norm(acceleration[rows], axis=1) / STANDARD_GRAVITY
+    levels = in_unit(np.linalg.norm(acceleration[rows], axis=1), "g")
     vectors = rotate(back, acceleration[rows]) * (0.18 * extent / largest)
     columns = rr.Arrows3D.columns(vectors=vectors, labels=[f"base {level:.1f} g" for level in levels])
     rec.send_columns(path, at(response.time[rows]), columns)

@@ -1,10 +1,12 @@
 """The content of a run's report, from the answer to the versions."""
 
 import math
+from collections.abc import Sequence
 
+from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.views.report.contacts import contacts_section
-from wirerope_mj.views.report.content import ReportContent, Section, Table
-from wirerope_mj.views.report.display import number, several
+from wirerope_mj.views.report.content import ReportContent, Section
+from wirerope_mj.views.report.display import several, with_unit
 from wirerope_mj.views.report.judged import answer, full_table, headline
 from wirerope_mj.views.report.model import model_section
 from wirerope_mj.views.report.motion import motion_section, mounts_section, response_section
@@ -54,7 +56,7 @@ def _numerics_section(run: FinishedRun) -> Section:
     numerics = run.response.numerics
     rows = [
         ("simulated", f"{run.duration:g} s from {_START.get(run.initial, run.initial)}"),
-        ("steps", f"{several(numerics.steps, 'step')} of at most {number(1e3 * numerics.timestep, digits=4)} ms"),
+        ("steps", f"{several(numerics.steps, 'step')} of at most {with_unit(numerics.timestep, 'ms', digits=4)}"),
         ("step limited by", numerics.limited_by or "not recorded"),
         ("estimated error", _error(run)),
         ("samples", f"{run.response.time.size} at {run.sample_rate:g} Hz; peaks are those of every step"),
@@ -62,17 +64,22 @@ def _numerics_section(run: FinishedRun) -> Section:
     ]
     rows += [(f"option {name}", str(value)) for name, value in run.options.items()]
     rows += [(f"version of {name}", version) for name, version in run.versions.items()]
-    table = Table(caption="How it was computed", head=("what", "value"), align="lt", rows=tuple(rows))
-    return Section(title="Numerics, options and versions", blocks=(table,))
+    return Section(title="Numerics, options and versions", blocks=(settings_table(rows),))
+
+
+def settings_table(rows: Sequence[tuple[str, str]]) -> Table:
+    """Return names and values of what a result was computed with."""
+    columns = (Column("what", align="left"), Column("value", align="text"))
+    return Table(title="How it was computed", columns=columns, rows=rows)
 
 
 def _error(run: FinishedRun) -> str:
     numerics = run.response.numerics
     if not math.isfinite(numerics.error_estimate):
         return "not estimated: the step was given"
-    words = f"{number(100.0 * numerics.error_estimate, digits=2)} % of the peaks, by halving the step before the run"
-    asked = f"{number(100.0 * numerics.accuracy, digits=2)} % asked for"
-    return f"{words}; {'above the ' if numerics.error_estimate > numerics.accuracy else ''}{asked}"
+    error = f"{with_unit(numerics.error_estimate, '%', digits=2)} of the peaks, by halving the step before the run"
+    asked = f"{with_unit(numerics.accuracy, '%', digits=2)} asked for"
+    return f"{error}; {'above the ' if numerics.error_estimate > numerics.accuracy else ''}{asked}"
 
 
 def _annex(run: FinishedRun) -> Section:

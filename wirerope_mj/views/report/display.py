@@ -1,12 +1,12 @@
-"""Figures as an engineer reads them: millimetres, kilonewtons and g, with as many digits as they are worth."""
+"""Values as an engineer reads them: millimetres, kilonewtons and g, with as many digits as they are worth."""
 
 import math
 import re
 
-from wirerope_mj.foundation.units import shown_in
+from wirerope_mj.foundation.units import in_unit, shown_in, significant
 
 ABSENT = "–"
-"""What stands where there is no figure."""
+"""Stands where there is no value."""
 
 MINUS = "\N{MINUS SIGN}"
 
@@ -20,36 +20,22 @@ def shown(value: float | None, unit: str = "", *, digits: int = 3) -> str:
     """Return a value of an SI unit as a number in the unit that is shown; without one, or if it is not known, a dash."""
     if value is None or not math.isfinite(value):
         return ABSENT
-    return number(value * shown_in(unit)[1], digits=digits)
+    return number(in_unit(value, shown_in(unit)[0]), digits=digits)
 
 
 def with_unit(value: float | None, unit: str, *, digits: int = 3) -> str:
-    """Return number and unit."""
+    """Return number and unit; the unit may also be one that is displayed: "ms", "%"."""
     return f"{shown(value, unit, digits=digits)} {shown_unit(unit)}".strip()
 
 
 def number(value: float, *, digits: int = 3) -> str:
-    """Return a number to some significant digits without an exponent, whole digits never cut: 0.00123, 1.23, 123, 12345."""
-    if not math.isfinite(value):
-        return ABSENT
-    if value == 0.0 or abs(value) < 1e-9:  # nothing that is shown in mm, kN or g is that small and not rounding
-        return "0"
-    rounded = abs(float(f"{value:.{digits - 1}e}"))  # 9.9999 is 10.0, not 10.00
-    places = max(digits - 1 - math.floor(math.log10(rounded)), 0)
-    return fixed(value, min(places, 6))
+    """Return a number to some significant digits without an exponent, with a true minus sign."""
+    return significant(value, digits).replace("-", MINUS) if math.isfinite(value) else ABSENT
 
 
-def fixed(value: float, places: int) -> str:
-    """Return a number with some decimal places, a true minus sign, and no minus before a zero."""
-    if not math.isfinite(value):
-        return ABSENT
-    text = f"{value:.{places}f}"
-    return text.lstrip("-") if float(text) == 0.0 else text.replace("-", MINUS)
-
-
-def percent(share: float | None, *, places: int = 0) -> str:
-    """Return a share in per cent."""
-    return ABSENT if share is None or not math.isfinite(share) else f"{fixed(100.0 * share, places)} %"
+def fixed(value: float, decimals: int) -> str:
+    """Return a number with some decimals, a true minus sign, and no minus before a zero."""
+    return f"{value:z.{decimals}f}".replace("-", MINUS) if math.isfinite(value) else ABSENT
 
 
 def several(count: int, thing: str, things: str = "") -> str:

@@ -6,10 +6,15 @@ from dataclasses import replace
 
 from wirerope_mj.assessment.criteria import CLEAR, COMBINED, EXCEEDED, NOT_JUDGED, STRUCK, TOUCHING, WITHIN, Verdict
 from wirerope_mj.assessment.criteria import headline as verdicts_headline
-from wirerope_mj.views.report.content import Block, Cell, Listing, Mark, Paragraph, Table
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
+from wirerope_mj.views.report.content import Block, Listing, Paragraph
 from wirerope_mj.views.report.display import ABSENT, fixed, listed, shown, shown_unit, with_unit
 
 TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
+_COLUMNS = (
+    *(Column(heading, align="left") for heading in ("criterion", "verdict", "where")), Column("value"), Column("limit"),
+    Column("unit", align="left"), Column("margin"),
+)  # fmt: skip
 _ORDER = (EXCEEDED, STRUCK, WITHIN, TOUCHING, CLEAR, NOT_JUDGED)
 _NAMED = 3  # verdicts that the answer names one by one
 _AMPLE = 10.0  # margin from which only its size is said: nobody needs 1234 %
@@ -65,12 +70,10 @@ def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
     if not rows:
         return None
     counts = {row.criterion: sum(other.criterion == row.criterion for other in verdicts) for row in rows}
-    head = ("criterion", "verdict", "where", "value", "limit", "unit", "margin", "figures")
     return Table(
-        caption="The worst of every criterion",
-        head=head,
-        align="lllrrlrr",
-        rows=tuple((row.criterion, *_cells(row), str(counts[row.criterion])) for row in rows),
+        title="The worst of every criterion",
+        columns=(*_COLUMNS, Column("figures", form="d")),
+        rows=[(row.criterion, *_cells(row), counts[row.criterion]) for row in rows],
         note="Margin: limit over value less one, how much more there could be; negative where the limit is exceeded. "
         "Figures: how many the row is the worst of.",
     )
@@ -80,17 +83,10 @@ def full_table(verdicts: Sequence[Verdict]) -> Table | None:
     """Return every verdict, exceeded ones first, then by margin, those not judged last; None without verdicts."""
     if not verdicts:
         return None
-    head = ("criterion", "verdict", "where", "value", "limit", "unit", "margin", "at [s]", "note")
-    rows = []
-    for row in ordered(verdicts):
-        time = _known(row).time
-        when = ABSENT if time is None else fixed(time, 4)
-        rows.append((row.criterion, *_cells(row), when, row.note))
     return Table(
-        caption="Every figure against its limit: the smallest margin first, what is not judged last",
-        head=head,
-        align="lllrrlrrt",
-        rows=tuple(rows),
+        title="Every figure against its limit: the smallest margin first, what is not judged last",
+        columns=(*_COLUMNS, Column("at", "s", "z.4f"), Column("note", align="text")),
+        rows=[(row.criterion, *_cells(row), _known(row).time, row.note) for row in ordered(verdicts)],
     )
 
 

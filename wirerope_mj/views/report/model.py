@@ -1,13 +1,14 @@
 """The part of a report that says what was simulated: geometry, mounts and isolators with their provenance."""
 
 from wirerope_mj.dynamics.modes import Modes
+from wirerope_mj.foundation.tables import Column, Row, Table
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.mounts.laws import Law, Stop
 from wirerope_mj.views.plots.report_image import image_of
 from wirerope_mj.views.plots.report_scene import axial_direction, crowded_label, mount_labels, mount_place, scene_figure
-from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture, Section, Table
-from wirerope_mj.views.report.display import ABSENT, fixed, number, several, shown, with_unit
+from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture, Section
+from wirerope_mj.views.report.display import ABSENT, fixed, number, several, with_unit
 from wirerope_mj.views.report.run import FinishedRun
 
 _MOST_SHAPES = 80
@@ -17,7 +18,7 @@ _MOST_SHAPES = 80
 def model_section(run: FinishedRun) -> Section:
     """Return the model: picture, masses, mounts, isolators and where their figures come from."""
     scene = run.response.scene
-    blocks: list[Block] = [Paragraph(text=_words(run))]
+    blocks: list[Block] = [Paragraph(text=_summary(run))]
     if any(body.geoms for body in scene.bodies) or scene.mounts:
         caption = "The modelled, unloaded geometry"
         if scene.mounts:
@@ -37,7 +38,7 @@ def model_section(run: FinishedRun) -> Section:
     return Section(title="Model and mounts", blocks=tuple(blocks))
 
 
-def _words(run: FinishedRun) -> str:
+def _summary(run: FinishedRun) -> str:
     scene = run.response.scene
     count = several(len(scene.isolating), "mount") if scene.isolating else "no mounts"
     n_stops = len(scene.mounts) - len(scene.isolating)
@@ -50,15 +51,18 @@ def _words(run: FinishedRun) -> str:
 
 
 def _masses(run: FinishedRun) -> Table | None:
-    found = next((modes for modes in run.modes.values() if isinstance(modes, Modes)), None)
-    if found is None or not found.payloads:
+    known = next((modes for modes in run.modes.values() if isinstance(modes, Modes)), None)
+    if known is None or not known.payloads:
         return None
-    rows = tuple(
-        (name, number(payload.mass, digits=4), *(fixed(value, 3) for value in payload.centre))
-        for name, payload in found.payloads.items()
+    return Table(
+        title="What the mounts carry, and its centre of mass at rest",
+        columns=(
+            Column("payload", align="left"),
+            Column("mass", "kg", 4),
+            *(Column(axis, "m", "z.3f") for axis in "xyz"),
+        ),
+        rows=[(name, payload.mass, *map(float, payload.centre)) for name, payload in known.payloads.items()],
     )
-    head = ("payload", "mass [kg]", "x [m]", "y [m]", "z [m]")
-    return Table(caption="What the mounts carry, and its centre of mass at rest", head=head, align="lrrrr", rows=rows)
 
 
 def _mounts(run: FinishedRun) -> Table | None:
@@ -67,19 +71,18 @@ def _mounts(run: FinishedRun) -> Table | None:
         return None
     labels = mount_labels(scene)
     numbered = any(label != name for name, label in labels.items())
-    rows = []
+    rows: list[Row] = []
     for mount in scene.mounts:
-        place = [fixed(value, 3) for value in mount_place(scene, mount)]
         direction = ", ".join(fixed(value, 2) for value in axial_direction(scene, mount))
         between = f"{mount.payload_body or 'world'} on {mount.base_body or 'world'}"
-        first = (labels[mount.name], mount.name) if numbered else (mount.name,)
-        rows.append((*first, mount.isolator, between, *place, direction))
-    head = ("mount", "isolator", "payload on base", "x [m]", "y [m]", "z [m]", "axial direction")
+        names = (*([labels[mount.name]] if numbered else []), mount.name, mount.isolator, between)
+        rows.append((*names, *map(float, mount_place(scene, mount)), direction))
+    headings = [Column(heading, align="left") for heading in ("mount", "isolator", "payload on base")]
+    positions = [Column(axis, "m", "z.3f") for axis in "xyz"]
     return Table(
-        caption="Mounts",
-        head=("no.", *head) if numbered else head,
-        align="rlllrrrr" if numbered else "lllrrrr",
-        rows=tuple(rows),
+        title="Mounts",
+        columns=(*([Column("no.")] if numbered else []), *headings, *positions, Column("axial direction")),
+        rows=rows,
         note="Places are the elastic centres at mid-height. Axial points from the base's bar to the payload's; tension "
         "is positive.",
     )
@@ -87,12 +90,12 @@ def _mounts(run: FinishedRun) -> Table | None:
 
 def _devices(run: FinishedRun) -> list[Isolator]:
     """Return the isolators, each once, in the order of the mounts."""
-    found: list[Isolator] = []
+    devices: list[Isolator] = []
     for mount in run.response.scene.mounts:
         device = run.isolators[mount.name]
-        if device not in found:
-            found.append(device)
-    return found
+        if device not in devices:
+            devices.append(device)
+    return devices
 
 
 def _isolators(devices: list[Isolator]) -> Table:
@@ -100,27 +103,17 @@ def _isolators(devices: list[Isolator]) -> Table:
     for device in devices:
         travel, size = device.limits.travel, device.geometry
         laws = dict.fromkeys(law.name for law in device.axes.values() if law is not None)
-        rows.append(
-            (
-                device.name,
-                device.provenance.kind,
-                ", ".join(laws),
-                shown(size.height if size else None, "m"),
-                shown(size.width if size else None, "m"),
-                shown(device.limits.static_load, "N"),
-                *(shown(getattr(travel, rating), "m") for rating in RATINGS),
-            )
-        )
+        sizes = (size.height, size.width) if size else (None, None)
+        ratings = (getattr(travel, rating) for rating in RATINGS)
+        rows.append((device.name, device.provenance.kind, ", ".join(laws), *sizes, device.limits.static_load, *ratings))
+    names = [Column(heading, align="left") for heading in ("isolator", "figures are", "laws")]
+    values = [Column("height", "mm"), Column("width", "mm"), Column("static load", "kN")]
     return Table(
-        caption="Isolators and their ratings",
-        head=(
-            "isolator", "figures are", "laws", "height [mm]", "width [mm]", "static load [kN]",
-            "compression [mm]", "tension [mm]", "shear [mm]", "roll [mm]",
-        ),
-        align="lllrrrrrrr",
-        rows=tuple(rows),
+        title="Isolators and their ratings",
+        columns=(*names, *values, *(Column(rating, "mm") for rating in RATINGS)),
+        rows=rows,
         note=f"{ABSENT}: not stated, and so not judged.",
-    )  # fmt: skip
+    )
 
 
 def _provenance(device: Isolator) -> list[Block]:
@@ -146,7 +139,7 @@ def _stop_words(axis: str, law: Law) -> str:
         if stop.k is None:
             force = f"points up to {with_unit(stop.forces[-1], 'N')} at {with_unit(stop.depths[-1], 'm')} beyond it"
         elif stop.exponent == 1.0:
-            force = f"{number(1e-3 * stop.k)} kN/m beyond it"
+            force = f"{with_unit(stop.k, 'kN/m')} beyond it"
         else:
             force = f"exponent {number(stop.exponent)} beyond it"
         text += f" Stop, {axis}: gap {gaps}, {force}."

@@ -6,6 +6,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria import MountPeak, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.steady import steady_interval
+from wirerope_mj.foundation.tables import Cell, Column, Row, Table
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.views.plots.report_image import image_of
@@ -20,13 +21,14 @@ from wirerope_mj.views.plots.report_response import (
     sweep_figure,
 )
 from wirerope_mj.views.plots.report_spectra import base_spectrum_figure, densities_figure, payload_spectra_figure
-from wirerope_mj.views.report.content import Block, Paragraph, Picture, Section, Table
-from wirerope_mj.views.report.display import ABSENT, fixed, listed, several, shown
+from wirerope_mj.views.report.content import Block, Paragraph, Picture, Section
+from wirerope_mj.views.report.display import fixed, listed, several
 from wirerope_mj.views.report.record import record_blocks
 from wirerope_mj.views.report.run import BASE, Absent, FinishedRun, worst_names
 
 _COASTING = 1e-3  # [m/s] at the end, from which the base is said to coast
 _STILL = 1e-6  # [m/s^2]: an rms that is rounding
+_AXIAL_FIRST = (2, 1, 0)
 _MOST_EVENTS = 12  # in the table of what the base does: a record may have any number
 
 
@@ -55,7 +57,7 @@ def motion_section(run: FinishedRun) -> Section:
 
 
 def response_section(run: FinishedRun) -> Section:
-    """Return what reaches the payload and the mounts: peaks, histories, loops and spectra."""
+    """Return the response of payload and mounts: peaks, histories, loops and spectra."""
     worst = worst_names(run.response)
     blocks: list[Block] = [_accelerations(run)]
     if worst:
@@ -74,12 +76,8 @@ def response_section(run: FinishedRun) -> Section:
 
 def _chosen(run: FinishedRun) -> str:
     """Return why these bodies and points are drawn."""
-    first = (
-        "those with limits come first, the nearest to them before the others; then "
-        if run.response.scene.limits
-        else ""
-    )
-    return f"{first}those with the largest accelerations"
+    limited = "those with limits come first, the nearest to them before the others; then "
+    return f"{limited if run.response.scene.limits else ''}those with the largest accelerations"
 
 
 def mounts_section(run: FinishedRun) -> Section:
@@ -91,7 +89,7 @@ def mounts_section(run: FinishedRun) -> Section:
     rated = " Dashed: the rated travel of the first." if rows[0].governing else ""
     order = "that use most of their rated travel" if rows[0].governing else "in the order of the model"
     time, part = run.response.time, loop_rows(run.response, names[0])
-    where = f" from {time[part][0]:.5g} to {time[part][-1]:.5g} s" if part != slice(None) else ""
+    interval = f" from {time[part][0]:.5g} to {time[part][-1]:.5g} s" if part != slice(None) else ""
     return Section(
         title="Mounts in motion",
         blocks=(
@@ -102,7 +100,7 @@ def mounts_section(run: FinishedRun) -> Section:
             ),
             Picture(
                 image=image_of(mount_loops_figure(run.response, names[0])),
-                caption=f"Force over deflection of {names[0]} ({rows[0].isolator}){where}; the dot is where it begins.",
+                caption=f"Force over deflection of {names[0]} ({rows[0].isolator}){interval}; the dot is where it begins.",
                 alt=f"Loops of {names[0]}.",
             ),
             _peaks(rows),
@@ -115,34 +113,33 @@ def _extremes(run: FinishedRun, axes: list[int]) -> Table:
     peak = run.response.peaks.bodies[
         run.response.scene.base
     ].acceleration  # of every step, as in the table of the peaks
-    rows = []
+    rows: list[list[Cell]] = []
     for axis in axes:
-        cells = ["xyz"[axis], shown(float(peak.minimum[axis]), "m/s^2"), shown(float(peak.maximum[axis]), "m/s^2")]
-        for values, unit in ((base.velocity[:, axis], "m/s"), (base.displacement[:, axis], "m")):
-            cells += [shown(float(values.min()), unit), shown(float(values.max()), unit)]
-        rows.append(tuple(cells))
-    head = ("axis", "acceleration [g], lowest", "highest", "velocity [m/s], lowest", "highest")
-    return Table(
-        caption="Extremes of the base's motion",
-        head=(*head, "displacement [mm], lowest", "highest"),
-        align="lrrrrrr",
-        rows=tuple(rows),
-    )
+        extremes = [peak.minimum[axis], peak.maximum[axis]]
+        for values in (base.velocity[:, axis], base.displacement[:, axis]):
+            extremes += [values.min(), values.max()]
+        rows.append(["xyz"[axis], *map(float, extremes)])
+    columns = [Column("axis", align="left")]
+    for quantity, unit in (("acceleration", "g"), ("velocity", "m/s"), ("displacement", "mm")):
+        columns += [Column(f"{quantity}, minimum", unit), Column("maximum", unit)]
+    return Table(title="Extremes of the base's motion", columns=columns, rows=rows)
 
 
 def _events(run: FinishedRun) -> Table | None:
     end = float(run.response.time[-1])
-    all_of_them = dict.fromkeys((time <= end, fixed(time, 4), words) for time, words in run.response.events)
-    events = [(when, words) for inside, when, words in all_of_them if inside]  # each once: pulses along two axes
-    later = [words for inside, _, words in all_of_them if not inside]
+    every = dict.fromkeys((time <= end, fixed(time, 4), text) for time, text in run.response.events)
+    events = [(time, text) for inside, time, text in every if inside]  # each once: pulses along two axes
+    later = [text for inside, _, text in every if not inside]
     if not events:
         return None
-    rows, left = tuple(events[:_MOST_EVENTS]), max(len(events) - _MOST_EVENTS, 0)
+    left = max(len(events) - _MOST_EVENTS, 0)
     beyond = f"After the end of the run at {end:g} s, and not simulated: {listed(later)}." if later else ""
     return Table(
-        caption="What the base does when", head=("at [s]", "event"), align="rt", rows=rows,
+        title="What the base does when",
+        columns=(Column("at", "s"), Column("event", align="text")),
+        rows=events[:_MOST_EVENTS],
         note=" ".join(filter(None, [f"And {left} more." if left else "", beyond])),
-    )  # fmt: skip
+    )
 
 
 def _base_spectrum(run: FinishedRun) -> Block:
@@ -190,27 +187,28 @@ def _densities(run: FinishedRun) -> list[Block]:
             alt=f"Power spectral densities of {names} and the base.",
         ),
         Table(
-            caption="Root mean squares, once the response has settled",
-            head=("where", "axis", "rms [g]", "3 sigma [g]", "error of the rms [%]"),
-            align="llrrr",
-            rows=tuple(row for name in next(iter(run.densities.values())) for row in _rms_rows(run, name)),
+            title="Root mean squares, once the response has settled",
+            columns=(
+                Column("where", align="left"), Column("axis", align="left"), Column("rms", "g"), Column("3 sigma", "g"),
+                Column("error of the rms", "%", "z.1f"),
+            ),
+            rows=[row for name in next(iter(run.densities.values())) for row in _rms_rows(run, name)],
             note="Along every axis that is moved. Error: one standard deviation of the estimate, from bandwidth and length; "
             "it is known along the base's motion.",
         ),
-    ]
+    ]  # fmt: skip
 
 
-def _rms_rows(run: FinishedRun, name: str) -> Iterator[tuple[str, ...]]:
+def _rms_rows(run: FinishedRun, name: str) -> Iterator[tuple[Cell, ...]]:
     """Yield the root mean square of a body along every axis: of its density, or else of the samples it was made of."""
     one = next(iter(run.densities.values()))[name]
     _, _, last = steady_interval(run.response.motion)
     rows = slice(*np.searchsorted(run.response.time, [min(last, run.response.time[-1]) - one.duration, last]))
     for axis in range(3):
-        found = run.densities.get("xyz"[axis], {}).get(name)
-        rms = float(found.rms if found else acceleration_along(run.response, name, axis)[rows].std())
+        density = run.densities.get("xyz"[axis], {}).get(name)
+        rms = float(density.rms if density else acceleration_along(run.response, name, axis)[rows].std())
         if rms > _STILL:
-            error = fixed(100.0 * float(found.rms_error), 1) if found else ABSENT
-            yield name, "xyz"[axis], shown(rms, "m/s^2"), shown(3.0 * rms, "m/s^2"), error
+            yield name, "xyz"[axis], rms, 3.0 * rms, float(density.rms_error) if density else None
 
 
 def _over_frequency(run: FinishedRun, motion: Sweep, names: list[str]) -> Picture:
@@ -224,42 +222,35 @@ def _over_frequency(run: FinishedRun, motion: Sweep, names: list[str]) -> Pictur
 
 def _accelerations(run: FinishedRun) -> Table:
     sweep = run.motion if isinstance(run.motion, Sweep) else None
-    rows = []
+    rows: list[Row] = []
     for row in body_peaks(run.response):
-        cells = [
-            row.name,
-            row.kind,
-            fixed(row.value, 2),
-            *(fixed(value, 2) for value in row.axes),
-            fixed(row.time, 4),
-        ]
-        cells += [fixed(float(sweep.frequency([row.time])[0]), 2)] if sweep is not None else []
-        rows.append(tuple(cells))
-    head = ("name", "kind", "largest [g]", "along x [g]", "along y [g]", "along z [g]", "at [s]")
+        sizes = [fixed(value, 2) for value in (row.value, *row.axes)]
+        frequency = [] if sweep is None else [float(sweep.frequency([row.time])[0])]
+        rows.append((row.name, row.kind, *sizes, row.time, *frequency))
     return Table(
-        caption="Largest absolute accelerations, over every step of the simulation",
-        head=(*head, "at [Hz]") if sweep is not None else head,
-        align="llrrrrr" + ("r" if sweep is not None else ""),
-        rows=tuple(rows),
+        title="Largest absolute accelerations, over every step of the simulation",
+        columns=(
+            Column("name", align="left"), Column("kind", align="left"), Column("largest [g]"),
+            *(Column(f"along {axis} [g]") for axis in "xyz"), Column("at", "s", "z.4f"),
+            *([] if sweep is None else [Column("at", "Hz", "z.2f")]),
+        ),
+        rows=rows,
         note="Bodies at their centre of mass; zero at rest under gravity. Limits, where the model states any, are among the "
         "verdicts.",
-    )
+    )  # fmt: skip
 
 
 def _peaks(rows: list[MountPeak]) -> Table:
-    body = []
+    body: list[Row] = []
     for row in rows:
-        cells = [row.name]
-        for axis in (2, 1, 0):
-            cells += [shown(row.minimum[axis], "m"), shown(row.maximum[axis], "m")]
-        cells += [shown(row.force[axis], "N") for axis in (2, 1, 0)]
-        body.append(tuple(cells))
-    deflections = [f"{AXES[axis]} [mm], {end}" for axis in (2, 1, 0) for end in ("lowest", "highest")]
-    forces = [f"{AXES[axis]} [kN]" for axis in (2, 1, 0)]
+        extremes = [value for axis in _AXIAL_FIRST for value in (row.minimum[axis], row.maximum[axis])]
+        body.append((row.name, *extremes, *(row.force[axis] for axis in _AXIAL_FIRST)))
+    columns = [Column("mount", align="left")]
+    for axis in _AXIAL_FIRST:
+        columns += [Column(f"{AXES[axis]}, {end}", "mm") for end in ("minimum", "maximum")]
     return Table(
-        caption="Extreme deflections and forces of the mounts",
-        head=("mount", *deflections, *forces),
-        align="l" + "r" * 9,
-        rows=tuple(body),
+        title="Extreme deflections and forces of the mounts",
+        columns=(*columns, *(Column(AXES[axis], "kN") for axis in _AXIAL_FIRST)),
+        rows=body,
         note="Axial: negative in compression. Forces: the extreme with its sign.",
     )

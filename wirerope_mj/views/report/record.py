@@ -1,12 +1,13 @@
 """Blocks of a report about measured records: their warnings, and the correction of their baselines."""
 
+from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.motions import Record
 from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.views.plots.record_baseline import baseline_text
 from wirerope_mj.views.plots.report_image import image_of
 from wirerope_mj.views.plots.report_record import ends, record_figure
-from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture, Table
-from wirerope_mj.views.report.display import listed, shown
+from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture
+from wirerope_mj.views.report.display import listed
 from wirerope_mj.views.report.run import FinishedRun
 
 
@@ -35,14 +36,12 @@ def _correction(record: Record) -> list[Block]:
     """Return picture and ends of a record without its baseline correction and with it."""
     measured = record.as_measured
     axes = [axis for axis in range(3) if measured.samples[:, axis].any()]
-    rows: list[tuple[str, ...]] = []
-    for version, label in ((measured, "as measured"), (record, "as played")):
-        velocity, displacement = ends(version)
-        for axis in axes:
-            peak = float(abs(version.samples[:, axis]).max())
-            cells = [shown(peak, "m/s^2"), shown(float(velocity[axis]), "m/s"), shown(float(displacement[axis]), "m")]
-            rows.append(("xyz"[axis], label, *cells))
-    rows.sort(key=lambda row: row[0])
+    rows = []
+    for axis in axes:
+        for one, text in ((measured, "as measured"), (record, "as played")):
+            velocity, displacement = ends(one)
+            peak = float(abs(one.samples[:, axis]).max())
+            rows.append(("xyz"[axis], text, peak, float(velocity[axis]), float(displacement[axis])))
     along = listed(["xyz"[axis] for axis in axes])
     return [
         Picture(
@@ -52,15 +51,11 @@ def _correction(record: Record) -> list[Block]:
             alt=f"Histories of {record.path.name} along {along}, without the baseline correction and with it.",
         ),
         Table(
-            caption="What the baseline correction changes",
-            head=(
-                "axis",
-                "record",
-                "largest acceleration [g]",
-                "velocity at its end [m/s]",
-                "displacement at its end [mm]",
+            title="What the baseline correction changes",
+            columns=(
+                Column("axis", align="left"), Column("record", align="left"), Column("largest acceleration", "g"),
+                Column("velocity at its end", "m/s"), Column("displacement at its end", "mm"),
             ),
-            align="llrrr",
-            rows=tuple(rows),
+            rows=rows,
         ),
-    ]
+    ]  # fmt: skip

@@ -6,11 +6,13 @@ import numpy as np
 
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.statics import Sag
-from wirerope_mj.views.report.content import Block, Cell, Mark, Paragraph, Section, Table
-from wirerope_mj.views.report.display import ABSENT, fixed, percent, shown, with_unit
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.report.content import Block, Paragraph, Section
+from wirerope_mj.views.report.display import fixed, with_unit
 from wirerope_mj.views.report.run import Absent, FinishedRun
 
-_WORDS = {
+_HISTORIES = {
     "virgin": "first loading, as after installation",
     "relaxed": "after long vibration, when friction carries nothing any more",
 }
@@ -45,11 +47,10 @@ def statics_section(run: FinishedRun) -> Section:
 
 
 def _loads(run: FinishedRun, sags: Mapping[str, Sag]) -> Table:
-    head = ["mount"]
+    columns = [Column("mount", align="left")]
     for history in sags:
-        head += [
-            f"{part}, {history} [{unit}]" for part, unit in (("axial sag", "mm"), ("carries", "kN"), ("of rating", "%"))
-        ]
+        for heading, unit, form in (("axial sag", "mm", 3), ("carries", "kN", 3), ("of rating", "%", "z.0f")):
+            columns.append(Column(f"{heading}, {history}", unit, form))
     rows = []
     for mount in run.response.scene.mounts:
         if not any(mount.name in sag.listed for sag in sags.values()):
@@ -57,93 +58,78 @@ def _loads(run: FinishedRun, sags: Mapping[str, Sag]) -> Table:
         cells: list[Cell] = [mount.name]
         for sag in sags.values():
             load = sag.mounts[mount.name]
-            cells += [shown(float(load.deflection[2]), "m"), shown(load.carries, "N"), _share(load.utilisation)]
+            cells += [float(load.deflection[2]), load.carries, _ratio(load.utilisation)]
         rows.append(tuple(cells))
-    words = "; ".join(f"{history}: {_WORDS[history]}" for history in sags)
+    histories = "; ".join(f"{history}: {_HISTORIES[history]}" for history in sags)
     return Table(
-        caption="Sag and load of every mount",
-        head=tuple(head),
-        align="l" + "rrr" * len(sags),
-        rows=tuple(rows),
+        title="Sag and load of every mount",
+        columns=columns,
+        rows=rows,
         note="Sag along the mount's own axis, negative in compression. Carries: what the mount pushes up with. Of rating: the "
-        f"axial load over the rated static load, which is one in compression. {words[:1].upper()}{words[1:]}.",
+        f"axial load over the rated static load, which is one in compression. {histories[:1].upper()}{histories[1:]}.",
     )
 
 
 def _payloads(sags: Mapping[str, Sag]) -> Table:
-    rows = []
-    for history, sag in sags.items():
-        for name, payload in sag.payloads.items():
-            moved = [fixed(1e3 * float(value), 2) for value in (*payload.displacement, *payload.rotation)]
-            rows.append((name, history, *moved))
-    axes = [f"along {axis} [mm]" for axis in "xyz"] + [f"about {axis} [mrad]" for axis in "xyz"]
-    return Table(
-        caption="Sag of the payload's centre of mass, and its tilt",
-        head=("payload", "history", *axes),
-        align="llrrrrrr",
-        rows=tuple(rows),
-    )
+    rows: list[Row] = [
+        (name, history, *map(float, (*payload.displacement, *payload.rotation)))
+        for history, sag in sags.items()
+        for name, payload in sag.payloads.items()
+    ]
+    axes = [Column(f"along {axis}", "mm", "z.2f") for axis in "xyz"]
+    axes += [Column(f"about {axis}", "mrad", "z.2f") for axis in "xyz"]
+    names = Column("payload", align="left"), Column("history", align="left")
+    return Table(title="Sag of the payload's centre of mass, and its tilt", columns=(*names, *axes), rows=rows)
 
 
 def _sum(history: str, sag: Sag) -> str:
     """Return a sentence on what carries the weight."""
-    words = f"{history.capitalize()}: of {with_unit(sag.weight, 'N', digits=4)} of weight the mounts carry "
-    words += with_unit(sag.on_mounts, "N", digits=4)
-    for share, what in ((sag.on_contacts, "contacts"), (sag.elsewhere, "joints and their springs")):
-        if abs(share) > _BALANCED * sag.weight:
-            words += f", {what} {with_unit(share, 'N')}"
-    return f"{words}."
+    text = f"{history.capitalize()}: of {with_unit(sag.weight, 'N', digits=4)} of weight the mounts carry "
+    text += with_unit(sag.on_mounts, "N", digits=4)
+    for load, what in ((sag.on_contacts, "contacts"), (sag.elsewhere, "joints and their springs")):
+        if abs(load) > _BALANCED * sag.weight:
+            text += f", {what} {with_unit(load, 'N')}"
+    return f"{text}."
 
 
-def _share(share: float | None) -> Cell:
-    """Return the share of the rated static load in per cent."""
-    if share is None:
-        return ABSENT
-    text = fixed(100.0 * share, 0)
-    return Mark(content=f"{text}, exceeded", tone="exceeded") if share > 1.0 else text
+def _ratio(ratio: float | None) -> Cell:
+    """Return a load over the rated static load, marked where it is exceeded."""
+    if ratio is None or ratio <= 1.0:
+        return ratio
+    return Mark(f"{fixed(in_unit(ratio, '%'), 0)}, exceeded", "exceeded")
 
 
 def modes_section(run: FinishedRun) -> Section:
     """Return the modes about the position of rest with words for their shapes, and the distance from tipping over."""
     blocks: list[Block] = []
-    found = [history for history, modes in run.modes.items() if isinstance(modes, Modes)]
+    histories = [history for history, modes in run.modes.items() if isinstance(modes, Modes)]
     for history, modes in run.modes.items():
         if isinstance(modes, Absent):
             blocks.append(Paragraph(text=modes.reason, tone="unjudged"))
             continue
-        blocks += [_table(history, modes, noted=history == found[-1]), Paragraph(text=_stability(modes))]
+        blocks += [_table(history, modes, noted=history == histories[-1]), Paragraph(text=_stability(modes))]
     return Section(title="Modes", blocks=tuple(blocks))
 
 
 def _table(history: str, modes: Modes, *, noted: bool) -> Table:
-    rows = tuple(
+    rows: list[Row] = [
         (
             str(number + 1),
             modes.descriptions[number],
-            fixed(float(modes.frequencies[number]), 2),
-            fixed(float(modes.unloading[number]), 2),
-            fixed(float(modes.loading[number]), 2),
-            *(percent(float(share)) for share in modes.participation[number]),
+            *(float(values[number]) for values in (modes.frequencies, modes.unloading, modes.loading)),
+            *(f"{fixed(in_unit(float(ratio), '%'), 0)} %" for ratio in modes.participation[number]),
         )
         for number in range(modes.frequencies.size)
-    )
-    head = (
-        "mode",
-        "shape",
-        "small cycles [Hz]",
-        "unloading [Hz]",
-        "further loading [Hz]",
-        "mass x",
-        "mass y",
-        "mass z",
-    )
+    ]
+    frequencies = [Column(heading, "Hz", "z.2f") for heading in ("small cycles", "unloading", "further loading")]
     return Table(
-        caption=f"Modes about the position of rest, {_WORDS[history]}",
-        head=head,
-        align="rlrrrrrr",
+        title=f"Modes about the position of rest, {_HISTORIES[history]}",
+        columns=(
+            Column("mode"), Column("shape", align="left"), *frequencies, *(Column(f"mass {axis}") for axis in "xyz"),
+        ),
         rows=rows,
         note=_NOTE if noted else "",
-    )
+    )  # fmt: skip
 
 
 def _stability(modes: Modes) -> str:

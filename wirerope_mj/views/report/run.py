@@ -1,4 +1,4 @@
-"""What a report is told of a finished run."""
+"""A finished run with everything that a report needs of it."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -17,12 +17,12 @@ from wirerope_mj.views.plots.report_response import MOST
 from wirerope_mj.views.report.display import title_of
 
 BASE = "base"
-"""What the base is called among the spectra."""
+"""Name of the base among the spectra."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Absent:
-    """Something that this run does not have, and a sentence that says why."""
+    """A result that this run does not have, and a sentence that says why."""
 
     reason: str
 
@@ -49,7 +49,7 @@ class FinishedRun:
         modes: about these positions by history, "virgin" and "relaxed".
         spectra: shock response spectra by axis ("x", "y", "z") and name of body or point; that of the base is `BASE`.
         densities: power spectral densities in the same way, if the base vibrates at random.
-        verdicts: every judged figure.
+        verdicts: on every judged value.
         versions: of the packages that computed it.
     """
 
