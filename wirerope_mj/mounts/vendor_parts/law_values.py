@@ -4,7 +4,7 @@ Nothing here knows the closed forms that the fits use, so that these functions c
 """
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
@@ -13,8 +13,20 @@ from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import Law, LoopBoucWen
 from wirerope_mj.mounts.test_rig import cyclic_test
 
-if TYPE_CHECKING:
-    from wirerope_mj.mounts.vendor_parts.secants import Secant
+
+@dataclass(frozen=True, kw_only=True)
+class Secant:
+    """A secant stiffness.
+
+    Attributes:
+        deflection: compression or amplitude [m].
+        stiffness: [N/m].
+        steady: whether of the steady loop of this amplitude; else of the virgin path.
+    """
+
+    deflection: float
+    stiffness: float
+    steady: bool
 
 
 def virgin_force(law: Law, deflection: float) -> float:
@@ -27,7 +39,7 @@ def relaxed_force(law: Law, deflection: float) -> float:
     return float(law.trace([deflection, deflection]).force[0])
 
 
-def secant(law: Law, stated: "Secant", about: float = 0.0) -> float:
+def secant(law: Law, stated: Secant, about: float = 0.0) -> float:
     """Return the secant stiffness [N/m] that a law has where a value is stated.
 
     Args:

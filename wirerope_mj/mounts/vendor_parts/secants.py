@@ -17,7 +17,7 @@ from scipy.optimize import brentq, linprog
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, SymmetricBoucWen
-from wirerope_mj.mounts.vendor_parts.law_values import damping_ratio
+from wirerope_mj.mounts.vendor_parts.law_values import Secant, damping_ratio
 
 NiLaw = AsymmetricBoucWen | SymmetricBoucWen
 
@@ -31,21 +31,6 @@ DAMPING_AMPLITUDE = 1e-3
 
 _REACH = (0.02, 20.0)
 """Yield deflections that are tried, in amplitudes of the damping: below, the loop is a parallelogram, above, a thread."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Secant:
-    """A secant stiffness.
-
-    Attributes:
-        deflection: compression or amplitude [m].
-        stiffness: [N/m].
-        steady: whether of the steady loop of this amplitude; else of the virgin path.
-    """
-
-    deflection: float
-    stiffness: float
-    steady: bool
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,7 +3,8 @@
 import math
 from dataclasses import dataclass
 
-from wirerope_mj.mounts.vendor_parts.secants import VIBRATION_AMPLITUDE, Secant
+from wirerope_mj.mounts.vendor_parts.law_values import Secant
+from wirerope_mj.mounts.vendor_parts.secants import VIBRATION_AMPLITUDE
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,7 +24,8 @@ from typing import Any
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE, Secant
+from wirerope_mj.mounts.vendor_parts.law_values import Secant
+from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE
 from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, StatedValue, two_stiffnesses
 from wirerope_mj.mounts.vendor_parts.toml_table import FORCE, FREQUENCY, LENGTH, STIFFNESS, TomlTable
 
