@@ -10,9 +10,9 @@ from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_r
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.views.recording.along import FREQUENCY, POINT
+from wirerope_mj.views.recording.animation import MOST_POINTS, ROWS, film_of, strips_of
 from wirerope_mj.views.recording.branch import record_branches
 from wirerope_mj.views.recording.enlarge import enlarged, factor_of
-from wirerope_mj.views.recording.film import MOST_POINTS, ROWS, film_of, strips_of
 from wirerope_mj.views.recording.paths import TIMELINE
 from wirerope_mj.views.recording.viewer import viewer_binary
 

@@ -24,10 +24,10 @@ The timeline is `sim_time` [s]. What is drawn is thinned to what a picture can s
 ```
 
 Branches of periodic motions have a recording of their own, see `views.recording.branch`; so have several responses over
-each other, see `wirerope_mj.views.recording.overlay`.
+each other, see `wirerope_mj.views.recording.record`.
 """
 
-from wirerope_mj.views.recording.overlay import record_overlay as record_overlay
+from wirerope_mj.views.recording.record import record_overlay as record_overlay
 from wirerope_mj.views.recording.record import record_rerun as record_rerun
 from wirerope_mj.views.recording.state import read_state as read_state
 from wirerope_mj.views.recording.viewer import show as show

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.recording.film import Film, Strip
+from wirerope_mj.views.recording.animation import Film, Strip
 from wirerope_mj.views.recording.paths import TIMELINE, nanoseconds
 
 POINT, FREQUENCY = "point", "frequency_mHz"

@@ -20,10 +20,10 @@ from typing import Any
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.views.recording.along import AlongBranch
+from wirerope_mj.views.recording.animation import film_of, strips_of
 from wirerope_mj.views.recording.branch_blueprint import SQUARE, branch_blueprint, loop_grid
 from wirerope_mj.views.recording.camera import scene_extent
 from wirerope_mj.views.recording.enlarge import enlarged, factor_of
-from wirerope_mj.views.recording.film import film_of, strips_of
 from wirerope_mj.views.recording.multipliers import log_multipliers
 from wirerope_mj.views.recording.orbit_loops import log_orbit_loops, shown_loops
 from wirerope_mj.views.recording.orbit_text import log_texts

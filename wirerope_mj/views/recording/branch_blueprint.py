@@ -5,8 +5,8 @@ from typing import Any
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.along import POINT
+from wirerope_mj.views.recording.animation import Film
 from wirerope_mj.views.recording.camera import whole_scene
-from wirerope_mj.views.recording.film import Film
 from wirerope_mj.views.recording.frame import HEIGHT
 from wirerope_mj.views.recording.multipliers import PATH as MULTIPLIERS
 from wirerope_mj.views.recording.orbit_loops import SHAPE, loop_path, shown_loops

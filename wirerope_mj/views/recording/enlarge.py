@@ -4,7 +4,7 @@ import numpy as np
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.recording.film import with_values
+from wirerope_mj.views.recording.animation import with_values
 from wirerope_mj.views.recording.mounts import devices_of
 from wirerope_mj.views.recording.poses import conjugate, multiply
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.views.recording.along import at_points
-from wirerope_mj.views.recording.film import Film
+from wirerope_mj.views.recording.animation import Film
 from wirerope_mj.views.recording.frame import LARGE, Color, Plot, log_frame
 from wirerope_mj.views.recording.paths import child, entity
 

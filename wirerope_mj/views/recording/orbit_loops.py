@@ -9,7 +9,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.along import AlongBranch, at_points
-from wirerope_mj.views.recording.film import Film, Strip
+from wirerope_mj.views.recording.animation import Film, Strip
 from wirerope_mj.views.recording.frame import LARGE, Plot, log_frame
 from wirerope_mj.views.recording.paths import AXES, at, child, entity
 from wirerope_mj.views.recording.response_curve import level_color

@@ -9,7 +9,7 @@ from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import log_ticks
 from wirerope_mj.views.recording.along import at_points
-from wirerope_mj.views.recording.film import Film, Strip
+from wirerope_mj.views.recording.animation import Film, Strip
 from wirerope_mj.views.recording.frame import LARGE, Color, Plot, log_frame
 from wirerope_mj.views.recording.paths import child, entity
 

@@ -1,10 +1,11 @@
-"""Views that a recording of one response and that of several share: scenes, plots over time, loops, and the time panel."""
+"""Views of every recording: scenes, plots over time, loops, tabs, and the time panel."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 from wirerope_mj.views.recording.camera import Camera
 from wirerope_mj.views.recording.frame import HEIGHT
+from wirerope_mj.views.recording.histories import Graph
 from wirerope_mj.views.recording.paths import TIMELINE
 
 SLOW_MOTION = 0.05
@@ -14,7 +15,7 @@ _BACKGROUND = [24, 27, 31]
 
 
 def layout(content: Any, window: tuple[float, float]) -> Any:
-    """Return the blueprint of what is seen: paused at the start of `window` [s], which is what playing repeats."""
+    """Return the blueprint of `content`: paused at the start of `window` [s], which is what playing repeats."""
     import rerun as rr
     import rerun.blueprint as rrb
 
@@ -58,13 +59,23 @@ def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) 
     )
 
 
-def series_view(origin: str, name: str, window: tuple[float, float]) -> Any:
-    """Return a plot over `window` [s] of the series below `origin`."""
+def tabs_with(entries: list[Any], argument: str, name: str) -> Any:
+    """Return tabs with that called `name` in front, which `argument` asked for; ValueError if there is none."""
+    import rerun.blueprint as rrb
+
+    names = [str(entry.name) for entry in entries]
+    if name not in names:
+        raise ValueError(f"`{argument}` must be one of {', '.join(names)}, got {name!r}.")
+    return rrb.Tabs(*entries, active_tab=names.index(name))
+
+
+def graph_view(graph: Graph, window: tuple[float, float]) -> Any:
+    """Return a plot over `window` [s]."""
     import rerun.blueprint as rrb
 
     return rrb.TimeSeriesView(
-        origin=origin,
-        name=name,
+        origin=graph.path,
+        name=graph.title,
         axis_x=time_axis(window),
         plot_legend=rrb.PlotLegend(visible=True, corner=rrb.Corner2D.RightTop),
     )
@@ -106,7 +117,7 @@ def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, floa
 
 
 def event_view(origin: str) -> Any:
-    """Return the log of what happens, as it stands below `origin`."""
+    """Return the log of the events below `origin`."""
     import rerun.blueprint as rrb
 
     return rrb.TextLogView(
