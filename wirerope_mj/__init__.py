@@ -118,7 +118,6 @@ from wirerope_mj.mounts.laws import Zener as Zener
 from wirerope_mj.mounts.test_rig import cyclic_test as cyclic_test
 from wirerope_mj.mounts.test_rig import load_cycles as load_cycles
 from wirerope_mj.mounts.test_rig import load_cyclic_test as load_cyclic_test
-from wirerope_mj.mounts.test_rig import load_cyclic_test as read_cyclic_test
 from wirerope_mj.mounts.test_rig import save_cyclic_test as save_cyclic_test
 from wirerope_mj.mounts.test_rig import steady_loops as steady_loops
 from wirerope_mj.runs import replay as replay
@@ -141,3 +140,6 @@ from wirerope_mj.studies import redrawn as redrawn
 from wirerope_mj.studies import sobol_indices as sobol_indices
 from wirerope_mj.views.recording import record_overlay as record_overlay
 from wirerope_mj.views.recording import record_rerun as record_rerun
+
+read_cyclic_test = load_cyclic_test
+"""Earlier name of it."""
