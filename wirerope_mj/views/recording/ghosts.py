@@ -9,6 +9,7 @@ from wirerope_mj.engine.response.scene import SceneBody
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.camera import scene_extent, whole_scene
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
+from wirerope_mj.views.recording.enlarge import round_down
 from wirerope_mj.views.recording.paths import Below, at, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, rotate
 from wirerope_mj.views.recording.scene import scene_rows
@@ -22,11 +23,9 @@ _OPAQUE = 0.38
 _SEEN = 0.04
 """Fraction of the scene's size that the largest motion is to have in the picture."""
 
-_ROUND = (1.0, 2.0, 5.0)
-
 
 def ghost_factor(overlay: Overlay) -> float:
-    """Return how much larger than they are motions are drawn, a round number; 1 where they are large enough."""
+    """Return the round factor by which motions are drawn larger; 1 where they are large enough."""
     travel, extent = 0.0, 0.0
     for run in overlay.runs:
         extent = max(extent, scene_extent(run.response.scene)[1])
@@ -34,9 +33,7 @@ def ghost_factor(overlay: Overlay) -> float:
             travel = max(travel, float(np.abs(frame.position - _modelled(run, body)[0]).max()))
     if travel == 0.0 or _SEEN * extent <= travel:
         return 1.0
-    wanted = _SEEN * extent / travel
-    decade = 10.0 ** np.floor(np.log10(wanted))
-    return float(decade * max(part for part in _ROUND if part * decade <= wanted * (1.0 + 1e-9)))
+    return round_down(_SEEN * extent / travel)
 
 
 def log_ghosts(rec: Any, overlay: Overlay) -> None:
@@ -83,7 +80,7 @@ def _riding(run: DrawnRun) -> list[tuple[SceneBody, Frame]]:
 
 
 def _modelled(run: DrawnRun, body: SceneBody) -> tuple[Array, Array]:
-    """Return where a body stands in the modelled geometry in the frame that its own is in: position (3,), quaternion."""
+    """Return position (3,) and quaternion of a body in the modelled geometry, in the frame that its own is in."""
     scene, frame = run.response.scene, run.frames[body.name]
     parent = frame.path.rsplit("/", 1)[0]
     name = next((name for name, other in run.frames.items() if other.path == parent and name != "world"), None)

@@ -3,10 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from wirerope_mj.views.recording.camera import Camera
+from wirerope_mj.engine.response import Response
+from wirerope_mj.views.recording.camera import Camera, whole_scene
 from wirerope_mj.views.recording.frame import HEIGHT
 from wirerope_mj.views.recording.histories import Graph
-from wirerope_mj.views.recording.paths import TIMELINE
+from wirerope_mj.views.recording.paths import TIMELINE, entity
+from wirerope_mj.views.recording.poses import Frame
 
 SLOW_MOTION = 0.05
 """Playback speed for a shock: an event of half a second takes ten."""
@@ -20,16 +22,24 @@ def layout(content: Any, window: tuple[float, float]) -> Any:
     import rerun.blueprint as rrb
 
     start, end = (rr.TimeInt(seconds=instant) for instant in window)
+    panel = rrb.TimePanel(
+        state="collapsed",
+        timeline=TIMELINE,
+        playback_speed=_speed(window),
+        play_state="paused",
+        loop_mode="selection",
+        time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
+    )
+    return opening(content, panel)
+
+
+def opening(content: Any, panel: Any) -> Any:
+    """Return the blueprint of `content` and a time panel alone."""
+    import rerun.blueprint as rrb
+
     return rrb.Blueprint(
         content,
-        rrb.TimePanel(
-            state="collapsed",
-            timeline=TIMELINE,
-            playback_speed=_speed(window),
-            play_state="paused",
-            loop_mode="selection",
-            time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
-        ),
+        panel,
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
         rrb.TopPanel(state="hidden"),
@@ -67,6 +77,14 @@ def tabs_with(entries: list[Any], argument: str, name: str) -> Any:
     if name not in names:
         raise ValueError(f"`{argument}` must be one of {', '.join(names)}, got {name!r}.")
     return rrb.Tabs(*entries, active_tab=names.index(name))
+
+
+def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *, away: float = 1.0) -> Any:
+    """Return a view of everything, from `away` times as far as the modelled geometry needs."""
+    base, camera = response.scene.base, whole_scene(response)
+    camera = Camera(eye=camera.target + away * (camera.eye - camera.target), target=camera.target)
+    origin = frames[base].path if base in response.bodies else entity("world")
+    return scene_view(origin, ["+ " + entity("world") + "/**"], name, camera)
 
 
 def graph_view(graph: Graph, window: tuple[float, float]) -> Any:
