@@ -8,7 +8,8 @@ import numpy as np
 from wirerope_mj.views.recording.camera import whole_scene
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.events import lane_paths
-from wirerope_mj.views.recording.histories import DIRECTIONS, TOTAL, UNITS, Graphs
+from wirerope_mj.views.recording.graphs import Graphs
+from wirerope_mj.views.recording.histories import DIRECTIONS, TOTAL, UNITS
 from wirerope_mj.views.recording.loops import LoopPlot, grid_shape
 from wirerope_mj.views.recording.mounts import BESIDE, close_up_of
 from wirerope_mj.views.recording.paths import entity

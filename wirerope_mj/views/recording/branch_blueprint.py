@@ -37,14 +37,7 @@ def loop_grid(loops: int) -> tuple[int, float]:
 
 
 def branch_blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float) -> Any:
-    """Return the layout of the viewer.
-
-    Args:
-        scene: response from which the scene is drawn, its motions `factor` times as large.
-        animation: the motions that are played.
-        frames: frames of the bodies.
-        factor: of the motions in the scene.
-    """
+    """Return the layout of the viewer; `scene` is the response that is drawn, with motions `factor` times as large."""
     import rerun.blueprint as rrb
 
     texts = rrb.Tabs(

@@ -12,11 +12,11 @@ from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
 from wirerope_mj.views.recording.frame import HEIGHT
 from wirerope_mj.views.recording.ghosts import ROOT as GHOSTS
 from wirerope_mj.views.recording.ghosts import ghost_factor
+from wirerope_mj.views.recording.graphs import Graphs
 from wirerope_mj.views.recording.histories import (
     DIRECTIONS,
     TOTAL,
     UNITS,
-    Graphs,
     difference_key,
     differing,
     shown_parts,

@@ -30,6 +30,13 @@ class Plot:
     upward: tuple[float, float]
     width: float
 
+    @classmethod
+    def around(cls, low: Array, high: Array, width: float) -> "Plot":
+        """Return a plot of the ranges between two corners (2,), and a little room."""
+        room = 0.06 * np.maximum(high - low, 1e-6)
+        low, high = low - room, high + room
+        return cls(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
+
     @property
     def scale(self) -> tuple[float, float]:
         """Units of the view per unit across and upward; the view's y points down."""
@@ -66,8 +73,7 @@ def log_frame(
         rec: recording stream.
         path: entity of the frame.
         plot: ranges.
-        across: where upright lines stand.
-        upward: where level lines stand.
+        across, upward: positions of upright and of level lines.
         names: of these lines; None: the numbers themselves.
         marked: positions across of lines in a colour of their own.
         lift: by which the numbers beside the frame are raised to stand at their lines, in units of the view: the viewer hangs

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.histories import MountResponse
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
@@ -107,9 +108,7 @@ def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
         shown = selection.shown(axis)
         for name in selection.ranked[axis]:
             mount = response.mounts[name]
-            values = np.column_stack(
-                [in_unit(mount.deflection[:, number], "mm"), in_unit(mount.force[:, number], "kN")]
-            )
+            values = loop_points(mount, number)
             line = rows_of_line(response.time, values, _tolerance(values, _FINE), limit=response.time.size)
             outline = line[rows_of_extremes(values[line], MOST_TRAIL_ROWS)]
             if name not in shown:
@@ -183,6 +182,11 @@ def log_loops(rec: Any, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: Sequ
             _log_trail(rec, path, loop, color, cursor=_CURSOR if alone else color, order=order)
 
 
+def loop_points(mount: MountResponse, axis: int) -> Array:
+    """Return deflection and force of a mount along an axis [mm, kN], (n_t, 2)."""
+    return np.column_stack([in_unit(mount.deflection[:, axis], "mm"), in_unit(mount.force[:, axis], "kN")])
+
+
 def _trail_rows(time: Array, values: Array, line: Rows) -> Rows:
     """Return the rows of trail and cursor.
 
@@ -209,10 +213,7 @@ def _plot(loop: Array, mount: SceneMount, axis: str, width: float) -> Plot:
             near = low[0] if limit < 0.0 else high[0]
             if near / in_unit(limit, "mm") > 0.5:
                 low[0], high[0] = min(low[0], in_unit(limit, "mm")), max(high[0], in_unit(limit, "mm"))
-    low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
-    room = 0.06 * np.maximum(high - low, 1e-6)
-    low, high = low - room, high + room
-    return Plot(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
+    return Plot.around(np.minimum(low, 0.0), np.maximum(high, 0.0), width)
 
 
 def _log_loop_frame(rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount], axis: str, *, lift: float) -> None:
