@@ -73,7 +73,8 @@ def log_frame(
         rec: recording stream.
         path: entity of the frame.
         plot: ranges.
-        across, upward: positions of upright and of level lines.
+        across: positions of upright lines.
+        upward: positions of level lines.
         names: of these lines; None: the numbers themselves.
         marked: positions across of lines in a colour of their own.
         lift: by which the numbers beside the frame are raised to stand at their lines, in units of the view: the viewer hangs
