@@ -56,6 +56,12 @@ class Plot:
         return rr.Transform3D(translation=[*self.points(0.0, 0.0)[0], 0.0], scale=[sx, sy, 1.0])
 
 
+def fitting_width(pane: tuple[float, float], columns: int, rows: int, *, least: float = 0.8) -> float:
+    """Return the width of a plot's frame that fills its cell of a pane [points] as far as a width over height of 3."""
+    wide, high = pane[0] / columns - 60.0, pane[1] / rows - 62.0  # each view has a title, and ticks need room
+    return HEIGHT * min(max(wide / high, least), 3.0)
+
+
 def log_frame(
     rec: Any,
     path: str,
