@@ -13,7 +13,7 @@ from wirerope_mj.views.recording.paths import AXES, entity
 from wirerope_mj.views.recording.poses import Frame
 from wirerope_mj.views.recording.response_curve import PATH as RESPONSE
 from wirerope_mj.views.recording.response_curve import WIDTH
-from wirerope_mj.views.recording.views import opening
+from wirerope_mj.views.recording.views import opening, whole_scene_view
 
 PANE = (640.0, 500.0)
 """Width and height [points] of the pane of loops on a full-HD screen."""
