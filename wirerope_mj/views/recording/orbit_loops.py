@@ -85,7 +85,7 @@ def _log(rec: Any, path: str, plot: Plot, animation: Animation, strips: list[Str
     for strip, rows in zip(strips, loops, strict=True):
         below = child(path, f"level_{strip.number + 1}")
         stable = strip.branch.stable[strip.points]
-        radii = [rr.Radius.uiloop_points(1.5 if good else 0.7) for good in stable]
+        radii = [rr.Radius.ui_points(1.5 if good else 0.7) for good in stable]
         rec.log(below, rr.LineStrips2D.from_fields(colors=level_color(strip.number)), static=True)
         columns = rr.LineStrips2D.columns(strips=[loop.astype(np.float32) for loop in rows], radii=radii)
         rec.send_columns(below, at_points(animation, strip), columns)
@@ -95,6 +95,6 @@ def _log_cursor(rec: Any, path: str, animation: Animation, points: Array) -> Non
     """Log deflection and force of the mount at every instant of the animation."""
     import rerun as rr
 
-    look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.uiloop_points(4.5), draw_order=50.0)
+    look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
     rec.log(path, look, static=True)
     along_branch(rec, animation).send_columns(path, at(animation.response.time), rr.Points2D.columns(positions=points))
