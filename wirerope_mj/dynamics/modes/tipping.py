@@ -13,6 +13,7 @@ from wirerope_mj.dynamics.modes.rest import AtRest
 from wirerope_mj.engine.statics.payloads import movers_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.json_values import json_values
 
 AMPLE = 3.0
 """Gravity factor from which a payload stands safely; less is called slender."""
@@ -54,13 +55,16 @@ class TippingStability:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; what is infinite is None."""
-        values = {
-            "smallest_eigenvalue_1_s2": self.smallest_eigenvalue,
-            "gravity_factor": self.gravity_factor,
-            "rise_m": self.rise,
-            "gravity_factor_on_loading": self.softest,
-        }
-        return {"word": self.word, **{name: v if np.isfinite(v) else None for name, v in values.items()}}
+        values: dict[str, Any] = json_values(
+            {
+                "word": self.word,
+                "smallest_eigenvalue_1_s2": self.smallest_eigenvalue,
+                "gravity_factor": self.gravity_factor,
+                "rise_m": self.rise,
+                "gravity_factor_on_loading": self.softest,
+            }
+        )
+        return values
 
 
 def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> TippingStability:

@@ -12,6 +12,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.rotation import rotation_matrices
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import COLOURS, WIDTH, report_style, short
 
@@ -98,13 +99,13 @@ def crowded_label(scene: Scene) -> tuple[str, int] | None:
 def mount_place(scene: Scene, mount: SceneMount) -> Array:
     """Return where a mount stands in the modelled geometry, world frame [m], (3,)."""
     body = next(body for body in scene.bodies if body.name == mount.base_body)
-    return np.asarray(body.position + _rotation(body.orientation) @ mount.base_point)
+    return np.asarray(body.position + rotation_matrices(body.orientation) @ mount.base_point)
 
 
 def axial_direction(scene: Scene, mount: SceneMount) -> Array:
     """Return a mount's axial direction in the world frame of the modelled geometry, (3,)."""
     body = next(body for body in scene.bodies if body.name == mount.base_body)
-    return np.asarray(_rotation(body.orientation) @ mount.axes[:, 2])
+    return np.asarray(rotation_matrices(body.orientation) @ mount.axes[:, 2])
 
 
 def _drawn(scene: Scene) -> tuple[list[tuple[SceneBody, Geom, Array]], dict[str, Array], Array]:
@@ -196,8 +197,8 @@ def _frame(panel: Any, view: View, everything: Array) -> None:
 
 def _points(body: SceneBody, geom: Geom) -> Array:
     """Return points whose convex hull is the geom, world frame of the modelled geometry [m], (n, 3)."""
-    local = _local_points(geom) @ _rotation(geom.orientation).T + geom.position
-    return np.asarray(local @ _rotation(body.orientation).T + body.position)
+    local = _local_points(geom) @ rotation_matrices(geom.orientation).T + geom.position
+    return np.asarray(local @ rotation_matrices(body.orientation).T + body.position)
 
 
 def _local_points(geom: Geom) -> Array:
@@ -227,15 +228,3 @@ def _outline(points: Array) -> Array:
         return np.asarray(points[ConvexHull(points).vertices])
     except QhullError:
         return points
-
-
-def _rotation(quaternion: Array) -> Array:
-    """Return the matrix of a unit quaternion, w first, (3, 3)."""
-    w, x, y, z = quaternion
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
