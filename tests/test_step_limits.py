@@ -150,8 +150,8 @@ def test_a_step_of_the_scenario_gives_way_to_the_accuracy_asked_for(made, tmp_pa
         (["--accuracy", "0"], "`--accuracy` is a fraction of the peaks, above 0 and below 1, got 0."),
         (["--accuracy", "2"], "`--accuracy` is a fraction of the peaks, above 0 and below 1, got 2."),
         (["--accuracy", "nan"], "above 0 and below 1, got nan."),
-        (["--timestep", "-1"], "`--timestep` must be a positive number of seconds, got -1."),
-        (["--timestep", "inf"], "`--timestep` must be a positive number of seconds, got inf."),
+        (["--timestep", "-1"], "`--timestep` must be > 0 [s], got -1.0."),
+        (["--timestep", "inf"], "`--timestep` must be a finite number"),
     ],
 )
 def test_what_is_no_accuracy_and_no_step_is_refused(made, commands, capsys, options, message):

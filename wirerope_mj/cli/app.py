@@ -90,7 +90,7 @@ def study(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=Tru
     wirerope study STUDY [OPTIONS] [--out FOLDER] [--resume] [--force] [--workers N] [--by MEASURE] [--open-worst K]
 
     STUDY is the path of a study file or the name of one that ships with the package; `wirerope study --list` shows those,
-    and `wirerope study STUDY --help` the options of one. A study that was interrupted goes on with --resume --out FOLDER.
+    and `wirerope study STUDY --help` the options of one. A study that was interrupted is resumed with --resume --out FOLDER.
 
     wirerope study SCENARIO --vary "NAME = DISTRIBUTION" [--vary ...] [--variants N] [--sampling S] [OPTIONS]
 
@@ -151,8 +151,8 @@ def _replayed(result: "Replay") -> str:
         return "every stored number is bit-identical: samples, peaks, states and summary."
     if math.isinf(result.largest_difference):
         return f"{result.column} is not what is computed from the folder; the numbers do not agree."
-    word = "rounding, as of another processor" if result.agrees else "the numbers do not agree"
-    return f"largest difference {result.largest_difference:.3g}, relative to the peak, in {result.column}; {word}."
+    cause = "rounding, as of another processor" if result.agrees else "the numbers do not agree"
+    return f"largest difference {result.largest_difference:.3g}, relative to the peak, in {result.column}; {cause}."
 
 
 app.command(loops)
@@ -234,23 +234,23 @@ def estimate(
 
 
 @contextmanager
-def _warnings_said() -> Iterator[None]:
+def _warnings_shown() -> Iterator[None]:
     """Print warnings about a model, a record, a response or a study, as one line each on standard error, without code."""
     ours = (ModelWarning, RecordWarning, AccuracyWarning, ClusterWarning, StudyWarning)
     with warnings.catch_warnings():
         for kind in ours:
             warnings.simplefilter("always", kind)
-        others, said = warnings.showwarning, set[str]()
+        others, shown = warnings.showwarning, set[str]()
 
-        def say(message: Warning | str, category: type[Warning], *where: Any) -> None:
+        def display(message: Warning | str, category: type[Warning], *location: Any) -> None:
             if issubclass(category, ours):
-                if str(message) not in said:
-                    said.add(str(message))
+                if str(message) not in shown:
+                    shown.add(str(message))
                     _say(f"warning: {message}")
             else:
-                others(message, category, *where)
+                others(message, category, *location)
 
-        warnings.showwarning = say  # type: ignore[assignment]
+        warnings.showwarning = display  # type: ignore[assignment]
         yield
 
 
@@ -265,24 +265,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         signal(SIGTERM, default_int_handler)
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        with _warnings_said():
-            code = app(
-                given,
-                exit_on_error=False,
-                print_error=False,
-                result_action="return_value",
-            )
+        with _warnings_shown():
+            code = app(given, exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
         return code if isinstance(code, int) else 0
-    except (
-        BrokenPipeError
-    ):  # the reader, `head` for instance, has seen enough; the interpreter must not flush into it again
+    except BrokenPipeError:  # the reader, such as `head`, has seen enough; the interpreter must not flush into it again
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except KeyboardInterrupt as error:
         _say("interrupted; no half-written result was left behind.")
-        for words in error.args:  # how it goes on
-            _say(words)
+        for remedy in error.args:  # how it is resumed
+            _say(remedy)
         return INTERRUPTED
     except CycloptsError as error:
         _say(option_message(error, given))

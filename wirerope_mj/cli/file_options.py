@@ -9,9 +9,9 @@ from cyclopts import App, Parameter
 from wirerope_mj.cli.integers import integers
 
 
-def own_option(name: str, kind: Any, default: Any, words: str, **more: Any) -> inspect.Parameter:
+def own_option(name: str, kind: Any, default: Any, text: str, **more: Any) -> inspect.Parameter:
     """Return an option of the command itself: its name, type, default, and what --help says."""
-    annotation = Annotated[kind, Parameter(help=words, **more)]
+    annotation = Annotated[kind, Parameter(help=text, **more)]
     return inspect.Parameter(
         name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=_integer(annotation, kind)
     )

@@ -26,7 +26,7 @@ DEFAULT = 1.0
 
 
 def frf_command(model: str, options: ResponseOptions, *, keep: Path | None, out: Path | None, force: bool) -> int:
-    """Compute a frequency response, write its folder, print what was found; return the exit code."""
+    """Compute a frequency response, write its folder, print its peaks and events; return the exit code."""
     system = load_system(model)
     folder = out or Path("runs") / f"{system.name}-frf-{datetime.now():%Y%m%d-%H%M%S}"
     check_target(folder, force=force, kind=KIND, marks=MARKS)

@@ -3,25 +3,27 @@
 import math
 from collections.abc import Sequence
 
-from rich import box
 from rich.markup import escape
-from rich.table import Table
 
-from wirerope_mj.cli.screen import console
+from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.peaks import ResonancePeak
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.directions import direction_text
-
-Row = tuple[str, float, float, float, str]
-"""Name, frequency [Hz], amplitude [m/s^2], transmissibility, and a note."""
+from wirerope_mj.foundation.tables import Column, Row, Table
 
 _MARKED = 0.1
 """Ratio to the fundamental from which another harmonic gives a peak its name."""
 
-_COLUMNS = ("frequency\n[Hz]", "amplitude\n[m/s^2]", "transmis-\nsibility")
+_COLUMNS = (
+    Column(align="left"),
+    Column("frequency", "Hz", ".5g"),
+    Column("amplitude", "m/s^2", ".4g"),
+    Column("transmis-\nsibility", form=".4g"),
+    Column(align="text"),
+)
 
 
 def print_response(result: FrequencyResponse, findings: Sequence[LevelSummary]) -> None:
@@ -37,30 +39,14 @@ def print_response(result: FrequencyResponse, findings: Sequence[LevelSummary]) 
     )
     for summary in findings:
         screen.print()
-        screen.print(_table(summary))
-        for sentence in _sentences(summary, options.rate):
-            screen.print(f"  {escape(sentence)}", soft_wrap=True)
-
-
-def _table(summary: LevelSummary) -> Table:
-    level = summary.level
-    table = Table(
-        box=box.SIMPLE_HEAD, title=f"Level {level.acceleration:.4g} m/s^2", title_style="bold", title_justify="left",
-        show_edge=False,
-    )  # fmt: skip
-    table.add_column("")
-    for name in _COLUMNS:
-        table.add_column(escape(name), justify="right", no_wrap=True)
-    table.add_column("")
-    for what, frequency, amplitude, transmissibility, note in _rows(summary):
-        numbers = [f"{frequency:.5g}", f"{amplitude:.4g}", f"{transmissibility:.4g}"]
-        table.add_row(escape(what), *numbers, escape(note))
-    return table
+        print_table(Table(title=f"Level {summary.level.acceleration:.4g} m/s^2", columns=_COLUMNS, rows=_rows(summary)))
+        print_lines(_sentences(summary, options.rate))
 
 
 def _rows(summary: LevelSummary) -> list[Row]:
     """Return the rows of a level's table: peaks, then what happens on the branch in its order, then the sweeps."""
-    level, rows = summary.level, [_peak_row(peak, first=n == 0) for n, peak in enumerate(summary.peaks)]
+    level = summary.level
+    rows: list[Row] = [_peak_row(peak, first=n == 0) for n, peak in enumerate(summary.peaks)]
     if level.branch is not None:
         rows += _event_rows(level.branch)
     for direction, seen in summary.comparisons.items():
@@ -76,10 +62,10 @@ def _rows(summary: LevelSummary) -> list[Row]:
 def _peak_row(peak: ResonancePeak, *, first: bool) -> Row:
     harmonic = f"{peak.harmonic}: {100.0 * peak.share:.3g} % of the fundamental"
     if first:
-        what = "highest at the edge of the range" if peak.at_edge else "resonance peak"
+        name = "highest at the edge of the range" if peak.at_edge else "resonance peak"
     else:
-        what = f"peak of {peak.harmonic}" if peak.share >= _MARKED else "further peak"
-    return what, peak.frequency, peak.amplitude, peak.transmissibility, harmonic
+        name = f"peak of {peak.harmonic}" if peak.share >= _MARKED else "further peak"
+    return name, peak.frequency, peak.amplitude, peak.transmissibility, harmonic
 
 
 def _event_rows(branch: Branch) -> list[Row]:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.markup import escape
 
-from wirerope_mj.cli.screen import console, print_table
+from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.identification.families import family_of
@@ -206,11 +206,10 @@ def _print(request: Request, name: str, result: Identification, fits: Sequence[F
     screen.print(
         f"[bold]{escape(name)}[/], {request.axis}: {_count(len(fits), 'loop')} of {_count(len(tests), 'file')}"
     )
-    screen.print(f"  {escape(law_text(result))}", soft_wrap=True)
+    print_lines([law_text(result)])
     for table in (parameter_table(result), loop_table(fits), stage_table(result)):
         print_table(table)
-    for text in findings(result, fits) + loop_warnings(tests, result):
-        screen.print(f"  {escape(text)}", soft_wrap=True)
+    print_lines([*findings(result, fits), *loop_warnings(tests, result)])
 
 
 def _count(number: int, noun: str) -> str:

@@ -7,16 +7,16 @@ from cyclopts import Parameter, Token
 
 
 def integers(hint: Any, tokens: Sequence[Token]) -> int | list[int]:
-    """Return the integer or numbers of an option."""
+    """Return the integer or the integers of an option."""
     several = get_origin(hint) is list
-    found = []
+    numbers = []
     for token in tokens:
         try:
-            found.append(int(token.value))
+            numbers.append(int(token.value))
         except ValueError:
             name = f"`{token.keyword}` " if several else ""  # the parser names options of one value itself
             raise ValueError(f"{name}must be an integer, got {token.value}.") from None
-    return found if several else found[0]
+    return numbers if several else numbers[0]
 
 
 Integer = Annotated[int, Parameter(converter=integers)]

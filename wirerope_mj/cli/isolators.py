@@ -77,11 +77,14 @@ def fit_isolator(datasheet: Path, out: Path) -> None:
     """Write the isolator of a data sheet and print every value of the sheet beside that of the fit."""
     isolator = fit_datasheet(datasheet)
     isolator.save(out)
-    print(f"{'axis':<13}{'value':<26}{'unit':<6}{'vendor':>12}{'fitted':>12}{'error':>10}")
-    for row in compare(datasheet, isolator):
-        vendor = "" if row.vendor is None else f"{row.vendor:.6g}"
-        error = "" if row.error is None else f"{round(100.0 * row.error, 2) + 0.0:+.2f} %"
-        print(f"{row.axis:<13}{row.name:<26}{row.unit:<6}{vendor:>12}{row.fitted:>12.6g}{error:>10}")
+    columns = [
+        *(Column(name, align="left") for name in ("axis", "value", "unit")),
+        *(Column(name, form=".6g") for name in ("vendor", "fitted")),
+        Column("error", "%", "+z.2f"),
+    ]
+    compared = compare(datasheet, isolator)
+    rows = [[row.axis, row.name, row.unit, row.vendor, row.fitted, row.error] for row in compared]
+    print_table(Table(title="", columns=columns, rows=rows))
     print(plain(f"written: {out}"))
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from rich.markup import escape
 
 from wirerope_mj.cli.isolators import check_picture, describe
-from wirerope_mj.cli.screen import console, print_table
+from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.tables import Cell, Column, Table
@@ -128,8 +128,7 @@ def _print(
     rows = [[title, *_row(loop, laws[title])] for title, loops in tests.items() for loop in loops]
     print_table(Table(title="", columns=_COLUMNS, rows=rows))
     for title, loops in tests.items():
-        for text in _findings(loops):
-            screen.print(f"  {title}: {escape(text)}", soft_wrap=True)
+        print_lines(f"{title}: {text}" for text in _findings(loops))
 
 
 def _row(loop: Loop, law: Law) -> list[Cell]:

@@ -6,10 +6,8 @@ from datetime import datetime
 from pathlib import Path
 
 from rich.markup import escape
-from rich.table import Table
 
-from wirerope_mj.cli.screen import console
-from wirerope_mj.cli.statics_tables import plain_table, stability_text
+from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.dynamics.modes.carried import carried
 from wirerope_mj.dynamics.modes.travel import travel_utilisation
@@ -18,6 +16,7 @@ from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.tables import Column, Row, Table
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 from wirerope_mj.runs.folder import check_target
 from wirerope_mj.runs.modes import KIND, MARKS, write_modes
@@ -48,12 +47,8 @@ def modes_command(
     else:
         write_modes(system, system.name, [small, *large], target, force=force)
     print_modes(system.name, small, large)
-    screen = console()
-    for sentence in about_small(system, small):
-        screen.print(f"  {sentence}", soft_wrap=True, markup=False)
-    for sentence in (*beyond_rating(system, large), *about_rest(system, small, large)):
-        screen.print(f"  {sentence}", soft_wrap=True, markup=False)
-    written = f"{target}" if alone else f"{target}/"
+    print_lines([*about_small(system, small), *beyond_rating(system, large), *about_rest(system, small, large)])
+    screen, written = console(), f"{target}" if alone else f"{target}/"
     screen.print(f"\n  written to {escape(written)}", soft_wrap=True)
     screen.print(f"  [bold]wirerope show {escape(str(target))}[/] opens the view", soft_wrap=True)
     return 0
@@ -63,11 +58,13 @@ def print_modes(name: str, small: Modes, large: Sequence[Modes]) -> None:
     """Print the modes of small cycles and of larger ones, each in the row of its mode."""
     screen = console()
     screen.print()
-    screen.print(_table(name, small, large))
+    print_table(_table(name, small, large))
     screen.print()
-    screen.print(f"  {stability_text(small.stability)}", soft_wrap=True, markup=False)
-    screen.print(
-        "  Damping in brackets. x, y, z: share of the moving mass that takes part.", soft_wrap=True, markup=False
+    print_lines(
+        [
+            small.stability.description,
+            "Damping in brackets. x, y, z: fraction of the moving mass that takes part.",
+        ]
     )
 
 
@@ -122,21 +119,22 @@ def about_rest(system: System, small: Modes, large: Sequence[Modes]) -> Iterator
 
 
 def _table(name: str, small: Modes, large: Sequence[Modes]) -> Table:
-    headings = ["small\n[Hz]", "loading\n[Hz]", "unloading\n[Hz]"]
-    headings += [f"{1e3 * (modes.amplitude or 0.0):g} mm\n[Hz]" for modes in large]
-    headings += ["x\n[%]", "y\n[%]", "z\n[%]"]
-    table = plain_table(f"{name}: modes about the {small.history} position", "", headings)
-    table.add_column("")
+    sizes = [f"{1e3 * (modes.amplitude or 0.0):g} mm" for modes in large]
+    columns = [
+        Column(align="left"),
+        *(Column(f"{heading}\n[Hz]") for heading in ("small", "loading", "unloading", *sizes)),
+        *(Column(axis, "%", ".1f") for axis in "xyz"),
+        Column(align="text"),
+    ]
     indices = [small.indices_in(modes) for modes in large]
+    rows: list[Row] = []
     for row, description in enumerate(small.descriptions):
         cells = [_hertz(small.frequencies[row], small.damping_ratio[row])]
-        cells += [_hertz(value) for value in (small.loading[row], small.unloading[row])]
-        for modes_of_size, index in zip(large, indices, strict=True):
-            at = index[row]
-            cells.append(_hertz(modes_of_size.frequencies[at], modes_of_size.damping_ratio[at]))
-        cells += [f"{100.0 * ratio:.1f}" for ratio in small.participation[row]]
-        table.add_row(str(row + 1), *cells, escape(description))
-    return table
+        cells += [_hertz(values[row]) for values in (small.loading, small.unloading)]
+        for larger, index in zip(large, indices, strict=True):
+            cells.append(_hertz(larger.frequencies[index[row]], larger.damping_ratio[index[row]]))
+        rows.append([str(row + 1), *cells, *small.participation[row], description])
+    return Table(title=f"{name}: modes about the {small.history} position", columns=columns, rows=rows)
 
 
 def _hertz(frequency: float, damping: float | None = None) -> str:

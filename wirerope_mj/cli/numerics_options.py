@@ -1,10 +1,10 @@
 """Options of commands that simulate: the accuracy for which a step is chosen, or the step itself."""
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
 from wirerope_mj.cli.file_options import own_option
+from wirerope_mj.foundation.arguments import positive
 
 ACCURACY = "error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default"
 TIMESTEP = "largest step [s], in place of one that is chosen; no error is estimated then"
@@ -27,8 +27,8 @@ def with_numerics(simulate: Mapping[str, Any], *, accuracy: float | None, timest
         )
     if accuracy is not None and not 0.0 < accuracy < 1.0:
         raise ValueError(f"`--accuracy` is a fraction of the peaks, above 0 and below 1, got {accuracy:g}.")
-    if timestep is not None and not (timestep > 0.0 and math.isfinite(timestep)):
-        raise ValueError(f"`--timestep` must be a positive number of seconds, got {timestep:g}.")
+    if timestep is not None:
+        positive("--timestep", timestep, unit="s")
     given = {name: value for name, value in (("accuracy", accuracy), ("timestep", timestep)) if value is not None}
     kept = {name: value for name, value in simulate.items() if not given or name not in ("accuracy", "timestep")}
     return kept | given

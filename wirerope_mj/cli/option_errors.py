@@ -29,8 +29,7 @@ def _fault(error: CycloptsError) -> str:
 
 def _command(arguments: Sequence[str]) -> str:
     """Return the command as it is called, with the scenario or study whose options are meant."""
-    words = ["wirerope", *arguments[:1]]
+    parts = ["wirerope", *arguments[:1]]
     if list(arguments[:1]) in (["run"], ["study"]) or list(arguments[:2]) == ["isolators", "fit"]:
-        words += arguments[1:2]
-    known = [word for word in words if not word.startswith("-")]
-    return " ".join(known)
+        parts += arguments[1:2]
+    return " ".join(part for part in parts if not part.startswith("-"))

@@ -1,5 +1,6 @@
 """The screen: its console, on which no text can move the cursor, and tables on it."""
 
+from collections.abc import Iterable
 from typing import Any
 
 from rich import box
@@ -55,7 +56,14 @@ def print_table(table: Table) -> None:
         shown.add_row(*(_text(text, tone) for text, tone in row))
     screen.print(shown)
     if table.note:
-        screen.print(f"  {plain_lines(table.note)}", soft_wrap=True, markup=False)
+        print_lines([table.note])
+
+
+def print_lines(lines: Iterable[str], indent: str = "  ") -> None:
+    """Print lines as they are, however long they are."""
+    screen = console()
+    for line in lines:
+        screen.print(f"{indent}{line}", soft_wrap=True, markup=False)
 
 
 def _text(text: str, tone: str = "") -> Text:

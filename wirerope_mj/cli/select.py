@@ -4,11 +4,7 @@ import math
 import sys
 from collections.abc import Mapping
 
-from rich.markup import escape
-from rich.table import Table
-
 from wirerope_mj.assessment.selection import (
-    Candidate,
     PartSelection,
     SimulatedShock,
     Worksheet,
@@ -16,10 +12,10 @@ from wirerope_mj.assessment.selection import (
     simulate_candidate,
 )
 from wirerope_mj.assessment.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY
-from wirerope_mj.cli.screen import console
-from wirerope_mj.cli.tables import _table
+from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 
 NOTHING_FOUND = 1
 """Exit code if no part meets the worksheet."""
@@ -35,7 +31,7 @@ def select_command(selection: PartSelection, *, rejected: bool, best: int) -> in
     _print_worksheet(selection.worksheet)
     undecided = sum(part.undecided for part in selection.rejected)
     if selection.candidates:
-        screen.print(_candidates(selection, simulated, None if rejected else _FIRST))
+        print_table(_candidates(selection, simulated, None if rejected else _FIRST))
         _print_notes(selection, simulated, failures)
     elif not undecided:
         screen.print("\n  [bold red]No part of the tables meets it.[/]")
@@ -46,7 +42,7 @@ def select_command(selection: PartSelection, *, rejected: bool, best: int) -> in
             soft_wrap=True,
         )
     if selection.rejected and (rejected or not selection.candidates):
-        screen.print(_rejected(selection, None if rejected else _NEAREST))
+        print_table(_rejected(selection, None if rejected else _NEAREST))
     elif selection.rejected:
         rest = len(selection.rejected) - undecided
         screen.print(f"  {rest} parts do not meet it; --all shows every part and says why.")
@@ -86,35 +82,37 @@ def _print_worksheet(sheet: Worksheet) -> None:
         rows.append(f"room for {1e3 * sheet.travel:.4g} mm")
     screen = console()
     screen.print(f"[bold]Worksheet[/]  {sheet.mass:.6g} kg, g = {sheet.gravity:.6g} m/s^2")
-    for row in rows:
-        screen.print(f"  {escape(row)}")
+    print_lines(rows)
 
 
 def _candidates(selection: PartSelection, simulated: Mapping[str, SimulatedShock], most: int | None) -> Table:
     """Return the table of candidates in their order."""
-    heads = ["load\n[%]", "f\n[Hz]", "travel\n[mm]", "of rated\n[%]", "peak\n[g]", "margin\n[%]"]
     of = "" if most is None or len(selection.candidates) <= most else f", the first {most}"
-    simulating = ["simul.\n[mm]", "of rated\n[%]", "simul.\n[g]", "margin\n[%]"] if simulated else []
-    table = _table(f"{len(selection.candidates)} parts meet it{of}", "part", heads)
-    table.add_column("governs", no_wrap=True)
-    for head in simulating:
-        table.add_column(escape(head), justify="right", no_wrap=True)
+    columns = [
+        Column("part", align="left"), Column("load", "%", ".0f"), Column("f", "Hz", ".2f"), *_response("travel", "peak"),
+        Column("governs", align="left"), *(_response("simul.", "simul.") if simulated else []),
+    ]  # fmt: skip
+    rows: list[Row] = []
     for one in selection.candidates[:most]:
-        cells = [_percent(one.utilisation("static load")), f"{one.frequency:.2f}", f"{1e3 * one.travel:.1f}"]
+        governing = Mark("nothing judged", "quiet") if one.governing is None else one.governing.criterion
         mark = "*" if selection.worksheet.amplifies(one.acceleration) else ""
-        cells += [_percent(one.utilisation("rated travel")), f"{_g(one.acceleration):.2f}{mark}"]
-        cells += [_margin(one.margin), _governing(one)]
-        if simulated:
-            cells += _simulated_cells(simulated.get(one.part.name))
-        table.add_row(escape(one.part.name), *cells)
-    return table
+        peak = f"{_g(one.acceleration):.2f}{mark}"
+        cells: list[Cell] = [one.part.name, _used(one.utilisation("static load")), one.frequency, one.travel]
+        cells += [_used(one.utilisation("rated travel")), peak, _margin(one.margin), governing]
+        rows.append([*cells, *(_simulated_cells(simulated.get(one.part.name)) if simulated else [])])
+    return Table(title=f"{len(selection.candidates)} parts meet it{of}", columns=columns, rows=rows)
 
 
-def _simulated_cells(run: SimulatedShock | None) -> list[str]:
+def _response(travel: str, peak: str) -> list[Column]:
+    return [
+        Column(travel, "mm", ".1f"), Column("of rated", "%", ".0f"), Column(f"{peak}\n[g]"), Column("margin", "%", "+.0f"),
+    ]  # fmt: skip
+
+
+def _simulated_cells(run: SimulatedShock | None) -> list[Cell]:
     if run is None:
-        return ["", "", "", ""]
-    peak = f"{_g(run.acceleration):.2f}"
-    return [f"{1e3 * run.travel:.1f}", _percent(run.travel_utilisation), peak, _margin(run.margin)]
+        return [""] * 4
+    return [run.travel, _used(run.travel_utilisation), f"{_g(run.acceleration):.2f}", _margin(run.margin)]
 
 
 def _rejected(selection: PartSelection, most: int | None) -> Table:
@@ -122,18 +120,18 @@ def _rejected(selection: PartSelection, most: int | None) -> Table:
     shown = selection.rejected[:most]
     of = "" if len(shown) == len(selection.rejected) else f", the nearest {len(shown)}"
     undecided = " or are not judged" if any(part.undecided for part in selection.rejected) else ""
-    table = _table(f"{len(selection.rejected)} parts do not meet it{undecided}{of}", "part", ("margin\n[%]",))
-    table.add_column("why")
-    for part in shown:
-        table.add_row(escape(part.part.name), _margin(part.margin), escape("; ".join(part.reasons)))
-    return table
+    return Table(
+        title=f"{len(selection.rejected)} parts do not meet it{undecided}{of}",
+        columns=(Column("part", align="left"), Column("margin", "%", "+.0f"), Column("why", align="text")),
+        rows=[[part.part.name, _margin(part.margin), "; ".join(part.reasons)] for part in shown],
+    )
 
 
 def _print_notes(
     selection: PartSelection, simulated: Mapping[str, SimulatedShock], failures: Mapping[str, str]
 ) -> None:
     """Print what the table rests on."""
-    screen, sheet = console(), selection.worksheet
+    sheet = selection.worksheet
     notes = [f"{name} is not simulated: {reason}" for name, reason in failures.items()]
     stiff = sum(sheet.amplifies(one.acceleration) for one in selection.candidates)
     if stiff:
@@ -171,24 +169,15 @@ def _print_notes(
             "simulated: isolators fitted from the rows, with tension and damping as assumed for the catalogue; travel from the "
             "settled position, its utilisation from the unloaded position, sag included"
         )
-    for note in notes:
-        screen.print(f"  {escape(note)}", soft_wrap=True)
+    print_lines(notes)
 
 
-def _governing(candidate: Candidate) -> str:
-    verdict = candidate.governing
-    return "[dim]nothing judged[/]" if verdict is None else verdict.criterion
+def _margin(value: float) -> Mark:
+    return Mark(value, "exceeded" if value < 0.0 else "" if math.isfinite(value) else "quiet")
 
 
-def _margin(value: float) -> str:
-    if not math.isfinite(value):
-        return "[dim]-[/]"
-    style = "bold red" if value < 0.0 else "none"
-    return f"[{style}]{100.0 * value:+.0f}[/]"
-
-
-def _percent(used: float | None) -> str:
-    return "[dim]-[/]" if used is None else f"{100.0 * used:.0f}"
+def _used(utilisation: float | None) -> Mark:
+    return Mark(utilisation, "quiet" if utilisation is None else "")
 
 
 def _g(value: float | None) -> float:

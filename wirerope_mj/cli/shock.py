@@ -123,7 +123,7 @@ def _rounded_up(seconds: float) -> float:
 
 
 def _given(options: dict[str, Any]) -> dict[str, Any]:
-    """Return the options that were given, as plain words."""
+    """Return the options that were given, as plain text."""
     plain = {name: " ".join(value) if isinstance(value, list) else value for name, value in options.items()}
     return {name: value for name, value in plain.items() if value is not None}
 

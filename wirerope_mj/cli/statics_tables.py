@@ -3,101 +3,75 @@
 import math
 from collections.abc import Iterator, Sequence
 
-from rich import box
-from rich.markup import escape
-from rich.table import Table
-
-from wirerope_mj.assessment.criteria import Verdict
-from wirerope_mj.cli.screen import console
+from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, WITHIN, Verdict
+from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.dynamics.modes import TippingStability
 from wirerope_mj.engine.statics import Sag, StaticTable
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 
-_FAR = 100.0
-"""Gravity factor and rise [m] from which both say no more than: far."""
+_MOUNT_COLUMNS = (
+    Column("axial", "mm", "z.3f"),
+    Column("across", "mm", ".3f"),
+    Column("axial load", "kN", "z.3f"),
+    Column("carries", "kN", "z.3f"),
+    Column("of the weight", "%", "z.1f"),
+    Column("of the rating", "%", ".1f"),
+)
 
 
 def print_statics(
     name: str, table: StaticTable, verdicts: Sequence[Verdict], stability: dict[str, TippingStability]
 ) -> None:
     """Print the equilibrium of a system."""
-    screen = console()
-    screen.print()
-    screen.print(_mounts(name, table, verdicts))
-    screen.print()
-    screen.print(_payloads(table))
-    screen.print()
-    for sentence in _sentences(table, verdicts, stability):
-        screen.print(f"  {sentence}", soft_wrap=True, markup=False)
-
-
-def stability_text(stability: TippingStability) -> str:
-    """Return a sentence on how far a system is from tipping over."""
-    if stability.word == "tips over":
-        return "it tips over: its mounts do not hold its weight upright."
-    if stability.word == "not held":
-        return "something moves without any stiffness: no mount, joint or stop holds it."
-    if stability.gravity_factor > _FAR and stability.rise > _FAR:
-        return f"{stability.word}, far from tipping over."
-    limits = []
-    if math.isfinite(stability.gravity_factor):
-        limits.append(f"at {stability.gravity_factor:.3g} times its weight")
-    if math.isfinite(stability.rise):
-        limits.append(f"with its centre of mass, or that of a part on a joint, {stability.rise:.3g} m higher")
-    return f"{stability.word}; it would tip over {', or '.join(limits)}."
+    for part in (_mounts(name, table, verdicts), _payloads(table)):
+        console().print()
+        print_table(part)
+    console().print()
+    print_lines(_sentences(table, verdicts, stability))
 
 
 def _mounts(name: str, table: StaticTable, verdicts: Sequence[Verdict]) -> Table:
-    """Return the table of the mounts."""
-    headings = [
-        "axial\n[mm]",
-        "across\n[mm]",
-        "axial load\n[kN]",
-        "carries\n[kN]",
-        "of the weight\n[%]",
-        "of the rating\n[%]",
-    ]
-    histories = " / ".join(table.sags)
-    rows = plain_table(f"{name}: mounts under the weight, {histories}; negative is compression", "mount", headings)
-    rows.add_column("verdict", no_wrap=True)
-    exceeded = {verdict.subject for verdict in verdicts if verdict.verdict == "exceeded"}
+    exceeded = {verdict.subject for verdict in verdicts if verdict.verdict == EXCEEDED}
     judged = {verdict.subject for verdict in verdicts if verdict.limit is not None}
-    for mount in next(iter(table.sags.values())).mounts:
-        if not any(mount in sag.listed for sag in table.sags.values()):
+    sags = list(table.sags.values())
+    rows: list[Row] = []
+    for mount in sags[0].mounts:
+        if not any(mount in sag.listed for sag in sags):
             continue
-        columns = zip(*(_cells(sag, mount) for sag in table.sags.values()), strict=True)
-        word = "[bold red]exceeded[/]" if mount in exceeded else "within" if mount in judged else "not judged"
-        rows.add_row(escape(mount), *[" / ".join(column) for column in columns], word)
-    return rows
+        values = zip(*(_values(sag, mount) for sag in sags), strict=True)
+        cells = [" / ".join(map(column.text, of)) for column, of in zip(_MOUNT_COLUMNS, values, strict=True)]
+        verdict: Cell = WITHIN if mount in judged else NOT_JUDGED
+        rows.append([mount, *cells, Mark(EXCEEDED, "exceeded") if mount in exceeded else verdict])
+    return Table(
+        title=f"{name}: mounts under the weight, {' / '.join(table.sags)}; negative is compression",
+        columns=(Column("mount", align="left"), *_MOUNT_COLUMNS, Column("verdict", align="left")),
+        rows=rows,
+    )
 
 
-def _cells(sag: Sag, mount: str) -> Iterator[str]:
+def _values(sag: Sag, mount: str) -> tuple[float | None, ...]:
     row = sag.mounts[mount]
-    yield f"{1e3 * row.deflection[2]:z.3f}"
-    yield f"{1e3 * math.hypot(*row.deflection[:2]):.3f}"
-    yield f"{1e-3 * row.force[2]:z.3f}"
-    yield f"{1e-3 * row.carries:z.3f}"
-    yield f"{100 * row.split:z.1f}" if math.isfinite(row.split) else "-"
-    yield "-" if row.utilisation is None else f"{100 * row.utilisation:.1f}"
+    return (
+        row.deflection[2], math.hypot(*row.deflection[:2]), row.force[2], row.carries, row.split, row.utilisation,
+    )  # fmt: skip
 
 
 def _payloads(table: StaticTable) -> Table:
-    headings = ["mass\n[kg]", "x [mm]", "y [mm]", "z [mm]", "about x\n[mrad]", "about y\n[mrad]", "about z\n[mrad]"]
-    rows = plain_table("Payloads: displacement of the centre of mass, tilt and turn", "payload", ["history", *headings])
-    for history, sag in table.sags.items():
-        for name, row in sag.payloads.items():
-            move = [f"{1e3 * value:z.3f}" for value in (*row.displacement, *row.rotation)]
-            rows.add_row(escape(name), history, f"{row.mass:.5g}", *move)
-    return rows
-
-
-def plain_table(title: str, first: str, numbers: list[str]) -> Table:
-    """Return a table of one column of names and columns of numbers."""
-    table = Table(box=box.SIMPLE_HEAD, title=escape(title), title_style="bold", title_justify="left", show_edge=False)
-    table.padding = (0, 1, 0, 0)
-    table.add_column(escape(first), no_wrap=True)
-    for name in numbers:
-        table.add_column(escape(name), justify="right", no_wrap=True)
-    return table
+    return Table(
+        title="Payloads: displacement of the centre of mass, tilt and turn",
+        columns=(
+            Column("payload", align="left"),
+            Column("history", align="left"),
+            Column("mass", "kg", ".5g"),
+            *(Column(axis, "mm", "z.3f") for axis in "xyz"),
+            *(Column(f"about {axis}", "mrad", "z.3f") for axis in "xyz"),
+        ),
+        rows=[
+            [name, history, row.mass, *row.displacement, *row.rotation]
+            for history, sag in table.sags.items()
+            for name, row in sag.payloads.items()
+        ],
+    )
 
 
 def _sentences(
@@ -129,8 +103,8 @@ def _sentences(
             unjudged.setdefault(verdict.note, {})[verdict.subject] = None
     for reason, names in unjudged.items():
         yield f"Not judged, because {reason}: {', '.join(names)}."
-    said = {history: stability_text(values) for history, values in stability.items()}
-    if len(set(said.values())) == 1:
-        said = {" and ".join(said): next(iter(said.values()))}
-    for history, sentence in said.items():
-        yield f"{history}: {sentence}"
+    texts = {history: values.description for history, values in stability.items()}
+    if len(set(texts.values())) == 1:
+        texts = {" and ".join(texts): next(iter(texts.values()))}
+    for history, text in texts.items():
+        yield f"{history}: {text}"

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from rich.markup import escape
 
-from wirerope_mj.cli.screen import console, print_table
+from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.statements import failures, numbered, statements, travel_statements
@@ -39,8 +39,7 @@ def _print(
 ) -> None:
     out = console()
     out.print(f"\n[bold]{escape(result.study.name)}[/]  {escape(result.message)}")
-    for line in lines:
-        out.print(f"  {escape(line)}", soft_wrap=True)
+    print_lines(lines)
     for table in tables:
         out.print()
         print_table(table)

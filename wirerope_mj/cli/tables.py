@@ -4,9 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from rich import box
 from rich.markup import escape
-from rich.table import Table as RichTable
 
 from wirerope_mj.assessment.criteria import (
     COMBINED,
@@ -137,18 +135,6 @@ def _contacts(response: Response) -> Table | None:
         Column("verdict", align="left"),
     )  # fmt: skip
     return Table(title="Stops and contacts", columns=columns, rows=rows) if rows else None
-
-
-def _table(title: str, first: str, numbers: Sequence[str]) -> RichTable:
-    """Return a table of one column of names and columns of numbers; brackets in headings are no markup."""
-    table = RichTable(
-        box=box.SIMPLE_HEAD, title=escape(title), title_style="bold", title_justify="left", show_edge=False
-    )
-    table.padding = (0, 1, 0, 0) if console().width >= 100 else 0
-    table.add_column(escape(first), no_wrap=True)
-    for name in numbers:
-        table.add_column(escape(name), justify="right", no_wrap=True)
-    return table
 
 
 def _used(utilisation: float | None) -> Mark:

@@ -1,4 +1,4 @@
-"""What every wing stands on: errors, units, checks of arguments, atomic files, CSV with units, compiled kernels, shipped files.
+"""Foundation of all wings: errors, units, checks of arguments, atomic files, CSV with units, compiled kernels, shipped files.
 
 Imports nothing else of the package.
 """

@@ -32,7 +32,7 @@ class ClusterWarning(UserWarning):
 
 
 class StudyWarning(UserWarning):
-    """What varies in a study can be computed, but is perhaps not what was meant."""
+    """A study can be computed, but perhaps does not vary what was meant."""
 
 
 class AccuracyWarning(UserWarning):

@@ -9,7 +9,7 @@ from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.units import in_unit, significant
 
 TONES = ("", "within", "near", "exceeded", "unjudged", "quiet", "strong")
-"""How a cell or a paragraph is set; the text says the same, so that nothing depends on colour alone."""
+"""Tones in which a cell or a paragraph is set; the text says the same, so that nothing depends on colour alone."""
 
 Alignment = Literal["right", "left", "text"]
 """Numbers to the right, names to the left on one line, text to the left on as many lines as it needs."""

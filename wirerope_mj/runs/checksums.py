@@ -34,7 +34,7 @@ class Alterations:
 
     @property
     def intact(self) -> bool:
-        """Whether every file that was written is there with its content."""
+        """True if every file that was written is there with its content."""
         return not (self.altered or self.missing)
 
     @property

@@ -67,12 +67,12 @@ class Replay(Summarised):
 
     @property
     def agrees(self) -> bool:
-        """Whether the numbers are the same but for what rounding on another processor explains."""
+        """True if the numbers are the same but for what rounding on another processor explains."""
         return self.identical or self.largest_difference <= AGREES
 
     @property
     def intact(self) -> bool:
-        """Whether no file is known to be altered or missing."""
+        """True if no file is known to be altered or missing."""
         return self.alterations is None or self.alterations.intact
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from wirerope_mj.dynamics.modes import modes
 from wirerope_mj.engine.response import Response, load_response
-from wirerope_mj.engine.statics import History
+from wirerope_mj.engine.statics.result import HISTORIES
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import BaseMotion
@@ -23,8 +23,6 @@ from wirerope_mj.runs.run_spectra import run_densities, run_spectra
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
 from wirerope_mj.views.report import FinishedRun, report_content, report_html, worst_names
-
-_HISTORIES: tuple[History, ...] = ("virgin", "relaxed")
 
 
 def write_report(
@@ -70,7 +68,7 @@ def report_page(
     arguments, written = content["simulate"], content.get("written")
     initial = str(arguments.get("initial", "settled"))
     gravity = float(np.linalg.norm(system.model.opt.gravity))
-    histories = _HISTORIES if gravity else _HISTORIES[:1]  # without a load there is nothing to relax
+    histories = HISTORIES if gravity else HISTORIES[:1]  # without a load there is nothing to relax
     names = worst_names(response)
     run = FinishedRun(
         name=str(content.get("name", response.scene.name)),

@@ -1,13 +1,13 @@
 """summary.json of a run: what is written into it, and its headline read back."""
 
 import json
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wirerope_mj.assessment.criteria import summary
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.json_values import json_values
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.record import record_warnings
 from wirerope_mj.runs.folder import FORMAT, SUMMARY
@@ -34,8 +34,8 @@ def summary_content(
             "steps": numerics.steps,
             "samples": int(response.time.size),
             "callback": numerics.callback,
-            "accuracy": None if math.isnan(numerics.accuracy) else numerics.accuracy,
-            "estimated_error": numerics.error_estimate if math.isfinite(numerics.error_estimate) else None,
+            "accuracy": json_values(numerics.accuracy),
+            "estimated_error": json_values(numerics.error_estimate),
             "limited_by": numerics.limited_by,
             "seconds": seconds,
             "versions": numerics.versions,

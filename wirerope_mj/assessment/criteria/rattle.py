@@ -11,6 +11,7 @@ from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.rotation import rotation_matrices
 
 UNLIMITED = "no clearance is stated"
 
@@ -60,7 +61,7 @@ def body_corners(body: SceneBody) -> Array:
 def corner_displacements(response: Response, body: SceneBody, corners: Array) -> Iterator[Array]:
     """Yield the displacement of one corner after the other from its modelled position relative to the base [m], (n_t, 3)."""
     moved = read_columns(response, f"bodies/{body.name}/position/x", 7)  # and the orientation
-    turns = _rotation(moved[:, 3:]) - _rotation(body.orientation)  # (n_t, 3, 3)
+    turns = rotation_matrices(moved[:, 3:]) - rotation_matrices(body.orientation)  # (n_t, 3, 3)
     centre = moved[:, :3] - body.position - response.base.displacement
     for corner in corners:
         yield centre + turns @ corner
@@ -116,7 +117,7 @@ def _sides(peak: Peak) -> list[tuple[float, float]]:
 
 def _box(geom: Geom) -> tuple[Array, Array]:
     """Return the lowest and highest corner of the box around a geom, in body axes [m]."""
-    turn = _rotation(geom.orientation)
+    turn = rotation_matrices(geom.orientation)
     if geom.shape == "mesh":
         vertices = geom.position + geom.vertices @ turn.T
         return vertices.min(axis=0), vertices.max(axis=0)
@@ -124,14 +125,3 @@ def _box(geom: Geom) -> tuple[Array, Array]:
     halves = {"sphere": (a, a, a), "capsule": (a, a, a + b), "cylinder": (a, a, b)}.get(geom.shape, (a, b, c))
     reach = np.abs(turn) @ np.array(halves)
     return geom.position - reach, geom.position + reach
-
-
-def _rotation(quaternion: Array) -> Array:
-    """Return the rotation matrices (..., 3, 3) of unit quaternions (..., 4), w first."""
-    w, x, y, z = np.moveaxis(quaternion, -1, 0)
-    rows = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)

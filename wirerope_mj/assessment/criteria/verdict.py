@@ -5,6 +5,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from wirerope_mj.foundation.json_values import json_values
+
 WITHIN, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
 STRUCK, TOUCHING, CLEAR = "struck", "touching from the start", "not touched"
 """Verdicts on contact pairs and stops, which have no limit: a struck stop is a finding in itself."""
@@ -69,11 +71,11 @@ class Verdict:
         return {
             "criterion": self.criterion,
             "subject": self.subject,
-            "value": None if not math.isfinite(self.value) else self.value,
+            "value": json_values(self.value),
             "limit": self.limit,
             "unit": self.unit,
             "time_s": self.time,
-            "margin": None if margin is None or not math.isfinite(margin) else margin,
+            "margin": json_values(margin),
             "verdict": self.verdict,
             "note": self.note,
         }

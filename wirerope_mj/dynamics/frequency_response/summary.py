@@ -4,12 +4,11 @@ from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from wirerope_mj.dynamics.frequency_response.comparison import SweepComparison, compare
 from wirerope_mj.dynamics.frequency_response.curve import BranchCurve, curve_of
 from wirerope_mj.dynamics.frequency_response.peaks import ResonancePeak, peaks_of
 from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Level
+from wirerope_mj.foundation.json_values import json_values
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,15 +75,5 @@ def _level(summary: LevelSummary) -> dict[str, Any]:
         }
     if level.sweeps:
         content["sweep_seconds"] = round(level.sweep_seconds, 3)
-    return {name: plain(value) for name, value in content.items()}
-
-
-def plain(value: Any) -> Any:
-    """Return a value as JSON knows it: numbers that are none become None."""
-    if isinstance(value, dict):
-        return {name: plain(part) for name, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(part) for part in value]
-    if isinstance(value, float | np.floating):
-        return float(value) if np.isfinite(value) else None
-    return value
+    plain: dict[str, Any] = json_values(content)
+    return plain

@@ -10,6 +10,7 @@ from scipy.optimize import linear_sum_assignment
 from wirerope_mj.dynamics.modes.tipping import TippingStability
 from wirerope_mj.engine.statics import Equilibrium, History
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.json_values import json_values
 from wirerope_mj.foundation.summary import Summarised, quantity
 
 
@@ -104,10 +105,10 @@ class Modes(Summarised):
             "modes": [
                 {
                     "word": description,
-                    "frequency_Hz": _number(self.frequencies[i]),
-                    "loading_Hz": _number(self.loading[i]),
-                    "unloading_Hz": _number(self.unloading[i]),
-                    "damping_ratio": _number(self.damping_ratio[i]),
+                    "frequency_Hz": json_values(self.frequencies[i]),
+                    "loading_Hz": json_values(self.loading[i]),
+                    "unloading_Hz": json_values(self.unloading[i]),
+                    "damping_ratio": json_values(self.damping_ratio[i]),
                     "participation": self.participation[i].tolist(),
                     "payloads": {
                         name: {"translation": p.translation[i].tolist(), "rotation": p.rotation[i].tolist()}
@@ -123,7 +124,3 @@ class Modes(Summarised):
 
 def _unit(shapes: Array, mass: Array) -> Array:
     return np.asarray(shapes / np.sqrt(np.einsum("nj,nk,kj->j", shapes, mass, shapes)))
-
-
-def _number(value: float) -> float | None:
-    return float(value) if np.isfinite(value) else None

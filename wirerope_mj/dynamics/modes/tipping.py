@@ -13,7 +13,9 @@ from wirerope_mj.dynamics.modes.rest import AtRest
 from wirerope_mj.engine.statics.payloads import movers_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.json_values import json_values
 
+_FAR = 100.0  # gravity factor, and rise [m], from which both say no more than: far
 AMPLE = 3.0
 """Gravity factor from which a payload stands safely; less is called slender."""
 
@@ -52,15 +54,34 @@ class TippingStability:
             return "not held"
         return "stable" if self.gravity_factor >= AMPLE else "slender"
 
+    @property
+    def description(self) -> str:
+        """Return a sentence on how far the system is from tipping over."""
+        if self.word == "tips over":
+            return "it tips over: its mounts do not hold its weight upright."
+        if self.word == "not held":
+            return "something moves without any stiffness: no mount, joint or stop holds it."
+        if self.gravity_factor > _FAR and self.rise > _FAR:
+            return f"{self.word}, far from tipping over."
+        limits = []
+        if np.isfinite(self.gravity_factor):
+            limits.append(f"at {self.gravity_factor:.3g} times its weight")
+        if np.isfinite(self.rise):
+            limits.append(f"with its centre of mass, or that of a part on a joint, {self.rise:.3g} m higher")
+        return f"{self.word}; it would tip over {', or '.join(limits)}."
+
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; what is infinite is None."""
-        values = {
-            "smallest_eigenvalue_1_s2": self.smallest_eigenvalue,
-            "gravity_factor": self.gravity_factor,
-            "rise_m": self.rise,
-            "gravity_factor_on_loading": self.softest,
-        }
-        return {"word": self.word, **{name: v if np.isfinite(v) else None for name, v in values.items()}}
+        values: dict[str, Any] = json_values(
+            {
+                "word": self.word,
+                "smallest_eigenvalue_1_s2": self.smallest_eigenvalue,
+                "gravity_factor": self.gravity_factor,
+                "rise_m": self.rise,
+                "gravity_factor_on_loading": self.softest,
+            }
+        )
+        return values
 
 
 def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> TippingStability:

@@ -14,6 +14,7 @@ from wirerope_mj.engine.statics.result import HISTORIES, Equilibrium, History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.foundation.json_values import json_values
 from wirerope_mj.mounts.isolator.static_rating import static_utilisation
 
 
@@ -212,7 +213,7 @@ def _plain(sag: Sag) -> dict[str, Any]:
                 "deflection_m": mount.deflection.tolist(),
                 "force_N": mount.force.tolist(),
                 "carries_N": mount.carries,
-                "share_of_weight": mount.split if np.isfinite(mount.split) else None,
+                "share_of_weight": json_values(mount.split),
                 "share_of_static_load": mount.utilisation,
             }
             for name, mount in sag.mounts.items()

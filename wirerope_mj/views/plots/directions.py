@@ -56,8 +56,8 @@ def _grid(azimuth: Array, elevation: Array, values: Array) -> tuple[Array, Array
         return None
     grid = np.full((up.size, along.size), np.nan)
     there = np.zeros(grid.shape, dtype=bool)
-    places = np.searchsorted(up, elevation), np.searchsorted(along, azimuth)
-    grid[places], there[places] = values, True
+    cells = np.searchsorted(up, elevation), np.searchsorted(along, azimuth)
+    grid[cells], there[cells] = values, True
     for row in np.flatnonzero(np.abs(up) == 90.0):
         if there[row].any():
             grid[row, ~there[row]], there[row] = grid[row, there[row]][0], True

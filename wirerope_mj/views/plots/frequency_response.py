@@ -34,7 +34,7 @@ def save_transmissibilities(findings: Sequence[LevelSummary], path: Path, *, tit
 
 
 def colour_of(number: int) -> str:
-    """Return the colour of a level, by its place."""
+    """Return the colour of a level, by its number."""
     return COLOURS[number % len(COLOURS)]
 
 
@@ -46,28 +46,28 @@ def _figure(findings: Sequence[LevelSummary], title: str, label: str, factor: Ca
     panel.set_xscale("log")
     panel.set_yscale("log")
     drawn: list[Array] = []
-    for number, found in enumerate(findings):
-        drawn += _level(panel, found, colour_of(number), factor(found.level.acceleration))
+    for number, summary in enumerate(findings):
+        drawn += _level(panel, summary, colour_of(number), factor(summary.level.acceleration))
     _backbone(panel, findings, factor)
     _dress(panel, np.concatenate(drawn, axis=1), label)
     figure.legend(handles=_legend(findings), loc="outside right upper", fontsize=9, frameon=False)
     return figure
 
 
-def _level(panel: Any, found: LevelSummary, colour: str, factor: float) -> list[Array]:
+def _level(panel: Any, summary: LevelSummary, colour: str, factor: float) -> list[Array]:
     """Draw a level; return frequency and value of what was drawn, (2, n) each."""
     drawn = []
-    for way, sweep in found.level.sweeps.items():
+    for way, sweep in summary.level.sweeps.items():
         f, a = sweep.frequency, factor * sweep.amplitude
         panel.plot(f, a, color=colour, lw=0.6, alpha=0.6, zorder=2)
         marks = _evenly(f, _MARKED, 0.0 if way == "up" else 0.5)
         marker = "^" if way == "up" else "v"
         panel.plot(f[marks], a[marks], marker, color=colour, ms=4, mfc="none", mew=0.7, zorder=2)
         drawn.append(np.stack([f, a]))
-    branch, curve = found.level.branch, found.curve
+    branch, curve = summary.level.branch, summary.curve
     if branch is None or curve is None:
         return drawn
-    for stable, part in stretches(curve):
+    for stable, part in segments(curve):
         style = {"ls": "-", "lw": 1.7} if stable else {"ls": (0, (3.0, 2.0)), "lw": 1.4}
         panel.plot(curve.frequency[part], factor * curve.amplitude[part], color=colour, zorder=3, **style)
     for event in branch.bifurcations:
@@ -76,8 +76,8 @@ def _level(panel: Any, found: LevelSummary, colour: str, factor: float) -> list[
     return [*drawn, np.stack([curve.frequency, factor * curve.amplitude])]
 
 
-def stretches(curve: BranchCurve) -> list[tuple[bool, slice]]:
-    """Return the stretches of a curve that are alike in stability, each with the first place of the next."""
+def segments(curve: BranchCurve) -> list[tuple[bool, slice]]:
+    """Return the segments of a curve that are alike in stability, each with the first point of the next."""
     changes = np.flatnonzero(np.diff(curve.stable)) + 1
     ends = [0, *changes.tolist(), curve.stable.size - 1]
     return [(bool(curve.stable[a]), slice(a, b + 1)) for a, b in zip(ends[:-1], ends[1:], strict=True) if b > a]
@@ -88,7 +88,7 @@ def _evenly(frequency: Array, number: int, shift: float) -> npt.NDArray[np.int64
     along = np.log(frequency)
     low, high = sorted((along[0], along[-1]))
     wanted = low + (np.arange(number) + shift) / number * (high - low)
-    return np.unique([int(np.abs(along - place).argmin()) for place in wanted])
+    return np.unique([int(np.abs(along - at).argmin()) for at in wanted])
 
 
 def _backbone(panel: Any, findings: Sequence[LevelSummary], factor: Callable[[float], float]) -> None:
@@ -102,9 +102,9 @@ def _backbone(panel: Any, findings: Sequence[LevelSummary], factor: Callable[[fl
 def _tops(findings: Sequence[LevelSummary]) -> list[tuple[float, float, float]]:
     """Return level, frequency and amplitude of the highest peak of every level that has one inside the range."""
     return [
-        (found.level.acceleration, found.peaks[0].frequency, found.peaks[0].amplitude)
-        for found in findings
-        if found.peaks and not found.peaks[0].at_edge
+        (summary.level.acceleration, summary.peaks[0].frequency, summary.peaks[0].amplitude)
+        for summary in findings
+        if summary.peaks and not summary.peaks[0].at_edge
     ]
 
 
@@ -123,10 +123,10 @@ def _dress(panel: Any, drawn: Array, label: str) -> None:
 def _legend(findings: Sequence[LevelSummary]) -> list[Line2D]:
     """Return entries for what is there: levels first, then lines, then marks."""
     entries = [
-        Line2D([], [], color=colour_of(n), lw=2.5, label=f"{found.level.acceleration:.4g} m/s²")
-        for n, found in enumerate(findings)
+        Line2D([], [], color=colour_of(n), lw=2.5, label=f"{summary.level.acceleration:.4g} m/s²")
+        for n, summary in enumerate(findings)
     ]
-    curves = [found.curve for found in findings if found.curve is not None]
+    curves = [summary.curve for summary in findings if summary.curve is not None]
     grey: dict[str, Any] = {"color": "0.35"}
     if any(curve.stable.any() for curve in curves):
         entries.append(Line2D([], [], lw=1.7, label="stable motion", **grey))
@@ -135,8 +135,8 @@ def _legend(findings: Sequence[LevelSummary]) -> list[Line2D]:
     if len(_tops(findings)) > 1:
         entries.append(Line2D([], [], lw=1.0, ls=(0, (1.0, 1.5)), marker=".", label="backbone", **grey))
     for way, marker in (("up", "^"), ("down", "v")):
-        if any(way in found.level.sweeps for found in findings):
+        if any(way in summary.level.sweeps for summary in findings):
             entries.append(Line2D([], [], lw=0.6, marker=marker, mfc="none", ms=5, label=f"sweep {way}", **grey))
-    kinds = {event.kind for found in findings if found.level.branch for event in found.level.branch.bifurcations}
+    kinds = {event.kind for summary in findings if summary.level.branch for event in summary.level.branch.bifurcations}
     marks = [(kind, mark) for kind, mark in _MARKS.items() if kind in kinds]
     return entries + [Line2D([], [], ls="", marker=m, mfc="white", ms=7, label=kind, **grey) for kind, m in marks]

@@ -17,7 +17,7 @@ from wirerope_mj.mounts.laws import Law, Loop
 from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 
-_SHARES = (0.25, 0.5, 1.0)
+_FRACTIONS = (0.25, 0.5, 1.0)
 _RATED = "#d95f0e"
 _MOST_LABELS = 8  # in a legend: more would hide the loops
 _WEAK = 100.0  # [N], below which forces are read in N
@@ -35,9 +35,9 @@ def loops_figure(isolator: Isolator, *, frequency: float = 5.0) -> Figure:
         frequency: of the test [Hz]; without effect on a rate-independent law.
     """
     panels = distinct_axes(isolator)
-    figure, places = _figure(isolator.name, len(panels))
-    for panel, (title, axis, law) in zip(places, panels, strict=True):
-        loops = cyclic_test(law, amplitudes_of(isolator, axis, _SHARES), frequency=frequency)
+    figure, subplots = _figure(isolator.name, len(panels))
+    for panel, (title, axis, law) in zip(subplots, panels, strict=True):
+        loops = cyclic_test(law, amplitudes_of(isolator, axis, _FRACTIONS), frequency=frequency)
         _draw_loops(panel, loops, kilo=True)
         _draw_ratings(panel, isolator, axis, law)
         _dress(panel, axis, title if law.rate_independent else f"{title}, {frequency:g} Hz")
@@ -56,8 +56,8 @@ def cyclic_tests_figure(tests: Mapping[str, Sequence[Loop]], *, title: str) -> F
         tests: loops by the title of their panel; one that begins with "axial" says that tension is positive.
         title: of the figure.
     """
-    figure, places = _figure(title, len(tests))
-    for panel, (name, loops) in zip(places, tests.items(), strict=True):
+    figure, subplots = _figure(title, len(tests))
+    for panel, (name, loops) in zip(subplots, tests.items(), strict=True):
         kilo = max(float(np.abs(loop.force).max()) for loop in loops) >= _WEAK
         _draw_loops(panel, sorted(loops, key=lambda loop: loop.amplitude), kilo=kilo)
         _dress(panel, name.split()[0].rstrip(","), name, unit="kN" if kilo else "N")
@@ -78,7 +78,7 @@ def _save(figure: Figure, path: Path) -> None:
 def _figure(title: str, panels: int) -> tuple[Figure, list[Any]]:
     figure = PlainFigure(figsize=(5.6 * panels, 4.8), layout="constrained", dpi=120)
     figure.suptitle(title, fontsize=13, fontweight="bold")
-    return figure, [figure.add_subplot(1, panels, place + 1) for place in range(panels)]
+    return figure, [figure.add_subplot(1, panels, number + 1) for number in range(panels)]
 
 
 def _draw_loops(panel: Any, loops: Sequence[Loop], *, kilo: bool) -> None:

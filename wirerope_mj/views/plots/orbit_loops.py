@@ -19,16 +19,16 @@ _WEAK = 1000.0  # [N], below which forces are read in N
 
 def save_resonance_loops(branches: Sequence[Branch], path: Path, *, title: str) -> None:
     """Write a picture of the loop that takes most energy at some points along the resonance, one panel for each level."""
-    places = np.unique(np.linspace(0, len(branches) - 1, min(len(branches), _MOST)).round().astype(int))
-    chosen = [branches[i] for i in places]
+    indices = np.unique(np.linspace(0, len(branches) - 1, min(len(branches), _MOST)).round().astype(int))
+    chosen = [branches[i] for i in indices]
     across = 2 if len(chosen) == 4 else len(chosen)
     down = -(-len(chosen) // across)
     figure = PlainFigure(figsize=(0.6 + 5.4 * across, 1.0 + 4.9 * down), layout="constrained", dpi=120)
     mount, axis = busiest_loops(chosen[-1].orbit(chosen[-1].peak).response)[0]
     device = branches[0].system.mounts[mount].isolator.name
     figure.suptitle(f"{title}\n{mount}, {device}, {AXES[axis]}", fontsize=12, fontweight="bold")
-    for place, branch in enumerate(chosen):
-        _draw(figure.add_subplot(down, across, place + 1), branch, mount, axis)
+    for number, branch in enumerate(chosen):
+        _draw(figure.add_subplot(down, across, number + 1), branch, mount, axis)
     figure.savefig(path)
 
 
@@ -62,5 +62,5 @@ def _colour(number: int, top: int, count: int) -> Any:
 
 
 def _label(orbit: PeriodicOrbit, highest: bool) -> str:
-    words = " highest" if highest else ""
-    return f"{orbit.frequency:.4g} Hz{words}" + ("" if orbit.stable else ", unstable")
+    suffix = " highest" if highest else ""
+    return f"{orbit.frequency:.4g} Hz{suffix}" + ("" if orbit.stable else ", unstable")

@@ -115,7 +115,7 @@ def thinned(time: Array, values: Array) -> tuple[Array, Array]:
 
 
 def crest(x: Array, values: Array) -> tuple[Array, Array]:
-    """Return the places and sizes of the largest value of each of many stretches: the envelope of what oscillates."""
+    """Return the positions and sizes of the largest value of each of many intervals: the envelope of what oscillates."""
     length = max(x.size // _CRESTS, 1)
     parts = values[: length * (x.size // length)].reshape(-1, length)
     rows = length * np.arange(parts.shape[0]) + parts.argmax(axis=1)

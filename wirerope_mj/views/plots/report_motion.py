@@ -1,4 +1,4 @@
-"""What the base does, as a picture."""
+"""The motion of the base as a picture of a report."""
 
 import numpy as np
 from matplotlib.figure import Figure

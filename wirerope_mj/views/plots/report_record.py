@@ -1,4 +1,4 @@
-"""What a baseline correction did to a measured record, as a picture of a report."""
+"""A measured record before and after its baseline correction, as a picture of a report."""
 
 import numpy as np
 from matplotlib.figure import Figure

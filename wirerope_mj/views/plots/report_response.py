@@ -1,4 +1,4 @@
-"""What the payload and the mounts do, as pictures: accelerations, deflections and loops."""
+"""Pictures of payload and mounts in a report: accelerations, deflections and loops."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -144,21 +144,21 @@ def acceleration_along(response: Response, name: str, axis: int) -> Array:
 def _histories(lines: list[list[Line]], names: list[str], marks: list[list[float]] | None = None) -> Figure:
     """Return a panel below the other for each list of lines that are not all zero, at least one; marks are dashed."""
     kept = [
-        place for place, drawn in enumerate(lines) if any(np.abs(line.values).max() > _NOTHING for line in drawn)
+        index for index, drawn in enumerate(lines) if any(np.abs(line.values).max() > _NOTHING for line in drawn)
     ] or [2]
     with report_style():
         figure = PlainFigure(
             figsize=(WIDTH, 0.7 + 1.2 * len(kept) + (0.9 if len(kept) == 1 else 0.0)), layout="constrained"
         )
         panels = np.atleast_1d(figure.subplots(len(kept), 1, sharex=True))
-        for place, panel in zip(kept, panels, strict=True):
-            for number, drawn in enumerate(lines[place]):
+        for index, panel in zip(kept, panels, strict=True):
+            for number, drawn in enumerate(lines[index]):
                 panel.plot(
                     drawn.time, drawn.values, color=drawn.colour, label=drawn.name, zorder=level(number, drawn.colour)
                 )
-            for mark in marks[place] if marks else []:
+            for mark in marks[index] if marks else []:
                 panel.axhline(mark, color=RATED, ls="--", lw=0.9, label="rated travel", zorder=2.9)
-            dress(panel, ylabel=names[place])
+            dress(panel, ylabel=names[index])
         panels[-1].set_xlabel("time [s]")
         legend_above(figure, *panels)
     return figure

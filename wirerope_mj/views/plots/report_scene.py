@@ -12,15 +12,16 @@ from scipy.spatial import ConvexHull, QhullError
 
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.rotation import rotation_matrices
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import COLOURS, WIDTH, report_style, short
 
 LONGEST_LABEL = 5
-"""Letters of a mount's name that fit beside its place; where one is longer, all mounts are numbered."""
+"""Letters of a mount's name that fit beside its mark; where one is longer, all mounts are numbered."""
 
 _AROUND = 16  # corners of a circle that is drawn as a polygon
-_PALE = 0.62  # share of white in a body's colour, so that the mounts stand out
-_SAME_PLACE = 0.02  # of the drawing's width: mounts closer than this share a label
+_PALE = 0.62  # fraction of white in a body's colour, so that the mounts stand out
+_COINCIDENT = 0.02  # of the drawing's width: mounts closer than this have one label
 _ROOM = 0.05  # around the drawing, of its width
 _TALLEST, _LOWEST = 2.9, 0.9  # height of one view [in]
 _MARKERS = "osD^vP"
@@ -40,12 +41,12 @@ class View:
 def mount_labels(scene: Scene) -> dict[str, str]:
     """Return what mounts are called in the drawing: their names if these are short, or numbers in the order of the model."""
     short = all(len(mount.name) <= LONGEST_LABEL for mount in scene.mounts)
-    return {mount.name: mount.name if short else str(place + 1) for place, mount in enumerate(scene.mounts)}
+    return {mount.name: mount.name if short else str(number + 1) for number, mount in enumerate(scene.mounts)}
 
 
 def scene_figure(scene: Scene) -> Figure:
     """Return a plan and an elevation, in which the longer horizontal extent runs to the right, with the mounts labelled."""
-    shapes, places, everything = _drawn(scene)
+    shapes, positions, everything = _drawn(scene)
     extent = np.ptp(everything, axis=0)
     views = _views(extent)
     heights = [float(np.clip(WIDTH * extent[v.up] / max(extent[v.right], 1e-9), _LOWEST, _TALLEST)) for v in views]
@@ -54,7 +55,7 @@ def scene_figure(scene: Scene) -> Figure:
         panels = figure.subplots(2, 1, height_ratios=[height + 0.3 for height in heights])
         for view, panel in zip(views, panels, strict=True):
             _draw_shapes(panel, view, shapes)
-            _draw_mounts(panel, view, scene, places)
+            _draw_mounts(panel, view, scene, positions)
             _frame(panel, view, everything)
         handles, labels = panels[0].get_legend_handles_labels()
         if handles:
@@ -63,23 +64,23 @@ def scene_figure(scene: Scene) -> Figure:
 
 
 def draw_plan(panel: Any, scene: Scene, *, absent: Collection[str] = ()) -> None:
-    """Draw a scene from above into a panel, its mounts as marks without names; of those that are absent the empty place.
+    """Draw a scene from above into a panel, its mounts as marks without names; of those that are absent the empty position.
 
     Args:
         panel: where it is drawn.
         scene: what is drawn.
         absent: names of mounts that are not there.
     """
-    shapes, places, everything = _drawn(scene)
+    shapes, positions, everything = _drawn(scene)
     view = _views(np.ptp(everything, axis=0))[0]
     _draw_shapes(panel, view, shapes)
     devices = list(dict.fromkeys(mount.isolator for mount in scene.mounts))
     for number, device in enumerate(devices):
         there = [mount.name for mount in scene.mounts if mount.isolator == device and mount.name not in absent]
-        at = np.array([places[name] for name in there]).reshape(-1, 3)
+        at = np.array([positions[name] for name in there]).reshape(-1, 3)
         style = {"marker": _MARKERS[number % len(_MARKERS)], "color": COLOURS[number % len(COLOURS)], "mec": "white"}
         panel.plot(at[:, view.right], at[:, view.up], ls="none", ms=5, mew=0.5, label=short(device), **style)
-    empty = np.array([places[mount.name] for mount in scene.mounts if mount.name in absent]).reshape(-1, 3)
+    empty = np.array([positions[mount.name] for mount in scene.mounts if mount.name in absent]).reshape(-1, 3)
     if len(empty):
         panel.plot(empty[:, view.right], empty[:, view.up], "x", color="0.35", ms=4, mew=0.8, label="no mount")
     _frame(panel, view, everything)
@@ -87,33 +88,34 @@ def draw_plan(panel: Any, scene: Scene, *, absent: Collection[str] = ()) -> None
 
 def crowded_label(scene: Scene) -> tuple[str, int] | None:
     """Return the first label in the drawing that stands for more mounts than it names, as "m1 +2", and for how many."""
-    _, places, everything = _drawn(scene)
+    _, positions, everything = _drawn(scene)
     for view in _views(np.ptp(everything, axis=0)):
-        for _, names in _groups(scene, view, places):
+        for _, names in _groups(scene, view, positions):
             if len(names) > 2:
                 return _shared(names), len(names)
     return None
 
 
-def mount_place(scene: Scene, mount: SceneMount) -> Array:
-    """Return where a mount stands in the modelled geometry, world frame [m], (3,)."""
+def mount_position(scene: Scene, mount: SceneMount) -> Array:
+    """Return the position of a mount in the modelled geometry, world frame [m], (3,)."""
     body = next(body for body in scene.bodies if body.name == mount.base_body)
-    return np.asarray(body.position + _rotation(body.orientation) @ mount.base_point)
+    return np.asarray(body.position + rotation_matrices(body.orientation) @ mount.base_point)
 
 
 def axial_direction(scene: Scene, mount: SceneMount) -> Array:
     """Return a mount's axial direction in the world frame of the modelled geometry, (3,)."""
     body = next(body for body in scene.bodies if body.name == mount.base_body)
-    return np.asarray(_rotation(body.orientation) @ mount.axes[:, 2])
+    return np.asarray(rotation_matrices(body.orientation) @ mount.axes[:, 2])
 
 
 def _drawn(scene: Scene) -> tuple[list[tuple[SceneBody, Geom, Array]], dict[str, Array], Array]:
-    """Return the shapes with their points, the places of the mounts by name, and all of these points, (n, 3)."""
+    """Return the shapes with their points, the positions of the mounts by name, and all of these points, (n, 3)."""
     shapes = [
         (body, geom, _points(body, geom)) for body in scene.bodies for geom in body.geoms if geom.shape != "plane"
     ]
-    places = {mount.name: mount_place(scene, mount) for mount in scene.mounts}
-    return shapes, places, np.concatenate([*(points for *_, points in shapes), *(at[None] for at in places.values())])
+    positions = {mount.name: mount_position(scene, mount) for mount in scene.mounts}
+    everything = np.concatenate([*(points for *_, points in shapes), *(at[None] for at in positions.values())])
+    return shapes, positions, everything
 
 
 def _views(extent: Array) -> list[View]:
@@ -138,17 +140,17 @@ def _draw_shapes(panel: Any, view: View, shapes: Sequence[tuple[SceneBody, Geom,
     panel.add_collection(PolyCollection(outlines, facecolors=colours, edgecolors="0.55", linewidths=0.35))
 
 
-def _draw_mounts(panel: Any, view: View, scene: Scene, places: dict[str, Array]) -> None:
+def _draw_mounts(panel: Any, view: View, scene: Scene, positions: dict[str, Array]) -> None:
     """Draw a mark for every mount, another for each isolator, and what they are called."""
     devices = list(dict.fromkeys(mount.isolator for mount in scene.mounts))
     for number, device in enumerate(devices):
-        at = np.array([places[mount.name] for mount in scene.mounts if mount.isolator == device])
+        at = np.array([positions[mount.name] for mount in scene.mounts if mount.isolator == device])
         marker, colour = _MARKERS[number % len(_MARKERS)], COLOURS[number % len(COLOURS)]
         panel.plot(
             at[:, view.right], at[:, view.up], marker, color=colour, ms=5, mec="white", mew=0.5, label=short(device)
         )
     halo = [withStroke(linewidth=1.8, foreground="white")]
-    for (x, y), names in _groups(scene, view, places):
+    for (x, y), names in _groups(scene, view, positions):
         panel.annotate(
             _shared(names),
             (float(x), float(y)),
@@ -160,14 +162,14 @@ def _draw_mounts(panel: Any, view: View, scene: Scene, places: dict[str, Array])
         )
 
 
-def _groups(scene: Scene, view: View, places: dict[str, Array]) -> list[tuple[Array, list[str]]]:
-    """Return places in the drawing with the labels of the mounts that stand behind each other there."""
+def _groups(scene: Scene, view: View, positions: dict[str, Array]) -> list[tuple[Array, list[str]]]:
+    """Return positions in the drawing with the labels of the mounts that stand behind each other there."""
     labels = mount_labels(scene)
-    spread = float(np.ptp([place[view.right] for place in places.values()])) if places else 0.0
+    spread = float(np.ptp([position[view.right] for position in positions.values()])) if positions else 0.0
     groups: list[tuple[Array, list[str]]] = []
     for mount in scene.mounts:
-        at = places[mount.name][[view.right, view.up]]
-        near = next((names for there, names in groups if np.abs(at - there).max() <= _SAME_PLACE * spread), None)
+        at = positions[mount.name][[view.right, view.up]]
+        near = next((names for there, names in groups if np.abs(at - there).max() <= _COINCIDENT * spread), None)
         if near is None:
             groups.append((at, [labels[mount.name]]))
         else:
@@ -196,8 +198,8 @@ def _frame(panel: Any, view: View, everything: Array) -> None:
 
 def _points(body: SceneBody, geom: Geom) -> Array:
     """Return points whose convex hull is the geom, world frame of the modelled geometry [m], (n, 3)."""
-    local = _local_points(geom) @ _rotation(geom.orientation).T + geom.position
-    return np.asarray(local @ _rotation(body.orientation).T + body.position)
+    local = _local_points(geom) @ rotation_matrices(geom.orientation).T + geom.position
+    return np.asarray(local @ rotation_matrices(body.orientation).T + body.position)
 
 
 def _local_points(geom: Geom) -> Array:
@@ -227,15 +229,3 @@ def _outline(points: Array) -> Array:
         return np.asarray(points[ConvexHull(points).vertices])
     except QhullError:
         return points
-
-
-def _rotation(quaternion: Array) -> Array:
-    """Return the matrix of a unit quaternion, w first, (3, 3)."""
-    w, x, y, z = quaternion
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )

@@ -51,7 +51,7 @@ def payload_spectra_figure(spectra: Mapping[str, Mapping[str, ShockResponseSpect
         spectra: by axis and name; the one called "base" is grey.
     """
     lines = {
-        axis: {name: (found.frequencies, in_unit(found.maximax, "g")) for name, found in along.items()}
+        axis: {name: (spectrum.frequencies, in_unit(spectrum.maximax, "g")) for name, spectrum in along.items()}
         for axis, along in spectra.items()
     }
     return _panels(lines, "acceleration, maximax [g]")
@@ -64,8 +64,8 @@ def densities_figure(densities: Mapping[str, Mapping[str, PowerSpectralDensity]]
         densities: by axis and name; the one called "base" is grey.
     """
     lines = {
-        # Without the line at 0 Hz, which has no place on a logarithmic axis, and where means are removed.
-        axis: {name: (found.frequency[1:], found.density[1:] / STANDARD_GRAVITY**2) for name, found in along.items()}
+        # Without the line at 0 Hz, which cannot stand on a logarithmic axis, and where means are removed.
+        axis: {name: (one.frequency[1:], one.density[1:] / STANDARD_GRAVITY**2) for name, one in along.items()}
         for axis, along in densities.items()
     }
     return _panels(lines, "density [g²/Hz]", decades=_POWER_DECADES)

@@ -72,8 +72,8 @@ def shock_spectra_figure(
         f, a = (np.asarray(part, dtype=np.float64) for part in test)
         panel.plot(f, in_unit(a, "g"), color=TEST, ls="--", lw=1.3, label="test spectrum", zorder=3)
     q = {spectrum.q for spectrum in spectra.values()}
-    words = f", Q = {q.pop():g}" if len(q) == 1 else ""
-    _dress(panel, f"absolute acceleration, maximax{words} [g]")
+    quality = f", Q = {q.pop():g}" if len(q) == 1 else ""
+    _dress(panel, f"absolute acceleration, maximax{quality} [g]")
     panel.legend(fontsize=8, loc="best")
     return figure
 
@@ -127,9 +127,9 @@ def _styled(lines: Mapping[str, Any]) -> Iterator[tuple[str, Any, dict[str, Any]
     """Yield name, spectrum and style; the base is grey, and no colour is lost to it."""
     others = [name for name in lines if name != "base"]
     for name, spectrum in lines.items():
-        place = others.index(name) if name != "base" else 0
-        colour = BASE if name == "base" else COLOURS[place % len(COLOURS)]
-        yield name, spectrum, {"color": colour, "lw": 1.6, "ls": "-" if place < len(COLOURS) else "--"}
+        index = others.index(name) if name != "base" else 0
+        colour = BASE if name == "base" else COLOURS[index % len(COLOURS)]
+        yield name, spectrum, {"color": colour, "lw": 1.6, "ls": "-" if index < len(COLOURS) else "--"}
 
 
 def _one(values: Array, name: str) -> Array:

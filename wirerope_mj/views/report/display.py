@@ -44,9 +44,9 @@ def several(count: int, thing: str, things: str = "") -> str:
 
 
 def title_of(name: str) -> str:
-    """Return a name as words: "shock-box_3ax" is "Shock box 3ax"; hyphens between digits stay, as in a date."""
-    words = re.sub(r"(?<!\d)-|-(?!\d)", " ", name.replace("_", " ")).strip()
-    return words[:1].upper() + words[1:]
+    """Return a name as text: "shock-box_3ax" is "Shock box 3ax"; hyphens between digits stay, as in a date."""
+    text = re.sub(r"(?<!\d)-|-(?!\d)", " ", name.replace("_", " ")).strip()
+    return text[:1].upper() + text[1:]
 
 
 def listed(names: list[str], *, most: int = 6) -> str:

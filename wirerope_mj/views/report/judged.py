@@ -1,4 +1,4 @@
-"""Verdicts in words and in tables: what is exceeded, how much is left, what nobody can judge."""
+"""Verdicts as text and in tables: what is exceeded, how much is left, what nobody can judge."""
 
 import math
 from collections.abc import Sequence
@@ -22,23 +22,23 @@ _AMPLE = 10.0  # margin from which only its size is said: nobody needs 1234 %
 
 def headline(verdicts: Sequence[Verdict]) -> Mark:
     """Return the answer in one sentence, coloured by the worst that it says."""
-    words = {row.verdict for row in verdicts}
-    tone = next((TONE[word] for word in (EXCEEDED, STRUCK, WITHIN) if word in words), "unjudged")
+    present = {row.verdict for row in verdicts}
+    tone = next((TONE[verdict] for verdict in (EXCEEDED, STRUCK, WITHIN) if verdict in present), "unjudged")
     return Mark(content=verdicts_headline(verdicts), tone=tone)
 
 
 def answer(verdicts: Sequence[Verdict]) -> tuple[Block, ...]:
-    """Return the worst margins and what is exceeded in words and as a table, and what is not judged with the reasons."""
+    """Return the worst margins and what is exceeded as text and as a table, and what is not judged with the reasons."""
     judged, over = _judged(verdicts), _exceeded(verdicts)
     sentences = []
     if over:
-        words = [_sentence(row) for row in over[:_NAMED]]
+        texts = [_sentence(row) for row in over[:_NAMED]]
         more = f"; and {len(over) - _NAMED} more, listed below" if len(over) > _NAMED else ""
-        sentences.append(f"Exceeded: {'; '.join(words)}{more}.")
+        sentences.append(f"Exceeded: {'; '.join(texts)}{more}.")
     within = [row for row in judged if row.verdict == WITHIN and (row.margin or 0.0) <= _AMPLE]
     if within:
-        words = [_sentence(row) for row in _one_each(within)[:_NAMED]]
-        sentences.append(f"{'Elsewhere the' if over else 'The'} smallest margins are: {'; '.join(words)}.")
+        texts = [_sentence(row) for row in _one_each(within)[:_NAMED]]
+        sentences.append(f"{'Elsewhere the' if over else 'The'} smallest margins are: {'; '.join(texts)}.")
     blocks: list[Block] = [Paragraph(text=" ".join(sentences))] if sentences else []
     table = worst_table(verdicts)
     if table is not None:

@@ -6,7 +6,13 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.mounts.laws import Law, Stop
 from wirerope_mj.views.plots.report_image import image_of
-from wirerope_mj.views.plots.report_scene import axial_direction, crowded_label, mount_labels, mount_place, scene_figure
+from wirerope_mj.views.plots.report_scene import (
+    axial_direction,
+    crowded_label,
+    mount_labels,
+    mount_position,
+    scene_figure,
+)
 from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture, Section
 from wirerope_mj.views.report.display import ABSENT, fixed, number, several, with_unit
 from wirerope_mj.views.report.run import FinishedRun
@@ -76,7 +82,7 @@ def _mounts(run: FinishedRun) -> Table | None:
         direction = ", ".join(fixed(value, 2) for value in axial_direction(scene, mount))
         between = f"{mount.payload_body or 'world'} on {mount.base_body or 'world'}"
         names = (*([labels[mount.name]] if numbered else []), mount.name, mount.isolator, between)
-        rows.append((*names, *map(float, mount_place(scene, mount)), direction))
+        rows.append((*names, *map(float, mount_position(scene, mount)), direction))
     headings = [Column(heading, align="left") for heading in ("mount", "isolator", "payload on base")]
     positions = [Column(axis, "m", "z.3f") for axis in "xyz"]
     return Table(

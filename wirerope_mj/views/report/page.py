@@ -9,15 +9,13 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from wirerope_mj.foundation.plain_text import plain_lines
-from wirerope_mj.foundation.tables import Table as OneTable
+from wirerope_mj.foundation.tables import Table
 from wirerope_mj.views.plots.report_image import Image
-from wirerope_mj.views.report.content import Listing, Paragraph, ReportContent, Table
+from wirerope_mj.views.report.content import Listing, Paragraph, ReportContent
 from wirerope_mj.views.report.display import ABSENT, MINUS
 
 _FOLDER = Path(__file__).parent
-_LONG = (
-    30  # letters of a cell of words that may take several lines, and be broken anywhere, rather than widen its column
-)
+_LONG = 30  # letters of a cell that may be broken anywhere, rather than widen its column
 _MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
 
 
@@ -40,9 +38,8 @@ def _environment() -> Environment:
         "letter": lambda column: column.align[0],
         "heading": lambda column: column.title().replace("/\n", "/").replace("\n", " "),
         "cells": lambda table: table.marks(absent=ABSENT, minus=MINUS),
-        "one": lambda table: table.table() if isinstance(table, Table) else table,
     }
-    for name, kind in (("paragraph", Paragraph), ("listing", Listing), ("table", Table | OneTable)):
+    for name, kind in (("paragraph", Paragraph), ("listing", Listing), ("table", Table)):
         environment.tests[name] = lambda item, kind=kind: isinstance(item, kind)
     return environment
 

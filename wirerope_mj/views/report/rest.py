@@ -2,8 +2,6 @@
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.statics import Sag
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
@@ -17,11 +15,10 @@ _HISTORIES = {
     "relaxed": "after long vibration, when friction carries nothing any more",
 }
 _BALANCED = 1e-4  # of the weight, below which nobody asks where the rest is
-_FAR = 100.0  # times the weight from which the number says nothing more
 _NOTE = (
     "Small cycles: the limit of vanishing amplitude; in a shock the mounts soften and the frequencies fall. Unloading and "
     "further loading: with the mounts' tangents in either direction from rest, which the first quarter cycle feels. Mass: "
-    "share of the moving mass that takes part along each axis."
+    "fraction of the moving mass that takes part along each axis."
 )
 
 
@@ -100,14 +97,17 @@ def _ratio(ratio: float | None) -> Cell:
 
 
 def modes_section(run: FinishedRun) -> Section:
-    """Return the modes about the position of rest with words for their shapes, and the distance from tipping over."""
+    """Return the modes about the position of rest with descriptions of their shapes, and the distance from tipping over."""
     blocks: list[Block] = []
     histories = [history for history, modes in run.modes.items() if isinstance(modes, Modes)]
     for history, modes in run.modes.items():
         if isinstance(modes, Absent):
             blocks.append(Paragraph(text=modes.reason, tone="unjudged"))
             continue
-        blocks += [_table(history, modes, noted=history == histories[-1]), Paragraph(text=_stability(modes))]
+        blocks += [
+            _table(history, modes, noted=history == histories[-1]),
+            Paragraph(text=f"Against tipping over: {modes.stability.description}"),
+        ]
     return Section(title="Modes", blocks=tuple(blocks))
 
 
@@ -130,14 +130,3 @@ def _table(history: str, modes: Modes, *, noted: bool) -> Table:
         rows=rows,
         note=_NOTE if noted else "",
     )  # fmt: skip
-
-
-def _stability(modes: Modes) -> str:
-    stability = modes.stability
-    if not np.isfinite(stability.gravity_factor):
-        return f"Against tipping over: {stability.word}."
-    if stability.gravity_factor > _FAR:
-        return f"Against tipping over: {stability.word}; it would take more than {_FAR:.0f} times the weight."
-    return (
-        f"Against tipping over: {stability.word}; it would take {fixed(stability.gravity_factor, 1)} times the weight."
-    )

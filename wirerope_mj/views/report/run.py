@@ -75,7 +75,7 @@ class FinishedRun:
 
     @property
     def title(self) -> str:
-        """The scenario's name as words."""
+        """The scenario's name as text."""
         return title_of(self.name)
 
 
@@ -84,7 +84,7 @@ def worst_names(response: Response) -> list[str]:
 
     First those that are nearest to their limits of acceleration, then others with limits, then the largest accelerations.
     """
-    found: list[str] = []
+    names: list[str] = []
     peaks: list[tuple[float, ...]] = []
     used = dict.fromkeys((limit.name for limit in response.scene.limits), 0.0)
     for verdict in acceleration_verdicts(response):  # from the peaks alone: rattle space would take every sample
@@ -94,6 +94,6 @@ def worst_names(response: Response) -> list[str]:
         size = (row.value, *row.axes)
         alike = any(np.allclose(size, other, rtol=1e-6, atol=1e-9) for other in peaks)  # a point of what cannot turn
         if row.kind != "base" and not alike:
-            found.append(row.name)
+            names.append(row.name)
             peaks.append(size)
-    return found[:MOST]
+    return names[:MOST]
