@@ -59,9 +59,7 @@ class Cycles:
         self._lawful, self._mounts = Lawful(system), Channels.of(system).mounts
         self._stepper = Stepper(system, motion, start)
         self._tables = StageTables(motion, system.assembly.tables.drive)
-        user = system.assembly.tables.user
-        memory = self._stepper.user[user.channels : user.channels + at.CHANNEL_MEMORY * user.n_channels]
-        self._memory = memory.reshape(user.n_channels, at.CHANNEL_MEMORY)  # a view: the tracker writes it
+        self._memory = system.assembly.tables.user.channel_rows(self._stepper.user)  # a view: the tracker writes it
 
     def run(self, instants: Array) -> Extremes:
         """Step through the cycles that begin and end at `instants` [s], (n + 1,), and return their extremes.

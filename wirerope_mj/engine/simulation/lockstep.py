@@ -61,7 +61,7 @@ class Lockstep:
         expand_differences(self._batch, systems)
         self._batch.state[:] = [start.values for start in starts]
         self._qpos, self._qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
-        self._user = self._batch.bind("userdata")[:, assembly.userdata : assembly.userdata + assembly.tables.user.size]
+        self._user = assembly.user(self._batch.bind("userdata"))
         self._user[:, at.OBSERVING], self._user[:, at.HISTORY], self._user[:, at.EVENT] = 1.0, 0.0, at.SMOOTH
         self._dofs = side_by_side(np.array(assembly.driven_dofs, dtype=int))
         self._slides = side_by_side(self._model.jnt_qposadr[list(assembly.subjects.driven)])

@@ -40,9 +40,9 @@ class Assembly:
     sensor: int
     scratch: Scratch = field(default_factory=Scratch, repr=False, compare=False)
 
-    def user(self, data: mujoco.MjData) -> Array:
-        """Return the system's part of userdata, a view."""
-        return np.asarray(data.userdata[self.userdata : self.userdata + self.tables.user.size])
+    def user(self, userdata: Array) -> Array:
+        """Return the system's part of userdata, (..., n_userdata), a view."""
+        return userdata[..., self.userdata : self.userdata + self.tables.user.size]
 
     @property
     def driven_dofs(self) -> list[int]:
