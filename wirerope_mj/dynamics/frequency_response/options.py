@@ -31,7 +31,6 @@ class ResponseOptions:
     Attributes:
         accelerations: levels of the base's acceleration [m/s^2].
         method: "continuation", "sweep" or "both".
-        direction: of the base.
         payload: body whose acceleration is the amplitude; None: the first payload.
         response_direction: along which it is taken; None: that of the base.
         start, stop: range [Hz]; None: from the system's natural frequencies.

@@ -23,7 +23,6 @@ class Assembly:
     """The compiled model and where its parts stand.
 
     Attributes:
-        model: the model.
         tables: what the callback reads.
         subjects: what takes part.
         userdata: first entry of the system's userdata.
