@@ -78,7 +78,8 @@ class Lockstep:
         if sink is not None:
             self._sink, self._sensors = sink, self._batch.bind("sensordata")[:, self.systems[0].assembly.sensor :]
         tables = [StageTables(motion, self._drive) for motion in self._distinct]
-        keys = [_corners_of(motion) for motion in self._distinct]
+        # Equal for motions whose segments have the same events.
+        keys = [(one.corners.tobytes(), tuple(time for time, _ in one.velocity_jumps)) for one in self._distinct]
         by_corners = dict(zip(keys, self._distinct, strict=True))
         stop = grid.start
         for block in grid.blocks():
@@ -206,8 +207,3 @@ class Lockstep:
         self._set_table(np.array([acceleration_before(motion, stop) for motion in self._distinct]), stop, 0.0)
         self._call(partial(self._batch.forward, self.live))
         self._drop_failed()
-
-
-def _corners_of(motion: BaseMotion) -> tuple[object, ...]:
-    """Return what is equal for motions whose segments have the same events."""
-    return motion.corners.tobytes(), tuple(time for time, _ in motion.velocity_jumps)
