@@ -9,7 +9,7 @@ from rig_records import rig_record, write_record
 import wirerope_mj as wr
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.identification.measured import prepare
-from wirerope_mj.mounts.test_rig import cyclic_test, measured, read_cycles, steady_loops
+from wirerope_mj.mounts.test_rig import cyclic_test, load_cycles, measured, steady_loops
 from wirerope_mj.mounts.test_rig.clipping import is_level
 from wirerope_mj.mounts.test_rig.turning import find_turning_points, rms_noise
 
@@ -171,7 +171,7 @@ def test_file_of_records_is_read_with_its_units_and_in_its_order(tmp_path):
         ]
     path = tmp_path / "t.csv"
     path.write_text("\n".join(["loop;time [s];deflection [mm];force [kN]", *rows]), encoding="utf-8")
-    loops = read_cycles(path)
+    loops = load_cycles(path)
     assert [loop.amplitude for loop in loops] == pytest.approx([4e-3, 1.5e-3], rel=1e-3)
     assert (errors(loops, LAW)[:, 0] < 0.008).all()
 
@@ -181,7 +181,7 @@ def test_file_without_time_counts_as_uniform(tmp_path):
     path = tmp_path / "t.csv"
     rows = [f"{x!r},{f!r}" for x, f in zip(deflection.tolist(), force.tolist(), strict=True)]
     path.write_text("\n".join(["deflection [m],force [N]", *rows]), encoding="utf-8")
-    (one,), (other,) = read_cycles(path), steady_loops(deflection, force)
+    (one,), (other,) = load_cycles(path), steady_loops(deflection, force)
     np.testing.assert_array_equal(one.force, other.force)
 
 
@@ -215,7 +215,7 @@ def sine(*, cycles=3.0, points=100, lag=0.3, scale=1.0):
 def test_what_cannot_be_used_is_named_with_its_lines(tmp_path, change, message):
     path = write_record(tmp_path / "t.csv", *change(*sine()))
     with pytest.raises(RecordError) as caught:
-        read_cycles(path)
+        load_cycles(path)
     assert str(caught.value).startswith(f"{path}, lines ")
     assert re.search(message, str(caught.value)), caught.value
 
@@ -252,13 +252,13 @@ def test_stated_amplitudes_tell_when_units_are_mixed(tmp_path):
     rows = [f"4,{x!r},{f!r}" for x, f in zip((1e3 * deflection).tolist(), force.tolist(), strict=True)]
     path = tmp_path / "t.csv"
     path.write_text("\n".join(["amplitude [mm],deflection [mm],force [N]", *rows]), encoding="utf-8")
-    assert [loop.amplitude for loop in read_cycles(path)] == pytest.approx([4e-3], rel=1e-3)
+    assert [loop.amplitude for loop in load_cycles(path)] == pytest.approx([4e-3], rel=1e-3)
     path.write_text("\n".join(["amplitude [mm],deflection [m],force [N]", *rows]), encoding="utf-8")
     with pytest.raises(RecordError, match=r"lines 2 to 1201: the amplitude is 4 mm but .* \+-4000 mm; do the two"):
-        read_cycles(path)
+        load_cycles(path)
 
 
-@pytest.mark.parametrize("read", [read_cycles, wr.read_cyclic_test])
+@pytest.mark.parametrize("read", [load_cycles, wr.load_cyclic_test])
 def test_millimetres_that_a_header_calls_metres_are_refused(tmp_path, read):
     (loop,) = measured(cyclic_test(LAW, 4e-3), seed=1)
     path = tmp_path / "t.csv"

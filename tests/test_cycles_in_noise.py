@@ -7,7 +7,7 @@ from rig_records import write_record
 import wirerope_mj as wr
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.resources import catalogue_folder
-from wirerope_mj.mounts.test_rig import cyclic_test, measured, read_cycles, steady_loops
+from wirerope_mj.mounts.test_rig import cyclic_test, load_cycles, measured, steady_loops
 from wirerope_mj.mounts.test_rig.noise import force_noise
 
 LAW = wr.load_isolator(catalogue_folder() / "enidine_wr16_400.toml").axial
@@ -69,9 +69,9 @@ def test_a_force_that_is_noise_is_called_noise_and_nothing_else(tmp_path, seed):
     force = 1e3 * plain(np.random.default_rng(seed))
     time = np.arange(force.size) / POINTS
     with pytest.raises(RecordError, match=rf"lines \d+ to \d+: {NOTHING_BUT_NOISE}"):
-        read_cycles(write_record(tmp_path / "t.csv", time, deflection, force))
+        load_cycles(write_record(tmp_path / "t.csv", time, deflection, force))
     one = slice(0, POINTS + 1)
-    for read in (read_cycles, wr.read_cyclic_test):
+    for read in (load_cycles, wr.load_cyclic_test):
         with pytest.raises(RecordError, match=rf"lines 2 to 202: {NOTHING_BUT_NOISE}"):
             read(write_record(tmp_path / "t.csv", time[one], deflection[one], force[one]))
 
@@ -83,10 +83,10 @@ def test_noise_of_few_samples_is_called_noise_though_it_cannot_be_measured_well(
         noise = 1e3 * np.random.default_rng(seed).standard_normal(61)
         path = write_record(tmp_path / "t.csv", angle, 5e-3 * np.sin(angle), noise)
         with pytest.raises(RecordError, match="the force is noise of"):
-            wr.read_cyclic_test(path)
+            wr.load_cyclic_test(path)
 
 
-@pytest.mark.parametrize("read", [read_cycles, wr.read_cyclic_test])
+@pytest.mark.parametrize("read", [load_cycles, wr.load_cyclic_test])
 @pytest.mark.parametrize("samples", [3 * POINTS, 5000])
 def test_a_deflection_that_is_noise_is_called_noise(tmp_path, read, samples):
     """The range of 5000 numbers of noise is eight standard deviations and more."""

@@ -29,8 +29,8 @@ def write(folder, *lines, header="loop,time [s],deflection [mm],force [kN]"):
 
 def test_loops_in_si_come_back_to_the_bit(tmp_path):
     loops = cyclic_test(LAW, [1e-3, 3e-3], operating_point=-1e-3)
-    wr.write_cyclic_test(loops, tmp_path / "t.csv", frequency=0.1)
-    again = wr.read_cyclic_test(tmp_path / "t.csv")
+    wr.save_cyclic_test(loops, tmp_path / "t.csv", frequency=0.1)
+    again = wr.load_cyclic_test(tmp_path / "t.csv")
     assert len(again) == 2
     for one, other in zip(loops, again, strict=True):
         np.testing.assert_array_equal(other.deflection, one.deflection)
@@ -46,17 +46,17 @@ def test_loops_in_si_come_back_to_the_bit(tmp_path):
 
 def test_loops_in_mm_and_kn_come_back_to_rounding(tmp_path):
     loops = cyclic_test(LAW, 3e-3)
-    wr.write_cyclic_test(loops, tmp_path / "t.csv", deflection_unit="mm", force_unit="kN")
+    wr.save_cyclic_test(loops, tmp_path / "t.csv", deflection_unit="mm", force_unit="kN")
     text = (tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()
     assert text[1] == "loop, deflection [mm], force [kN]"
     assert max(float(line.split(",")[1]) for line in text[2:]) == pytest.approx(3.0, rel=1e-15)
-    (again,) = wr.read_cyclic_test(tmp_path / "t.csv")
+    (again,) = wr.load_cyclic_test(tmp_path / "t.csv")
     np.testing.assert_allclose(again.deflection, loops[0].deflection, rtol=4e-16, atol=0)  # two roundings
     np.testing.assert_allclose(again.force, loops[0].force, rtol=4e-16, atol=0)
 
 
 def test_time_is_written_uniform_from_zero_in_each_loop(tmp_path):
-    wr.write_cyclic_test(cyclic_test(LAW, [1e-3, 2e-3], points_per_cycle=8), tmp_path / "t.csv", frequency=0.5)
+    wr.save_cyclic_test(cyclic_test(LAW, [1e-3, 2e-3], points_per_cycle=8), tmp_path / "t.csv", frequency=0.5)
     lines = [line.split(", ") for line in (tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()[2:]]
     assert [line[0] for line in lines] == ["1"] * 9 + ["2"] * 9
     assert [float(line[1]) for line in lines] == [0.25 * i for i in range(9)] * 2
@@ -67,7 +67,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
     path.write_text("before", encoding="utf-8")
     broken = replace(cyclic_test(LAW, 1e-3)[0], force=np.zeros(3))
     with pytest.raises(ValueError, match="shorter"):
-        wr.write_cyclic_test([broken], path)
+        wr.save_cyclic_test([broken], path)
     assert path.read_text(encoding="utf-8") == "before"
     assert list(tmp_path.iterdir()) == [path]
 
@@ -83,7 +83,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
 )
 def test_bad_arguments_of_writing_are_named(tmp_path, arguments, message):
     with pytest.raises(ValueError, match=message):
-        wr.write_cyclic_test(**{"loops": cyclic_test(LAW, 1e-3), "path": tmp_path / "t.csv"} | arguments)
+        wr.save_cyclic_test(**{"loops": cyclic_test(LAW, 1e-3), "path": tmp_path / "t.csv"} | arguments)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -93,7 +93,7 @@ def test_comments_units_other_words_and_other_columns_are_understood(tmp_path):
     for i, angle in enumerate(PHASE.tolist()):
         lines.append(f"{10 * i};{2.0 * math.sin(angle)!r};warm;{3.0 * math.sin(angle + 0.2)!r};log1 / 3")
     path.write_text("\r\n".join(lines), encoding="utf-8")
-    (loop,) = wr.read_cyclic_test(path)
+    (loop,) = wr.load_cyclic_test(path)
     np.testing.assert_allclose(loop.deflection, 2e-3 * np.sin(PHASE), rtol=1e-15)  # the unit costs one rounding
     np.testing.assert_allclose(loop.force, 3e3 * np.sin(PHASE + 0.2), rtol=1e-15)
     # An inscribed polygon of 12 chords: sin(2 pi / 12) / (2 pi / 12) of the ellipse's pi A F sin(lag).
@@ -104,19 +104,19 @@ def test_comments_units_other_words_and_other_columns_are_understood(tmp_path):
 def test_quoted_cells_and_an_empty_last_column_are_understood(tmp_path):
     lines = ["\t".join(f'"{cell}"' for cell in row.split(",")) + "\t" for row in rows()]
     header = '"loop"\t"time [s]"\t"deflection [mm]"\t"force [kN]"\tremark'
-    (loop,) = wr.read_cyclic_test(write(tmp_path, *lines, header=header))
+    (loop,) = wr.load_cyclic_test(write(tmp_path, *lines, header=header))
     assert loop.deflection.max() == pytest.approx(1e-3, rel=1e-12)
 
 
 def test_rows_of_one_amplitude_are_a_loop(tmp_path):
     lines = rows("1.0") + rows("2.0", scale=2.0)
-    loops = wr.read_cyclic_test(write(tmp_path, *lines, header="amplitude [mm],time [s],deflection [mm],force [kN]"))
+    loops = wr.load_cyclic_test(write(tmp_path, *lines, header="amplitude [mm],time [s],deflection [mm],force [kN]"))
     assert [loop.amplitude for loop in loops] == pytest.approx([1e-3, 2e-3], rel=1e-6)  # six decimals written
 
 
 def test_a_file_without_loop_column_is_one_loop(tmp_path):
     lines = [row.partition(",")[2] for row in rows()]
-    (loop,) = wr.read_cyclic_test(write(tmp_path, *lines, header="time [s],deflection [mm],force [kN]"))
+    (loop,) = wr.load_cyclic_test(write(tmp_path, *lines, header="time [s],deflection [mm],force [kN]"))
     assert loop.deflection.size == 13
 
 
@@ -124,7 +124,7 @@ def test_a_file_without_loop_column_is_one_loop(tmp_path):
 def test_a_cycle_that_lacks_its_last_sample_is_closed(tmp_path, turn):
     values = [row.split(",")[2:] for row in rows(points=12)]
     lines = [f"1,{i},{x},{force}" for i, (x, force) in enumerate(values[turn:] + values[:turn])]
-    (loop,) = wr.read_cyclic_test(write(tmp_path, *lines))
+    (loop,) = wr.load_cyclic_test(write(tmp_path, *lines))
     assert loop.deflection.size == 13
     assert loop.deflection[-1] == loop.deflection[0]
     force = [float(line.split(",")[3]) for line in lines]
@@ -135,8 +135,8 @@ def test_a_cycle_that_lacks_its_last_sample_is_closed(tmp_path, turn):
 
 def test_noisy_loops_are_read_as_they_stand(tmp_path):
     noisy = measured(cyclic_test(LAW, [1e-3, 3e-3]), seed=5, force_noise=5.0, deflection_noise=1e-5)
-    wr.write_cyclic_test(noisy, tmp_path / "t.csv")
-    for one, other in zip(noisy, wr.read_cyclic_test(tmp_path / "t.csv"), strict=True):
+    wr.save_cyclic_test(noisy, tmp_path / "t.csv")
+    for one, other in zip(noisy, wr.load_cyclic_test(tmp_path / "t.csv"), strict=True):
         np.testing.assert_array_equal(other.force[: one.force.size], one.force)
         assert other.closure == one.closure
         # The chord that closes the polygon may be added: no longer than the noise.
@@ -182,7 +182,7 @@ def swapped(number, text):
         (
             None,
             rows(points=37),
-            r"lines 2 to 38: loop 1 is not one cycle: .*to and fro 7 times.*`read_cycles` reads.*column \"loop\"",
+            r"lines 2 to 38: loop 1 is not one cycle: .*to and fro 7 times.*`load_cycles` reads.*column \"loop\"",
         ),
         (None, rows(scale=0.0), r"the deflection of loop 1 never changes"),
         ("amplitude [m],time [s],deflection [mm],force [kN]", rows("1"), r"amplitude is 1000 mm but .*\+-1 mm"),
@@ -192,7 +192,7 @@ def swapped(number, text):
 def test_what_is_wrong_is_named_with_its_line(tmp_path, header, lines, message):
     path = write(tmp_path, *lines, **({} if header is None else {"header": header}))
     with pytest.raises(RecordError) as caught:
-        wr.read_cyclic_test(path)
+        wr.load_cyclic_test(path)
     assert str(caught.value).startswith(str(path))
     assert re.search(message, str(caught.value)), caught.value
 
@@ -201,17 +201,17 @@ def test_line_numbers_count_comments_and_empty_lines(tmp_path):
     path = tmp_path / "t.csv"
     path.write_text("# one\n\nloop,deflection [mm],force [kN]\n# four\n1,0,0\n1,high,1\n", encoding="utf-8")
     with pytest.raises(RecordError, match=r'line 6: "high"'):
-        wr.read_cyclic_test(path)
+        wr.load_cyclic_test(path)
 
 
 def test_missing_empty_and_unreadable_files_are_named(tmp_path):
     with pytest.raises(RecordError, match=r"nosuch.csv: no such file.*loop, time \[s\]"):
-        wr.read_cyclic_test(tmp_path / "nosuch.csv")
+        wr.load_cyclic_test(tmp_path / "nosuch.csv")
     (tmp_path / "empty.csv").write_text("# nothing\n", encoding="utf-8")
     with pytest.raises(RecordError, match="the file is empty"):
-        wr.read_cyclic_test(tmp_path / "empty.csv")
+        wr.load_cyclic_test(tmp_path / "empty.csv")
     with pytest.raises(RecordError, match="cannot be read"):
-        wr.read_cyclic_test(tmp_path)
+        wr.load_cyclic_test(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -227,7 +227,7 @@ def test_a_cycle_that_no_isolator_could_make_is_refused(tmp_path, change, messag
     deflection, force = change(1e-3 * np.sin(angle), 1e3 * np.sin(angle + 0.3))
     lines = [f"{x!r},{f!r}" for x, f in zip(deflection.tolist(), force.tolist(), strict=True)]
     with pytest.raises(RecordError, match=rf"lines 2 to 102: {message}"):
-        wr.read_cyclic_test(write(tmp_path, *lines, header="deflection [m],force [N]"))
+        wr.load_cyclic_test(write(tmp_path, *lines, header="deflection [m],force [N]"))
 
 
 @pytest.mark.parametrize(
@@ -243,5 +243,5 @@ def test_bytes_that_are_no_text_and_endless_cells_are_refused_in_few_words(tmp_p
     path = tmp_path / "t.csv"
     path.write_bytes(content)
     with pytest.raises(RecordError, match=said) as caught:
-        wr.read_cyclic_test(path)
+        wr.load_cyclic_test(path)
     assert len(str(caught.value).replace(str(path), "")) < 500  # two lines of a wide screen, not the whole file

@@ -277,7 +277,7 @@ def same(a, b):
 
 def test_a_sweep_comes_back_from_its_file_and_is_replaced_whole(short, tmp_path):
     short.save(tmp_path / "new" / "folder")
-    same(wr.FrequencySweep.load(tmp_path / "new" / "folder"), short)
+    same(wr.load_frequency_sweep(tmp_path / "new" / "folder"), short)
     short.save(tmp_path / "new" / "folder")
     names = sorted(path.name for path in (tmp_path / "new" / "folder").iterdir())
     assert names == ["frequency_sweep.json", "frequency_sweep.parquet"]
@@ -292,17 +292,17 @@ def test_a_sweep_that_streams_to_disk_is_the_same(system, short, tmp_path, monke
     monkeypatch.setattr("wirerope_mj.dynamics.sweep.continuous.CHUNK", 4)
     options = {"timestep": 1e-3, "settled": None, **MOUNT}
     same(wr.frequency_sweep(system, up(60.0, 6.0, 18.0), out=tmp_path, **options), short)
-    same(wr.FrequencySweep.load(tmp_path), short)
+    same(wr.load_frequency_sweep(tmp_path), short)
     with pytest.raises(RecordError, match="a sweep stands here already; give another `out`"):
         wr.frequency_sweep(system, up(60.0, 6.0, 18.0), out=tmp_path, **options)
 
 
 def test_a_folder_without_a_sweep_says_so(tmp_path):
     with pytest.raises(RecordError, match=r"there is no frequency_sweep\.parquet here"):
-        wr.FrequencySweep.load(tmp_path)
+        wr.load_frequency_sweep(tmp_path)
     (tmp_path / "frequency_sweep.parquet").write_bytes(b"not a table")
     with pytest.raises(RecordError, match="this is not a table that `FrequencySweep.save` wrote"):
-        wr.FrequencySweep.load(tmp_path)
+        wr.load_frequency_sweep(tmp_path)
 
 
 def limited(law, **travel):

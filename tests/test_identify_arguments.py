@@ -46,7 +46,7 @@ def test_unknown_options_are_named_with_the_known_ones(options, message):
     [
         (
             lambda: wr.identify("t.csv"),
-            r"`loops` must be loops, got the path 't.csv'; read_cycles\('t.csv'\) reads them",
+            r"`loops` must be loops, got the path 't.csv'; load_cycles\('t.csv'\) reads them",
         ),
         (lambda: wr.identify(LOOPS[0]), "`loops` must be a sequence of loops, got a single one"),
         (lambda: wr.identify([LOOPS]), "`loops` must hold loops, got a list at index 0"),

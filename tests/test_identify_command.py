@@ -12,7 +12,7 @@ import wirerope_mj as wr
 from wirerope_mj.cli import identify as command
 from wirerope_mj.cli import main
 from wirerope_mj.mounts.identification.result import fitted_loops, neighbours_correlation
-from wirerope_mj.mounts.test_rig import cyclic_test, read_cycles
+from wirerope_mj.mounts.test_rig import cyclic_test, load_cycles
 from wirerope_mj.views.plots.identification import fit_figure, measures_figure, residual_figure
 
 TRUTH = wr.AsymmetricBoucWen.from_normalised(
@@ -276,7 +276,7 @@ def test_bad_input_gets_one_message_and_writes_nothing(folder, capsys, arguments
 
 
 def test_pictures_show_what_was_measured_beside_what_was_fitted(simple):
-    result = wr.identify(read_cycles(simple), law=wr.BoucWen)
+    result = wr.identify(load_cycles(simple), law=wr.BoucWen)
     fits = fitted_loops(result)
     np.testing.assert_allclose([fit.error for fit in fits], result.residuals, rtol=1e-9)
     # White noise of 270 samples: three standard deviations are 0.18.
@@ -304,7 +304,7 @@ def test_pictures_show_what_was_measured_beside_what_was_fitted(simple):
 
 
 def test_many_loops_are_drawn_from_the_smallest_to_the_largest(simple):
-    fits = fitted_loops(wr.identify(read_cycles(simple), law=wr.EnhancedDryFriction))
+    fits = fitted_loops(wr.identify(load_cycles(simple), law=wr.EnhancedDryFriction))
     many = [replace(fit, deflection=fit.deflection * (1.0 + 0.01 * i)) for i in range(6) for fit in fits]
     figure = fit_figure(sorted(many, key=lambda fit: fit.amplitude), title="many")
     assert len(figure.axes) == 12

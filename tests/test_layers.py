@@ -1,6 +1,7 @@
 """The house: imports point downwards from wing to wing and from room to room; few of them touch an engine or a picture."""
 
 import ast
+import re
 import sys
 from functools import cache
 from graphlib import CycleError, TopologicalSorter
@@ -145,3 +146,13 @@ def test_a_file_holds_one_idea():
         lines = path.read_text(encoding="utf-8").count("\n")
         assert lines < 400, f"{path} has {lines} lines"
         assert not {"utils", "util", "helpers", "common", "misc", "manager"} & set(module.split("."))
+
+
+def test_the_map_names_what_exists():
+    page = (PACKAGE.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"`((?:wirerope_mj|tests|models|scenarios)/[\w/.]*)`", page))
+    assert len(named) > 20
+    assert not [name for name in named if not (PACKAGE.parent / name).exists()]
+    for wing, floors in HOUSE.items():
+        assert f"| `{wing}` |" in page
+        assert all(f"`{room}`" in page for rooms in floors for room in rooms)

@@ -73,7 +73,7 @@ def test_an_unrated_stop_is_pressed_and_a_table_followed_to_its_end(folder, caps
 def test_loops_of_one_axis_go_to_a_file_that_is_read_back(folder, capsys):
     out = printed(capsys, "loops", "sdof_36hz", "--amplitudes", "1", "--operating-point-mm=-0.5", "--csv", "t.csv")
     assert "about -0.5 mm" in out
-    (loop,) = wr.read_cyclic_test("t.csv")
+    (loop,) = wr.load_cyclic_test("t.csv")
     assert loop.operating_point == pytest.approx(-0.5e-3, rel=1e-12)
     assert loop.amplitude == pytest.approx(1e-3, rel=1e-12)
 

@@ -25,10 +25,10 @@ from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, Poin
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.views.recording import read_state, record_overlay, record_rerun
-from wirerope_mj.views.recording.film import with_values
-from wirerope_mj.views.recording.overlay_ghosts import ghost_factor
-from wirerope_mj.views.recording.overlay_runs import COLORS, overlay_of
-from wirerope_mj.views.recording.overlay_text import mount_tables, summary_markdown
+from wirerope_mj.views.recording.animation import with_values
+from wirerope_mj.views.recording.comparison_text import mount_tables, summary_markdown
+from wirerope_mj.views.recording.drawn_runs import COLORS, overlay_of
+from wirerope_mj.views.recording.ghosts import ghost_factor
 from wirerope_mj.views.recording.viewer import viewer_binary
 
 G = STANDARD_GRAVITY

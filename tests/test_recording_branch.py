@@ -10,9 +10,9 @@ from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_r
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.views.recording.along import FREQUENCY, POINT
+from wirerope_mj.views.recording.animation import MOST_POINTS, ROWS, animation_of, strips_of
 from wirerope_mj.views.recording.branch import record_branches
 from wirerope_mj.views.recording.enlarge import enlarged, factor_of
-from wirerope_mj.views.recording.film import MOST_POINTS, ROWS, film_of, strips_of
 from wirerope_mj.views.recording.paths import TIMELINE
 from wirerope_mj.views.recording.viewer import viewer_binary
 
@@ -35,8 +35,8 @@ def recording(result, findings, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def film(findings):
-    return film_of(strips_of(findings)[-1])
+def animation(findings):
+    return animation_of(strips_of(findings)[-1])
 
 
 @pytest.fixture(scope="module")
@@ -94,27 +94,27 @@ def test_loops_are_those_of_the_motions(chunks, findings):
         np.testing.assert_allclose(drawn[:, 1], 1e-3 * mount.force[:, 2], atol=1e-6)
 
 
-def test_the_film_plays_one_period_of_each_motion_up_to_its_largest_acceleration(film):
-    strip, response = film.strip, film.response
+def test_the_animation_plays_one_period_of_each_motion_up_to_its_largest_acceleration(animation):
+    strip, response = animation.strip, animation.response
     assert response.time.size == ROWS * MOST_POINTS
     assert (np.diff(response.time) > 0).all()
-    np.testing.assert_allclose(np.diff(film.starts), 1.0 / strip.frequency[:-1], rtol=1e-12)
+    np.testing.assert_allclose(np.diff(animation.starts), 1.0 / strip.frequency[:-1], rtol=1e-12)
     last = ROWS * np.arange(1, MOST_POINTS + 1) - 1
     reached = np.abs(response.bodies["mass"].acceleration[last, 2])
     # The largest of the steps; the amplitude is that of the parabola through three of them.
     np.testing.assert_allclose(reached, strip.amplitude, rtol=2e-3)
 
 
-def test_rows_in_time_stand_at_the_point_of_their_motion(chunks, film):
+def test_rows_in_time_stand_at_the_point_of_their_motion(chunks, animation):
     cursors = rows_of(chunks, "/loops/axial/m1/data/cursor", "Points2D:positions")
     point, frequency, time, _ = cursors
     np.testing.assert_array_equal(point, np.repeat(np.arange(MOST_POINTS), ROWS))
-    np.testing.assert_array_equal(frequency, np.round(1e3 * film.strip.frequency)[point])
-    np.testing.assert_array_equal(time, np.round(1e9 * film.response.time))
+    np.testing.assert_array_equal(frequency, np.round(1e3 * animation.strip.frequency)[point])
+    np.testing.assert_array_equal(time, np.round(1e9 * animation.response.time))
 
 
-def test_motions_are_drawn_larger_about_their_mean_and_mounts_still_reach_the_bodies(film):
-    response = film.response
+def test_motions_are_drawn_larger_about_their_mean_and_mounts_still_reach_the_bodies(animation):
+    response = animation.response
     factor = factor_of(response, extent=0.5)
     assert factor > 1.0
     large = enlarged(response, factor)
@@ -125,11 +125,11 @@ def test_motions_are_drawn_larger_about_their_mean_and_mounts_still_reach_the_bo
     np.testing.assert_array_equal(large.mounts["m1"].force, response.mounts["m1"].force)
 
 
-def test_words_say_amplitude_stability_and_multipliers(chunks, film):
+def test_words_say_amplitude_stability_and_multipliers(chunks, animation):
     *_, texts = rows_of(chunks, "/motion", "TextDocument:text")
     words = texts[30][0].as_py()
     assert "5 m/s²: stable" in words
-    assert f"Amplitude **{film.strip.amplitude[30]:.4g} m/s²**" in words
+    assert f"Amplitude **{animation.strip.amplitude[30]:.4g} m/s²**" in words
     assert "Floquet multiplier" in words
     assert "Mount m1, axial:" in words
     *_, labels = rows_of(chunks, "/response/data/here/level_1", "Points2D:labels")

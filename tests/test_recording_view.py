@@ -75,12 +75,12 @@ def test_long_loops_are_exact_around_the_largest_deflection(floor, monkeypatch):
 def test_mounts_are_ranked_by_their_share_of_the_rated_travel(floor):
     selection = select(floor)
     assert selection.axes[0] == "axial"
-    shares = [selection.share(name, "axial") for name in selection.ranked["axial"]]
-    assert shares == sorted(shares, reverse=True)
+    ratios = [selection.utilisation(name, "axial") for name in selection.ranked["axial"]]
+    assert ratios == sorted(ratios, reverse=True)
     lowest = min(peaks.deflection.minimum[2] for peaks in floor.peaks.mounts.values())
     highest = max(peaks.deflection.maximum[2] for peaks in floor.peaks.mounts.values())
     # Tension counts against its own limit.
-    assert shares[0] == pytest.approx(max(-lowest / 0.04, highest / 0.02), rel=1e-12)
+    assert ratios[0] == pytest.approx(max(-lowest / 0.04, highest / 0.02), rel=1e-12)
 
 
 def test_exceeded_travel_is_an_error_and_says_which_mount_and_by_how_much():
@@ -97,7 +97,7 @@ def test_nothing_is_judged_where_nothing_is_rated():
     response = floor_response(travel={})
     selection = select(response)
     assert {event.level for event in events_of(response, selection)} == {"INFO"}
-    assert np.isnan(selection.shares).all()
+    assert np.isnan(selection.utilisations).all()
     assert "not rated" in peaks_markdown(response, selection, ["kept below 10 g"])
 
 

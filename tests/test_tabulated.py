@@ -208,7 +208,7 @@ def test_the_page_enters_that_curve_in_under_ten_lines(tmp_path):
         ),
         ("deflection_mm,force_N\n0,0\n1\n", "line 3: 1 cells where the header has 2 columns"),
         ("deflection_mm,force_N\n0,zero\n", 'line 2: "zero" in column "force" is not a number'),
-        ("deflection_mm,force_N,force_kN\n0,0,0\n", 'column "force" stands twice'),
+        ("deflection_mm,force_N,force_kN\n0,0,0\n", 'column "force" appears twice'),
         ("", "the file is empty"),
         ("deflection_mm,force_N\n0,0\n", "`deflection` must have at least 2 points, got 1"),
         ("deflection_mm\n0\n1\n", "give either `upper` and `lower`"),
@@ -233,7 +233,7 @@ def test_what_stands_twice_or_without_a_file_is_refused(tmp_path):
         ModelError, match=r"\[axial\] `deflection_cm` has the unknown unit 'cm'\. Known units: m, mm, in\."
     ):
         wr.load_isolator(tmp_path / "a.toml")
-    with pytest.raises(ModelError, match="`points` names a file, but this isolator comes from none"):
+    with pytest.raises(ModelError, match="`points` names a file, but this isolator was not read from a file"):
         wr.Isolator.from_dict({"name": "a", "axial": {"law": "tabulated", "points": "curve.csv"}})
 
 

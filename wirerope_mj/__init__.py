@@ -29,6 +29,7 @@ from wirerope_mj.dynamics.single_mass import harmonic_balance as harmonic_balanc
 from wirerope_mj.dynamics.single_mass import simplified_peak as simplified_peak
 from wirerope_mj.dynamics.sweep import FrequencySweep as FrequencySweep
 from wirerope_mj.dynamics.sweep import frequency_sweep as frequency_sweep
+from wirerope_mj.dynamics.sweep import load_frequency_sweep as load_frequency_sweep
 from wirerope_mj.dynamics.sweep import stepped_sine as stepped_sine
 from wirerope_mj.engine.response import Peak as Peak
 from wirerope_mj.engine.response import Response as Response
@@ -115,10 +116,10 @@ from wirerope_mj.mounts.laws import TinkerCutchins as TinkerCutchins
 from wirerope_mj.mounts.laws import VaianaRosati as VaianaRosati
 from wirerope_mj.mounts.laws import Zener as Zener
 from wirerope_mj.mounts.test_rig import cyclic_test as cyclic_test
-from wirerope_mj.mounts.test_rig import read_cycles as read_cycles
-from wirerope_mj.mounts.test_rig import read_cyclic_test as read_cyclic_test
+from wirerope_mj.mounts.test_rig import load_cycles as load_cycles
+from wirerope_mj.mounts.test_rig import load_cyclic_test as load_cyclic_test
+from wirerope_mj.mounts.test_rig import save_cyclic_test as save_cyclic_test
 from wirerope_mj.mounts.test_rig import steady_loops as steady_loops
-from wirerope_mj.mounts.test_rig import write_cyclic_test as write_cyclic_test
 from wirerope_mj.runs import replay as replay
 from wirerope_mj.runs import run_scenario as run_scenario
 from wirerope_mj.runs.from_scenario import study_of as study_of
@@ -139,3 +140,6 @@ from wirerope_mj.studies import redrawn as redrawn
 from wirerope_mj.studies import sobol_indices as sobol_indices
 from wirerope_mj.views.recording import record_overlay as record_overlay
 from wirerope_mj.views.recording import record_rerun as record_rerun
+
+read_cyclic_test = load_cyclic_test
+"""Earlier name of it."""

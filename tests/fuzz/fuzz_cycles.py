@@ -10,7 +10,7 @@ from tables import DAMAGE, damaged_bytes, table_of
 
 import wirerope_mj as wr
 from wirerope_mj.mounts.identification.measured import prepare
-from wirerope_mj.mounts.test_rig import read_cycles, steady_loops
+from wirerope_mj.mounts.test_rig import load_cycles, steady_loops
 
 _POINTS = 60
 _SIZES = (2e-3, 8e-3)
@@ -121,7 +121,7 @@ def use(case: Case) -> str | None:
         x, f, time = case.inputs["series"]
         loops = steady_loops(x, f, time=time)
     else:
-        loops = (wr.read_cyclic_test if case.inputs["one"] else read_cycles)(case.inputs["path"])
+        loops = (wr.load_cyclic_test if case.inputs["one"] else load_cycles)(case.inputs["path"])
     if not loops:
         return "there are no loops, and nothing is said"
     for loop in loops:

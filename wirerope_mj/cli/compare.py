@@ -38,8 +38,8 @@ def compare(
     from wirerope_mj.runs.checksums import warn_of_alterations
     from wirerope_mj.runs.inputs import run_inputs
     from wirerope_mj.runs.summary import read_headline
-    from wirerope_mj.views.recording.overlay import write_overlay
-    from wirerope_mj.views.recording.overlay_runs import overlay_of
+    from wirerope_mj.views.recording.drawn_runs import overlay_of
+    from wirerope_mj.views.recording.record import write_overlay
 
     if len(runs) < 2:
         raise ValueError(f"compare takes two runs or more, got {len(runs)}: wirerope compare RUN RUN [RUN ..]")

@@ -17,7 +17,7 @@ from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.mounts.isolator import Isolator, Limits, Travel, find_isolator, load_isolator, read_law
 from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of, distinct_axes
 from wirerope_mj.mounts.laws import EnhancedDryFriction, Hysteresis, Law, Loop
-from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, softening_to_hardening, write_cyclic_test
+from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, save_cyclic_test, softening_to_hardening
 
 _FRACTIONS = (0.05, 0.1, 0.25, 0.5, 1.0)
 """Default amplitudes as fractions of the rated travel: enough to see where softening ends."""
@@ -175,5 +175,5 @@ def _write(
     screen = console()
     screen.print(f"written: {escape(str(picture))}", soft_wrap=True)
     if csv is not None:
-        write_cyclic_test(next(iter(tests.values())), csv, frequency=frequency)
+        save_cyclic_test(next(iter(tests.values())), csv, frequency=frequency)
         screen.print(f"written: {escape(str(csv))}", soft_wrap=True)

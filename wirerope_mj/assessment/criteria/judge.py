@@ -1,4 +1,4 @@
-"""Everything that a plain run can be judged on."""
+"""Verdicts on what a run is judged on without being told more than its response and the limits of model and isolators."""
 
 from collections.abc import Sequence
 

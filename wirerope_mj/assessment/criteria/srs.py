@@ -16,7 +16,9 @@ def spectrum_verdict(
     subject: str,
     criterion: str = "shock response spectrum",
 ) -> Verdict:
-    """Return the verdict on a maximax spectrum against a test spectrum, where it comes nearest to it or is farthest above.
+    """Return the verdict on a maximax spectrum against a test spectrum, at the frequency of the highest utilisation.
+
+    Not part of `judge`: call it with a measured test spectrum.
 
     Equipment that stood a test bears every shock whose spectrum lies below the test's, at the same Q. Only frequencies are
     judged that both have.
@@ -39,7 +41,7 @@ def spectrum_verdict(
     if not np.isfinite(ratio[worst]):
         low, high = spectrum.frequencies[[0, -1]]
         raise ValueError(
-            f"`frequency` of the test spectrum, {points[0][0]:.6g} to {points[0][-1]:.6g} Hz, has nothing in common with the "
+            f"`frequency` of the test spectrum, {points[0][0]:.6g} to {points[0][-1]:.6g} Hz, does not overlap the "
             f"spectrum's {low:.6g} to {high:.6g} Hz."
         )
     judged = spectrum.frequencies[np.isfinite(ratio)]

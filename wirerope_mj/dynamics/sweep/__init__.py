@@ -2,4 +2,5 @@
 
 from wirerope_mj.dynamics.sweep.continuous import frequency_sweep as frequency_sweep
 from wirerope_mj.dynamics.sweep.envelope import FrequencySweep as FrequencySweep
+from wirerope_mj.dynamics.sweep.envelope import load_frequency_sweep as load_frequency_sweep
 from wirerope_mj.dynamics.sweep.stepped import stepped_sine as stepped_sine

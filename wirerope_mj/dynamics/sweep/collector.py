@@ -6,7 +6,7 @@ from typing import Any, Self
 import numpy as np
 
 from wirerope_mj.dynamics.sweep.channels import Channels
-from wirerope_mj.dynamics.sweep.envelope import FILE, FORMAT, FrequencySweep, column_names
+from wirerope_mj.dynamics.sweep.envelope import FILE, FORMAT, FrequencySweep, column_names, load_frequency_sweep
 from wirerope_mj.dynamics.sweep.travel import TravelWatch
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
@@ -95,6 +95,6 @@ class Collector:
         if self._rows:
             self._writer.write(np.concatenate(self._rows))
         self._writer.close(content)
-        sweep = FrequencySweep.load(self._writer.path.parent)
+        sweep = load_frequency_sweep(self._writer.path.parent)
         sweep.save_summary(self._writer.path.parent)
         return sweep

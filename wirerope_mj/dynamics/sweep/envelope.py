@@ -190,23 +190,6 @@ class FrequencySweep(Summarised):
             temporary.write_text(json.dumps(self.summary(), indent=2) + "\n", encoding="utf-8")
 
     @classmethod
-    def load(cls, folder: str | Path) -> "FrequencySweep":
-        """Return the sweep that was saved in `folder`.
-
-        Raises:
-            RecordError: the folder holds no sweep, or its file is damaged.
-        """
-        path = Path(folder) / FILE
-        if not path.is_file():
-            raise RecordError(f"{folder}: there is no {FILE} here; `FrequencySweep.save` writes one.")
-        _, content = read_content(path, kind=_KIND, remedy=_REMEDY, version=FORMAT)
-        columns = read_table(path, kind=_KIND, remedy=_REMEDY).columns
-        try:
-            return cls.of_rows(np.column_stack([column.to_numpy() for column in columns]), content)
-        except (KeyError, ValueError, TypeError):
-            raise RecordError(f"{path}: this is not {_KIND}, or it is damaged. {_REMEDY}") from None
-
-    @classmethod
     def of_rows(cls, rows: Array, content: Mapping[str, Any]) -> "FrequencySweep":
         """Return the sweep of a table's rows, (n, n_columns), and metadata."""
         vectors = iter(rows[:, len(_FIRST) :].reshape(rows.shape[0], -1, 3).transpose(1, 0, 2))
@@ -224,6 +207,23 @@ class FrequencySweep(Summarised):
             final_state=State.from_plain(content["final_state"]),
             warnings=tuple(content["warnings"]),
         )
+
+
+def load_frequency_sweep(folder: str | Path) -> FrequencySweep:
+    """Return the sweep that was saved in `folder`.
+
+    Raises:
+        RecordError: the folder holds no sweep, or its file is damaged.
+    """
+    path = Path(folder) / FILE
+    if not path.is_file():
+        raise RecordError(f"{folder}: there is no {FILE} here; `FrequencySweep.save` writes one.")
+    _, content = read_content(path, kind=_KIND, remedy=_REMEDY, version=FORMAT)
+    columns = read_table(path, kind=_KIND, remedy=_REMEDY).columns
+    try:
+        return FrequencySweep.of_rows(np.column_stack([column.to_numpy() for column in columns]), content)
+    except (KeyError, ValueError, TypeError):
+        raise RecordError(f"{path}: this is not {_KIND}, or it is damaged. {_REMEDY}") from None
 
 
 def column_names(bodies: Sequence[str], mounts: Sequence[str]) -> list[str]:

@@ -64,7 +64,7 @@ def identify(
     """Return the law of a class that fits closed cyclic loops best, and its uncertainty.
 
     The law is compared along each loop's own path of deflections: led through what a record holds before it where that is
-    known, as `read_cycles` gives it, else in its steady state. The mean of each loop's force is free, as a load cell's zero
+    known, as `load_cycles` gives it, else in its steady state. The mean of each loop's force is free, as a load cell's zero
     drifts. Searches begin at `start` and at the best points of a grid, and the best end counts.
     From `start` a search goes the thesis' way: stiffness from the mid-lines, then the hysteresis from the areas with the
     stiffness fixed, then everything (Levenberg-Marquardt with bounds in each); and, beside a grid, straight to everything.

@@ -10,7 +10,7 @@ from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.identification.result import Identification
 from wirerope_mj.mounts.identification.stops import closes
 from wirerope_mj.mounts.laws import Loop, Stop
-from wirerope_mj.mounts.test_rig import read_cycles
+from wirerope_mj.mounts.test_rig import load_cycles
 from wirerope_mj.mounts.test_rig.clipping import is_level
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 
@@ -41,7 +41,7 @@ def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[
     for path in files:
         if path in tests:
             raise ValueError(f"{path} is named twice; its loops would count twice.")
-        tests[path] = read_cycles(path, stop=stop)
+        tests[path] = load_cycles(path, stop=stop)
         try:
             prepare(tests[path], stop=stop)
         except ValueError as error:

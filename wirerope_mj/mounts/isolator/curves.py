@@ -19,34 +19,38 @@ _UNITS: Mapping[str, Mapping[str, float]] = {
 _COLUMNS = ("deflection", "force", "upper", "lower")
 
 
-def curve_in_si(table: Mapping[str, Any], place: str, folder: Path | None) -> dict[str, Any]:
+def curve_in_si(table: Mapping[str, Any], location: str, folder: Path | None) -> dict[str, Any]:
     """Return the parameters of a tabulated law, all in SI, from those of a file.
 
-    `deflection_mm = [...]` is `deflection` in other words, and `points = "curve.csv"` stands for the columns of that file,
+    `deflection_mm = [...]` is `deflection` in other units, and `points = "curve.csv"` stands for the columns of that file,
     in `folder`.
 
     Raises:
-        ModelError: a quantity is given twice, or the file of points is wrong; names place or file, line and rule.
+        ModelError: a quantity is given twice, or the file of points is wrong; names the location or file, line and rule.
     """
     values: dict[str, Any] = {}
     for key, value in table.items():
         name, _, unit = key.rpartition("_")
         factor = _UNITS.get(name, {}).get(unit)
         if factor is None and name in _UNITS and unit:
-            raise ModelError(f"{place} `{key}` has the unknown unit {unit!r}. Known units: {', '.join(_UNITS[name])}.")
-        _state(values, key if factor is None else name, _times(value, factor), place)
+            raise ModelError(
+                f"{location} `{key}` has the unknown unit {unit!r}. Known units: {', '.join(_UNITS[name])}."
+            )
+        _set_once(values, key if factor is None else name, _scaled(value, factor), location)
     if (file := values.pop("points", None)) is None:
         return values
     if not isinstance(file, str):
-        raise ModelError(f"{place} `points` must be the name of a CSV file beside this one, got {file!r}.")
+        raise ModelError(f"{location} `points` must be the name of a CSV file beside this one, got {file!r}.")
     if folder is None:
-        raise ModelError(f"{place} `points` names a file, but this isolator comes from none: give the numbers.")
+        raise ModelError(
+            f"{location} `points` names a file, but this isolator was not read from a file: give the numbers."
+        )
     try:
         columns = read_curve(folder / file)
     except RecordError as error:
-        raise ModelError(f"{place} `points`: {error}") from None
+        raise ModelError(f"{location} `points`: {error}") from None
     for name, numbers in columns.items():
-        _state(values, name, numbers, place)
+        _set_once(values, name, numbers, location)
     return values
 
 
@@ -59,7 +63,7 @@ def read_curve(path: Path) -> dict[str, list[float]]:
     factors: dict[str, float] = {}
     for column, name in enumerate(header.names):
         if name not in _COLUMNS or name in factors:
-            fault = "stands twice" if name in factors else "is not known"
+            fault = "appears twice" if name in factors else "is not known"
             raise RecordError(f'{header.location}: column "{name}" {fault}; a curve has {", ".join(_COLUMNS)}.')
         factors[name] = header.factor(column, _UNITS[name])
     columns: dict[str, list[float]] = {name: [] for name in factors}
@@ -79,17 +83,17 @@ def _with_units(header: Header) -> Header:
     return replace(header, names=tuple(names), units=tuple(units))
 
 
-def _state(values: dict[str, Any], name: str, value: Any, place: str) -> None:
+def _set_once(values: dict[str, Any], name: str, value: Any, location: str) -> None:
     """Take a value, or raise ModelError if it is stated already."""
     if name in values:
-        raise ModelError(f"{place} `{name}` is stated twice.")
+        raise ModelError(f"{location} `{name}` is stated twice.")
     values[name] = value
 
 
-def _times(value: Any, factor: float | None) -> Any:
+def _scaled(value: Any, factor: float | None) -> Any:
     """Return a number, or each of a list, times a factor; what is no number is left to the law to refuse."""
     if isinstance(value, list):
-        return [_times(one, factor) for one in value]
+        return [_scaled(one, factor) for one in value]
     if factor is None or isinstance(value, bool) or not isinstance(value, int | float):
         return value
     return in_si(value, factor)

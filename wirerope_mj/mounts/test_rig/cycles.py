@@ -31,10 +31,10 @@ _REPEATS = 0.02  # of the amplitude, root mean square: cycles that repeat the de
 _UNLOADED = 0.05  # of its range, within which a record begins at the unloaded device
 
 
-def read_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
+def load_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
     """Return the steady loops of a measured cyclic test of any length, in the order of the file.
 
-    The file is that of `read_cyclic_test`, but its rows, or those with one value of `loop` or `amplitude`, may hold any
+    The file is that of `load_cyclic_test`, but its rows, or those with one value of `loop` or `amplitude`, may hold any
     number of cycles, amplitudes and operating points one after the other. See `steady_loops` for what is made of them.
 
     Args:

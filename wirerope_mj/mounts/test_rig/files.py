@@ -9,7 +9,7 @@ from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS
 from wirerope_mj.mounts.laws import Loop
 
 
-def write_cyclic_test(
+def save_cyclic_test(
     loops: Sequence[Loop],
     path: str | Path,
     *,
@@ -20,7 +20,7 @@ def write_cyclic_test(
     """Write loops as a CSV file with units in its header, atomically.
 
     The columns are loop (1, 2, ...), time if a frequency is given, deflection and force: what a rig records. In m and N,
-    numbers are written so that `read_cyclic_test` gives back the same bits; hysteretic states and the law's own work are not
+    numbers are written so that `load_cyclic_test` gives back the same bits; hysteretic states and the law's own work are not
     in the file.
 
     Args:

@@ -41,7 +41,7 @@ class Samples:
     force: list[float] = field(default_factory=list)
 
 
-def read_cyclic_test(path: str | Path) -> list[Loop]:
+def load_cyclic_test(path: str | Path) -> list[Loop]:
     """Return the loops of a measured cyclic test, in the order of the file.
 
     The file is CSV (separated by comma, semicolon or tab) with a header such as "loop, time [s], deflection [mm],
@@ -51,7 +51,7 @@ def read_cyclic_test(path: str | Path) -> list[Loop]:
     each loop and is not kept; other columns are not read.
 
     A loop is one cycle that ends where it began. If its last sample stands one step before the first, the first is repeated at
-    the end, so that the area is that of a closed loop. A record of several cycles is refused: `read_cycles` cuts those up.
+    the end, so that the area is that of a closed loop. A record of several cycles is refused: `load_cycles` cuts those up.
     What a file does not say is marked so in the loops: z is NaN, there are no internal states, `cycles` is 0; `closure` is
     the distance between the last force of the file and the first over the force range, work is summed by the trapezoid rule.
 
@@ -145,7 +145,7 @@ def _loop(path: Path, samples: Samples) -> Loop:
         fault = f"its deflection runs to and fro {legs} times" if legs > 3 else "its last sample is far from its first"
         raise RecordError(
             f"{location}: loop {samples.label} is not one cycle: {fault}. "
-            "`read_cycles` reads records of several cycles, amplitudes and operating points; or number the cycles in a column "
+            "`load_cycles` reads records of several cycles, amplitudes and operating points; or number the cycles in a column "
             '"loop"; each ends where it began.'
         )
     loop = Loop.from_samples(x, force)

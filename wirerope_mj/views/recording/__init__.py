@@ -15,19 +15,19 @@ The timeline is `sim_time` [s]. What is drawn is thinned to what a picture can s
 /histories/acceleration/x|y|z|total     base, bodies and points with the largest peaks [g];  .../peak  the largest
 /histories/deflection|force/AXIS        mounts that use most of their travel [mm, kN];  .../peak  .../lowest_rated ...
 /loops/AXIS/MOUNT                       frame of the plot
-/loops/AXIS/MOUNT/data                  the loop [mm, kN] and its place in the plot;  .../trail  .../cursor
+/loops/AXIS/MOUNT/data                  the loop [mm, kN] in the coordinates of the plot;  .../trail  .../cursor
 /loops/AXIS/others                      loops of the mounts that have no view of their own
-/events                                 log of what happens
+/events                                 log of events
 /lanes/base  /lanes/travel_AXIS         phase of the motion, use of the rated travel
 /scenario  /peaks                       texts
 /state/time|base|bodies|points|mounts   float64 samples, SI; their `columns` are the names in response.parquet
 ```
 
 Branches of periodic motions have a recording of their own, see `views.recording.branch`; so have several responses over
-each other, see `wirerope_mj.views.recording.overlay`.
+each other, see `wirerope_mj.views.recording.record`.
 """
 
-from wirerope_mj.views.recording.overlay import record_overlay as record_overlay
+from wirerope_mj.views.recording.record import record_overlay as record_overlay
 from wirerope_mj.views.recording.record import record_rerun as record_rerun
 from wirerope_mj.views.recording.state import read_state as read_state
 from wirerope_mj.views.recording.viewer import show as show

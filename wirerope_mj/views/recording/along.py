@@ -1,34 +1,36 @@
-"""The two ways through a recording of branches: from point to point, and in time through one motion after the other."""
+"""Timelines beside that of time: rows in time stand at the motion, of a branch or a mode, to which their instant belongs."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.recording.film import Film, Strip
+from wirerope_mj.views.recording.animation import Animation, Strip
 from wirerope_mj.views.recording.paths import TIMELINE, nanoseconds
 
 POINT, FREQUENCY = "point", "frequency_mHz"
-"""Timelines over the branch: the number of the motion, and its frequency, whole millihertz as rerun has no other
+"""Timelines over the branch: the number of the motion, and its frequency in integer millihertz, as rerun has no other
 numbers for a timeline. Where a branch folds, the point tells its motions apart."""
 
 
-def at_points(film: Film, strip: Strip) -> list[Any]:
-    """Return the index columns of one row for every motion of a strip: they stand beside those of the film."""
+def at_points(animation: Animation, strip: Strip) -> list[Any]:
+    """Return the index columns of one row for every motion of a strip: they stand beside those of the animation."""
     import rerun as rr
 
-    return [
-        rr.TimeColumn(POINT, sequence=np.arange(strip.points.size)),
-        rr.TimeColumn(FREQUENCY, sequence=_millihertz(strip.frequency)),
-        rr.TimeColumn(TIMELINE, duration=nanoseconds(film.starts)),
-    ]
+    columns = [rr.TimeColumn(name, sequence=numbers) for name, numbers in _numbers(strip).items()]
+    return [*columns, rr.TimeColumn(TIMELINE, duration=nanoseconds(animation.starts))]
 
 
-class AlongBranch:
-    """A recording stream whose rows in time stand on the branch too: at the motion to which their instant belongs."""
+class Along:
+    """A recording stream whose rows in time stand on other timelines too.
 
-    def __init__(self, rec: Any, film: Film) -> None:
-        self._rec, self._film = rec, film
+    `starts` are the instants [s] at which the motions begin, `numbers` their numbers on these timelines.
+    """
+
+    def __init__(self, rec: Any, starts: Array, numbers: Mapping[str, Any]) -> None:
+        self._rec, self._numbers = rec, numbers
+        self._starts = nanoseconds(starts).astype(np.int64)
 
     def log(self, *args: Any, **options: Any) -> None:
         """Log as the stream does."""
@@ -39,12 +41,15 @@ class AlongBranch:
         import rerun as rr
 
         time = index[0].as_arrow_array().cast("int64").to_numpy()
-        starts = nanoseconds(self._film.starts).astype(np.int64)
-        point = np.clip(np.searchsorted(starts, time, side="right") - 1, 0, None)
-        frequency = _millihertz(self._film.strip.frequency[point])
-        more = [rr.TimeColumn(POINT, sequence=point), rr.TimeColumn(FREQUENCY, sequence=frequency)]
+        motion = np.clip(np.searchsorted(self._starts, time, side="right") - 1, 0, None)
+        more = [rr.TimeColumn(name, sequence=numbers[motion]) for name, numbers in self._numbers.items()]
         self._rec.send_columns(path, [*index, *more], columns)
 
 
-def _millihertz(frequency: Array) -> Any:
-    return np.round(1e3 * frequency).astype(np.int64)
+def along_branch(rec: Any, animation: Animation) -> Along:
+    """Return a stream whose rows in time stand on the branch too."""
+    return Along(rec, animation.starts, _numbers(animation.strip))
+
+
+def _numbers(strip: Strip) -> dict[str, Any]:
+    return {POINT: np.arange(strip.points.size), FREQUENCY: np.round(1e3 * strip.frequency).astype(np.int64)}

@@ -6,7 +6,7 @@ Timelines: `point` goes from motion to motion along the branches of all levels, 
 ```text
 /world                           the scene, as in the recording of a response, small motions drawn larger
 /response                        frame of the frequency response, logarithmic;  .../data/level_1/stable|unstable|sweep_up|..
-/response/data/here/level_1      where the motion of each level stands;  .../data/events  folds and changes of stability
+/response/data/here/level_1      the motion of each level on its curve;  .../data/events  folds and changes of stability
 /loops/AXIS/MOUNT                frame of a mount's loops;  .../data/level_1  the loop;  .../data/cursor
 /shape                           the loop that takes most energy, over its own ranges
 /multipliers                     unit circle, and the Floquet multipliers of the motion
@@ -19,11 +19,11 @@ from typing import Any
 
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
-from wirerope_mj.views.recording.along import AlongBranch
+from wirerope_mj.views.recording.along import along_branch
+from wirerope_mj.views.recording.animation import animation_of, strips_of
 from wirerope_mj.views.recording.branch_blueprint import SQUARE, branch_blueprint, loop_grid
 from wirerope_mj.views.recording.camera import scene_extent
 from wirerope_mj.views.recording.enlarge import enlarged, factor_of
-from wirerope_mj.views.recording.film import film_of, strips_of
 from wirerope_mj.views.recording.multipliers import log_multipliers
 from wirerope_mj.views.recording.orbit_loops import log_orbit_loops, shown_loops
 from wirerope_mj.views.recording.orbit_text import log_texts
@@ -56,18 +56,18 @@ def record_branches(result: FrequencyResponse, findings: list[LevelSummary], pat
 
 def _write(result: FrequencyResponse, findings: list[LevelSummary], rec: Any) -> None:
     strips = strips_of(findings)
-    film = film_of(strips[-1])  # the highest level, which the scene shows
-    _, extent = scene_extent(film.response.scene)
-    factor = factor_of(film.response, extent)
-    scene = enlarged(film.response, factor)
-    selection, frames = select(film.response), frames_of(scene)
-    layout = branch_blueprint(scene, film, frames, factor)
+    animation = animation_of(strips[-1])  # the highest level, which the scene shows
+    _, extent = scene_extent(animation.response.scene)
+    factor = factor_of(animation.response, extent)
+    scene = enlarged(animation.response, factor)
+    selection, frames = select(animation.response), frames_of(scene)
+    layout = branch_blueprint(scene, animation, frames, factor)
     rec.send_blueprint(layout, make_active=True, make_default=True)  # before the data: right from the first moment
     rec.send_recording_name(f"{result.name}: frequency response")
-    log_texts(rec, result, findings, film)
-    log_response(rec, findings, film, strips)
-    log_multipliers(rec, film, width=SQUARE)
-    if shown_loops(film):
-        _, width = loop_grid(len(shown_loops(film)))
-        log_orbit_loops(rec, film, strips, width=width, shape_width=SQUARE)
-    log_scene(AlongBranch(rec, film), scene, selection, frames)
+    log_texts(rec, result, findings, animation)
+    log_response(rec, findings, animation, strips)
+    log_multipliers(rec, animation, width=SQUARE)
+    if shown_loops(animation):
+        _, width = loop_grid(len(shown_loops(animation)))
+        log_orbit_loops(rec, animation, strips, width=width, shape_width=SQUARE)
+    log_scene(along_branch(rec, animation), scene, selection, frames)

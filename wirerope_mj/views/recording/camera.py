@@ -1,4 +1,4 @@
-"""Where the two cameras stand: one sees everything, one sees the governing mount, from where nothing hides it."""
+"""The two cameras: one sees everything, one sees the governing mount, from where nothing hides it."""
 
 from dataclasses import dataclass
 
@@ -54,7 +54,7 @@ def whole_scene(response: Response, *, aspect: float = _ASPECT) -> Camera:
 
 
 def close_up(response: Response, mount: str, *, height: float, width: float) -> Camera:
-    """Return a camera that sees a mount of the given size [m], beside what stands around it."""
+    """Return a camera that sees a mount of the given size [m] past the bodies around it."""
     scene = response.scene
     at = next(entry for entry in scene.mounts if entry.name == mount)
     base = next(body for body in scene.bodies if body.name == at.base_body)
@@ -118,7 +118,7 @@ def _directions() -> Array:
 
 
 def _hidden(scene: Scene, eyes: Array, targets: Array) -> Array:
-    """Return the share of the targets (m, 3) that something opaque hides from each eye (n, 3), (n,)."""
+    """Return the fraction of the targets (m, 3) that something opaque hides from each eye (n, 3), (n,)."""
     blocked = np.zeros((len(eyes), len(targets)), dtype=bool)
     for body in scene.bodies:
         for geom in body.geoms:

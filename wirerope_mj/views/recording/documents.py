@@ -1,4 +1,4 @@
-"""Texts beside the pictures: the scenario as it was given, and the peaks as tables."""
+"""Texts of a run alone: the scenario as it was given, and the peaks as tables."""
 
 import math
 import re
@@ -13,41 +13,25 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import markdown, plain_lines
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
 from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.paths import AXES, entity
 from wirerope_mj.views.recording.selection import Selection
 
 
-def log_documents(
-    rec: Any,
-    response: Response,
-    selection: Selection,
-    *,
-    title: str,
-    scenario_text: str,
-    verdicts: Sequence[str] | None,
-) -> None:
-    """Log the scenario and the tables of peaks as Markdown.
+def texts_of(run: DrawnRun, *, title: str, scenario_text: str, verdicts: Sequence[str] | None) -> dict[str, str]:
+    """Return the scenario and the tables of peaks of a run alone as Markdown, by their entities.
 
-    Args:
-        rec: recording stream.
-        response: the response.
-        selection: shares of the rated travel.
-        title: heading of the scenario.
-        scenario_text: Markdown, or TOML, which is set as such.
-        verdicts: sentences above the tables.
+    `scenario_text` is Markdown, or TOML, which is set as such; `verdicts` stand above the tables.
     """
-    import rerun as rr
-
-    for path, text in (
-        (entity("scenario"), scenario_markdown(response, title, scenario_text)),
-        (entity("peaks"), peaks_markdown(response, selection, verdicts)),
-    ):
-        rec.log(path, rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
+    return {
+        entity("scenario"): scenario_markdown(run.response, title, scenario_text),
+        entity("peaks"): peaks_markdown(run.response, run.selection, verdicts),
+    }
 
 
 def scenario_markdown(response: Response, title: str, text: str) -> str:
-    """Return title, scenario and how it was computed."""
+    """Return title, scenario and the numerics."""
     body = _fenced(text) if _is_toml(text) else text.strip()
     numerics = response.numerics
     limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
@@ -90,7 +74,8 @@ def _acceleration_row(name: str, size: float, time: float, extremes: Array) -> R
 
 
 def _mount_table(response: Response, selection: Selection) -> Table:
-    worst = {name: max(_known(selection, name), default=math.nan) for name in selection.mounts}
+    largest = np.fmax.reduce(selection.utilisations, axis=1)  # NaN where nothing is rated
+    worst = dict(zip(selection.mounts, largest.tolist(), strict=True))
     rows: list[Row] = []
     for name in sorted(worst, key=lambda name: (-np.nan_to_num(worst[name]), name)):
         peaks, ratio = response.peaks.mounts[name], worst[name]
@@ -100,11 +85,6 @@ def _mount_table(response: Response, selection: Selection) -> Table:
     columns = [Column("mount", align="left"), *(Column(axis, "mm", ".1f") for axis in reversed(AXES))]
     columns += [*(Column(axis, "kN", ".2f") for axis in reversed(AXES)), Column("rated travel used")]
     return Table(title="Mounts", columns=columns, rows=rows)
-
-
-def _known(selection: Selection, name: str) -> list[float]:
-    shares = selection.shares[selection.mounts.index(name)]
-    return [float(share) for share in shares if not np.isnan(share)]
 
 
 def _extreme(peak: Any, axis: int) -> float:

@@ -4,26 +4,30 @@ import numpy as np
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.recording.film import with_values
+from wirerope_mj.views.recording.animation import with_values
 from wirerope_mj.views.recording.mounts import devices_of
 from wirerope_mj.views.recording.poses import conjugate, multiply
 
-SHARE = 0.3
-"""Share of a mount's height that the largest deflection from its mean may take in the picture."""
+FRACTION = 0.3
+"""Fraction of a mount's height that the largest deflection from its mean may take in the picture."""
 
 _ROUND = (1.0, 2.0, 5.0)
 
 
 def factor_of(response: Response, extent: float) -> float:
-    """Return how much larger motions may be drawn, a round number; 1 where they are large enough."""
+    """Return the round factor by which motions are drawn larger; 1 where they are large enough."""
     room = min((device.height for device in devices_of(response, extent)), default=0.1 * extent)
     moves = [mount.deflection for mount in response.mounts.values()]
     largest = max((float(np.ptp(move, axis=0).max()) / 2.0 for move in moves), default=0.0)
     if largest <= 0.0:
         return 1.0
-    wanted = SHARE * room / largest
-    decade = 10.0 ** np.floor(np.log10(wanted))
-    return max(float(decade * max(part for part in _ROUND if part * decade <= wanted * (1.0 + 1e-9))), 1.0)
+    return max(round_down(FRACTION * room / largest), 1.0)
+
+
+def round_down(factor: float) -> float:
+    """Return the largest 1, 2 or 5 times a power of ten that is no larger."""
+    decade = 10.0 ** np.floor(np.log10(factor))
+    return float(decade * max(part for part in _ROUND if part * decade <= factor * (1.0 + 1e-9)))
 
 
 def enlarged(response: Response, factor: float) -> Response:
@@ -34,18 +38,18 @@ def enlarged(response: Response, factor: float) -> Response:
     """
     names = response.samples.names
     values = response.samples.columns(0, len(names)).copy()
-    place = {name: column for column, name in enumerate(names)}
+    first = {name: column for column, name in enumerate(names)}
     base = response.scene.base
     carrier = response.bodies[base].position if base in response.bodies else np.zeros((1, 3))
     fixed = {body.name for body in response.scene.bodies if body.on_base} | {base}
     for name, body in response.bodies.items():
         if name not in fixed:
-            at = place[f"bodies/{name}/position/x"]
+            at = first[f"bodies/{name}/position/x"]
             values[:, at : at + 3] = carrier + _grown(body.position - carrier, factor)
-            at = place[f"bodies/{name}/orientation/w"]
+            at = first[f"bodies/{name}/orientation/w"]
             values[:, at : at + 4] = _turned(body.orientation, factor)
     for name, mount in response.mounts.items():
-        at = place[f"mounts/{name}/deflection/roll"]
+        at = first[f"mounts/{name}/deflection/roll"]
         values[:, at : at + 3] = _grown(mount.deflection, factor)
     return with_values(response, values)
 

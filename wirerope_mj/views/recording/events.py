@@ -1,4 +1,4 @@
-"""What happens when: a log of events, and lanes that show the phase of the motion and the use of the rated travel."""
+"""Events as a log, and lanes that show the phase of the motion and the use of the rated travel."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -10,12 +10,13 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.paths import AXES, AXIAL, at, entity
 from wirerope_mj.views.recording.selection import Selection, travel_limits
 from wirerope_mj.views.recording.stops import CLOSED, changes, closed_at
 
 NEAR = 0.8
-"""Share of the rated travel from which a mount is reported."""
+"""Fraction of the rated travel from which a mount is reported."""
 
 _TRAVEL = ("ok", "over 80 %", "exceeded")
 _TRAVEL_COLORS = ((34, 102, 48), (190, 130, 20), (200, 45, 50))
@@ -32,14 +33,23 @@ class Event:
     text: str
 
 
-def log_events(rec: Any, response: Response, selection: Selection) -> None:
-    """Log events and lanes."""
+def log_events(rec: Any, run: DrawnRun) -> None:
+    """Log the events of a run, and its lanes if it is alone."""
     import rerun as rr
 
-    found = events_of(response, selection)
-    if found:
-        columns = rr.TextLog.columns(text=[event.text for event in found], level=[event.level for event in found])
-        rec.send_columns(entity("events"), at([event.time for event in found]), columns)
+    response, selection = run.response, run.selection
+    events = events_of(response, selection)
+    if events:
+        prefix, color = (f"{run.name}: ", {"color": [run.color] * len(events)}) if run.name else ("", {})
+        columns = rr.TextLog.columns(
+            text=[prefix + event.text for event in events], level=[event.level for event in events], **color
+        )
+        rec.send_columns(entity("events", *run.names), at([event.time for event in events]), columns)
+    if not run.name:
+        _log_lanes(rec, response, selection)
+
+
+def _log_lanes(rec: Any, response: Response, selection: Selection) -> None:
     _log_lane(rec, "base", _phases(response), _PHASES, _PHASE_COLORS)
     if response.scene.stops:
         closed = closed_at(response, response.scene.stops)
@@ -53,36 +63,36 @@ def log_events(rec: Any, response: Response, selection: Selection) -> None:
 
 def lane_paths(response: Response, selection: Selection) -> list[str]:
     """Return the entities of the lanes that say something: stops, axes near their rated travel, or else the nearest one."""
-    rated = [axis for axis in selection.axes if not np.isnan(selection.share(selection.ranked[axis][0], axis))]
-    near = [axis for axis in rated if selection.share(selection.ranked[axis][0], axis) >= NEAR]
+    rated = [axis for axis in selection.axes if not np.isnan(selection.utilisation(selection.ranked[axis][0], axis))]
+    near = [axis for axis in rated if selection.utilisation(selection.ranked[axis][0], axis) >= NEAR]
     stops = [entity("lanes", "stops")] if response.scene.stops else []
     return [entity("lanes", "base"), *stops, *(entity("lanes", f"travel_{axis}") for axis in near or rated[:1])]
 
 
 def events_of(response: Response, selection: Selection) -> list[Event]:
-    """Return what happens, in order of time."""
+    """Return the events of a run in order of time."""
     # A sum of pulses says the same at the same instant for each of them.
-    found = [Event(time=time, level="INFO", text=text) for time, text in dict.fromkeys(response.events)]
+    events = [Event(time=time, level="INFO", text=text) for time, text in dict.fromkeys(response.events)]
     for name in selection.bodies:
         peak = response.peaks.bodies[name].acceleration
         text = f"{name}: peak acceleration {in_unit(peak.value, 'g'):.2f} g"
-        found.append(Event(time=_short(peak.time), level="INFO", text=text))
+        events.append(Event(time=_short(peak.time), level="INFO", text=text))
     for mount in response.scene.mounts:
-        found += [event for axis in AXES for event in _travel_events(response, mount, axis)]
-    found += _contact_events(response)
-    return sorted(event for event in found if event.time <= response.time[-1])
+        events += [event for axis in AXES for event in _travel_events(response, mount, axis)]
+    events += _contact_events(response)
+    return sorted(event for event in events if event.time <= response.time[-1])
 
 
 def _contact_events(response: Response) -> list[Event]:
     """Return when stops are struck first, and how hard at most."""
     contacts = response.peaks.contacts or {}
-    found = []
+    events = []
     for name in response.peaks.struck:
         contact = contacts[name]
         text = f"{name}: struck, at most {in_unit(contact.force, 'kN'):.3g} kN"
         text = closing_text(name, contact) if contact.mount else text
-        found.append(Event(time=_short(contact.first_touch or 0.0), level="WARN", text=text))
-    return found
+        events.append(Event(time=_short(contact.first_touch or 0.0), level="WARN", text=text))
+    return events
 
 
 def _travel_events(response: Response, mount: SceneMount, axis: str) -> list[Event]:
@@ -90,24 +100,24 @@ def _travel_events(response: Response, mount: SceneMount, axis: str) -> list[Eve
     number = AXES.index(axis)
     peak = response.peaks.mounts[mount.name].deflection
     deflection = response.mounts[mount.name].deflection[:, number]
-    found = []
+    events = []
     for side, limit in enumerate(travel_limits(mount, axis)):
         value = float((peak.minimum, peak.maximum)[side][number])
         instant = float((peak.minimum_time, peak.maximum_time)[side][number])
-        share = value / limit
-        if not share >= NEAR:  # also where nothing is rated
+        ratio = value / limit
+        if not ratio >= NEAR:  # also where nothing is rated
             continue
-        level = min(share, 1.0) if share >= 1.0 else NEAR
+        level = min(ratio, 1.0) if ratio >= 1.0 else NEAR
         beyond = np.flatnonzero(deflection / limit >= level)
         how = (("compression", "tension")[side] if number == AXIAL else axis) + f" {in_unit(abs(value), 'mm'):.1f} mm"
-        found.append(
+        events.append(
             Event(
                 time=_short(float(response.time[beyond[0]]) if beyond.size else instant),
-                level="ERROR" if share >= 1.0 else "WARN",
-                text=f"{mount.name}: {how} is {in_unit(share, '%'):.0f} % of the rated {in_unit(abs(limit), 'mm'):.1f} mm",
+                level="ERROR" if ratio >= 1.0 else "WARN",
+                text=f"{mount.name}: {how} is {in_unit(ratio, '%'):.0f} % of the rated {in_unit(abs(limit), 'mm'):.1f} mm",
             )
         )
-    return found
+    return events
 
 
 def _short(time: float) -> float:
@@ -138,14 +148,14 @@ def _travel_changes(response: Response, selection: Selection, axis: str) -> list
 
 
 def _used_travel(response: Response, axis: str) -> Array | None:
-    """Return the largest share of the rated travel of all mounts, (n_t,); None if nothing is rated."""
+    """Return the largest fraction of the rated travel of all mounts, (n_t,); None if nothing is rated."""
     used = None
     for mount in response.scene.mounts:
         deflection = response.mounts[mount.name].deflection[:, AXES.index(axis)]
         for limit in travel_limits(mount, axis):
             if np.isfinite(limit):
-                share = deflection / limit
-                used = share if used is None else np.maximum(used, share)
+                ratio = deflection / limit
+                used = ratio if used is None else np.maximum(used, ratio)
     return used
 
 

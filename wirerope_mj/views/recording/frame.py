@@ -35,7 +35,7 @@ class Plot:
         """Units of the view per unit across and upward; the view's y points down."""
         return self.width / (self.across[1] - self.across[0]), -HEIGHT / (self.upward[1] - self.upward[0])
 
-    def place(self, across: Any, upward: Any) -> Array:
+    def points(self, across: Any, upward: Any) -> Array:
         """Return positions in the view, (n, 2)."""
         x, y = np.broadcast_arrays(np.asarray(across, dtype=np.float64), np.asarray(upward, dtype=np.float64))
         sx, sy = self.scale
@@ -46,7 +46,7 @@ class Plot:
         import rerun as rr
 
         sx, sy = self.scale
-        return rr.Transform3D(translation=[*self.place(0.0, 0.0)[0], 0.0], scale=[sx, sy, 1.0])
+        return rr.Transform3D(translation=[*self.points(0.0, 0.0)[0], 0.0], scale=[sx, sy, 1.0])
 
 
 def log_frame(
@@ -69,23 +69,23 @@ def log_frame(
         across: where upright lines stand.
         upward: where level lines stand.
         names: of these lines; None: the numbers themselves.
-        marked: places across of lines in a colour of their own.
+        marked: positions across of lines in a colour of their own.
         lift: by which the numbers beside the frame are raised to stand at their lines, in units of the view: the viewer hangs
-            them below their places, by as much on the screen however large the view is.
+            them below their positions, by as much on the screen however large the view is.
     """
     import rerun as rr
 
     (x0, x1), (y0, y1) = plot.across, plot.upward
-    lines = [plot.place([x, x], [y0, y1]) for x in across] + [plot.place([x0, x1], [y, y]) for y in upward]
+    lines = [plot.points([x, x], [y0, y1]) for x in across] + [plot.points([x0, x1], [y, y]) for y in upward]
     colors = [_ZERO if value == 0.0 and names is None else _GRID for value in (*across, *upward)]
     for value, color in marked:
-        lines.append(plot.place([value] * 2, [y0, y1]))
+        lines.append(plot.points([value] * 2, [y0, y1]))
         colors.append(color)
-    lines.append(plot.place([x0, x1, x1, x0, x0], [y0, y0, y1, y1, y0]))
+    lines.append(plot.points([x0, x1, x1, x0, x0], [y0, y0, y1, y1, y0]))
     colors.append(_FRAME)
     frame = rr.LineStrips2D(lines, colors=colors, radii=rr.Radius.ui_points(0.6), draw_order=-10.0)
-    below = plot.place(across, y0) + [0.0, 1.0]
-    beside = plot.place(x0, upward) + [-7.5, -lift]
+    below = plot.points(across, y0) + [0.0, 1.0]
+    beside = plot.points(x0, upward) + [-7.5, -lift]
     labels = (
         [f"{value:g}" for value in np.round((*across, *upward), 9) + 0.0] if names is None else [*names[0], *names[1]]
     )

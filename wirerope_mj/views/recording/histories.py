@@ -1,28 +1,39 @@
-"""Time histories: accelerations [g], deflections [mm] and forces [kN], with peak markers and rated travel."""
+"""Time histories: accelerations [g], deflections [mm] and forces [kN], with peak markers and rated travel.
 
+One run has a graph for every direction and axis, with all its parts in it; several runs have one for every part, with a line
+for each run, and the differences to the first run besides.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from wirerope_mj.assessment.comparison import BASE, Component, difference
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
+from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
+from wirerope_mj.views.recording.frame import Color
 from wirerope_mj.views.recording.paths import AXES, at, child, entity
-from wirerope_mj.views.recording.selection import Selection, travel_limits
+from wirerope_mj.views.recording.selection import travel_limits
 from wirerope_mj.views.recording.thin import rows_of_line
 
 DIRECTIONS = ("x", "y", "z")
 TOTAL = "total"
 UNITS = {"deflection": (1e-3, "mm"), "force": (1e3, "kN")}
 
-FINE = 1 / 400
-"""Share of the largest value that a drawn line may be off; below a pixel of a plot of 200."""
+MOST_PARTS = 6
+"""Parts whose accelerations are drawn for several runs: the base and those with the largest peaks."""
 
-SHOWN_LIMIT = 0.5
-"""Rated travel is drawn if the deflection reaches this share of it; otherwise it would only flatten the curves."""
+_FINE = 1 / 400
+"""Fraction of the largest value that a drawn line may be off; below a pixel of a plot of 200."""
 
-LATE = 10.0
+_SHOWN_LIMIT = 0.5
+"""Rated travel is drawn if the deflection reaches this fraction of it; otherwise it would only flatten the curves."""
+
+_LATE = 10.0
 """From this instant on, times are written in seconds [s]."""
 
 _BASE = (150, 156, 164)
@@ -33,149 +44,269 @@ _LIMIT = (230, 70, 70)
 
 @dataclass(frozen=True, kw_only=True)
 class Marker:
-    """A peak that is marked in a plot: instant [s], value in the plot's unit, and text."""
+    """A peak that is marked in a graph: instant [s], value in the graph's unit, and text."""
 
     time: float
     value: float
     text: str
 
 
-def log_histories(rec: Any, response: Response, selection: Selection) -> None:
-    """Log all time histories."""
-    _log_accelerations(rec, response, selection)
-    for axis in selection.axes:
-        _log_mounts(rec, response, selection, axis)
+@dataclass(frozen=True, kw_only=True)
+class Lines:
+    """Series (n_t, k) of one entity, thinned to what is drawn, and the peak of them.
+
+    `below` is the entity's path below the graph.
+    """
+
+    time: Array
+    values: Array
+    names: Sequence[str]
+    colors: Sequence[Color]
+    below: tuple[str, ...] = ()
+    width: float = 1.6
+    marker: Marker | None = None
+    marker_color: Color = _PEAK
 
 
-def acceleration_path(direction: str) -> str:
-    """Return the entity of the accelerations in "x", "y", "z", or of their norms, "total"."""
-    return entity("histories", "acceleration", direction)
+@dataclass(frozen=True, kw_only=True)
+class Graph:
+    """A plot over time; `limits` are rated travels [m] with their entities below the graph and their names."""
+
+    path: str
+    title: str
+    lines: Sequence[Lines]
+    limits: Sequence[tuple[tuple[str, ...], str, float]] = ()
 
 
-def mount_path(quantity: str, axis: str) -> str:
-    """Return the entity of the "deflection" or "force" of the mounts in an axis."""
-    return entity("histories", quantity, axis)
+Graphs = dict[tuple[str, ...], Graph]
+"""Graphs by what stands behind /histories in their paths."""
 
 
-def acceleration_peak(response: Response, selection: Selection, direction: str) -> Marker | None:
-    """Return the largest peak of the bodies and points that are shown, of "total" or of a component."""
-    peaks = {name: response.peaks.bodies[name].acceleration for name in selection.bodies}
-    peaks |= {name: response.peaks.points[name].acceleration for name in selection.points}
-    markers = [_acceleration_marker(name, peak, direction) for name, peak in peaks.items()]
-    return max(markers, key=lambda marker: abs(marker.value), default=None)
-
-
-def mount_peak(response: Response, selection: Selection, quantity: str, axis: str) -> Marker:
-    """Return the largest peak of the deflection or force of the mounts that are shown in an axis."""
-    unit, unit_name = UNITS[quantity]
-    peaks = {name: getattr(response.peaks.mounts[name], quantity) for name in selection.shown(axis)}
-    markers = [extreme_marker(name, peak, AXES.index(axis), unit, unit_name) for name, peak in peaks.items()]
-    return max(markers, key=lambda marker: abs(marker.value))
-
-
-def _log_accelerations(rec: Any, response: Response, selection: Selection) -> None:
-    parts = {"base": response.base.acceleration}
-    parts |= {name: response.bodies[name].acceleration for name in selection.bodies}
-    parts |= {f"point {name}": response.points[name].acceleration for name in selection.points}
-    values = np.stack([in_unit(part, "g") for part in parts.values()], axis=1)  # (n_t, n_parts, 3)
-    colors = [_BASE, *(_LINES[n % len(_LINES)] for n in range(len(parts) - 1))]
+def graphs_of_run(run: DrawnRun) -> Graphs:
+    """Return the graphs of a run that is alone."""
+    response, selection = run.response, run.selection
+    graphs: Graphs = {}
+    parts = [BASE, *(Component(kind="body", name=name) for name in selection.bodies)]
+    parts += [Component(kind="point", name=name) for name in selection.points]
+    values = np.stack([in_unit(part.acceleration(response), "g") for part in parts], axis=1)  # (n_t, n_parts, 3)
     top = max(float(np.abs(values).max()), 1e-9)
-    for number, direction in enumerate((*DIRECTIONS, TOTAL)):
-        drawn = np.linalg.norm(values, axis=2) if direction == TOTAL else values[:, :, number]
-        path = acceleration_path(direction)
-        log_lines(rec, path, response.time, drawn, [f"{name} [g]" for name in parts], colors, tolerance=FINE * top)
-        log_marker(rec, path, acceleration_peak(response, selection, direction))
+    names = [f"{part.label} [g]" for part in parts]
+    colors = [_BASE, *(_LINES[n % len(_LINES)] for n in range(len(parts) - 1))]
+    for direction in (*DIRECTIONS, TOTAL):
+        peaks = [_acceleration_marker(part.name, part.peak(response), direction) for part in parts[1:]]
+        marker = max(peaks, key=lambda peak: abs(peak.value), default=None)
+        drawn = _along(values, direction)
+        lines = _thinned(response.time, drawn, _FINE * top, names=names, colors=colors, marker=marker)
+        title = f"Acceleration {_label(direction)} [g]" + (f": {marker.text}" if marker else "")
+        _add(graphs, ("acceleration", direction), title, [lines])
+    for axis in selection.axes:
+        for quantity in UNITS:
+            _add_mounts(graphs, run, quantity, axis)
+    return graphs
+
+
+def _add_mounts(graphs: Graphs, run: DrawnRun, quantity: str, axis: str) -> None:
+    selection, response = run.selection, run.response
+    shown, total = selection.shown(axis), len(selection.ranked[axis])
+    unit = UNITS[quantity][1]
+    values = np.column_stack([_mount_values(response, name, quantity, axis) for name in shown])
+    peaks = [_mount_marker(name, response, name, quantity, axis) for name in shown]
+    marker = max(peaks, key=lambda peak: abs(peak.value))
+    names, colors = [f"{name} [{unit}]" for name in shown], [selection.colors[name] for name in shown]
+    tolerance = _FINE * max(float(np.ptp(values)), 1e-9)
+    lines = _thinned(response.time, values, tolerance, names=names, colors=colors, marker=marker)
+    limits = []
+    if quantity == "deflection":  # the rated travel of the mount that uses most of it
+        near = _near_limits(response, shown[0], axis)
+        limits = [((f"{side}_rated",), f"rated travel of {shown[0]}", limit) for side, limit in near.items()]
+    some = f", {len(shown)} of {total} mounts" if len(shown) < total else ""
+    title = f"{axis.capitalize()} {quantity} [{unit}]{some}: {marker.text}"
+    _add(graphs, (quantity, axis), title, [lines], limits)
+
+
+def graphs_of_overlay(overlay: Overlay) -> Graphs:
+    """Return the graphs of several runs over each other."""
+    graphs: Graphs = {}
+    for part in shown_parts(overlay):
+        runs = overlay.having(part)
+        for direction in (TOTAL, *DIRECTIONS):
+            values = [_along(in_unit(part.acceleration(run.response), "g"), direction) for run in runs]
+            markers = [_acceleration_marker(run.name, part.peak(run.response), direction) for run in runs]
+            title = f"{part.label}: acceleration {_label(direction)} [g]{_change(runs, markers)}"
+            _add(graphs, ("acceleration", direction, part.kind, part.name), title, _runs(runs, values, markers))
+    for axis in overlay.shared.axes:
+        for mount in overlay.shared.shown(axis):
+            runs = overlay.having(mount)
+            near = {limit for run in runs for limit in _near_limits(run.response, mount, axis).values()}
+            limits = [(("rated", f"{in_unit(limit, 'mm'):+.3f}"), "rated travel", limit) for limit in sorted(near)]
+            for quantity, (_, unit) in UNITS.items():
+                values = [_mount_values(run.response, mount, quantity, axis) for run in runs]
+                markers = [_mount_marker(run.name, run.response, mount, quantity, axis) for run in runs]
+                title = f"{mount}: {axis} {quantity} [{unit}]{_change(runs, markers)}"
+                lines = _runs(runs, values, markers)
+                _add(graphs, (quantity, axis, mount), title, lines, limits if quantity == "deflection" else ())
+    for subject in differing(overlay):
+        _add_difference(graphs, overlay, subject)
+    return graphs
+
+
+def shown_parts(overlay: Overlay) -> tuple[Component, ...]:
+    """Return the parts whose accelerations are drawn for several runs."""
+    return overlay.components[:MOST_PARTS]
+
+
+def differing(overlay: Overlay) -> list[Component | str]:
+    """Return the part and the mount whose histories are farthest from those of the first run."""
+    apart = [entry.subject for entry in overlay.differences if np.isfinite(entry.ratio)]
+    parts = [subject for subject in apart if isinstance(subject, Component) and subject.kind != "base"]
+    mounts = [subject for subject in apart if isinstance(subject, str)]
+    return [*parts[:1], *mounts[:1]]
+
+
+def difference_key(subject: Component | str) -> tuple[str, ...]:
+    """Return the key of the graph of the differences of a part or a mount."""
+    return ("difference", "mount", subject) if isinstance(subject, str) else ("difference", subject.kind, subject.name)
+
+
+def _add_difference(graphs: Graphs, overlay: Overlay, subject: Component | str) -> None:
+    first, *others = overlay.having(subject)
+    unit, unit_name = (1e-3, "mm") if isinstance(subject, str) else (STANDARD_GRAVITY, "g")
+    lines = []
+    for run in others:
+        time, distance = difference(subject, first, run)
+        if time.size:
+            row = int(distance.argmax())
+            name = f"{run.name} - {first.name}:"
+            marker = _peak_marker(name, float(time[row]), float(distance[row]) / unit, unit_name)
+            tolerance = _FINE * max(float(np.ptp(distance)) / unit, 1e-9)
+            look = {"names": [marker.text], "colors": [run.color], "marker": marker, "marker_color": run.color}
+            lines.append(_thinned(time, distance / unit, tolerance, below=(run.name,), **look))
+    if isinstance(subject, str):
+        title = f"{subject}: |deflection - that of {first.name}| [mm]"
+    else:
+        title = f"{subject.label}: |acceleration - that of {first.name}| [g]"
+    _add(graphs, difference_key(subject), title, lines)
+
+
+def _add(graphs: Graphs, key: tuple[str, ...], title: str, lines: Sequence[Lines], limits: Sequence[Any] = ()) -> None:
+    graphs[key] = Graph(path=entity("histories", *key), title=title, lines=lines, limits=limits)
+
+
+def _runs(runs: Sequence[DrawnRun], values: Sequence[Array], markers: Sequence[Marker]) -> list[Lines]:
+    """Return a line and a peak for every run; both have one name, and so one entry in the legend.
+
+    The viewer draws them in the order of their paths: the largest swing comes first, each is thinner than the one before, so
+    that what is smaller or coincides is not hidden.
+    """
+    swings = [max(float(np.ptp(history)), 1e-9) for history in values]
+    step = min(1.2, 2.4 / max(len(runs) - 1, 1))
+    order = sorted(range(len(runs)), key=lambda index: swings[index], reverse=True)
+    return [
+        _thinned(
+            runs[index].response.time,
+            values[index],
+            _FINE * max(swings),
+            below=(str(rank), runs[index].name),
+            names=[markers[index].text],
+            colors=[runs[index].color],
+            width=1.5 + step * (len(runs) - 1 - rank),
+            marker=markers[index],
+            marker_color=runs[index].color,
+        )
+        for rank, index in enumerate(order)
+    ]
+
+
+def _thinned(time: Array, values: Array, tolerance: float, **look: Any) -> Lines:
+    """Return series (n_t, k) or one (n_t,) as lines that stay within `tolerance` of every value."""
+    columns = values.reshape(time.size, -1)
+    rows = rows_of_line(time, columns, tolerance)
+    return Lines(time=time[rows], values=np.ascontiguousarray(columns[rows]), **look)
+
+
+def _along(acceleration: Array, direction: str) -> Array:
+    """Return components (..., 3) along a direction, or the norms, (...)."""
+    if direction == TOTAL:
+        return np.asarray(np.linalg.norm(acceleration, axis=-1))
+    return acceleration[..., DIRECTIONS.index(direction)]
+
+
+def _mount_values(response: Response, mount: str, quantity: str, axis: str) -> Array:
+    """Return deflection [mm] or force [kN] of a mount along an axis, (n_t,)."""
+    values: Array = getattr(response.mounts[mount], quantity)[:, AXES.index(axis)]
+    return values / UNITS[quantity][0]
+
+
+def _label(direction: str) -> str:
+    return "norm" if direction == TOTAL else direction
+
+
+def _change(runs: Sequence[DrawnRun], markers: Sequence[Marker]) -> str:
+    """Return how the peaks change from the first run that has them to each other."""
+    first = abs(markers[0].value)
+    if not first:
+        return ""
+    changes = [abs(marker.value) / first - 1.0 for marker in markers[1:]]
+    texts = [f"{100.0 * change:+.1f} %" if change else "the same" for change in changes]
+    return ": " + ", ".join(f"{run.name} {text}" for run, text in zip(runs[1:], texts, strict=True))
 
 
 def _acceleration_marker(name: str, peak: Peak, direction: str) -> Marker:
-    if direction != TOTAL:
-        return extreme_marker(name, peak, DIRECTIONS.index(direction), STANDARD_GRAVITY, "g")
-    return norm_marker(name, peak, STANDARD_GRAVITY, "g")
+    if direction == TOTAL:
+        return _peak_marker(name, peak.time, peak.value / STANDARD_GRAVITY, "g")
+    return _extreme_marker(name, peak, DIRECTIONS.index(direction), STANDARD_GRAVITY, "g")
 
 
-def norm_marker(name: str, peak: Peak, unit: float, unit_name: str) -> Marker:
-    """Return the marker of the largest norm."""
-    return peak_marker(name, peak.time, peak.value / unit, unit_name)
+def _mount_marker(name: str, response: Response, mount: str, quantity: str, axis: str) -> Marker:
+    return _extreme_marker(name, getattr(response.peaks.mounts[mount], quantity), AXES.index(axis), *UNITS[quantity])
 
 
-def extreme_marker(name: str, peak: Peak, axis: int, unit: float, unit_name: str) -> Marker:
+def _extreme_marker(name: str, peak: Peak, axis: int, unit: float, unit_name: str) -> Marker:
     """Return the marker of the extreme of a component that is farther from zero."""
     high = peak.maximum[axis] >= -peak.minimum[axis]
     value = float((peak.maximum if high else peak.minimum)[axis]) / unit
     time = float((peak.maximum_time if high else peak.minimum_time)[axis])
-    return peak_marker(name, time, value, unit_name)
+    return _peak_marker(name, time, value, unit_name)
 
 
-def peak_marker(name: str, time: float, value: float, unit: str) -> Marker:
-    """Return the marker of a peak of something called `name`."""
-    instant = f"{in_unit(time, 'ms'):.0f} ms" if time < LATE else f"{time:.2f} s"
+def _peak_marker(name: str, time: float, value: float, unit: str) -> Marker:
+    instant = f"{in_unit(time, 'ms'):.0f} ms" if time < _LATE else f"{time:.2f} s"
     return Marker(time=time, value=value, text=f"{name} peak {value:.2f} {unit} @ {instant}")
 
 
-def _log_mounts(rec: Any, response: Response, selection: Selection, axis: str) -> None:
-    number, shown = AXES.index(axis), selection.shown(axis)
-    colors = [selection.colors[name] for name in shown]
-    for quantity, (unit, unit_name) in UNITS.items():
-        values = np.column_stack([getattr(response.mounts[name], quantity)[:, number] / unit for name in shown])
-        top = max(float(np.ptp(values)), 1e-9)
-        path = mount_path(quantity, axis)
-        names = [f"{name} [{unit_name}]" for name in shown]
-        log_lines(rec, path, response.time, values, names, colors, tolerance=FINE * top)
-        log_marker(rec, path, mount_peak(response, selection, quantity, axis))
-    _log_limits(rec, response, selection, axis)
+def _near_limits(response: Response, mount: str, axis: str) -> dict[str, float]:
+    """Return the rated travels [m] that the deflection of a mount comes near, by their side."""
+    peak, number = response.peaks.mounts[mount].deflection, AXES.index(axis)
+    entry = next(entry for entry in response.scene.mounts if entry.name == mount)
+    sides = zip(("lowest", "highest"), travel_limits(entry, axis), (peak.minimum, peak.maximum), strict=True)
+    return {side: limit for side, limit, reached in sides if reached[number] / limit >= _SHOWN_LIMIT}  # NaN: unrated
 
 
-def _log_limits(rec: Any, response: Response, selection: Selection, axis: str) -> None:
-    """Log the rated travel of the mount that uses most of it."""
-    name = selection.shown(axis)[0]
-    mount = next(mount for mount in response.scene.mounts if mount.name == name)
-    number = AXES.index(axis)
-    peak = response.peaks.mounts[name].deflection
-    reached = (float(peak.minimum[number]), float(peak.maximum[number]))
-    limits = travel_limits(mount, axis)
-    for side, limit, value in zip(("lowest", "highest"), limits, reached, strict=True):
-        if np.isfinite(limit) and value / limit >= SHOWN_LIMIT:
-            path = child(mount_path("deflection", axis), f"{side}_rated")
-            log_limit(rec, path, f"rated travel of {name}", limit, ends=response.time[[0, -1]])
-
-
-def log_limit(rec: Any, path: str, name: str, limit: float, *, ends: Array) -> None:
-    """Log a rated travel [m] as a line between two instants [s]."""
+def log_histories(rec: Any, graphs: Graphs, runs: Sequence[DrawnRun]) -> None:
+    """Log lines, peaks and rated travels of all graphs."""
     import rerun as rr
 
-    look = rr.SeriesLines(names=f"{name} {in_unit(limit, 'mm'):.1f} mm", colors=_LIMIT, widths=1.0)
-    rec.log(path, look, static=True)
-    rec.send_columns(path, at(ends), rr.Scalars.columns(scalars=np.full(2, in_unit(limit, "mm"))))
+    ends = [min(run.response.time[0] for run in runs), max(run.response.time[-1] for run in runs)]
+    for graph in graphs.values():
+        for lines in graph.lines:
+            _log_lines(rec, child(graph.path, *lines.below), lines)
+        for below, name, limit in graph.limits:
+            path, level = child(graph.path, *below), in_unit(limit, "mm")
+            rec.log(path, rr.SeriesLines(names=f"{name} {level:.1f} mm", colors=_LIMIT, widths=1.0), static=True)
+            rec.send_columns(path, at(ends), rr.Scalars.columns(scalars=np.full(2, level)))
 
 
-def log_lines(
-    rec: Any,
-    path: str,
-    time: Array,
-    values: Array,
-    names: list[str],
-    colors: list[Any],
-    *,
-    tolerance: float,
-    width: float = 1.6,
-) -> None:
-    """Log series (n_t, k) as lines that stay within `tolerance` of every value."""
+def _log_lines(rec: Any, path: str, lines: Lines) -> None:
     import rerun as rr
 
-    rows = rows_of_line(time, values, tolerance)
     # The viewer averages what falls into one pixel unless it is told to keep the extremes: a sweep would vanish.
-    keep = ["MinMax"] * len(names)
-    look = rr.SeriesLines(names=names, colors=colors, widths=[width] * len(names), aggregation_policy=keep)
+    many = len(lines.names)
+    look = rr.SeriesLines(
+        names=lines.names, colors=lines.colors, widths=[lines.width] * many, aggregation_policy=["MinMax"] * many
+    )
     rec.log(path, look, static=True)
-    rec.send_columns(path, at(time[rows]), rr.Scalars.columns(scalars=np.ascontiguousarray(values[rows])))
-
-
-def log_marker(rec: Any, path: str, marker: Marker | None, *, color: tuple[int, int, int] = _PEAK) -> None:
-    """Log a peak below the series at `path`, if there is one."""
-    import rerun as rr
-
-    if marker is None:
-        return
-    look = rr.SeriesPoints(names=marker.text, markers="Diamond", marker_sizes=7.0, colors=color)
-    rec.log(child(path, "peak"), look, static=True)
-    rec.send_columns(child(path, "peak"), at(marker.time), rr.Scalars.columns(scalars=[marker.value]))
+    rec.send_columns(path, at(lines.time), rr.Scalars.columns(scalars=lines.values))
+    if lines.marker is not None:
+        spot = rr.SeriesPoints(names=lines.marker.text, markers="Diamond", marker_sizes=7.0, colors=lines.marker_color)
+        rec.log(child(path, "peak"), spot, static=True)
+        rec.send_columns(child(path, "peak"), at(lines.marker.time), rr.Scalars.columns(scalars=[lines.marker.value]))

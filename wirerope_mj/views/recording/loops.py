@@ -1,6 +1,6 @@
 """Force-deflection loops: a frame with ticks, the whole loop dimly, the trail up to the time cursor, and the cursor."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,7 +11,8 @@ from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.recording.frame import HEIGHT, Color, Plot, log_frame
+from wirerope_mj.views.recording.drawn_runs import DrawnRun
+from wirerope_mj.views.recording.frame import HEIGHT, LARGE, Color, Plot, log_frame
 from wirerope_mj.views.recording.paths import AXES, Rows, at, child, entity
 from wirerope_mj.views.recording.selection import Selection, travel_limits
 from wirerope_mj.views.recording.thin import MOST_ROWS, rows_of_extremes, rows_of_line, rows_of_steps
@@ -23,20 +24,22 @@ _SHORT_TRAIL = 80
 """Rows of the trail where the whole past would be too many: the last few cycles."""
 
 _FINE = 1 / 500
-"""Share of a loop's range that its line may be off: half a pixel of a small multiple."""
+"""Fraction of a loop's range that its line may be off: half a pixel of a small multiple."""
 
 _COARSE = 1 / 100
 """The same for the cursor, which is a spot of several pixels."""
 
 _RATED = (214, 64, 64)
+_CURSOR = (255, 255, 255)
+"""Of a run alone; among several runs cursors have their colours."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Loop:
+class DrawnLoop:
     """A force-deflection loop.
 
     Attributes:
-        axis, mount: whose it is.
+        axis, mount: names.
         outline: the whole loop [mm, kN], (n, 2).
         plot: its plot; None if it has no view of its own, as for the next two.
         time: instants of trail and cursor [s], (m,).
@@ -52,15 +55,34 @@ class Loop:
 
     @property
     def trail(self) -> float | None:
-        """How long the trail behind the cursor may be [s]; None for the whole past."""
+        """Time that the trail behind the cursor may last [s]; None for the whole past."""
         if self.time.size <= MOST_TRAIL_ROWS:
             return None
         return float((self.time[_SHORT_TRAIL:] - self.time[:-_SHORT_TRAIL]).min())
 
 
-def loop_path(axis: str, mount: str) -> str:
-    """Return the entity of a mount's loop in an axis."""
-    return entity("loops", axis, mount)
+@dataclass(frozen=True, kw_only=True)
+class LoopPlot:
+    """Loops of a mount in an axis: one plot, and the loop of every run that has the mount."""
+
+    axis: str
+    mount: str
+    plot: Plot
+    loops: tuple[tuple[DrawnRun, DrawnLoop], ...]
+
+    @property
+    def path(self) -> str:
+        """Entity of the plot."""
+        return entity("loops", self.axis, self.mount)
+
+    def path_of(self, run: DrawnRun) -> str:
+        """Return the entity of a run's loop."""
+        return child(self.path, "data", *run.names)
+
+    @property
+    def trails(self) -> dict[str, float | None]:
+        """Entities of the trails, and how long each reaches behind the cursor [s]."""
+        return {child(self.path_of(run), "trail"): loop.trail for run, loop in self.loops}
 
 
 def grid_shape(plots: int) -> tuple[int, int]:
@@ -70,14 +92,14 @@ def grid_shape(plots: int) -> tuple[int, int]:
 
 
 def frame_width(plots: int) -> float:
-    """Return the width of a plot's frame so that it fills its place in the grid."""
+    """Return the width of a plot's frame so that it fills its cell of the grid."""
     columns, rows = grid_shape(plots)
     # The tabs' pane is about 1040 x 780 points on a full-HD screen; each view has a title, and ticks need room.
     wide, high = 1040 / columns - 60, 780 / rows - 62
     return HEIGHT * float(np.clip(wide / high, 0.8, 3.0))
 
 
-def loops_of(response: Response, selection: Selection) -> list[Loop]:
+def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
     """Return a loop for every mount and axis with a force, those of an axis in the order of their rank."""
     mounts = {mount.name: mount for mount in response.scene.mounts}
     loops = []
@@ -91,11 +113,11 @@ def loops_of(response: Response, selection: Selection) -> list[Loop]:
             line = rows_of_line(response.time, values, _tolerance(values, _FINE), limit=response.time.size)
             outline = line[rows_of_extremes(values[line], MOST_TRAIL_ROWS)]
             if name not in shown:
-                loops.append(Loop(axis=axis, mount=name, outline=values[outline]))
+                loops.append(DrawnLoop(axis=axis, mount=name, outline=values[outline]))
                 continue
             rows = _trail_rows(response.time, values, line)
             loops.append(
-                Loop(
+                DrawnLoop(
                     axis=axis,
                     mount=name,
                     outline=values[outline],
@@ -107,22 +129,58 @@ def loops_of(response: Response, selection: Selection) -> list[Loop]:
     return loops
 
 
-def log_loops(rec: Any, response: Response, selection: Selection, loops: list[Loop]) -> None:
-    """Log all loops; frame, trail and cursor of those that have a view."""
-    mounts = {mount.name: mount for mount in response.scene.mounts}
-    for axis in selection.axes:
-        others = [loop for loop in loops if loop.axis == axis and loop.plot is None]
-        if others:
-            names = [loop.mount for loop in others]
-            colors = [selection.colors[name] for name in names]
-            rec.log(entity("loops", axis, "others"), outlines(others, colors, names), static=True)
-    for loop in loops:
+def drawn_loops(runs: Sequence[DrawnRun], shared: Selection) -> list[tuple[DrawnRun, DrawnLoop]]:
+    """Return the loops of the selected mounts, run by run."""
+    return [(run, loop) for run in runs for loop in loops_of(run.response, shared.among(run.selection.mounts))]
+
+
+def loop_plots(
+    drawn: Sequence[tuple[DrawnRun, DrawnLoop]], shared: Selection, widths: Mapping[str, float]
+) -> list[LoopPlot]:
+    """Return a plot for every mount and axis that is shown; `widths` of the frames by axis."""
+    loops: dict[tuple[str, str], list[tuple[DrawnRun, DrawnLoop]]] = {}
+    for run, loop in drawn:
         if loop.plot is not None:
-            path = loop_path(loop.axis, loop.mount)
-            log_loop_frame(rec, path, loop.plot, [mounts[loop.mount]], loop.axis)
-            colors = [selection.colors[loop.mount]]
-            rec.log(child(path, "data"), loop.plot.transform(), outlines([loop], colors, [loop.mount]), static=True)
-            log_trail(rec, child(path, "data"), loop, *colors)
+            loops.setdefault((loop.axis, loop.mount), []).append((run, loop))
+    order = [(axis, mount) for axis in shared.axes for mount in shared.shown(axis) if (axis, mount) in loops]
+    return [
+        LoopPlot(
+            axis=axis,
+            mount=mount,
+            plot=_around([loop.plot for _, loop in loops[axis, mount] if loop.plot is not None], widths[axis]),
+            loops=tuple(loops[axis, mount]),
+        )
+        for axis, mount in order
+    ]
+
+
+def _around(plots: Sequence[Plot], width: float) -> Plot:
+    """Return the plot that holds all others."""
+    across, upward = (
+        (min(low for low, _ in ranges), max(high for _, high in ranges))
+        for ranges in ([plot.across for plot in plots], [plot.upward for plot in plots])
+    )
+    return Plot(across=across, upward=upward, width=width)
+
+
+def log_loops(rec: Any, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: Sequence[LoopPlot]) -> None:
+    """Log all loops; frame, trail and cursor of those that have a view."""
+    for axis in AXES:
+        others = [(run, loop) for run, loop in drawn if loop.axis == axis and loop.plot is None]
+        if others:
+            loops = [loop for _, loop in others]
+            colors = [run.selection.colors[loop.mount] for run, loop in others]
+            rec.log(entity("loops", axis, "others"), _outlines(loops, colors, [o.mount for o in loops]), static=True)
+    for entry in plots:
+        scenes = [run.response.scene for run, _ in entry.loops]
+        mounts = [mount for scene in scenes for mount in scene.mounts if mount.name == entry.mount]
+        alone = not entry.loops[0][0].name
+        _log_loop_frame(rec, entry.path, entry.plot, mounts, entry.axis, lift=8.0 if alone else LARGE)
+        rec.log(child(entry.path, "data"), entry.plot.transform(), static=True)
+        for order, (run, loop) in enumerate(entry.loops):
+            path, color = entry.path_of(run), run.selection.colors[loop.mount]
+            rec.log(path, _outlines([loop], [color], [run.name or loop.mount]), static=True)
+            _log_trail(rec, path, loop, color, cursor=_CURSOR if alone else color, order=order)
 
 
 def _trail_rows(time: Array, values: Array, line: Rows) -> Rows:
@@ -139,8 +197,8 @@ def _trail_rows(time: Array, values: Array, line: Rows) -> Rows:
     return np.union1d(exact, rows[rows_of_extremes(values[rows], 2 * MOST_TRAIL_ROWS)])
 
 
-def _tolerance(loop: Array, share: float) -> Array:
-    return np.asarray(np.maximum(share * np.ptp(loop, axis=0), 1e-12))
+def _tolerance(loop: Array, ratio: float) -> Array:
+    return np.asarray(np.maximum(ratio * np.ptp(loop, axis=0), 1e-12))
 
 
 def _plot(loop: Array, mount: SceneMount, axis: str, width: float) -> Plot:
@@ -157,9 +215,7 @@ def _plot(loop: Array, mount: SceneMount, axis: str, width: float) -> Plot:
     return Plot(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
 
 
-def log_loop_frame(
-    rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount], axis: str, *, lift: float = 8.0
-) -> None:
+def _log_loop_frame(rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount], axis: str, *, lift: float) -> None:
     """Log the frame of a loop, the rated travel of the mounts that it is of in red; `lift` is that of `log_frame`."""
     low, high = plot.across
     limits = dict.fromkeys(in_unit(limit, "mm") for mount in mounts for limit in travel_limits(mount, axis))
@@ -168,7 +224,7 @@ def log_loop_frame(
     log_frame(rec, path, plot, across=across, upward=linear_ticks(*plot.upward, most=5), marked=marked, lift=lift)
 
 
-def outlines(loops: Sequence[Loop], colors: Sequence[Color], labels: Sequence[str]) -> Any:
+def _outlines(loops: Sequence[DrawnLoop], colors: Sequence[Color], labels: Sequence[str]) -> Any:
     """Return whole loops [mm, kN] as dim lines."""
     import rerun as rr
 
@@ -181,9 +237,7 @@ def outlines(loops: Sequence[Loop], colors: Sequence[Color], labels: Sequence[st
     )
 
 
-def log_trail(
-    rec: Any, path: str, loop: Loop, color: Color, *, cursor: Color = (255, 255, 255), order: float = 0.0
-) -> None:
+def _log_trail(rec: Any, path: str, loop: DrawnLoop, color: Color, *, cursor: Color, order: float) -> None:
     """Log the cursor [mm, kN], and the trail as one segment a row, at the same rows so that it reaches the cursor.
 
     Of trails that lie on each other that of the highest `order` is seen, 0 to 9.

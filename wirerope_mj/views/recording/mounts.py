@@ -8,6 +8,7 @@ import numpy as np
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent
 from wirerope_mj.views.recording.paths import AXIAL, Rows, at, child
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, quaternion_of, rotate
 from wirerope_mj.views.recording.selection import Selection
@@ -45,6 +46,13 @@ def devices_of(response: Response, extent: float) -> list[Device]:
         rope = bool(response.mounts[mount.name].force[:, AXIAL].any())
         devices.append(Device(mount=mount, height=height, width=width, rope=rope))
     return devices
+
+
+def close_up_of(response: Response, mount: str) -> Camera:
+    """Return a camera that sees a mount from near."""
+    devices = devices_of(response, scene_extent(response.scene)[1])
+    device = next(device for device in devices if device.mount.name == mount)
+    return close_up(response, mount, height=device.height, width=device.width)
 
 
 def log_mounts(

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.views.recording.along import at_points
-from wirerope_mj.views.recording.film import Film
+from wirerope_mj.views.recording.animation import Animation
 from wirerope_mj.views.recording.frame import LARGE, Color, Plot, log_frame
 from wirerope_mj.views.recording.paths import child, entity
 
@@ -17,8 +17,8 @@ _LARGEST = 2.0
 _CIRCLE, _INSIDE, _OUTSIDE = (150, 158, 168), (110, 200, 130), (240, 80, 80)
 
 
-def log_multipliers(rec: Any, film: Film, *, width: float) -> None:
-    """Log the unit circle, and the multipliers of every motion of the film."""
+def log_multipliers(rec: Any, animation: Animation, *, width: float) -> None:
+    """Log the unit circle, and the multipliers of every motion of the animation."""
     import rerun as rr
 
     side = _LARGEST * 1.06
@@ -32,10 +32,12 @@ def log_multipliers(rec: Any, film: Film, *, width: float) -> None:
     rec.log(data, plot.transform(), static=True)
     rec.log(child(data, "circle"), circle, static=True)
     rec.log(child(data, "here"), rr.Points2D.from_fields(radii=rr.Radius.ui_points(5.0), draw_order=50.0), static=True)
-    rows = [orbit.floquet_multipliers for orbit in film.strip.orbits]
+    rows = [orbit.floquet_multipliers for orbit in animation.strip.orbits]
     values = np.concatenate(rows)
     modulus = np.abs(values)
     drawn = values * np.minimum(1.0, _LARGEST / np.maximum(modulus, 1e-12))
     colors: list[Color] = [_OUTSIDE if size > 1.0 + 1e-4 else _INSIDE for size in modulus]
     columns = rr.Points2D.columns(positions=np.column_stack([drawn.real, drawn.imag]), colors=colors)
-    rec.send_columns(child(data, "here"), at_points(film, film.strip), columns.partition([row.size for row in rows]))
+    rec.send_columns(
+        child(data, "here"), at_points(animation, animation.strip), columns.partition([row.size for row in rows])
+    )

@@ -8,8 +8,8 @@ from wirerope_mj.dynamics.frequency_response.samples import busiest_loops
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.recording.along import AlongBranch, at_points
-from wirerope_mj.views.recording.film import Film, Strip
+from wirerope_mj.views.recording.along import along_branch, at_points
+from wirerope_mj.views.recording.animation import Animation, Strip
 from wirerope_mj.views.recording.frame import LARGE, Plot, log_frame
 from wirerope_mj.views.recording.paths import AXES, at, child, entity
 from wirerope_mj.views.recording.response_curve import level_color
@@ -24,9 +24,9 @@ _SHAPE_TICKS = np.array([-1.0, 0.0, 1.0])
 _CURSOR = (255, 255, 255)
 
 
-def shown_loops(film: Film) -> list[tuple[str, int]]:
+def shown_loops(animation: Animation) -> list[tuple[str, int]]:
     """Return mount and axis of the loops that are shown."""
-    highest = film.strip.orbits[int(np.argmax(film.strip.amplitude))]
+    highest = animation.strip.orbits[int(np.argmax(animation.strip.amplitude))]
     return busiest_loops(highest.response)[:MOST_LOOPS]
 
 
@@ -35,17 +35,17 @@ def loop_path(mount: str, axis: int) -> str:
     return entity("loops", AXES[axis], mount)
 
 
-def log_orbit_loops(rec: Any, film: Film, strips: list[Strip], *, width: float, shape_width: float) -> None:
+def log_orbit_loops(rec: Any, animation: Animation, strips: list[Strip], *, width: float, shape_width: float) -> None:
     """Log the loops that take most energy, all levels in one frame, and the shape of the first.
 
     Args:
         rec: recording stream.
-        film: motions of the level that is played.
+        animation: motions of the level that is played.
         strips: motions of all levels.
         width: of a loop's frame.
         shape_width: of the frame of the shape.
     """
-    shown = shown_loops(film)
+    shown = shown_loops(animation)
     few = len(shown) <= 2
     lift, most = (LARGE, 6) if few else (2.0 * LARGE, 4)  # of small frames numbers would touch
     for mount, axis in shown:
@@ -60,12 +60,12 @@ def log_orbit_loops(rec: Any, film: Film, strips: list[Strip], *, width: float, 
             upward=linear_ticks(*plot.upward, most=most),
             lift=lift,
         )
-        _log(rec, child(path, "data"), plot, film, strips, loops)
-        _log_cursor(rec, child(path, "data", "cursor"), film, _points(film.response.mounts[mount], axis))
+        _log(rec, child(path, "data"), plot, animation, strips, loops)
+        _log_cursor(rec, child(path, "data", "cursor"), animation, _points(animation.response.mounts[mount], axis))
     loops = [[_filled(loop) for loop in _loops(strip, *shown[0])] for strip in strips]
     plot = Plot(across=(-1.12, 1.12), upward=(-1.12, 1.12), width=shape_width)
     log_frame(rec, entity(SHAPE), plot, across=_SHAPE_TICKS, upward=_SHAPE_TICKS, lift=LARGE)
-    _log(rec, child(entity(SHAPE), "data"), plot, film, strips, loops)
+    _log(rec, child(entity(SHAPE), "data"), plot, animation, strips, loops)
 
 
 def _loops(strip: Strip, mount: str, axis: int) -> list[Array]:
@@ -91,7 +91,7 @@ def _plot(loops: list[Array], width: float) -> Plot:
     return Plot(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
 
 
-def _log(rec: Any, path: str, plot: Plot, film: Film, strips: list[Strip], loops: list[list[Array]]) -> None:
+def _log(rec: Any, path: str, plot: Plot, animation: Animation, strips: list[Strip], loops: list[list[Array]]) -> None:
     """Log the loops of all levels, one row for every motion; that of an unstable motion is thin."""
     import rerun as rr
 
@@ -102,13 +102,13 @@ def _log(rec: Any, path: str, plot: Plot, film: Film, strips: list[Strip], loops
         radii = [rr.Radius.ui_points(1.5 if good else 0.7) for good in stable]
         rec.log(below, rr.LineStrips2D.from_fields(colors=level_color(strip.number)), static=True)
         columns = rr.LineStrips2D.columns(strips=[loop.astype(np.float32) for loop in rows], radii=radii)
-        rec.send_columns(below, at_points(film, strip), columns)
+        rec.send_columns(below, at_points(animation, strip), columns)
 
 
-def _log_cursor(rec: Any, path: str, film: Film, points: Array) -> None:
-    """Log where the mount is at every instant of the film."""
+def _log_cursor(rec: Any, path: str, animation: Animation, points: Array) -> None:
+    """Log deflection and force of the mount at every instant of the animation."""
     import rerun as rr
 
     look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
     rec.log(path, look, static=True)
-    AlongBranch(rec, film).send_columns(path, at(film.response.time), rr.Points2D.columns(positions=points))
+    along_branch(rec, animation).send_columns(path, at(animation.response.time), rr.Points2D.columns(positions=points))

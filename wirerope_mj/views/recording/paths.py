@@ -24,13 +24,13 @@ def entity(*parts: str) -> str:
 
 
 def root_of(run: str) -> str:
-    """Return the entity below which a run stands where a recording holds several."""
-    return entity("runs", run)
+    """Return the entity below which a run stands where a recording holds several; "" for a run alone, which has no name."""
+    return entity("runs", run) if run else ""
 
 
 def child(parent: str, *parts: str) -> str:
-    """Return the path of an entity below `parent`, which is a path already."""
-    return parent + entity(*parts)
+    """Return the path of an entity below `parent`, which is a path already; `parent` itself without parts."""
+    return parent + entity(*parts) if parts else parent
 
 
 class Below:

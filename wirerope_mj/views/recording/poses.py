@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
@@ -30,7 +31,7 @@ class Frame:
 
     @property
     def fixed(self) -> bool:
-        """Whether it never moves in the parent's frame."""
+        """True if it never moves in the parent's frame."""
         return self.position.shape[0] == 1
 
 
@@ -85,18 +86,8 @@ def multiply(a: Array, b: Array) -> Array:
 
 def quaternion_of(matrix: Array) -> Array:
     """Return the quaternion (4,), w first, of a rotation matrix (3, 3)."""
-    # The eigenvector of the largest eigenvalue of this symmetric matrix is the quaternion (Bar-Itzhack 2000).
-    m = matrix
-    k = np.array(
-        [
-            [m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
-            [0.0, m[0, 0] - m[1, 1] - m[2, 2], m[1, 0] + m[0, 1], m[2, 0] + m[0, 2]],
-            [0.0, 0.0, m[1, 1] - m[0, 0] - m[2, 2], m[2, 1] + m[1, 2]],
-            [0.0, 0.0, 0.0, m[2, 2] - m[0, 0] - m[1, 1]],
-        ]
-    )
-    vector: Array = np.linalg.eigh(k, UPLO="U")[1][:, -1]
-    return vector
+    quaternion: Array = Rotation.from_matrix(matrix).as_quat(scalar_first=True)
+    return quaternion
 
 
 def _carrier(response: Response, name: str, candidates: list[str]) -> str | None:

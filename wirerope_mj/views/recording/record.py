@@ -1,20 +1,43 @@
-"""One response, one `run.rrd`."""
+"""Recordings of one response, or of two or more over each other, by one writer.
 
-from collections.abc import Sequence
+The timeline is `sim_time` [s]. The entities of a run alone stand in `wirerope_mj.views.recording`; those of several are:
+
+```text
+/runs/NAME/world/...                          scene of a run, as in a recording of its own; mounts in the run's colour
+/runs/NAME/state/...                          its exact samples; `read_state(path, run=NAME)` reads them
+/ghosts/NAME/world/...                        its bodies in the base's frame, transparent in the run's colour
+/histories/acceleration/DIR/KIND/PART         base, bodies and points of several runs [g];  .../RANK/NAME/peak
+/histories/deflection|force/AXIS/MOUNT        mounts of several runs [mm, kN];  .../RANK/NAME/peak  .../rated
+/histories/difference/KIND/PART/NAME          how far a run is from the first [g, mm]
+/loops/AXIS/MOUNT                             frame of the plot;  .../data/NAME  the loop [mm, kN];  .../trail  .../cursor
+/events/NAME                                  log of events
+/differences  /peaks/...                      texts
+```
+
+RANK is 0 for the largest swing, which the viewer draws first and so behind the others.
+"""
+
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from wirerope_mj.assessment.comparison import Align, Inputs
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.blueprint import blueprint_of
-from wirerope_mj.views.recording.documents import log_documents
+from wirerope_mj.views.recording.comparison_blueprint import loop_widths, overlay_blueprint
+from wirerope_mj.views.recording.comparison_text import overlay_texts
+from wirerope_mj.views.recording.documents import texts_of
+from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay, overlay_of, run_alone
 from wirerope_mj.views.recording.events import log_events
-from wirerope_mj.views.recording.histories import log_histories
-from wirerope_mj.views.recording.loops import log_loops, loops_of
-from wirerope_mj.views.recording.poses import frames_of
+from wirerope_mj.views.recording.ghosts import log_ghosts
+from wirerope_mj.views.recording.histories import Graphs, graphs_of_overlay, graphs_of_run, log_histories
+from wirerope_mj.views.recording.loops import drawn_loops, frame_width, log_loops, loop_plots
+from wirerope_mj.views.recording.paths import Below
 from wirerope_mj.views.recording.scene import log_scene
-from wirerope_mj.views.recording.selection import select
 from wirerope_mj.views.recording.state import log_state
 from wirerope_mj.views.recording.target import atomic_recording, target_of
+
+OVERLAY_FILE = "overlay.rrd"
 
 
 def record_rerun(
@@ -30,7 +53,7 @@ def record_rerun(
 
     Args:
         response: the response.
-        path: file to write, or a folder, which gets a `run.rrd`; written whole or not at all.
+        path: file to write, or a folder, which gets a `run.rrd`; written atomically.
         title: heading; the model's name if it is empty.
         scenario_text: Markdown or TOML that says what was simulated.
         verdicts: lines of Markdown that are shown above the peaks.
@@ -40,24 +63,77 @@ def record_rerun(
         ValueError: there is no such tab.
         RecordError: the environment variable RERUN switches recordings off.
     """
+    run = run_alone(response)
+    graphs, loops = graphs_of_run(run), drawn_loops([run], run.selection)
+    widths = {axis: frame_width(len(run.selection.shown(axis))) for axis in run.selection.axes}
+    plots = loop_plots(loops, run.selection, widths)
+    layout = blueprint_of(run, graphs, plots, tab=tab)
+    texts = texts_of(run, title=title, scenario_text=scenario_text, verdicts=verdicts)
     target = target_of(path)
     with atomic_recording(target) as rec:
-        _write(response, rec, title=title, scenario_text=scenario_text, verdicts=verdicts, tab=tab)
+        _write(rec, title or response.scene.name, layout, texts, [run], graphs)
+        log_loops(rec, loops, plots)
+    return target
+
+
+def record_overlay(
+    responses: Mapping[str, Response],
+    path: str | Path,
+    *,
+    align: Align = "start",
+    inputs: Inputs | None = None,
+    tab: str = "Overview",
+    scene: str = "Side by side",
+) -> Path:
+    """Write two or more responses as one recording in which they lie over each other, and return its path.
+
+    What they share by name is drawn in the same axes, and the base of each whatever it is called; differences are those to the
+    first. What only one of them has is listed.
+
+    Args:
+        responses: the responses by the names that they get; the first is what others are compared with.
+        path: file to write, or a folder, which gets an `overlay.rrd`; written atomically.
+        align: "start": all begin together, as they were simulated; "shock": their first events fall together.
+        inputs: what was given to each, as names and values; those that are not the same for all are shown.
+        tab: which tab is in front: "Overview", "Accelerations", "Mounts", "Axial loops", ..., "Peaks".
+        scene: which scene is in front: "Side by side", "Ghosts" or "Worst mount".
+
+    Raises:
+        ValueError: there are too few or too many responses, or an argument is none of its choices.
+        RecordError: they share nothing, or one has no shock to align; or the environment variable RERUN switches
+            recordings off.
+    """
+    return write_overlay(overlay_of(responses, align), path, inputs=inputs or {}, tab=tab, scene=scene)
+
+
+def write_overlay(
+    overlay: Overlay, path: str | Path, *, inputs: Inputs, tab: str = "Overview", scene: str = "Side by side"
+) -> Path:
+    """Write what `overlay_of` made of the runs, and return the path; the rest is as for `record_overlay`."""
+    graphs, loops = graphs_of_overlay(overlay), drawn_loops(overlay.runs, overlay.shared)
+    plots = loop_plots(loops, overlay.shared, loop_widths(overlay))
+    layout = overlay_blueprint(overlay, graphs, plots, tab=tab, scene=scene)
+    target = target_of(path, file=OVERLAY_FILE)
+    with atomic_recording(target) as rec:
+        name = " and ".join(run.name for run in overlay.runs)
+        _write(rec, name, layout, overlay_texts(overlay, inputs), overlay.runs, graphs)
+        log_loops(rec, loops, plots)
+        log_ghosts(rec, overlay)
     return target
 
 
 def _write(
-    response: Response, rec: Any, *, title: str, scenario_text: str, verdicts: Sequence[str] | None, tab: str
+    rec: Any, name: str, layout: Any, texts: Mapping[str, str], runs: Sequence[DrawnRun], graphs: Graphs
 ) -> None:
+    import rerun as rr
 
-    selection, frames = select(response), frames_of(response)
-    loops = loops_of(response, selection)
     # Before the data: a viewer that streams the file shows the right layout from its first moment.
-    rec.send_blueprint(blueprint_of(response, selection, frames, loops, tab=tab), make_active=True, make_default=True)
-    rec.send_recording_name(title or response.scene.name)
-    log_documents(rec, response, selection, title=title, scenario_text=scenario_text, verdicts=verdicts)
-    log_events(rec, response, selection)
-    log_scene(rec, response, selection, frames)
-    log_histories(rec, response, selection)
-    log_loops(rec, response, selection, loops)
-    log_state(rec, response)
+    rec.send_blueprint(layout, make_active=True, make_default=True)
+    rec.send_recording_name(name)
+    for path, text in texts.items():
+        rec.log(path, rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
+    for run in runs:
+        log_events(rec, run)
+        log_scene(Below(rec, run.root), run.response, run.selection, run.frames, arrow=run.color)
+        log_state(Below(rec, run.root), run.response)
+    log_histories(rec, graphs, runs)

@@ -1,4 +1,4 @@
-"""The frequency response in the recording: curves of all levels on logarithmic axes, and where each motion stands on them."""
+"""The frequency response in the recording: curves of all levels on logarithmic axesand the motions on them."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import log_ticks
 from wirerope_mj.views.recording.along import at_points
-from wirerope_mj.views.recording.film import Film, Strip
+from wirerope_mj.views.recording.animation import Animation, Strip
 from wirerope_mj.views.recording.frame import LARGE, Color, Plot, log_frame
 from wirerope_mj.views.recording.paths import child, entity
 
@@ -24,7 +24,7 @@ _COLORS: tuple[Color, ...] = (
 )  # fmt: skip
 _EVENT = (255, 255, 255)
 _DASH = 5
-"""Places of the curve in a dash of an unstable motion, and in the gap behind it."""
+"""Points of the curve in a dash of an unstable motion, and in the gap behind it."""
 
 _ENVELOPE_ROWS = 800
 """Rows of a sweep's envelope that are drawn: its view is hardly wider in pixels."""
@@ -35,16 +35,16 @@ def level_color(number: int) -> Color:
     return _COLORS[number % len(_COLORS)]
 
 
-def log_response(rec: Any, findings: list[LevelSummary], film: Film, strips: list[Strip]) -> None:
-    """Log frame, curves, what happens on them, and for every level the place of its motion."""
+def log_response(rec: Any, findings: list[LevelSummary], animation: Animation, strips: list[Strip]) -> None:
+    """Log frame, curves, their bifurcations, and the motion of every level."""
     import rerun as rr
 
     plot = _plot(findings)
     _log_axes(rec, plot)
     data = child(entity(PATH), "data")
     rec.log(data, plot.transform(), static=True)
-    for number, found in enumerate(findings):
-        _log_level(rec, child(data, f"level_{number + 1}"), found, level_color(number))
+    for number, summary in enumerate(findings):
+        _log_level(rec, child(data, f"level_{number + 1}"), summary, level_color(number))
     _log_events(rec, child(data, "events"), findings)
     for strip in strips:
         path = child(data, "here", f"level_{strip.number + 1}")
@@ -52,13 +52,13 @@ def log_response(rec: Any, findings: list[LevelSummary], film: Film, strips: lis
             colors=level_color(strip.number), radii=rr.Radius.ui_points(7.0), draw_order=60.0, show_labels=False
         )
         rec.log(path, look, static=True)
-        places = np.column_stack([np.log10(strip.frequency), np.log10(strip.amplitude)])
-        columns = rr.Points2D.columns(positions=places, labels=[_words(strip, int(point)) for point in strip.points])
-        rec.send_columns(path, at_points(film, strip), columns)
+        positions = np.column_stack([np.log10(strip.frequency), np.log10(strip.amplitude)])
+        columns = rr.Points2D.columns(positions=positions, labels=[_label(strip, int(point)) for point in strip.points])
+        rec.send_columns(path, at_points(animation, strip), columns)
 
 
-def _words(strip: Strip, point: int) -> str:
-    """Return what is said of a motion when the mouse is over its marker."""
+def _label(strip: Strip, point: int) -> str:
+    """Return the text about a motion when the mouse is over its marker."""
     branch = strip.branch
     state = "stable" if branch.stable[point] else "unstable"
     return f"{strip.level:.4g} m/s²: {branch.frequency[point]:.5g} Hz, {branch.amplitude[point]:.4g} m/s², {state}"
@@ -66,8 +66,8 @@ def _words(strip: Strip, point: int) -> str:
 
 def _plot(findings: list[LevelSummary]) -> Plot:
     """Return ranges that hold all curves, in logarithms."""
-    curves = [(found.curve.frequency, found.curve.amplitude) for found in findings if found.curve is not None]
-    curves += [(s.frequency, s.amplitude) for found in findings for s in found.level.sweeps.values()]
+    curves = [(summary.curve.frequency, summary.curve.amplitude) for summary in findings if summary.curve is not None]
+    curves += [(s.frequency, s.amplitude) for summary in findings for s in summary.level.sweeps.values()]
     ranges = []
     for part in range(2):
         values = np.log10(np.concatenate([curve[part] for curve in curves]))
@@ -83,22 +83,22 @@ def _log_axes(rec: Any, plot: Plot) -> None:
     log_frame(rec, entity(PATH), plot, across=np.log10(across), upward=np.log10(upward), names=names, lift=LARGE)
 
 
-def _log_level(rec: Any, path: str, found: LevelSummary, color: Color) -> None:
+def _log_level(rec: Any, path: str, summary: LevelSummary, color: Color) -> None:
     import rerun as rr
 
-    name = f"{found.level.acceleration:.4g} m/s^2"
-    for way, sweep in found.level.sweeps.items():
+    name = f"{summary.level.acceleration:.4g} m/s^2"
+    for direction, sweep in summary.level.sweeps.items():
         rows = np.unique(np.linspace(0, sweep.frequency.size - 1, _ENVELOPE_ROWS).round().astype(int))
         line = np.log10(np.column_stack([sweep.frequency, sweep.amplitude])[rows])
-        look = {"colors": [*color, 110], "radii": rr.Radius.ui_points(0.7), "labels": [f"{name}, sweep {way}"]}
-        rec.log(child(path, f"sweep_{way}"), rr.LineStrips2D([line], show_labels=False, **look), static=True)
-    if found.curve is None:
+        look = {"colors": [*color, 110], "radii": rr.Radius.ui_points(0.7), "labels": [f"{name}, sweep {direction}"]}
+        rec.log(child(path, f"sweep_{direction}"), rr.LineStrips2D([line], show_labels=False, **look), static=True)
+    if summary.curve is None:
         return
-    for words, strips in zip(("stable", "unstable"), _strips(found.curve), strict=True):
+    for state, strips in zip(("stable", "unstable"), _strips(summary.curve), strict=True):
         if strips:
-            look = {"colors": color, "radii": rr.Radius.ui_points(1.5 if words == "stable" else 1.1)}
-            lines = rr.LineStrips2D(strips, labels=[f"{name}, {words}"] * len(strips), show_labels=False, **look)
-            rec.log(child(path, words), lines, static=True)
+            look = {"colors": color, "radii": rr.Radius.ui_points(1.5 if state == "stable" else 1.1)}
+            lines = rr.LineStrips2D(strips, labels=[f"{name}, {state}"] * len(strips), show_labels=False, **look)
+            rec.log(child(path, state), lines, static=True)
 
 
 def _strips(curve: BranchCurve) -> tuple[list[Array], list[Array]]:
@@ -119,14 +119,14 @@ def _strips(curve: BranchCurve) -> tuple[list[Array], list[Array]]:
 
 
 def _log_events(rec: Any, path: str, findings: list[LevelSummary]) -> None:
-    """Mark folds and changes of stability; what they are is said when the cursor is over them."""
+    """Mark folds and changes of stability, described when the mouse is over them."""
     import rerun as rr
 
-    events = [event for found in findings if found.level.branch for event in found.level.branch.bifurcations]
+    events = [event for summary in findings if summary.level.branch for event in summary.level.branch.bifurcations]
     if events:
-        places = np.log10([[event.frequency, event.amplitude] for event in events])
+        positions = np.log10([[event.frequency, event.amplitude] for event in events])
         marks = rr.Points2D(
-            places, labels=[event.description for event in events], show_labels=False, colors=_EVENT,
+            positions, labels=[event.description for event in events], show_labels=False, colors=_EVENT,
             radii=rr.Radius.ui_points(4.0), draw_order=40.0,
         )  # fmt: skip
         rec.log(path, marks, static=True)

@@ -16,9 +16,10 @@ from wirerope_mj.views.recording.stops import log_stops
 from wirerope_mj.views.recording.thin import rows_of_steps
 
 _STILL = 1 / 100
-"""Poses are drawn anew when something has moved by this share of the largest travel."""
+"""Poses are drawn anew when something has moved by this fraction of the largest travel."""
 
-_ARROW = (255, 196, 60)
+ARROW = (255, 196, 60)
+"""Colour of the acceleration of the base of a run alone."""
 
 
 def log_scene(
@@ -27,7 +28,7 @@ def log_scene(
     selection: Selection,
     frames: dict[str, Frame],
     *,
-    arrow: tuple[int, int, int] = _ARROW,
+    arrow: tuple[int, int, int] = ARROW,
 ) -> None:
     """Log bodies, geoms, mounts and the base's acceleration, an arrow of the given colour."""
     import rerun as rr

@@ -1,6 +1,7 @@
-"""What of a response is shown: the event, the mounts and the bodies that matter most."""
+"""Selection of what is shown of a response: the event, the mounts and the bodies that matter most."""
 
-from dataclasses import dataclass
+from collections.abc import Collection
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,7 +22,7 @@ MOST_BODIES = 3
 MOST_POINTS = 3
 
 _SETTLED = 0.1
-"""The event is over when deflections stay within this share of their largest swing."""
+"""The event is over when deflections stay within this fraction of their largest swing."""
 
 _PALETTE = (
     (78, 155, 230), (255, 159, 64), (76, 194, 107), (242, 84, 91), (176, 140, 240), (205, 145, 110),
@@ -31,21 +32,21 @@ _PALETTE = (
 
 @dataclass(frozen=True, kw_only=True)
 class Selection:
-    """What is shown.
+    """Selection of what is shown.
 
     Attributes:
         event: instant of the first event of the motion [s].
         window: first and last instant of what follows from it [s].
-        shares: peak deflection over rated travel, (n_mounts, 3); NaN where nothing is rated.
-        mounts: names of the mounts that are no stops, in the order of `shares`.
-        ranked: per axis the mounts that act in it, largest share of the rated travel first.
+        utilisations: peak deflection over rated travel, (n_mounts, 3); NaN where nothing is rated.
+        mounts: names of the mounts that are no stops, in the order of `utilisations`.
+        ranked: per axis the mounts that act in it, largest fraction of the rated travel first.
         bodies, points: names whose accelerations are shown, largest peak first.
         colors: of mounts by name.
     """
 
     event: float
     window: tuple[float, float]
-    shares: Array
+    utilisations: Array
     mounts: tuple[str, ...]
     ranked: dict[str, tuple[str, ...]]
     bodies: tuple[str, ...]
@@ -54,12 +55,12 @@ class Selection:
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """Axes in which any mount acts: the governing one first, and axial first where shares are equal to a tenth."""
+        """Axes in which any mount acts: the governing one first, and axial first where utilisations are equal to a tenth."""
         return tuple(sorted((axis for axis in self.ranked if self.ranked[axis]), key=self._urgency, reverse=True))
 
     @property
     def governing(self) -> str | None:
-        """Mount with the largest share of its rated travel in the governing axis; None without mounts."""
+        """Mount with the largest fraction of its rated travel in the governing axis; None without mounts."""
         return self.ranked[self.axes[0]][0] if self.axes else None
 
     def shown(self, axis: str) -> tuple[str, ...]:
@@ -68,21 +69,27 @@ class Selection:
             return ()
         return self.ranked[axis][: MOST_LOOPS if axis == self.axes[0] else MOST_OTHER_LOOPS]
 
-    def share(self, mount: str, axis: str) -> float:
-        """Share of the rated travel, NaN if nothing is rated."""
-        return float(self.shares[self.mounts.index(mount), AXES.index(axis)])
+    def among(self, mounts: Collection[str]) -> "Selection":
+        """Return the selection without other mounts."""
+        return replace(
+            self, ranked={axis: tuple(n for n in names if n in mounts) for axis, names in self.ranked.items()}
+        )
+
+    def utilisation(self, mount: str, axis: str) -> float:
+        """Return peak deflection over rated travel, NaN if nothing is rated."""
+        return float(self.utilisations[self.mounts.index(mount), AXES.index(axis)])
 
     def _urgency(self, axis: str) -> tuple[float, bool]:
-        share = self.share(self.ranked[axis][0], axis)
-        return (0.0 if np.isnan(share) else round(share, 1)), axis == AXES[AXIAL]
+        ratio = self.utilisation(self.ranked[axis][0], axis)
+        return (0.0 if np.isnan(ratio) else round(ratio, 1)), axis == AXES[AXIAL]
 
 
 def select(response: Response) -> Selection:
     """Return what is shown of `response`."""
     mounts = tuple(mount.name for mount in response.scene.isolating)
     used = {row.name: [row.utilisation_along(axis) for axis in AXES] for row in mount_peaks(response)}
-    shares = np.array([used[name] for name in mounts], dtype=np.float64).reshape(-1, 3)  # None becomes NaN
-    ranked = {axis: _ranked(response, mounts, shares, number) for number, axis in enumerate(AXES)}
+    utilisations = np.array([used[name] for name in mounts], dtype=np.float64).reshape(-1, 3)  # None becomes NaN
+    ranked = {axis: _ranked(response, mounts, utilisations, number) for number, axis in enumerate(AXES)}
     first, last = float(response.time[0]), float(response.time[-1])
     event = min(max(response.events[0][0] if response.events else first, first), last)
     fixed = {body.name for body in response.scene.bodies if body.on_base} | {response.scene.base}
@@ -91,7 +98,7 @@ def select(response: Response) -> Selection:
     return Selection(
         event=event,
         window=_window(response, event, last),
-        shares=shares,
+        utilisations=utilisations,
         mounts=mounts,
         ranked=ranked,
         bodies=_largest(bodies, MOST_BODIES),
@@ -106,13 +113,13 @@ def travel_limits(mount: SceneMount, axis: str) -> tuple[float, float]:
     return -mount.travel.get(below, np.nan), mount.travel.get(above, np.nan)
 
 
-def _ranked(response: Response, mounts: tuple[str, ...], shares: Array, axis: int) -> tuple[str, ...]:
-    """Return the mounts that act in an axis: by share of the rated travel, then by the deflection itself."""
+def _ranked(response: Response, mounts: tuple[str, ...], utilisations: Array, axis: int) -> tuple[str, ...]:
+    """Return the mounts that act in an axis: by utilisation of the rated travel, then by the deflection itself."""
 
     def order(number: int) -> tuple[float, float]:
         deflection = response.peaks.mounts[mounts[number]].deflection
-        share = shares[number, axis]
-        return (0.0 if np.isnan(share) else share), float(deflection.maximum[axis] - deflection.minimum[axis])
+        ratio = utilisations[number, axis]
+        return (0.0 if np.isnan(ratio) else ratio), float(deflection.maximum[axis] - deflection.minimum[axis])
 
     acting = [n for n, name in enumerate(mounts) if response.mounts[name].force[:, axis].any()]
     return tuple(mounts[n] for n in sorted(acting, key=order, reverse=True))

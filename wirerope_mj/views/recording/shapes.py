@@ -24,7 +24,7 @@ def draw_geoms(rec: Any, path: str, geoms: Sequence[Geom], extent: float) -> Non
     Args:
         rec: recording stream.
         path: entity of the body.
-        geoms: shapes, placed from the body's centre of mass in body axes.
+        geoms: shapes, positioned from the body's centre of mass in body axes.
         extent: size of the scene [m], for planes without an end.
     """
     for shape in dict.fromkeys(geom.shape for geom in geoms):
@@ -41,7 +41,7 @@ def _solids(shape: str, geoms: list[Geom]) -> Any:
     import rerun as rr
 
     sizes = np.array([geom.size for geom in geoms])
-    places = np.array([geom.position for geom in geoms])
+    centers = np.array([geom.position for geom in geoms])
     common = {
         "quaternions": [rr.Quaternion(xyzw=np.roll(geom.orientation, -1)) for geom in geoms],
         "colors": [rgba8(geom.rgba) for geom in geoms],
@@ -50,16 +50,16 @@ def _solids(shape: str, geoms: list[Geom]) -> Any:
         "fill_mode": "Solid",
     }
     if shape == "box":
-        return rr.Boxes3D(half_sizes=sizes, centers=places, **common)
+        return rr.Boxes3D(half_sizes=sizes, centers=centers, **common)
     if shape == "cylinder":
-        return rr.Cylinders3D(lengths=2.0 * sizes[:, 1], radii=sizes[:, 0], centers=places, **common)
+        return rr.Cylinders3D(lengths=2.0 * sizes[:, 1], radii=sizes[:, 0], centers=centers, **common)
     if shape == "capsule":
         # A capsule of rerun runs from its origin along z; MuJoCo's is centred.
         axes = np.array([rotate(geom.orientation, np.array([0.0, 0.0, 1.0])) for geom in geoms])
-        starts = places - sizes[:, 1:2] * axes
+        starts = centers - sizes[:, 1:2] * axes
         return rr.Capsules3D(lengths=2.0 * sizes[:, 1], radii=sizes[:, 0], translations=starts, **common)
     halves = np.repeat(sizes[:, :1], 3, axis=1) if shape == "sphere" else sizes
-    return rr.Ellipsoids3D(half_sizes=halves, centers=places, **common)
+    return rr.Ellipsoids3D(half_sizes=halves, centers=centers, **common)
 
 
 def _plane(geom: Geom, extent: float) -> Any:

@@ -42,14 +42,14 @@ def read_state(path: str | Path, *, run: str = "") -> dict[str, Array]:
 
     Args:
         path: the recording.
-        run: whose columns, where the recording lays several runs over each other.
+        run: name of the run, where the recording lays several runs over each other.
 
     Raises:
         RecordError: the file holds none.
     """
     from rerun.chunk import RrdReader
 
-    root = root_of(run) + entity(ROOT) if run else entity(ROOT)
+    root = root_of(run) + entity(ROOT)
     names: dict[str, tuple[int, list[str]]] = {}
     blocks: dict[str, list[tuple[int, Array]]] = {}
     for chunk in RrdReader(str(path)).stream():

@@ -30,8 +30,8 @@ def changes(state: npt.NDArray[Any]) -> Rows:
 def log_stops(rec: Any, response: Response, frames: dict[str, Frame], *, extent: float) -> None:
     """Log every stop as a bumper that changes colour.
 
-    A ball that the model draws about the stop's place on the payload is covered, so that the colour is seen where the pad is
-    met. Without one the bumper is a cylinder about its place on the base; one whose device states no size suits a scene of
+    A ball that the model draws about the stop's point on the payload is covered, so that the colour is seen where the pad is
+    met. Without one the bumper is a cylinder about its point on the base; one whose device states no size suits a scene of
     `extent` [m].
     """
     import rerun as rr
@@ -48,9 +48,9 @@ def log_stops(rec: Any, response: Response, frames: dict[str, Frame], *, extent:
             size = {"lengths": [height], "radii": [0.5 * width], "quaternions": [turn]}
         else:
             size = {"half_sizes": [[_COVER * radius] * 3]}
-        body, place = (stop.base_body, stop.base_point) if radius is None else (stop.payload_body, stop.payload_point)
+        body, center = (stop.base_body, stop.base_point) if radius is None else (stop.payload_body, stop.payload_point)
         path = child(frames[body].path, "stops", stop.name)
-        rec.log(path, shape(centers=[place], labels=[stop.name], **size, **look), static=True)
+        rec.log(path, shape(centers=[center], labels=[stop.name], **size, **look), static=True)
         closed = closed_at(response, (stop,))
         rows = changes(closed)
         colors = [CLOSED if closed[row] else OPEN for row in rows]
@@ -58,7 +58,7 @@ def log_stops(rec: Any, response: Response, frames: dict[str, Frame], *, extent:
 
 
 def _ball(scene: Scene, stop: SceneMount) -> float | None:
-    """Return the radius of the sphere that the model draws about a stop's place on the payload [m]; None without one."""
+    """Return the radius of the sphere that the model draws about a stop's point on the payload [m]; None without one."""
     geoms = next((body.geoms for body in scene.bodies if body.name == stop.payload_body), ())
     radii = [
         float(geom.size[0])

@@ -1,4 +1,4 @@
-"""Where a recording goes: written beside its place in rerun's strict mode, then renamed."""
+"""Files of recordings: written atomically, in rerun's strict mode."""
 
 import os
 import threading
@@ -16,7 +16,7 @@ _BLOCK = 2**20
 """Of a recording, written at once [bytes]."""
 
 _OPEN_FILES = Path("/dev/fd")
-"""Where Linux and macOS give an open pipe a path."""
+"""Folder in which Linux and macOS give an open pipe a path."""
 
 
 def target_of(path: str | Path, *, file: str = FILE) -> Path:
@@ -43,12 +43,15 @@ def atomic_recording(target: Path) -> Iterator[Any]:
     was_strict = strict_mode()
     rr.set_strict_mode(True)  # otherwise a wrong call loses data with no more than a warning
     try:
-        with atomic_file(target) as beside:
-            with _ourselves_written(beside) as way, rr.RecordingStream(APPLICATION, recording_id=uuid.uuid4()) as rec:
+        with atomic_file(target) as temporary:
+            with (
+                _ourselves_written(temporary) as pipe,
+                rr.RecordingStream(APPLICATION, recording_id=uuid.uuid4()) as rec,
+            ):
                 rec.set_log_time_enabled(False)
-                rec.save(way)
+                rec.save(pipe)
                 yield rec
-            if not beside.stat().st_size:
+            if not temporary.stat().st_size:
                 raise RecordError("nothing was recorded: the environment variable RERUN switches it off. Unset it.")
     finally:
         rr.set_strict_mode(was_strict)
@@ -59,7 +62,7 @@ def _ourselves_written(path: Path) -> Iterator[Path]:
     """Lend a path to which rerun may write what becomes the file `path`: a pipe, at whose other end we write it.
 
     On a full disk rerun's own writing ends with a line on standard error, and whoever waits for it, as the end of a recording
-    and that of the process do, waits for ever. From the pipe everything is taken, whether or not there is a place for it.
+    and that of the process do, waits for ever. From the pipe everything is taken, whether or not there is space for it.
     """
     if not _OPEN_FILES.is_dir():
         yield path

@@ -1,4 +1,4 @@
-"""Which rows are worth drawing: a picture needs fewer than the archive, and /state keeps them all."""
+"""Rows that are worth drawing: a picture needs fewer than the archive, and /state keeps them all."""
 
 import numpy as np
 import numpy.typing as npt
@@ -10,10 +10,10 @@ MOST_ROWS = 20_000
 """Rows of a drawn series; a plot is a few thousand pixels wide, and the viewer slows down far above this."""
 
 _LONGEST = 128
-"""Longest stretch of rows that is replaced by its ends; it bounds the passes over the data."""
+"""Longest interval of rows that is replaced by its ends; it bounds the passes over the data."""
 
 _PART = 128 * _LONGEST
-"""Rows that are looked at together: it bounds the memory, and is a multiple of the longest stretches."""
+"""Rows that are looked at together: it bounds the memory, and is a multiple of the longest intervals."""
 
 
 def rows_of_line(time: Array, values: Array, tolerance: Array | float, *, limit: int = MOST_ROWS) -> Rows:
@@ -23,7 +23,7 @@ def rows_of_line(time: Array, values: Array, tolerance: Array | float, *, limit:
         time: instants [s], (n_t,).
         values: series, (n_t, k).
         tolerance: allowed deviation of each series, (k,) or one for all.
-        limit: most rows; where more are needed, the extremes of every stretch are kept, and the tolerance is not.
+        limit: most rows; where more are needed, the extremes of every interval are kept, and the tolerance is not.
     """
     rows = _needed(time, values, tolerance, hold=False)
     return rows[rows_of_extremes(values[rows], limit)]
@@ -36,24 +36,24 @@ def rows_of_steps(time: Array, values: Array, tolerance: Array | float, *, limit
 
 
 def rows_of_extremes(values: Array, limit: int) -> Rows:
-    """Return at most about `limit` rows: first, last, and where each series is lowest and highest in each stretch."""
+    """Return at most about `limit` rows: first, last, and where each series is lowest and highest in each interval."""
     n, k = values.shape
     if n <= limit:
         return np.arange(n)
-    stretches = max(1, limit // (2 * k))
-    starts = np.linspace(0, n, stretches + 1).astype(np.intp)
-    found = [np.array([0, n - 1])]
+    intervals = max(1, limit // (2 * k))
+    starts = np.linspace(0, n, intervals + 1).astype(np.intp)
+    rows = [np.array([0, n - 1])]
     for start, stop in zip(starts[:-1], starts[1:], strict=True):
         part = values[start:stop]
-        found += [start + part.argmin(axis=0), start + part.argmax(axis=0)]
-    return np.unique(np.concatenate(found))
+        rows += [start + part.argmin(axis=0), start + part.argmax(axis=0)]
+    return np.unique(np.concatenate(rows))
 
 
 def _needed(time: Array, values: Array, tolerance: Array | float, *, hold: bool) -> Rows:
-    """Return the rows that remain when stretches of 2, 4, 8... rows are replaced by their ends where these suffice."""
+    """Return the rows that remain when intervals of 2, 4, 8... rows are replaced by their ends where these suffice."""
     keep = np.ones(time.size, dtype=bool)
     for first in range(0, time.size, _PART):
-        part = slice(first, first + _PART + 1)  # with the first row of the next part, where the last stretch ends
+        part = slice(first, first + _PART + 1)  # with the first row of the next part, where the last interval ends
         _drop(keep[part], time[part], values[part], tolerance, hold=hold)
     return np.flatnonzero(keep)
 
@@ -66,8 +66,8 @@ def _drop(keep: npt.NDArray[np.bool_], time: Array, values: Array, tolerance: Ar
         inner = first[:, None] + np.arange(1, size)
         start = values[first][:, None]
         ends = values[first + size][:, None] - start
-        share = (time[inner] - time[first][:, None]) / (time[first + size] - time[first])[:, None]
-        drawn = start if hold else start + share[..., None] * ends
+        ratio = (time[inner] - time[first][:, None]) / (time[first + size] - time[first])[:, None]
+        drawn = start if hold else start + ratio[..., None] * ends
         enough = (np.abs(values[inner] - drawn) <= tolerance).all(axis=(1, 2))
         keep[inner[enough]] = False
         size *= 2

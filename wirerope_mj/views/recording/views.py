@@ -1,11 +1,14 @@
-"""Views that a recording of one response and that of several share: scenes, plots over time, loops, and the time panel."""
+"""Views of every recording: scenes, plots over time, loops, tabs, and the time panel."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from wirerope_mj.views.recording.camera import Camera
+from wirerope_mj.engine.response import Response
+from wirerope_mj.views.recording.camera import Camera, whole_scene
 from wirerope_mj.views.recording.frame import HEIGHT
-from wirerope_mj.views.recording.paths import TIMELINE
+from wirerope_mj.views.recording.histories import Graph
+from wirerope_mj.views.recording.paths import TIMELINE, entity
+from wirerope_mj.views.recording.poses import Frame
 
 SLOW_MOTION = 0.05
 """Playback speed for a shock: an event of half a second takes ten."""
@@ -14,21 +17,29 @@ _BACKGROUND = [24, 27, 31]
 
 
 def layout(content: Any, window: tuple[float, float]) -> Any:
-    """Return the blueprint of what is seen: paused at the start of `window` [s], which is what playing repeats."""
+    """Return the blueprint of `content`: paused at the start of `window` [s], which is what playing repeats."""
     import rerun as rr
     import rerun.blueprint as rrb
 
     start, end = (rr.TimeInt(seconds=instant) for instant in window)
+    panel = rrb.TimePanel(
+        state="collapsed",
+        timeline=TIMELINE,
+        playback_speed=_speed(window),
+        play_state="paused",
+        loop_mode="selection",
+        time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
+    )
+    return opening(content, panel)
+
+
+def opening(content: Any, panel: Any) -> Any:
+    """Return the blueprint of `content` and a time panel alone."""
+    import rerun.blueprint as rrb
+
     return rrb.Blueprint(
         content,
-        rrb.TimePanel(
-            state="collapsed",
-            timeline=TIMELINE,
-            playback_speed=_speed(window),
-            play_state="paused",
-            loop_mode="selection",
-            time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
-        ),
+        panel,
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
         rrb.TopPanel(state="hidden"),
@@ -58,13 +69,31 @@ def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) 
     )
 
 
-def series_view(origin: str, name: str, window: tuple[float, float]) -> Any:
-    """Return a plot over `window` [s] of the series below `origin`."""
+def tabs_with(entries: list[Any], argument: str, name: str) -> Any:
+    """Return tabs with that called `name` in front, which `argument` asked for; ValueError if there is none."""
+    import rerun.blueprint as rrb
+
+    names = [str(entry.name) for entry in entries]
+    if name not in names:
+        raise ValueError(f"`{argument}` must be one of {', '.join(names)}, got {name!r}.")
+    return rrb.Tabs(*entries, active_tab=names.index(name))
+
+
+def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *, away: float = 1.0) -> Any:
+    """Return a view of everything, from `away` times as far as the modelled geometry needs."""
+    base, camera = response.scene.base, whole_scene(response)
+    camera = Camera(eye=camera.target + away * (camera.eye - camera.target), target=camera.target)
+    origin = frames[base].path if base in response.bodies else entity("world")
+    return scene_view(origin, ["+ " + entity("world") + "/**"], name, camera)
+
+
+def graph_view(graph: Graph, window: tuple[float, float]) -> Any:
+    """Return a plot over `window` [s]."""
     import rerun.blueprint as rrb
 
     return rrb.TimeSeriesView(
-        origin=origin,
-        name=name,
+        origin=graph.path,
+        name=graph.title,
         axis_x=time_axis(window),
         plot_legend=rrb.PlotLegend(visible=True, corner=rrb.Corner2D.RightTop),
     )
@@ -106,7 +135,7 @@ def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, floa
 
 
 def event_view(origin: str) -> Any:
-    """Return the log of what happens, as it stands below `origin`."""
+    """Return the log of the events below `origin`."""
     import rerun.blueprint as rrb
 
     return rrb.TextLogView(

@@ -1,4 +1,4 @@
-"""Periodic motions of a branch one after the other, as one response: what the scene is drawn from."""
+"""Periodic motions of a branch one after the other, as one response from which the scene is drawn."""
 
 from dataclasses import dataclass, replace
 
@@ -25,7 +25,7 @@ class Strip:
     """Motions of one level in the order of its branch.
 
     Attributes:
-        number: place of the level.
+        number: index of the level.
         branch: its branch.
         points: which points of the branch, (n,); a short branch has some of them several times.
         orbits: the motions, one for each.
@@ -53,7 +53,7 @@ class Strip:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Film:
+class Animation:
     """A strip shown motion by motion, one repetition each.
 
     Attributes:
@@ -70,8 +70,8 @@ class Film:
 def strips_of(findings: list[LevelSummary]) -> list[Strip]:
     """Return the motions that are shown of every level with a branch."""
     strips = []
-    for number, found in enumerate(findings):
-        branch, curve = found.level.branch, found.curve
+    for number, summary in enumerate(findings):
+        branch, curve = summary.level.branch, summary.curve
         if branch is not None and curve is not None:
             points = along_branch(branch, curve, MOST_POINTS)
             known = {int(i): branch.orbit(int(i)) for i in np.unique(points)}  # with its response, once computed
@@ -80,7 +80,7 @@ def strips_of(findings: list[LevelSummary]) -> list[Strip]:
     return strips
 
 
-def film_of(strip: Strip) -> Film:
+def animation_of(strip: Strip) -> Animation:
     """Return the motions of a strip one after the other.
 
     Each ends where the payload's acceleration is largest: this is what stands in the scene when one goes from point to point.
@@ -98,7 +98,7 @@ def film_of(strip: Strip) -> Film:
         starts.append(start)
         start += orbit.duration
     whole = with_values(strip.orbits[int(np.argmax(strip.amplitude))].response, np.concatenate(blocks))
-    return Film(strip=strip, starts=np.array(starts), response=whole)
+    return Animation(strip=strip, starts=np.array(starts), response=whole)
 
 
 def _largest(branch: Branch, orbit: PeriodicOrbit) -> int:

@@ -1,7 +1,7 @@
-"""Texts beside laid-over runs: what differs in a few lines, and the peaks side by side as tables."""
+"""Texts of several runs: their differences in a few lines, and the peaks side by side as tables."""
 
 from collections.abc import Sequence
-from typing import Any, TypeGuard
+from typing import TypeGuard
 
 import numpy as np
 
@@ -20,8 +20,8 @@ from wirerope_mj.assessment.comparison.sentences import ratio_text, size_text, s
 from wirerope_mj.foundation.plain_text import markdown
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
 from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.recording.drawn_runs import Overlay
 from wirerope_mj.views.recording.markdown_tables import markdown_table
-from wirerope_mj.views.recording.overlay_runs import Overlay
 from wirerope_mj.views.recording.paths import AXES, entity
 
 PEAKS, SUMMARY = "peaks", "differences"
@@ -32,22 +32,18 @@ _WIDEST = 24
 """Characters of an input that still fit into a column; the viewer breaks no line in a table."""
 
 
-def log_overlay_texts(rec: Any, overlay: Overlay, inputs: Inputs) -> None:
-    """Log what differs, and the tables of peaks."""
-    import rerun as rr
-
-    texts = {
+def overlay_texts(overlay: Overlay, inputs: Inputs) -> dict[str, str]:
+    """Return the differences and the tables of peaks as Markdown, by their entities."""
+    return {
         entity(SUMMARY): summary_markdown(overlay, inputs),
         entity(PEAKS, "accelerations"): acceleration_tables(overlay),
         entity(PEAKS, "mounts"): mount_tables(overlay),
         entity(PEAKS, "apart"): apart_tables(overlay),
     }
-    for path, text in texts.items():
-        rec.log(path, rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
 
 
 def summary_markdown(overlay: Overlay, inputs: Inputs) -> str:
-    """Return what was given differently, the main figures, and where and when the runs differ."""
+    """Return the inputs that differ, the largest peaks, and where and when the runs differ."""
     names = [run.name for run in overlay.runs]
     given = different_inputs(overlay, inputs)
     differing = [(key, *values) for key, values in given if max(map(len, values)) <= _WIDEST]
@@ -57,14 +53,13 @@ def summary_markdown(overlay: Overlay, inputs: Inputs) -> str:
         if max(map(len, values)) > _WIDEST
     ]
     parts = ["### What differs"]
-    rows = [row for row in acceleration_rows(overlay)[:2]]
-    figures = [(f"{row.label}, peak [g]", *_values(row, "{:.2f}")) for row in rows]
+    peaks = [(f"{row.label}, peak [g]", *_values(row, "{:.2f}")) for row in acceleration_rows(overlay)[:2]]
     travel = largest_travel_row(overlay)
     if travel is not None:
-        shares = [f"{in_unit(value, '%'):.0f}" if _known(value) else "-" for value in travel.values]
-        figures.append(("most of rated travel [%]", *shares))
+        used = [f"{in_unit(value, '%'):.0f}" if _known(value) else "-" for value in travel.values]
+        peaks.append(("most of rated travel [%]", *used))
     columns = [Column(align="left"), *map(Column, names)]
-    parts.append(markdown_table(Table(title="", columns=columns, rows=[*differing, *figures])))
+    parts.append(markdown_table(Table(title="", columns=columns, rows=[*differing, *peaks])))
     parts.append("\n".join(f"- {markdown(line)}" for line in (*comparison_lines(overlay), *long)))
     return "\n\n".join(part for part in parts if part)
 

@@ -8,7 +8,8 @@ import numpy as np
 from wirerope_mj.engine.response.scene import SceneBody
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.camera import scene_extent, whole_scene
-from wirerope_mj.views.recording.overlay_runs import OverlaidRun, Overlay
+from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
+from wirerope_mj.views.recording.enlarge import round_down
 from wirerope_mj.views.recording.paths import Below, at, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, rotate
 from wirerope_mj.views.recording.scene import scene_rows
@@ -20,13 +21,11 @@ _OPAQUE = 0.38
 """Of a ghost: two of them can be told apart where they overlap, and edges are seen through both."""
 
 _SEEN = 0.04
-"""Share of the scene's size that the largest motion is to have in the picture."""
-
-_ROUND = (1.0, 2.0, 5.0)
+"""Fraction of the scene's size that the largest motion is to have in the picture."""
 
 
 def ghost_factor(overlay: Overlay) -> float:
-    """Return how much larger than they are motions are drawn, a round number; 1 where they are large enough."""
+    """Return the round factor by which motions are drawn larger; 1 where they are large enough."""
     travel, extent = 0.0, 0.0
     for run in overlay.runs:
         extent = max(extent, scene_extent(run.response.scene)[1])
@@ -34,9 +33,7 @@ def ghost_factor(overlay: Overlay) -> float:
             travel = max(travel, float(np.abs(frame.position - _modelled(run, body)[0]).max()))
     if travel == 0.0 or _SEEN * extent <= travel:
         return 1.0
-    wanted = _SEEN * extent / travel
-    decade = 10.0 ** np.floor(np.log10(wanted))
-    return float(decade * max(part for part in _ROUND if part * decade <= wanted * (1.0 + 1e-9)))
+    return round_down(_SEEN * extent / travel)
 
 
 def log_ghosts(rec: Any, overlay: Overlay) -> None:
@@ -76,14 +73,14 @@ def log_ghosts(rec: Any, overlay: Overlay) -> None:
         _log_name(below, run, number, extent)
 
 
-def _riding(run: OverlaidRun) -> list[tuple[SceneBody, Frame]]:
+def _riding(run: DrawnRun) -> list[tuple[SceneBody, Frame]]:
     """Return the bodies that move, but for the base itself."""
     scene = run.response.scene
     return [(body, run.frames[body.name]) for body in scene.bodies if body.moves and body.name != scene.base]
 
 
-def _modelled(run: OverlaidRun, body: SceneBody) -> tuple[Array, Array]:
-    """Return where a body stands in the modelled geometry in the frame that its own is in: position (3,), quaternion."""
+def _modelled(run: DrawnRun, body: SceneBody) -> tuple[Array, Array]:
+    """Return position (3,) and quaternion of a body in the modelled geometry, in the frame that its own is in."""
     scene, frame = run.response.scene, run.frames[body.name]
     parent = frame.path.rsplit("/", 1)[0]
     name = next((name for name, other in run.frames.items() if other.path == parent and name != "world"), None)
@@ -103,12 +100,12 @@ def _grown(frame: Frame, position: Array, orientation: Array, factor: float) -> 
     return position + factor * (frame.position - position), multiply(turn, orientation)
 
 
-def _ghostly(body: SceneBody, run: OverlaidRun) -> list[Any]:
+def _ghostly(body: SceneBody, run: DrawnRun) -> list[Any]:
     rgba = np.array([*run.color, 255 * _OPAQUE]) / 255.0
     return [replace(geom, rgba=rgba) for geom in body.geoms]
 
 
-def _log_name(below: Below, run: OverlaidRun, number: int, extent: float) -> None:
+def _log_name(below: Below, run: DrawnRun, number: int, extent: float) -> None:
     """Log the name of a run beside the scene, as it is seen when the recording opens: the legend of the colours."""
     import rerun as rr
 

@@ -1,4 +1,4 @@
-"""Runs that are laid over each other as they are drawn: colours, selections and frames."""
+"""Runs as they are drawn, one alone or several over each other: colours, selections and frames."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -9,8 +9,9 @@ from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, co
 from wirerope_mj.assessment.comparison.compared import Subject, subjects_of
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.frame import Color
-from wirerope_mj.views.recording.paths import AXES
+from wirerope_mj.views.recording.paths import AXES, root_of
 from wirerope_mj.views.recording.poses import Frame, frames_of
+from wirerope_mj.views.recording.scene import ARROW
 from wirerope_mj.views.recording.selection import Selection, select
 
 MOST_MOUNTS = 4
@@ -24,18 +25,28 @@ COLORS: tuple[Color, ...] = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class OverlaidRun(ComparedRun):
-    """One of the runs as it is drawn.
+class DrawnRun(ComparedRun):
+    """A run as it is drawn; its name is "" if it is alone.
 
     Attributes:
-        color: of its lines, mounts and ghosts.
-        selection: what of it a recording of its own would show, mounts in the run's colour.
+        color: of its lines, mounts and ghosts among several runs.
+        selection: what a recording of its own shows; among several runs mounts have the run's colour.
         frames: of its bodies.
     """
 
     color: Color
     selection: Selection
     frames: dict[str, Frame]
+
+    @property
+    def root(self) -> str:
+        """Entity below which its scene and its samples stand."""
+        return root_of(self.name)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Last part of its own entities in what all runs share: none if it is alone."""
+        return (self.name,) if self.name else ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,22 +55,22 @@ class Overlay(Comparison):
 
     Attributes:
         runs: as they are drawn.
-        shared: mounts that two of them or more have, those shown in `ranked`, `shares` the largest of any run.
+        shared: mounts that two of them or more have, those shown in `ranked`, `utilisations` the largest of any run.
     """
 
-    runs: tuple[OverlaidRun, ...]
+    runs: tuple[DrawnRun, ...]
     shared: Selection
 
-    def having(self, subject: Subject) -> list[OverlaidRun]:
+    def having(self, subject: Subject) -> list[DrawnRun]:
         """Return the runs that have a component, or a mount of that name."""
         return [run for run in self.runs if subject in subjects_of(run.response)]
 
-    def of_run(self, run: OverlaidRun) -> Selection:
-        """Return the shared mounts that a run has."""
-        ranked = {
-            axis: tuple(n for n in names if n in run.selection.mounts) for axis, names in self.shared.ranked.items()
-        }
-        return replace(self.shared, ranked=ranked)
+
+def run_alone(response: Response) -> DrawnRun:
+    """Return a run that has a recording of its own."""
+    return DrawnRun(
+        name="", response=response, moved=0.0, color=ARROW, selection=select(response), frames=frames_of(response)
+    )
 
 
 def overlay_of(responses: Mapping[str, Response], align: Align) -> Overlay:
@@ -76,33 +87,33 @@ def overlay_of(responses: Mapping[str, Response], align: Align) -> Overlay:
     return Overlay(**vars(comparison) | {"runs": runs, "shared": _shared(runs, comparison.mounts)})
 
 
-def _overlaid(run: ComparedRun, color: Color) -> OverlaidRun:
+def _overlaid(run: ComparedRun, color: Color) -> DrawnRun:
     selection = select(run.response)
     selection = replace(selection, colors=dict.fromkeys(selection.mounts, color))
-    return OverlaidRun(**vars(run), color=color, selection=selection, frames=frames_of(run.response))
+    return DrawnRun(**vars(run), color=color, selection=selection, frames=frames_of(run.response))
 
 
-def _shared(runs: tuple[OverlaidRun, ...], mounts: tuple[str, ...]) -> Selection:
+def _shared(runs: tuple[DrawnRun, ...], mounts: tuple[str, ...]) -> Selection:
     """Return mounts of several runs as a selection: the worst of any run first."""
-    shares = np.full((len(mounts), 3), np.nan)
+    utilisations = np.full((len(mounts), 3), np.nan)
     travel = np.zeros((len(mounts), 3))
     acting = np.zeros((len(mounts), 3), dtype=bool)
     for row, name in enumerate(mounts):
         for run in runs:
             if name in run.selection.mounts:
                 own, peak = run.selection, run.response.peaks.mounts[name].deflection
-                shares[row] = np.fmax(shares[row], own.shares[own.mounts.index(name)])
+                utilisations[row] = np.fmax(utilisations[row], own.utilisations[own.mounts.index(name)])
                 travel[row] = np.maximum(travel[row], peak.maximum - peak.minimum)
                 acting[row] |= [name in own.ranked[axis] for axis in AXES]
     ranked = {}
     for number, axis in enumerate(AXES):
-        order = np.lexsort([-travel[:, number], -np.nan_to_num(shares[:, number])])
+        order = np.lexsort([-travel[:, number], -np.nan_to_num(utilisations[:, number])])
         ranked[axis] = tuple(mounts[row] for row in order if acting[row, number])[:MOST_MOUNTS]
     starts, ends = zip(*(run.selection.window for run in runs), strict=True)
     return replace(
         runs[0].selection,
         window=(min(starts), max(ends)),
-        shares=shares,
+        utilisations=utilisations,
         mounts=mounts,
         ranked=ranked,
         bodies=(),
