@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from wirerope_mj.dynamics.periodic.options import check_steps
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.simulation.stability import eigenvalues
 from wirerope_mj.engine.system import System
@@ -84,10 +85,7 @@ class ResponseOptions:
                 "`smoothing` and `periods` belong to the continuation: a sweep has neither. Leave them out."
             )
         largest, smallest = positive("largest_step", self.largest_step), positive("smallest_step", self.smallest_step)
-        if not smallest < largest < 1.0:
-            raise ValueError(
-                f"`smallest_step` must be below `largest_step`, and that below 1, got {smallest:g} and {largest:g}."
-            )
+        check_steps(smallest, largest)
         return ResponseOptions(
             accelerations=tuple(sorted(levels)), method=self.method, direction=direction,
             payload=_payload(system, self.payload), response_direction=along, start=start, stop=stop,
