@@ -67,12 +67,12 @@ def test_the_file_is_whole_and_small(recording):
 def test_each_level_stands_on_its_curve_at_its_frequency(chunks, findings):
     for number, strip in enumerate(strips_of(findings)):
         path = f"/response/data/here/level_{number + 1}"
-        point, frequency, time, places = rows_of(chunks, path, "Points2D:positions")
+        point, frequency, time, positions = rows_of(chunks, path, "Points2D:positions")
         np.testing.assert_array_equal(point, np.arange(MOST_POINTS))
         np.testing.assert_array_equal(frequency, np.round(1e3 * strip.frequency))
         assert (np.diff(time) > 0).all()
-        drawn = places.flatten().flatten().to_numpy().reshape(-1, 2)
-        # Places are kept as float32: 1e-6 of a decade.
+        drawn = positions.flatten().flatten().to_numpy().reshape(-1, 2)
+        # Positions are kept as float32: 1e-6 of a decade.
         np.testing.assert_allclose(drawn, np.log10(np.column_stack([strip.frequency, strip.amplitude])), atol=1e-6)
 
 
@@ -87,9 +87,9 @@ def test_the_points_go_once_along_the_branch_and_hold_its_highest(findings):
 def test_loops_are_those_of_the_motions(chunks, findings):
     strip = strips_of(findings)[0]
     *_, loops = rows_of(chunks, "/loops/axial/m1/data/level_1", "LineStrips2D:strips")
-    for place in (0, 30, MOST_POINTS - 1):
-        mount = strip.orbits[place].response.mounts["m1"]
-        drawn = loops[place].values.flatten().flatten().to_numpy().reshape(-1, 2)
+    for index in (0, 30, MOST_POINTS - 1):
+        mount = strip.orbits[index].response.mounts["m1"]
+        drawn = loops[index].values.flatten().flatten().to_numpy().reshape(-1, 2)
         np.testing.assert_allclose(drawn[:, 0], 1e3 * mount.deflection[:, 2], atol=1e-6)
         np.testing.assert_allclose(drawn[:, 1], 1e-3 * mount.force[:, 2], atol=1e-6)
 
@@ -125,13 +125,13 @@ def test_motions_are_drawn_larger_about_their_mean_and_mounts_still_reach_the_bo
     np.testing.assert_array_equal(large.mounts["m1"].force, response.mounts["m1"].force)
 
 
-def test_words_say_amplitude_stability_and_multipliers(chunks, animation):
+def test_the_text_says_amplitude_stability_and_multipliers(chunks, animation):
     *_, texts = rows_of(chunks, "/motion", "TextDocument:text")
-    words = texts[30][0].as_py()
-    assert "5 m/s²: stable" in words
-    assert f"Amplitude **{animation.strip.amplitude[30]:.4g} m/s²**" in words
-    assert "Floquet multiplier" in words
-    assert "Mount m1, axial:" in words
+    text = texts[30][0].as_py()
+    assert "5 m/s²: stable" in text
+    assert f"Amplitude **{animation.strip.amplitude[30]:.4g} m/s²**" in text
+    assert "Floquet multiplier" in text
+    assert "Mount m1, axial:" in text
     *_, labels = rows_of(chunks, "/response/data/here/level_1", "Points2D:labels")
     assert labels[30][0].as_py().startswith("2 m/s²: ")
 

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.views.recording.camera import whole_scene
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.events import lane_paths
-from wirerope_mj.views.recording.histories import DIRECTIONS, TOTAL, UNITS, Graphs
+from wirerope_mj.views.recording.graphs import Graphs
+from wirerope_mj.views.recording.histories import DIRECTIONS, TOTAL, UNITS
 from wirerope_mj.views.recording.loops import LoopPlot, grid_shape
 from wirerope_mj.views.recording.mounts import BESIDE, close_up_of
 from wirerope_mj.views.recording.paths import entity
@@ -21,6 +21,7 @@ from wirerope_mj.views.recording.views import (
     scene_view,
     tabs_with,
     time_axis,
+    whole_scene_view,
 )
 
 
@@ -48,7 +49,7 @@ def _scenes(run: DrawnRun) -> Any:
     base = response.scene.base
     origin = frames[base].path if base in response.bodies else entity("world")
     everything = "+ " + entity("world") + "/**"
-    whole = scene_view(origin, [everything], f"{response.scene.name}, seen from the base", whole_scene(response))
+    whole = whole_scene_view(response, frames, f"{response.scene.name}, seen from the base")
     name = selection.governing
     if name is None:
         return whole

@@ -5,7 +5,7 @@ from typing import Any
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.along import POINT
 from wirerope_mj.views.recording.animation import Animation
-from wirerope_mj.views.recording.frame import HEIGHT
+from wirerope_mj.views.recording.frame import HEIGHT, fitting_width
 from wirerope_mj.views.recording.multipliers import PATH as MULTIPLIERS
 from wirerope_mj.views.recording.orbit_loops import SHAPE, loop_path, shown_loops
 from wirerope_mj.views.recording.orbit_text import ABOUT, MOTION
@@ -32,19 +32,11 @@ def loop_grid(loops: int) -> tuple[int, float]:
     """Return columns of the grid of loops, and the width of a frame that fills its cell."""
     columns = 1 if loops == 1 else 2
     rows = -(-loops // columns)
-    wide, high = PANE[0] / columns - 60.0, PANE[1] / rows - 62.0
-    return columns, HEIGHT * min(max(wide / high, 0.8), 3.0)
+    return columns, fitting_width(PANE, columns, rows)
 
 
 def branch_blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float) -> Any:
-    """Return the layout of the viewer.
-
-    Args:
-        scene: response from which the scene is drawn, its motions `factor` times as large.
-        animation: the motions that are played.
-        frames: frames of the bodies.
-        factor: of the motions in the scene.
-    """
+    """Return the layout of the viewer; `scene` is the response that is drawn, with motions `factor` times as large."""
     import rerun.blueprint as rrb
 
     texts = rrb.Tabs(
@@ -52,8 +44,10 @@ def branch_blueprint(scene: Response, animation: Animation, frames: dict[str, Fr
         rrb.TextDocumentView(origin=entity(ABOUT), name="Levels"),
     )
     multipliers = _plane(entity(MULTIPLIERS), f"Floquet multipliers at {animation.strip.level:.4g} m/s²", SQUARE)
+    larger = f", motion drawn {factor:g} times larger" if factor > 1.0 else ""
+    name = f"{scene.scene.name} at {animation.strip.level:.4g} m/s², seen from the base{larger}"
     left = rrb.Vertical(
-        _scene(scene, animation, frames, factor),
+        whole_scene_view(scene, frames, name, away=AWAY),
         rrb.Horizontal(texts, multipliers, column_shares=[1, 1]),
         row_shares=[1, 1],
     )
@@ -89,9 +83,3 @@ def _plane(origin: str, name: str, width: float) -> Any:
 
     bounds = rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-8.0, HEIGHT + 15.0])
     return rrb.Spatial2DView(origin=origin, name=name, visual_bounds=bounds)
-
-
-def _scene(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float) -> Any:
-    larger = f", motion drawn {factor:g} times larger" if factor > 1.0 else ""
-    name = f"{scene.scene.name} at {animation.strip.level:.4g} m/s², seen from the base{larger}"
-    return whole_scene_view(scene, frames, name, away=AWAY)

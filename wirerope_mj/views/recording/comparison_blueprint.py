@@ -3,20 +3,18 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import numpy as np
-
 from wirerope_mj.assessment.comparison import BASE
 from wirerope_mj.views.recording.camera import Camera, scene_extent, whole_scene
 from wirerope_mj.views.recording.comparison_text import PEAK_TEXTS, PEAKS, SUMMARY
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
-from wirerope_mj.views.recording.frame import HEIGHT
+from wirerope_mj.views.recording.frame import fitting_width
 from wirerope_mj.views.recording.ghosts import ROOT as GHOSTS
 from wirerope_mj.views.recording.ghosts import ghost_factor
+from wirerope_mj.views.recording.graphs import Graphs
 from wirerope_mj.views.recording.histories import (
     DIRECTIONS,
     TOTAL,
     UNITS,
-    Graphs,
     difference_key,
     differing,
     shown_parts,
@@ -39,11 +37,8 @@ Views = Callable[..., Any]
 
 def loop_widths(overlay: Overlay) -> dict[str, float]:
     """Return the width of a loop's frame for every axis, so that the loops of an axis fill their row."""
-    widths = {}
-    for axis in overlay.shared.axes:
-        wide, high = _TABS[0] / len(overlay.shared.shown(axis)) - 60.0, _TABS[1] - 62.0
-        widths[axis] = HEIGHT * float(np.clip(wide / high, 0.5, 3.0))
-    return widths
+    shared = overlay.shared
+    return {axis: fitting_width(_TABS, len(shared.shown(axis)), 1, least=0.5) for axis in shared.axes}
 
 
 def overlay_blueprint(overlay: Overlay, graphs: Graphs, plots: Sequence[LoopPlot], *, tab: str, scene: str) -> Any:

@@ -30,6 +30,13 @@ class Plot:
     upward: tuple[float, float]
     width: float
 
+    @classmethod
+    def around(cls, low: Array, high: Array, width: float) -> "Plot":
+        """Return a plot of the ranges between two corners (2,), and a little room."""
+        room = 0.06 * np.maximum(high - low, 1e-6)
+        low, high = low - room, high + room
+        return cls(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
+
     @property
     def scale(self) -> tuple[float, float]:
         """Units of the view per unit across and upward; the view's y points down."""
@@ -49,6 +56,12 @@ class Plot:
         return rr.Transform3D(translation=[*self.points(0.0, 0.0)[0], 0.0], scale=[sx, sy, 1.0])
 
 
+def fitting_width(pane: tuple[float, float], columns: int, rows: int, *, least: float = 0.8) -> float:
+    """Return the width of a plot's frame that fills its cell of a pane [points] as far as a width over height of 3."""
+    wide, high = pane[0] / columns - 60.0, pane[1] / rows - 62.0  # each view has a title, and ticks need room
+    return HEIGHT * min(max(wide / high, least), 3.0)
+
+
 def log_frame(
     rec: Any,
     path: str,
@@ -66,8 +79,8 @@ def log_frame(
         rec: recording stream.
         path: entity of the frame.
         plot: ranges.
-        across: where upright lines stand.
-        upward: where level lines stand.
+        across: positions of upright lines.
+        upward: positions of level lines.
         names: of these lines; None: the numbers themselves.
         marked: positions across of lines in a colour of their own.
         lift: by which the numbers beside the frame are raised to stand at their lines, in units of the view: the viewer hangs

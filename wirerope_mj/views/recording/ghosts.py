@@ -10,9 +10,9 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.camera import scene_extent, whole_scene
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
 from wirerope_mj.views.recording.enlarge import round_down
-from wirerope_mj.views.recording.paths import Below, at, child, entity
+from wirerope_mj.views.recording.paths import Below, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, rotate
-from wirerope_mj.views.recording.scene import scene_rows
+from wirerope_mj.views.recording.scene import log_pose, scene_rows
 from wirerope_mj.views.recording.shapes import draw_geoms
 
 ROOT = "ghosts"
@@ -47,28 +47,14 @@ def log_ghosts(rec: Any, overlay: Overlay) -> None:
         below = Below(rec, entity(ROOT, run.name))
         _, extent = scene_extent(run.response.scene)
         rows = scene_rows(run.response, run.frames)
-        poses = {
-            frame.path: _grown(frame, *_modelled(run, body), factor) for body, frame in _riding(run) if not frame.fixed
-        }
-        for body in run.response.scene.bodies:
-            frame = run.frames[body.name]
-            if body.name == "world" or not (body.moves or body.name == run.response.scene.base):
-                continue
-            if body.name == run.response.scene.base:
-                geoms = repr(body.geoms)  # the same base would flicker through itself
-                if geoms not in drawn:
-                    draw_geoms(below, frame.path, body.geoms, extent)
-                    drawn.append(geoms)
-                continue
-            if frame.path in poses:
-                position, orientation = poses[frame.path]
-                columns = rr.Transform3D.columns(
-                    translation=position[rows], quaternion=np.roll(orientation[rows], -1, axis=1)
-                )
-                below.send_columns(frame.path, at(run.response.time[rows]), columns)
-            else:
-                turn = rr.Quaternion(xyzw=np.roll(frame.orientation[0], -1))
-                below.log(frame.path, rr.Transform3D(translation=frame.position[0], quaternion=turn), static=True)
+        base = next((body for body in run.response.scene.bodies if body.name == run.response.scene.base), None)
+        if base is not None and base.name != "world" and repr(base.geoms) not in drawn:
+            draw_geoms(below, run.frames[base.name].path, base.geoms, extent)
+            drawn.append(repr(base.geoms))  # the same base would flicker through itself
+        for body, frame in _riding(run):
+            pose = frame.position, frame.orientation
+            pose = pose if frame.fixed else _grown(frame, *_modelled(run, body), factor)
+            log_pose(below, frame.path, run.response.time, *pose, rows)
             draw_geoms(below, frame.path, _ghostly(body, run), extent)
         _log_name(below, run, number, extent)
 

@@ -5,7 +5,6 @@ for each run, and the differences to the first run besides.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,10 +14,9 @@ from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
-from wirerope_mj.views.recording.frame import Color
-from wirerope_mj.views.recording.paths import AXES, at, child, entity
+from wirerope_mj.views.recording.graphs import Graph, Graphs, Lines, Marker, thinned
+from wirerope_mj.views.recording.paths import AXES, entity
 from wirerope_mj.views.recording.selection import travel_limits
-from wirerope_mj.views.recording.thin import rows_of_line
 
 DIRECTIONS = ("x", "y", "z")
 TOTAL = "total"
@@ -38,48 +36,6 @@ _LATE = 10.0
 
 _BASE = (150, 156, 164)
 _LINES = ((255, 190, 60), (90, 200, 250), (255, 105, 130), (130, 220, 130), (200, 150, 255), (240, 160, 90))
-_PEAK = (255, 92, 92)
-_LIMIT = (230, 70, 70)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Marker:
-    """A peak that is marked in a graph: instant [s], value in the graph's unit, and text."""
-
-    time: float
-    value: float
-    text: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class Lines:
-    """Series (n_t, k) of one entity, thinned to what is drawn, and the peak of them.
-
-    `below` is the entity's path below the graph.
-    """
-
-    time: Array
-    values: Array
-    names: Sequence[str]
-    colors: Sequence[Color]
-    below: tuple[str, ...] = ()
-    width: float = 1.6
-    marker: Marker | None = None
-    marker_color: Color = _PEAK
-
-
-@dataclass(frozen=True, kw_only=True)
-class Graph:
-    """A plot over time; `limits` are rated travels [m] with their entities below the graph and their names."""
-
-    path: str
-    title: str
-    lines: Sequence[Lines]
-    limits: Sequence[tuple[tuple[str, ...], str, float]] = ()
-
-
-Graphs = dict[tuple[str, ...], Graph]
-"""Graphs by what stands behind /histories in their paths."""
 
 
 def graphs_of_run(run: DrawnRun) -> Graphs:
@@ -96,7 +52,7 @@ def graphs_of_run(run: DrawnRun) -> Graphs:
         peaks = [_acceleration_marker(part.name, part.peak(response), direction) for part in parts[1:]]
         marker = max(peaks, key=lambda peak: abs(peak.value), default=None)
         drawn = _along(values, direction)
-        lines = _thinned(response.time, drawn, _FINE * top, names=names, colors=colors, marker=marker)
+        lines = thinned(response.time, drawn, _FINE * top, names=names, colors=colors, marker=marker)
         title = f"Acceleration {_label(direction)} [g]" + (f": {marker.text}" if marker else "")
         _add(graphs, ("acceleration", direction), title, [lines])
     for axis in selection.axes:
@@ -114,7 +70,7 @@ def _add_mounts(graphs: Graphs, run: DrawnRun, quantity: str, axis: str) -> None
     marker = max(peaks, key=lambda peak: abs(peak.value))
     names, colors = [f"{name} [{unit}]" for name in shown], [selection.colors[name] for name in shown]
     tolerance = _FINE * max(float(np.ptp(values)), 1e-9)
-    lines = _thinned(response.time, values, tolerance, names=names, colors=colors, marker=marker)
+    lines = thinned(response.time, values, tolerance, names=names, colors=colors, marker=marker)
     limits = []
     if quantity == "deflection":  # the rated travel of the mount that uses most of it
         near = _near_limits(response, shown[0], axis)
@@ -180,7 +136,7 @@ def _add_difference(graphs: Graphs, overlay: Overlay, subject: Component | str) 
             marker = _peak_marker(name, float(time[row]), float(distance[row]) / unit, unit_name)
             tolerance = _FINE * max(float(np.ptp(distance)) / unit, 1e-9)
             look = {"names": [marker.text], "colors": [run.color], "marker": marker, "marker_color": run.color}
-            lines.append(_thinned(time, distance / unit, tolerance, below=(run.name,), **look))
+            lines.append(thinned(time, distance / unit, tolerance, below=(run.name,), **look))
     if isinstance(subject, str):
         title = f"{subject}: |deflection - that of {first.name}| [mm]"
     else:
@@ -202,7 +158,7 @@ def _runs(runs: Sequence[DrawnRun], values: Sequence[Array], markers: Sequence[M
     step = min(1.2, 2.4 / max(len(runs) - 1, 1))
     order = sorted(range(len(runs)), key=lambda index: swings[index], reverse=True)
     return [
-        _thinned(
+        thinned(
             runs[index].response.time,
             values[index],
             _FINE * max(swings),
@@ -215,13 +171,6 @@ def _runs(runs: Sequence[DrawnRun], values: Sequence[Array], markers: Sequence[M
         )
         for rank, index in enumerate(order)
     ]
-
-
-def _thinned(time: Array, values: Array, tolerance: float, **look: Any) -> Lines:
-    """Return series (n_t, k) or one (n_t,) as lines that stay within `tolerance` of every value."""
-    columns = values.reshape(time.size, -1)
-    rows = rows_of_line(time, columns, tolerance)
-    return Lines(time=time[rows], values=np.ascontiguousarray(columns[rows]), **look)
 
 
 def _along(acceleration: Array, direction: str) -> Array:
@@ -280,33 +229,3 @@ def _near_limits(response: Response, mount: str, axis: str) -> dict[str, float]:
     entry = next(entry for entry in response.scene.mounts if entry.name == mount)
     sides = zip(("lowest", "highest"), travel_limits(entry, axis), (peak.minimum, peak.maximum), strict=True)
     return {side: limit for side, limit, reached in sides if reached[number] / limit >= _SHOWN_LIMIT}  # NaN: unrated
-
-
-def log_histories(rec: Any, graphs: Graphs, runs: Sequence[DrawnRun]) -> None:
-    """Log lines, peaks and rated travels of all graphs."""
-    import rerun as rr
-
-    ends = [min(run.response.time[0] for run in runs), max(run.response.time[-1] for run in runs)]
-    for graph in graphs.values():
-        for lines in graph.lines:
-            _log_lines(rec, child(graph.path, *lines.below), lines)
-        for below, name, limit in graph.limits:
-            path, level = child(graph.path, *below), in_unit(limit, "mm")
-            rec.log(path, rr.SeriesLines(names=f"{name} {level:.1f} mm", colors=_LIMIT, widths=1.0), static=True)
-            rec.send_columns(path, at(ends), rr.Scalars.columns(scalars=np.full(2, level)))
-
-
-def _log_lines(rec: Any, path: str, lines: Lines) -> None:
-    import rerun as rr
-
-    # The viewer averages what falls into one pixel unless it is told to keep the extremes: a sweep would vanish.
-    many = len(lines.names)
-    look = rr.SeriesLines(
-        names=lines.names, colors=lines.colors, widths=[lines.width] * many, aggregation_policy=["MinMax"] * many
-    )
-    rec.log(path, look, static=True)
-    rec.send_columns(path, at(lines.time), rr.Scalars.columns(scalars=lines.values))
-    if lines.marker is not None:
-        spot = rr.SeriesPoints(names=lines.marker.text, markers="Diamond", marker_sizes=7.0, colors=lines.marker_color)
-        rec.log(child(path, "peak"), spot, static=True)
-        rec.send_columns(child(path, "peak"), at(lines.marker.time), rr.Scalars.columns(scalars=[lines.marker.value]))

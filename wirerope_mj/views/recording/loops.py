@@ -1,18 +1,19 @@
 """Force-deflection loops: a frame with ticks, the whole loop dimly, the trail up to the time cursor, and the cursor."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.histories import MountResponse
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
-from wirerope_mj.views.recording.frame import HEIGHT, LARGE, Color, Plot, log_frame
+from wirerope_mj.views.recording.frame import LARGE, Color, Plot, fitting_width, log_frame
 from wirerope_mj.views.recording.paths import AXES, Rows, at, child, entity
 from wirerope_mj.views.recording.selection import Selection, travel_limits
 from wirerope_mj.views.recording.thin import MOST_ROWS, rows_of_extremes, rows_of_line, rows_of_steps
@@ -94,9 +95,7 @@ def grid_shape(plots: int) -> tuple[int, int]:
 def frame_width(plots: int) -> float:
     """Return the width of a plot's frame so that it fills its cell of the grid."""
     columns, rows = grid_shape(plots)
-    # The tabs' pane is about 1040 x 780 points on a full-HD screen; each view has a title, and ticks need room.
-    wide, high = 1040 / columns - 60, 780 / rows - 62
-    return HEIGHT * float(np.clip(wide / high, 0.8, 3.0))
+    return fitting_width((1040.0, 780.0), columns, rows)  # about the pane of the tabs on a full-HD screen
 
 
 def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
@@ -107,25 +106,15 @@ def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
         shown = selection.shown(axis)
         for name in selection.ranked[axis]:
             mount = response.mounts[name]
-            values = np.column_stack(
-                [in_unit(mount.deflection[:, number], "mm"), in_unit(mount.force[:, number], "kN")]
-            )
+            values = loop_points(mount, number)
             line = rows_of_line(response.time, values, _tolerance(values, _FINE), limit=response.time.size)
             outline = line[rows_of_extremes(values[line], MOST_TRAIL_ROWS)]
-            if name not in shown:
-                loops.append(DrawnLoop(axis=axis, mount=name, outline=values[outline]))
-                continue
-            rows = _trail_rows(response.time, values, line)
-            loops.append(
-                DrawnLoop(
-                    axis=axis,
-                    mount=name,
-                    outline=values[outline],
-                    plot=_plot(values, mounts[name], axis, frame_width(len(shown))),
-                    time=response.time[rows],
-                    points=values[rows],
-                )
-            )
+            loop = DrawnLoop(axis=axis, mount=name, outline=values[outline])
+            if name in shown:
+                rows = _trail_rows(response.time, values, line)
+                plot = _plot(values, mounts[name], axis, frame_width(len(shown)))
+                loop = replace(loop, plot=plot, time=response.time[rows], points=values[rows])
+            loops.append(loop)
     return loops
 
 
@@ -183,6 +172,11 @@ def log_loops(rec: Any, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: Sequ
             _log_trail(rec, path, loop, color, cursor=_CURSOR if alone else color, order=order)
 
 
+def loop_points(mount: MountResponse, axis: int) -> Array:
+    """Return deflection and force of a mount along an axis [mm, kN], (n_t, 2)."""
+    return np.column_stack([in_unit(mount.deflection[:, axis], "mm"), in_unit(mount.force[:, axis], "kN")])
+
+
 def _trail_rows(time: Array, values: Array, line: Rows) -> Rows:
     """Return the rows of trail and cursor.
 
@@ -209,10 +203,7 @@ def _plot(loop: Array, mount: SceneMount, axis: str, width: float) -> Plot:
             near = low[0] if limit < 0.0 else high[0]
             if near / in_unit(limit, "mm") > 0.5:
                 low[0], high[0] = min(low[0], in_unit(limit, "mm")), max(high[0], in_unit(limit, "mm"))
-    low, high = np.minimum(low, 0.0), np.maximum(high, 0.0)
-    room = 0.06 * np.maximum(high - low, 1e-6)
-    low, high = low - room, high + room
-    return Plot(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
+    return Plot.around(np.minimum(low, 0.0), np.maximum(high, 0.0), width)
 
 
 def _log_loop_frame(rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount], axis: str, *, lift: float) -> None:

@@ -12,7 +12,7 @@ from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent
 from wirerope_mj.views.recording.paths import AXIAL, Rows, at, child
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, quaternion_of, rotate
 from wirerope_mj.views.recording.selection import Selection
-from wirerope_mj.views.recording.shapes import block, coil
+from wirerope_mj.views.recording.shapes import block, coil, drawn_size, quaternion
 
 _STEEL = (176, 184, 194)
 _RUBBER = (64, 66, 72)
@@ -37,11 +37,10 @@ class Device:
 
 
 def devices_of(response: Response, extent: float) -> list[Device]:
-    """Return the mounts with their sizes; where the model knows none, a size that suits a scene of `extent` [m]."""
+    """Return the mounts as they are drawn in a scene of `extent` [m]."""
     devices = []
     for mount in response.scene.isolating:
-        height = mount.height if np.isfinite(mount.height) else float(np.clip(0.03 * extent, 0.01, 0.1))
-        width = mount.width if np.isfinite(mount.width) else 1.1 * height
+        height, width = drawn_size(mount, extent)
         # Every wire rope carries along its axis; what does not is a rubber block that acts sideways only.
         rope = bool(response.mounts[mount.name].force[:, AXIAL].any())
         devices.append(Device(mount=mount, height=height, width=width, rope=rope))
@@ -58,16 +57,7 @@ def close_up_of(response: Response, mount: str) -> Camera:
 def log_mounts(
     rec: Any, response: Response, selection: Selection, frames: dict[str, Frame], rows: Rows, *, extent: float
 ) -> None:
-    """Log bars, ropes, labels and forces of all mounts.
-
-    Args:
-        rec: recording stream.
-        response: the response.
-        selection: which mounts get a label.
-        frames: frames of the bodies.
-        rows: rows of the response that are drawn.
-        extent: size of the scene [m].
-    """
+    """Log bars, ropes, labels and forces of all mounts at some rows of the response, in a scene of `extent` [m]."""
     devices = devices_of(response, extent)
     _log_bars(rec, response, selection, frames, devices)
     few = len(devices) <= _MOST_LABELS or not selection.axes
@@ -133,7 +123,7 @@ def _log_bars(
             bars.setdefault(body, []).append(bar)
     for body, parts in bars.items():
         centers, turns, halves, colors = zip(*parts, strict=True)
-        quaternions = [rr.Quaternion(xyzw=np.roll(turn, -1)) for turn in turns]
+        quaternions = [quaternion(turn) for turn in turns]
         boxes = rr.Boxes3D(
             half_sizes=halves, centers=centers, quaternions=quaternions, colors=colors, fill_mode="Solid"
         )

@@ -7,10 +7,10 @@ import numpy as np
 from wirerope_mj.dynamics.frequency_response.samples import busiest_loops
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
-from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.along import along_branch, at_points
 from wirerope_mj.views.recording.animation import Animation, Strip
 from wirerope_mj.views.recording.frame import LARGE, Plot, log_frame
+from wirerope_mj.views.recording.loops import loop_points
 from wirerope_mj.views.recording.paths import AXES, at, child, entity
 from wirerope_mj.views.recording.response_curve import level_color
 
@@ -36,15 +36,7 @@ def loop_path(mount: str, axis: int) -> str:
 
 
 def log_orbit_loops(rec: Any, animation: Animation, strips: list[Strip], *, width: float, shape_width: float) -> None:
-    """Log the loops that take most energy, all levels in one frame, and the shape of the first.
-
-    Args:
-        rec: recording stream.
-        animation: motions of the level that is played.
-        strips: motions of all levels.
-        width: of a loop's frame.
-        shape_width: of the frame of the shape.
-    """
+    """Log the loops that take most energy, all levels in one frame each, and the shape of the first."""
     shown = shown_loops(animation)
     few = len(shown) <= 2
     lift, most = (LARGE, 6) if few else (2.0 * LARGE, 4)  # of small frames numbers would touch
@@ -61,7 +53,7 @@ def log_orbit_loops(rec: Any, animation: Animation, strips: list[Strip], *, widt
             lift=lift,
         )
         _log(rec, child(path, "data"), plot, animation, strips, loops)
-        _log_cursor(rec, child(path, "data", "cursor"), animation, _points(animation.response.mounts[mount], axis))
+        _log_cursor(rec, child(path, "data", "cursor"), animation, loop_points(animation.response.mounts[mount], axis))
     loops = [[_filled(loop) for loop in _loops(strip, *shown[0])] for strip in strips]
     plot = Plot(across=(-1.12, 1.12), upward=(-1.12, 1.12), width=shape_width)
     log_frame(rec, entity(SHAPE), plot, across=_SHAPE_TICKS, upward=_SHAPE_TICKS, lift=LARGE)
@@ -70,11 +62,7 @@ def log_orbit_loops(rec: Any, animation: Animation, strips: list[Strip], *, widt
 
 def _loops(strip: Strip, mount: str, axis: int) -> list[Array]:
     """Return the loops of a mount at every motion of a level [mm, kN], (m, 2) each."""
-    return [_points(orbit.response.mounts[mount], axis) for orbit in strip.orbits]
-
-
-def _points(mount: Any, axis: int) -> Array:
-    return np.column_stack([in_unit(mount.deflection[:, axis], "mm"), in_unit(mount.force[:, axis], "kN")])
+    return [loop_points(orbit.response.mounts[mount], axis) for orbit in strip.orbits]
 
 
 def _filled(loop: Array) -> Array:
@@ -86,9 +74,7 @@ def _filled(loop: Array) -> Array:
 def _plot(loops: list[Array], width: float) -> Plot:
     low = np.min([loop.min(axis=0) for loop in loops], axis=0)
     high = np.max([loop.max(axis=0) for loop in loops], axis=0)
-    room = 0.06 * np.maximum(high - low, 1e-6)
-    low, high = low - room, high + room
-    return Plot(across=(low[0], high[0]), upward=(low[1], high[1]), width=width)
+    return Plot.around(low, high, width)
 
 
 def _log(rec: Any, path: str, plot: Plot, animation: Animation, strips: list[Strip], loops: list[list[Array]]) -> None:
@@ -99,7 +85,7 @@ def _log(rec: Any, path: str, plot: Plot, animation: Animation, strips: list[Str
     for strip, rows in zip(strips, loops, strict=True):
         below = child(path, f"level_{strip.number + 1}")
         stable = strip.branch.stable[strip.points]
-        radii = [rr.Radius.ui_points(1.5 if good else 0.7) for good in stable]
+        radii = [rr.Radius.uiloop_points(1.5 if good else 0.7) for good in stable]
         rec.log(below, rr.LineStrips2D.from_fields(colors=level_color(strip.number)), static=True)
         columns = rr.LineStrips2D.columns(strips=[loop.astype(np.float32) for loop in rows], radii=radii)
         rec.send_columns(below, at_points(animation, strip), columns)
@@ -109,6 +95,6 @@ def _log_cursor(rec: Any, path: str, animation: Animation, points: Array) -> Non
     """Log deflection and force of the mount at every instant of the animation."""
     import rerun as rr
 
-    look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
+    look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.uiloop_points(4.5), draw_order=50.0)
     rec.log(path, look, static=True)
     along_branch(rec, animation).send_columns(path, at(animation.response.time), rr.Points2D.columns(positions=points))

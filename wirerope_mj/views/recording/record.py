@@ -30,7 +30,8 @@ from wirerope_mj.views.recording.documents import texts_of
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay, overlay_of, run_alone
 from wirerope_mj.views.recording.events import log_events
 from wirerope_mj.views.recording.ghosts import log_ghosts
-from wirerope_mj.views.recording.histories import Graphs, graphs_of_overlay, graphs_of_run, log_histories
+from wirerope_mj.views.recording.graphs import Graphs, log_graphs
+from wirerope_mj.views.recording.histories import graphs_of_overlay, graphs_of_run
 from wirerope_mj.views.recording.loops import drawn_loops, frame_width, log_loops, loop_plots
 from wirerope_mj.views.recording.paths import Below
 from wirerope_mj.views.recording.scene import log_scene
@@ -136,4 +137,5 @@ def _write(
         log_events(rec, run)
         log_scene(Below(rec, run.root), run.response, run.selection, run.frames, arrow=run.color)
         log_state(Below(rec, run.root), run.response)
-    log_histories(rec, graphs, runs)
+    times = [run.response.time for run in runs]
+    log_graphs(rec, graphs, (min(time[0] for time in times), max(time[-1] for time in times)))

@@ -5,13 +5,14 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.camera import reach, scene_extent
 from wirerope_mj.views.recording.mounts import log_mounts
 from wirerope_mj.views.recording.paths import Rows, at, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, rotate
 from wirerope_mj.views.recording.selection import Selection
-from wirerope_mj.views.recording.shapes import draw_geoms
+from wirerope_mj.views.recording.shapes import draw_geoms, quaternion
 from wirerope_mj.views.recording.stops import log_stops
 from wirerope_mj.views.recording.thin import rows_of_steps
 
@@ -39,7 +40,8 @@ def log_scene(
     for body in response.scene.bodies:
         frame = frames[body.name]
         if body.name != "world":
-            _log_pose(rec, response, frame, _base_rows(response) if body.name == response.scene.base else rows)
+            own = _base_rows(response) if body.name == response.scene.base else rows
+            log_pose(rec, frame.path, response.time, frame.position, frame.orientation, own)
         draw_geoms(rec, frame.path, body.geoms, extent)
     if response.scene.mounts:
         log_mounts(rec, response, selection, frames, rows, extent=extent)
@@ -65,17 +67,15 @@ def _base_rows(response: Response) -> Rows:
     return rows_of_steps(response.time, moved, _STILL * float(np.ptp(moved, axis=0).max()))
 
 
-def _log_pose(rec: Any, response: Response, frame: Frame, rows: Rows) -> None:
+def log_pose(rec: Any, path: str, time: Array, position: Array, orientation: Array, rows: Rows) -> None:
+    """Log a pose at some rows, or once if it has one row: position (n_t, 3), quaternion (n_t, 4), w first."""
     import rerun as rr
 
-    if frame.fixed:
-        turn = rr.Quaternion(xyzw=np.roll(frame.orientation[0], -1))
-        rec.log(frame.path, rr.Transform3D(translation=frame.position[0], quaternion=turn), static=True)
-        return
-    poses = rr.Transform3D.columns(
-        translation=frame.position[rows], quaternion=np.roll(frame.orientation[rows], -1, axis=1)
-    )
-    rec.send_columns(frame.path, at(response.time[rows]), poses)
+    if len(position) == 1:
+        rec.log(path, rr.Transform3D(translation=position[0], quaternion=quaternion(orientation[0])), static=True)
+    else:
+        poses = rr.Transform3D.columns(translation=position[rows], quaternion=np.roll(orientation[rows], -1, axis=1))
+        rec.send_columns(path, at(time[rows]), poses)
 
 
 def _log_base_acceleration(

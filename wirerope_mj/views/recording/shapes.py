@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.engine.response.scene import Geom
+from wirerope_mj.engine.response.scene import Geom, SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.paths import child
 from wirerope_mj.views.recording.poses import rotate
@@ -21,11 +21,7 @@ _LENGTH = 1.9  # length of the bars over the width
 def draw_geoms(rec: Any, path: str, geoms: Sequence[Geom], extent: float) -> None:
     """Log the geoms of a body: those of one shape together, because every entity costs two kilobytes; meshes alone.
 
-    Args:
-        rec: recording stream.
-        path: entity of the body.
-        geoms: shapes, positioned from the body's centre of mass in body axes.
-        extent: size of the scene [m], for planes without an end.
+    They stand in the body's axes about its centre of mass; `extent` [m] of the scene is for planes without an end.
     """
     for shape in dict.fromkeys(geom.shape for geom in geoms):
         same = [geom for geom in geoms if geom.shape == shape]
@@ -37,13 +33,26 @@ def draw_geoms(rec: Any, path: str, geoms: Sequence[Geom], extent: float) -> Non
             rec.log(child(path, "geoms", shape), _solids(shape, same), static=True)
 
 
+def quaternion(orientation: Array) -> Any:
+    """Return a quaternion (4,), w first, as one of rerun."""
+    import rerun as rr
+
+    return rr.Quaternion(xyzw=np.roll(orientation, -1))
+
+
+def drawn_size(mount: SceneMount, extent: float) -> tuple[float, float]:
+    """Return height and width [m] of a mount; where the model knows none, those that suit a scene of `extent` [m]."""
+    height = mount.height if np.isfinite(mount.height) else float(np.clip(0.03 * extent, 0.01, 0.1))
+    return height, mount.width if np.isfinite(mount.width) else 1.1 * height
+
+
 def _solids(shape: str, geoms: list[Geom]) -> Any:
     import rerun as rr
 
     sizes = np.array([geom.size for geom in geoms])
     centers = np.array([geom.position for geom in geoms])
     common = {
-        "quaternions": [rr.Quaternion(xyzw=np.roll(geom.orientation, -1)) for geom in geoms],
+        "quaternions": [quaternion(geom.orientation) for geom in geoms],
         "colors": [rgba8(geom.rgba) for geom in geoms],
         "labels": [geom.name for geom in geoms],
         "show_labels": False,

@@ -9,6 +9,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Scene, SceneMount
 from wirerope_mj.views.recording.paths import Rows, at, child
 from wirerope_mj.views.recording.poses import Frame, quaternion_of
+from wirerope_mj.views.recording.shapes import drawn_size, quaternion
 
 OPEN, CLOSED = (150, 158, 168), (240, 96, 30)
 
@@ -42,9 +43,8 @@ def log_stops(rec: Any, response: Response, frames: dict[str, Frame], *, extent:
         radius = _ball(scene, stop)
         shape = rr.Cylinders3D if radius is None else rr.Ellipsoids3D
         if radius is None:
-            height = stop.height if np.isfinite(stop.height) else float(np.clip(0.03 * extent, 0.01, 0.1))
-            width = stop.width if np.isfinite(stop.width) else 1.1 * height
-            turn = rr.Quaternion(xyzw=np.roll(quaternion_of(stop.axes), -1))
+            height, width = drawn_size(stop, extent)
+            turn = quaternion(quaternion_of(stop.axes))
             size = {"lengths": [height], "radii": [0.5 * width], "quaternions": [turn]}
         else:
             size = {"half_sizes": [[_COVER * radius] * 3]}

@@ -17,13 +17,9 @@ _PART = 128 * _LONGEST
 
 
 def rows_of_line(time: Array, values: Array, tolerance: Array | float, *, limit: int = MOST_ROWS) -> Rows:
-    """Return the rows of a polyline that stays within `tolerance` of every value.
+    """Return the rows of a polyline that stays within `tolerance`, (k,) or one for all, of every value, (n_t, k).
 
-    Args:
-        time: instants [s], (n_t,).
-        values: series, (n_t, k).
-        tolerance: allowed deviation of each series, (k,) or one for all.
-        limit: most rows; where more are needed, the extremes of every interval are kept, and the tolerance is not.
+    Where more than `limit` rows are needed, the extremes of every interval are kept, and the tolerance is not.
     """
     rows = _needed(time, values, tolerance, hold=False)
     return rows[rows_of_extremes(values[rows], limit)]

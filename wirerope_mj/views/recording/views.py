@@ -6,7 +6,7 @@ from typing import Any
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.camera import Camera, whole_scene
 from wirerope_mj.views.recording.frame import HEIGHT
-from wirerope_mj.views.recording.histories import Graph
+from wirerope_mj.views.recording.graphs import Graph
 from wirerope_mj.views.recording.paths import TIMELINE, entity
 from wirerope_mj.views.recording.poses import Frame
 
@@ -110,13 +110,9 @@ def time_axis(window: tuple[float, float]) -> Any:
 
 
 def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, float | None]) -> Any:
-    """Return a view of the plot of a loop.
+    """Return a view of the plot of a loop, whose frame has this width.
 
-    Args:
-        origin: entity of the plot.
-        name: of the view.
-        width: of the plot's frame.
-        trails: entities of the trails, and how long each reaches behind the cursor [s]; None for the whole past.
+    `trails` are entities, and how long each reaches behind the cursor [s]; None for the whole past.
     """
     import rerun.blueprint as rrb
 
