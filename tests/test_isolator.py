@@ -109,7 +109,7 @@ def test_rated_travel_is_given_below_and_above_zero():
     assert isolator.rated_travel("axial") == (0.04, None)
     assert isolator.rated_travel("shear") == (0.03, 0.03)
     assert isolator.rated_travel("roll") == (None, None)
-    with pytest.raises(ValueError, match="`axis` must be one of roll, shear, axial"):
+    with pytest.raises(ValueError, match="`axis` must be one of 'roll', 'shear', 'axial'"):
         isolator.rated_travel("z")
 
 

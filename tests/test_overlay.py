@@ -301,7 +301,7 @@ def test_long_inputs_stand_below_the_table_which_breaks_no_line(floor):
     [
         ({"responses": ["A"]}, "`responses` must be two to 8, got 1"),
         ({"responses": list("ABCDEFGHI")}, "`responses` must be two to 8, got 9"),
-        ({"align": "end"}, "`align` must be start or shock, got 'end'"),
+        ({"align": "end"}, "`align` must be one of 'start', 'shock', got 'end'"),
         ({"tab": "Loops"}, "`tab` must be one of Overview, Accelerations, Mounts, .*Peaks, got 'Loops'"),
         ({"scene": "Top"}, "`scene` must be one of Side by side, Ghosts, Worst mount, got 'Top'"),
     ],

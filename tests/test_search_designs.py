@@ -15,6 +15,7 @@ import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.studies.engines.compute import Chunk, compute
 from wirerope_mj.studies.search import run as search_run
+from wirerope_mj.studies.search import search as search_search
 from wirerope_mj.studies.search.evolution import Evolution
 from wirerope_mj.studies.search.front import feasible, front, nearest, violations
 
@@ -153,10 +154,10 @@ def test_a_search_that_was_killed_ends_with_the_same_bytes(found, tmp_path):
 
 def test_parts_of_other_designs_are_not_believed(found, tmp_path, monkeypatch):
     """As after a process's death, whose chunk fails at first and later does not: what follows may be other designs."""
-    write = search_run.finish
-    monkeypatch.setattr(search_run, "finish", lambda *_: None)
+    write = search_search.finish
+    monkeypatch.setattr(search_search, "finish", lambda *_: None)
     beam_search().run(tmp_path / "out", workers=1)
-    monkeypatch.setattr(search_run, "finish", write)
+    monkeypatch.setattr(search_search, "finish", write)
     parts = sorted((tmp_path / "out" / "parts").glob("*.parquet"))
     parts[-1].write_bytes(parts[0].read_bytes())
     beam_search().run(tmp_path / "out", workers=1, resume=True)

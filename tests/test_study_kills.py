@@ -180,9 +180,9 @@ def test_a_study_killed_while_it_computes_again_what_had_died_loses_nothing(alon
         if last == "taken away":
             patch.setattr(local, "compute", killed)
         if last == "computed":
-            patch.setattr("wirerope_mj.studies.run.finish", killed)
+            patch.setattr("wirerope_mj.studies.study.finish", killed)
         if last == "joined":
-            patch.setattr("wirerope_mj.studies.run.summary", killed)
+            patch.setattr("wirerope_mj.studies.study.summary", killed)
         with pytest.raises(KeyboardInterrupt):
             table_study().run(folder, workers=1, resume=True)
     monkeypatch.setattr(local, "compute", compute)

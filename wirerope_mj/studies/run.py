@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import closing
-from functools import partial
 from pathlib import Path
 from time import perf_counter
 
@@ -12,11 +11,8 @@ from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine
 from wirerope_mj.studies.engines.local import run_local
-from wirerope_mj.studies.folder import TABLE, computed_alone, done, finish, prepare, write_part
-from wirerope_mj.studies.loading import read_result
-from wirerope_mj.studies.responses import KEPT, PEAKS, RESPONSES, most_together
-from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.summary_file import summary
+from wirerope_mj.studies.folder import done, write_part
+from wirerope_mj.studies.responses import PEAKS, RESPONSES, most_together
 
 CHUNK = 32
 """Variants of a chunk: enough that stepping them costs more than handing them over, few enough that a kill loses little."""
@@ -27,33 +23,7 @@ FEWEST_CHUNKS = 16
 ENGINES = ("local", "dask")
 
 
-def run_study(
-    study: StudyDefinition,
-    folder: Path,
-    *,
-    keep: str,
-    engine: str,
-    workers: int | None,
-    address: str | None,
-    resume: bool,
-    force: bool,
-    progress: bool,
-) -> StudyResult:
-    """Compute what is missing of a study and return its result; the arguments are those of `Study.run`."""
-    run = checked_engine(engine, workers=workers, address=address)
-    one_of("keep", keep, KEPT)
-    study.table()  # every variant is checked before anything is written
-    identity = prepare(study, folder, keep=keep, resume=resume, force=force)
-    with computed_alone(folder, identity):
-        if not (folder / TABLE).is_file():
-            _compute(study, folder, keep, partial(run, workers=workers, address=address), progress)
-        finish(
-            folder, math.ceil(study.size / chunk_size(study, keep)), lambda: summary(read_result(folder, type(study)))
-        )
-    return read_result(folder, type(study))
-
-
-def _compute(study: StudyDefinition, folder: Path, keep: str, run: Engine, progress: bool) -> None:
+def compute_missing(study: StudyDefinition, folder: Path, keep: str, run: Engine, progress: bool) -> None:
     """Write the parts that are missing as they are ready."""
     size = chunk_size(study, keep)
     missing = sorted(set(range(math.ceil(study.size / size))) - done(folder))

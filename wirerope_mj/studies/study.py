@@ -1,11 +1,17 @@
 """A study: its variants computed on all cores or on a cluster, into one table in a folder."""
 
+import math
+from functools import partial
 from pathlib import Path
 
+from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.studies.definition import StudyDefinition
+from wirerope_mj.studies.folder import TABLE, computed_alone, finish, prepare
 from wirerope_mj.studies.loading import read_result
+from wirerope_mj.studies.responses import KEPT
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.run import run_study
+from wirerope_mj.studies.results.summary_file import summary
+from wirerope_mj.studies.run import checked_engine, chunk_size, compute_missing
 
 
 class Study(StudyDefinition):
@@ -73,10 +79,17 @@ class Study(StudyDefinition):
             RecordError: the folder is not that of this study.
             SimulationError: the cluster cannot be reached.
         """
-        return run_study(
-            self, Path(folder), keep=keep, engine=engine, workers=workers, address=address, resume=resume, force=force,
-            progress=progress,
-        )  # fmt: skip
+        folder = Path(folder)
+        run = checked_engine(engine, workers=workers, address=address)
+        one_of("keep", keep, KEPT)
+        self.table()  # every variant is checked before anything is written
+        identity = prepare(self, folder, keep=keep, resume=resume, force=force)
+        with computed_alone(folder, identity):
+            if not (folder / TABLE).is_file():
+                compute_missing(self, folder, keep, partial(run, workers=workers, address=address), progress)
+            parts = math.ceil(self.size / chunk_size(self, keep))
+            finish(folder, parts, lambda: summary(read_result(folder, type(self))))
+        return read_result(folder, type(self))
 
 
 def load_study(folder: str | Path) -> StudyResult:

@@ -8,6 +8,7 @@ from wirerope_mj.assessment.comparison.compared import BASE, ComparedRun, Compon
 from wirerope_mj.assessment.comparison.histories import HistoryDifference, largest_differences
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.peaks import Peaks
+from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import RecordError
 
 Align = Literal["start", "shock"]
@@ -43,8 +44,7 @@ def compare_runs(responses: Mapping[str, Response], align: Align = "start") -> C
         ValueError: `align` is unknown.
         RecordError: they share nothing, or a run has no shock to align.
     """
-    if align not in get_args(Align):
-        raise ValueError(f"`align` must be start or shock, got {align!r}.")
+    one_of("align", align, get_args(Align))
     runs = tuple(_aligned(name, responses, align) for name in responses)
     subjects = {run.name: subjects_of(run.response) for run in runs}
     every = [subject for of_run in subjects.values() for subject in of_run]

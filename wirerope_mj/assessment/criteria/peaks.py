@@ -27,7 +27,6 @@ class MountPeak:
     """Peaks of a mount and the verdicts on its travel.
 
     Attributes:
-        name: of the mount.
         isolator: name of the device.
         minimum, maximum: extreme deflections along roll, shear, axial [m].
         force: extreme force along roll, shear, axial, with its sign [N].

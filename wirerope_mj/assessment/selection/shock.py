@@ -4,7 +4,7 @@ import math
 import re
 
 from wirerope_mj.assessment.selection.worksheet import WORKSHEET_GRAVITY, Shock
-from wirerope_mj.foundation.arguments import not_negative, positive
+from wirerope_mj.foundation.arguments import between, positive
 from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep
 
 _RISE = 0.1
@@ -26,8 +26,7 @@ def shock_of(pulse: Shock | None, velocity: float | None, drop: float | None, re
                 "`pulse` must be a half-sine, sawtooth, trapezoid or velocity step: the worksheet counts by velocity changes."
             )
         return pulse
-    if not_negative("rebound", rebound) > 1.0:
-        raise ValueError(f"`rebound` must lie between 0 and 1, got {rebound!r}.")
+    between("rebound", rebound, 0.0, 1.0)
     if drop is not None:
         velocity = (1.0 + rebound) * math.sqrt(2.0 * gravity * positive("drop", drop, unit="m"))
     elif rebound:

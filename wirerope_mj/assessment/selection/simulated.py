@@ -70,7 +70,6 @@ class SimulatedShock:
         deflection: largest deflection from the unloaded position along the shock [m], on the side where the part is rated.
         acceleration: peak of the payload [m/s^2].
         verdicts: rated travel (by `deflection`), room (by `travel`) and acceleration.
-        response: the run.
     """
 
     candidate: Candidate

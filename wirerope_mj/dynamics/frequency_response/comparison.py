@@ -41,7 +41,6 @@ class SweepComparison:
     Attributes:
         largest: largest difference relative to the branch; NaN if nothing can be compared.
         at: frequency of it [Hz].
-        median: of the differences.
         peak_frequency, peak: of the envelope [Hz], [m/s^2].
         jumps: of the sweep, one for every fold that it passes in the direction in which it jumps.
     """

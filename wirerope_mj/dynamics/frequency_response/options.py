@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from wirerope_mj.dynamics.periodic.options import check_steps
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.simulation.stability import eigenvalues
 from wirerope_mj.engine.system import System
@@ -31,7 +32,6 @@ class ResponseOptions:
     Attributes:
         accelerations: levels of the base's acceleration [m/s^2].
         method: "continuation", "sweep" or "both".
-        direction: of the base.
         payload: body whose acceleration is the amplitude; None: the first payload.
         response_direction: along which it is taken; None: that of the base.
         start, stop: range [Hz]; None: from the system's natural frequencies.
@@ -85,10 +85,7 @@ class ResponseOptions:
                 "`smoothing` and `periods` belong to the continuation: a sweep has neither. Leave them out."
             )
         largest, smallest = positive("largest_step", self.largest_step), positive("smallest_step", self.smallest_step)
-        if not smallest < largest < 1.0:
-            raise ValueError(
-                f"`smallest_step` must be below `largest_step`, and that below 1, got {smallest:g} and {largest:g}."
-            )
+        check_steps(smallest, largest)
         return ResponseOptions(
             accelerations=tuple(sorted(levels)), method=self.method, direction=direction,
             payload=_payload(system, self.payload), response_direction=along, start=start, stop=stop,

@@ -46,7 +46,6 @@ class Point:
     """A corrected point of a branch.
 
     Attributes:
-        shot: the motion.
         parameter: value of what is followed.
         matrix: derivative of the scaled gap by (scaled x, arclength's unit of ln p), (n_x, n_x + 1).
         tangent: unit tangent in the units of arclength, (n_x + 1,).

@@ -43,8 +43,7 @@ class Flow:
         self._timestep = self._batch.expand("opt.timestep")
         self._qpos, self._qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
         assembly = self.system.assembly
-        part = slice(assembly.userdata, assembly.userdata + assembly.tables.user.size)
-        self._user = self._batch.bind("userdata")[:, part]
+        self._user = assembly.user(self._batch.bind("userdata"))
         self._dofs = np.array(assembly.driven_dofs, dtype=int)
         self._driven_qpos = self.model.jnt_qposadr[list(assembly.subjects.driven)]
 

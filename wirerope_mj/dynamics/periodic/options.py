@@ -95,9 +95,13 @@ def _range(numbers: dict[str, float]) -> dict[str, float]:
         raise ValueError(
             f"`stop` must differ from `start`, got {values['start']!r} for both; use periodic_orbit instead."
         )
-    if not values["smallest_step"] < values["largest_step"] < 1.0:
-        raise ValueError(
-            f"`smallest_step` must be below `largest_step`, and that below 1, got {values['smallest_step']!r} and "
-            f"{values['largest_step']!r}."
-        )
+    check_steps(values["smallest_step"], values["largest_step"])
     return values
+
+
+def check_steps(smallest: float, largest: float) -> None:
+    """Raise ValueError unless the steps along a branch go together."""
+    if not smallest < largest < 1.0:
+        raise ValueError(
+            f"`smallest_step` must be below `largest_step`, and that below 1, got {smallest!r} and {largest!r}."
+        )

@@ -104,7 +104,8 @@ def close(flow: Flow, first: Shot, *, tolerance: float, iterations: int) -> Shot
 def _trial(flow: Flow, now: Shot, step: Array) -> Shot | None:
     """Return the first motion with a smaller residual among the step and its halves; the whole step is tried alone."""
     whole = shot(flow, now.x + now.scale * step, now.track.drive)
-    if _smaller(whole, now):
+    # Both are judged by the scales of the one before.
+    if float(np.abs((whole.track.end - whole.x) / now.scale).max()) < now.residual:
         return whole
     lengths = 0.5 ** np.arange(1, TRIALS + 1)
     starts = now.x + np.outer(lengths, now.scale * step)
@@ -114,9 +115,3 @@ def _trial(flow: Flow, now: Shot, step: Array) -> Shot | None:
         if residual < now.residual:
             return shot(flow, start, now.track.drive)
     return None
-
-
-def _smaller(trial: Shot, now: Shot) -> bool:
-    """Return whether the trial is nearer to repeating itself, both judged by the scales of the one before."""
-    residual = float(np.abs((trial.track.end - trial.x) / now.scale).max())
-    return residual < now.residual

@@ -103,9 +103,7 @@ class Variational:
         qacc = self._out["qacc"][:count, self._free].reshape(*shape, -1)
         rates = self._out["act_dot"][:count].reshape(*shape, -1)
         assembly = self.system.assembly
-        first = assembly.userdata + assembly.tables.user.mounts
-        n_mounts = len(self.system.mounts)
-        record = self._out["userdata"][:count, first : first + 6 * n_mounts].reshape(*shape, n_mounts, 2, 3)
+        record = assembly.tables.user.mount_rows(assembly.user(self._out["userdata"][:count].reshape(*shape, -1)))
         self._fill(at_shot, instants, qacc, rates, record, derivative)
         return True
 
@@ -118,7 +116,8 @@ class Variational:
         carried = part.carried(track.drive.frequency, track.drive.acceleration)
         state[:count] = carried
         qpos, qvel = self._batch.qpos[:count].reshape(shape), self._batch.qvel[:count].reshape(shape)
-        act, user = self._batch.act[:count].reshape(shape), self._batch.userdata[:count].reshape(shape)
+        act = self._batch.act[:count].reshape(shape)
+        user = self.system.assembly.user(self._batch.userdata[:count].reshape(shape))
         qpos[:] = track.qpos[instants, np.newaxis]
         qvel[:] = track.qvel[instants, np.newaxis]
         act[:] = track.act[instants, np.newaxis]
@@ -134,9 +133,8 @@ class Variational:
                 if colour < len(group.states):
                     z = group.states[colour]
                     act[:, 1 + 2 * nf + colour, z] += DIFFERENCE * scale[2 * nf + z]
-        first = self.system.assembly.userdata
-        user[:, :, first + at.STAGE_POINTS] = 1.0
-        user[:, :, first + at.STAGES : first + at.STAGES + 3] = base[instants, np.newaxis]
+        user[:, :, at.STAGE_POINTS] = 1.0
+        user[:, :, at.STAGES : at.STAGES + 3] = base[instants, np.newaxis]
 
     def _fill(self, at_shot: Shot, instants: Instants, qacc: Array, rates: Array, record: Array, out: Array) -> None:
         scale, nf = at_shot.scale, self._free.size

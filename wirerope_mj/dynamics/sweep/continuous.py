@@ -15,12 +15,11 @@ from wirerope_mj.dynamics.sweep.collector import Collector
 from wirerope_mj.dynamics.sweep.cycles import at_start, stepping
 from wirerope_mj.dynamics.sweep.envelope import FrequencySweep
 from wirerope_mj.dynamics.sweep.settling import settle
-from wirerope_mj.engine.simulation.progress import Update, share_bar
+from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import integer, positive
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine, Sweep
 
@@ -101,7 +100,15 @@ def frequency_sweep(
         step = chosen_step(system, sweep, start, duration=float(instants[-1]), timestep=timestep, accuracy=accuracy)
         led, warnings = _lead_in(system, sweep, start, collector, step.timestep, wait, most)
         start = at_start(system, sweep, led)
-        final = _follow(system, sweep, start, instants, collector, step.timestep, update)
+        with stepping(system, sweep, start, step.timestep) as stepped:
+            for first in range(0, instants.size - 1, CHUNK):
+                ends = instants[first : first + CHUNK + 1]
+                seen = stepped.run(ends)
+                frequency = sweep.frequency((ends[:-1] + ends[1:]) / 2.0)
+                collector.add(frequency, seen.minimum, seen.maximum, cycles=1, remaining=math.nan, settled=False)
+                update(float(ends[-1] / instants[-1]), float(frequency[-1]))
+            collector.count(stepped.steps, stepped.largest_step)
+            final = stepped.finish()
         return collector.finish(
             payload=payload, response_direction=along, excitation=sweep.to_dict(), error=step.error, initial_state=start,
             final_state=final, warnings=warnings,
@@ -127,21 +134,6 @@ def _lead_in(
         return lead.state, ()
     text = f"amplitudes at the start frequency of {sweep.start:.5g} Hz were {lead.remaining:.2g} from their limits"
     return lead.state, (f"{text} after {lead.cycles} cycles, not {settled:.2g}.",)
-
-
-def _follow(
-    system: System, sweep: Sweep, start: State, instants: Array, collector: Collector, timestep: float, update: Update
-) -> State:
-    """Hand the cycles between `instants` to the collector and return the state after the last."""
-    with stepping(system, sweep, start, timestep) as stepped:
-        for first in range(0, instants.size - 1, CHUNK):
-            ends = instants[first : first + CHUNK + 1]
-            seen = stepped.run(ends)
-            frequency = sweep.frequency((ends[:-1] + ends[1:]) / 2.0)
-            collector.add(frequency, seen.minimum, seen.maximum, cycles=1, remaining=math.nan, settled=False)
-            update(float(ends[-1] / instants[-1]), float(frequency[-1]))
-        collector.count(stepped.steps, stepped.largest_step)
-        return stepped.finish()
 
 
 def sine_at_start(sweep: Sweep) -> Sine:

@@ -12,7 +12,6 @@ from wirerope_mj.dynamics.sweep.channels import Channels
 from wirerope_mj.dynamics.sweep.travel import Lawful
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.state import STATE
 from wirerope_mj.engine.simulation.grid import Grid
 from wirerope_mj.engine.simulation.initial import moving_with_base
 from wirerope_mj.engine.simulation.stages import StageTables
@@ -59,9 +58,7 @@ class Cycles:
         self._lawful, self._mounts = Lawful(system), Channels.of(system).mounts
         self._stepper = Stepper(system, motion, start)
         self._tables = StageTables(motion, system.assembly.tables.drive)
-        user = system.assembly.tables.user
-        memory = self._stepper.user[user.channels : user.channels + at.CHANNEL_MEMORY * user.n_channels]
-        self._memory = memory.reshape(user.n_channels, at.CHANNEL_MEMORY)  # a view: the tracker writes it
+        self._memory = system.assembly.tables.user.channel_rows(self._stepper.user)  # a view: the tracker writes it
 
     def run(self, instants: Array) -> Extremes:
         """Step through the cycles that begin and end at `instants` [s], (n + 1,), and return their extremes.
@@ -143,11 +140,8 @@ def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, npt.NDArray[np.i
 
 def at_start(system: System, motion: Sine | Sweep, state: State) -> State:
     """Return `state` at the instant 0, its base moving as `motion` begins and the whole system carried along."""
-    data = mujoco.MjData(system.model)
-    mujoco.mj_setState(system.model, data, state.values, STATE)
-    data.time = 0.0
-    values = np.empty_like(state.values)
-    mujoco.mj_getState(system.model, data, values, STATE)
+    values = state.values.copy()
+    values[0] = 0.0  # the time comes first in MuJoCo's integration state
     return moving_with_base(system, motion, State(values=values, time=0.0))
 
 

@@ -115,8 +115,8 @@ class UserData:
         return self.stops + CONTACT_MEMORY * self.n_stops
 
     def mount_rows(self, user: Array) -> Array:
-        """Return deflection and force of every mount from the system's userdata, a view, (n_mounts, 2, 3)."""
-        return user[self.mounts : self.rates].reshape(self.n_mounts, 2, 3)
+        """Return deflection and force of every mount from the system's userdata, a view, (..., n_mounts, 2, 3)."""
+        return user[..., self.mounts : self.rates].reshape(*user.shape[:-1], self.n_mounts, 2, 3)
 
     def channel_rows(self, user: Array) -> Array:
         """Return the memory of the peak tracker from the system's userdata, a view, (n_channels, CHANNEL_MEMORY)."""

@@ -60,7 +60,6 @@ class SceneMount:
     """A mount: its sites in the frames of the bodies they belong to, and what is known of the device.
 
     Attributes:
-        name: name of the mount.
         isolator: name of the device.
         payload_body, base_body: names of the bodies; "world" if fixed.
         payload_point, base_point: the sites from the bodies' centres of mass, in body axes [m], (3,).
@@ -90,7 +89,6 @@ class Scene:
     """Everything that can be drawn of a system, and what its payload can bear.
 
     Attributes:
-        name: of the model.
         base: name of the driven base; "" if there is none.
         bodies, mounts: what there is to draw.
         limits: of the payload; empty where the model states none: not judged.

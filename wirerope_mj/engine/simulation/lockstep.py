@@ -61,7 +61,7 @@ class Lockstep:
         expand_differences(self._batch, systems)
         self._batch.state[:] = [start.values for start in starts]
         self._qpos, self._qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
-        self._user = self._batch.bind("userdata")[:, assembly.userdata : assembly.userdata + assembly.tables.user.size]
+        self._user = assembly.user(self._batch.bind("userdata"))
         self._user[:, at.OBSERVING], self._user[:, at.HISTORY], self._user[:, at.EVENT] = 1.0, 0.0, at.SMOOTH
         self._dofs = side_by_side(np.array(assembly.driven_dofs, dtype=int))
         self._slides = side_by_side(self._model.jnt_qposadr[list(assembly.subjects.driven)])
@@ -78,7 +78,8 @@ class Lockstep:
         if sink is not None:
             self._sink, self._sensors = sink, self._batch.bind("sensordata")[:, self.systems[0].assembly.sensor :]
         tables = [StageTables(motion, self._drive) for motion in self._distinct]
-        keys = [_corners_of(motion) for motion in self._distinct]
+        # Equal for motions whose segments have the same events.
+        keys = [(one.corners.tobytes(), tuple(time for time, _ in one.velocity_jumps)) for one in self._distinct]
         by_corners = dict(zip(keys, self._distinct, strict=True))
         stop = grid.start
         for block in grid.blocks():
@@ -206,8 +207,3 @@ class Lockstep:
         self._set_table(np.array([acceleration_before(motion, stop) for motion in self._distinct]), stop, 0.0)
         self._call(partial(self._batch.forward, self.live))
         self._drop_failed()
-
-
-def _corners_of(motion: BaseMotion) -> tuple[object, ...]:
-    """Return what is equal for motions whose segments have the same events."""
-    return motion.corners.tobytes(), tuple(time for time, _ in motion.velocity_jumps)

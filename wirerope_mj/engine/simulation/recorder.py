@@ -1,7 +1,6 @@
 """The samples of a run on their way into a response."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -53,19 +52,7 @@ class Recorder:
 
     def finish(self, start: State, final: State, peaks: Peaks, numerics: Numerics) -> Response:
         """Return the response of a run that came to its end."""
-        content = self._metadata(start, final, peaks, numerics)
-        rest = self._with_base(self._times.size - self._written)
-        if self._writer is None:
-            return build_response(
-                names=self._names, column_reader=lambda names: MemorySamples(names, rest), content=content, path=None
-            )
-        if rest.size:
-            self._writer.write(rest)
-        self._writer.close(content)
-        return load_response(self._writer.path.parent)
-
-    def _metadata(self, start: State, final: State, peaks: Peaks, numerics: Numerics) -> dict[str, Any]:
-        return response_metadata(
+        content = response_metadata(
             plan=self.plan,
             peaks=peaks,
             scene=scene_of(self._system),
@@ -75,6 +62,15 @@ class Recorder:
             initial_state=start,
             final_state=final,
         )
+        rest = self._with_base(self._times.size - self._written)
+        if self._writer is None:
+            return build_response(
+                names=self._names, column_reader=lambda names: MemorySamples(names, rest), content=content, path=None
+            )
+        if rest.size:
+            self._writer.write(rest)
+        self._writer.close(content)
+        return load_response(self._writer.path.parent)
 
     def discard(self) -> None:
         """Leave no half-written file."""

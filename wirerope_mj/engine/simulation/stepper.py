@@ -30,7 +30,7 @@ class Stepper:
         self.model, self.data = copy.copy(system.model), mujoco.MjData(system.model)
         mujoco.mj_setState(self.model, self.data, initial.values, STATE)
         assembly = system.assembly
-        self.user = assembly.user(self.data)
+        self.user = assembly.user(self.data.userdata)
         self.user[at.OBSERVING], self.user[at.HISTORY], self.user[at.EVENT] = 1.0, 0.0, at.SMOOTH
         self._dofs = side_by_side(np.array(assembly.driven_dofs, dtype=int))
         self._slides = side_by_side(self.model.jnt_qposadr[list(assembly.subjects.driven)])

@@ -216,12 +216,9 @@ def _pilot(
         at_begin = moving_with_base(system, motion, at_begin)
     done = run(system, motion, grid, at_begin, callback="native", sink=sink)
     names, rows = _peak_rows(done.peaks)
-    return _Pilot(vectors=history, peaks=rows[judged], kinds=[names[i] for i in judged], touches=_touches(done.peaks))
-
-
-def _touches(peaks: Peaks) -> bool:
-    """Return whether geoms touched; with a mount's stop the error falls as it does without one."""
-    return any(contact.touches and not contact.mount for contact in (peaks.contacts or {}).values())
+    # Of geoms alone: with a mount's stop the error falls as it does without one.
+    touches = any(contact.touches and not contact.mount for contact in (done.peaks.contacts or {}).values())
+    return _Pilot(vectors=history, peaks=rows[judged], kinds=[names[i] for i in judged], touches=touches)
 
 
 def _peak_rows(peaks: Peaks) -> tuple[list[str], Array]:

@@ -144,7 +144,7 @@ class Loading:
 
     def _mounts(self) -> Array:
         """Return deflection and force of every mount in the last position, (n_mounts, 2, 3)."""
-        return self.system.assembly.tables.user.mount_rows(self.system.assembly.user(self.data))
+        return self.system.assembly.tables.user.mount_rows(self.system.assembly.user(self.data.userdata))
 
     def _diagnosis(self, load: float, residual: float) -> str:
         """Return the reason why the weight cannot be carried; `load` is the fraction of it that failed."""

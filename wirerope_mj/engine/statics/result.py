@@ -59,4 +59,4 @@ def forces_at_rest(system: System, state: State) -> Array:
     """
     assembly, memory = system.assembly, np.empty(system.model.nuserdata)
     mujoco.mj_extractState(system.model, state.values, STATE, memory, mujoco.mjtState.mjSTATE_USERDATA)
-    return assembly.tables.user.mount_rows(memory[assembly.userdata :])[:, 1]
+    return assembly.tables.user.mount_rows(assembly.user(memory))[:, 1]

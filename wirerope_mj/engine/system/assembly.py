@@ -23,7 +23,6 @@ class Assembly:
     """The compiled model and where its parts stand.
 
     Attributes:
-        model: the model.
         tables: what the callback reads.
         subjects: what takes part.
         userdata: first entry of the system's userdata.
@@ -40,9 +39,9 @@ class Assembly:
     sensor: int
     scratch: Scratch = field(default_factory=Scratch, repr=False, compare=False)
 
-    def user(self, data: mujoco.MjData) -> Array:
-        """Return the system's part of userdata, a view."""
-        return np.asarray(data.userdata[self.userdata : self.userdata + self.tables.user.size])
+    def user(self, userdata: Array) -> Array:
+        """Return the system's part of userdata, (..., n_userdata), a view."""
+        return userdata[..., self.userdata : self.userdata + self.tables.user.size]
 
     @property
     def driven_dofs(self) -> list[int]:
@@ -52,7 +51,9 @@ class Assembly:
 
 def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> Assembly:
     """Add what the callback needs to `spec`, in place, and compile it; `base` is a body id, 0 for the world."""
-    _name_moving_bodies(spec)
+    for element in spec.bodies:
+        if not element.name:  # each has one, so that it can be observed and drawn
+            element.name = f"body_{element.id}"
     plain = spec.compile()
     subjects = Subjects(
         base=base,
@@ -79,13 +80,6 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
         activation=int(plain.na),
         sensor=int(plain.nsensordata),
     )
-
-
-def _name_moving_bodies(spec: mujoco.MjSpec) -> None:
-    """Give every body without a name one, so that it can be observed and drawn."""
-    for element in spec.bodies:
-        if not element.name:
-            element.name = f"body_{element.id}"
 
 
 def _drive(spec: mujoco.MjSpec, model: mujoco.MjModel, base: int) -> tuple[int, ...]:

@@ -156,7 +156,8 @@ def base_body(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> int:
         if body and model.body_parentid[body] != 0:
             raise ModelError(f"the base {model.body(body).name!r} must be a child of the world.")
         return body
-    roots = [{int(model.body_rootid[model.site_bodyid[site]]) for site in sites} for sites in _sites(mounts)]
+    ends = [mount.payload_site for mount in mounts], [mount.base_site for mount in mounts]
+    roots = [{int(model.body_rootid[model.site_bodyid[site]]) for site in sites} for sites in ends]
     candidates = sorted(roots[1] - roots[0])
     if len(candidates) != 1:
         _check_order(model, mounts)
@@ -186,7 +187,3 @@ def _check_order(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
 def _roots(model: mujoco.MjModel, mount: DeclaredMount) -> npt.NDArray[np.int32]:
     """Return the children of the world above the payload site and the base site of a mount, (2,)."""
     return np.asarray(model.body_rootid[model.site_bodyid[[mount.payload_site, mount.base_site]]])
-
-
-def _sites(mounts: list[DeclaredMount]) -> tuple[list[int], list[int]]:
-    return [mount.payload_site for mount in mounts], [mount.base_site for mount in mounts]

@@ -79,7 +79,13 @@ def make_tables(
     channels = _channels(on, states)
     parts = [
         [
-            [*_mount_row(model, mount, on), coupling, *_turning_row(data, mount, isolators), _partner(mount.isolator)]
+            [
+                *_mount_row(model, mount, on),
+                coupling,
+                *turning(isolators[mount.name]),
+                *_as_modelled(data, mount),
+                _partner(mount.isolator),
+            ]
             for mount, coupling in zip(declared, couplings, strict=True)
         ],
         axes,
@@ -121,11 +127,6 @@ def make_tables(
         base_channels=_base_channels(model, on),
         states=states,
     )
-
-
-def _turning_row(data: mujoco.MjData, mount: DeclaredMount, isolators: Mapping[str, Isolator]) -> list[float]:
-    """Return the rotational stiffnesses of a mount [N m/rad] and its modelled orientation."""
-    return [*turning(isolators[mount.name]), *_as_modelled(data, mount)]
 
 
 def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:

@@ -15,7 +15,6 @@ class VendorLoop:
     """One isolator of the table, SI units.
 
     Attributes:
-        name: of the vendor.
         rope: diameter [m].
         loops: their number.
         width, height: of the unloaded isolator [m].

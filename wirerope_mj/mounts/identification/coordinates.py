@@ -35,7 +35,6 @@ class Coordinate:
 
     Attributes:
         name: as tables print it.
-        unit: of its value.
         lower, upper: bounds of its value; a coordinate with a lower bound > 0 is searched for by its logarithm.
         scale: size of its value, for one that may be zero.
         linear: whether the force is proportional to it, all others given.

@@ -16,7 +16,6 @@ class MethodRow:
 
     Attributes:
         method: "three-stage", "time" or "frequency".
-        start: name of the start.
         iterations: steps of the searches, all stages together.
         evaluations: of a residual, Jacobians included.
         error: root mean square of force minus measured force, each loop's over its half force range [-].

@@ -23,8 +23,6 @@ class Parameter:
     """One coordinate after a fit.
 
     Attributes:
-        name: of the coordinate.
-        unit: of its value.
         value: fitted, or given.
         standard_error: of the value; a third of the distance at which the residual has risen as it does three errors away,
             where that is more than the Jacobian says; 0 if it was fixed, infinite if the data do not identify it at all.

@@ -6,6 +6,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.mounts.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, require_law_in_metres
@@ -147,8 +148,7 @@ class Isolator:
 
     def rated_travel(self, axis: str) -> tuple[float | None, float | None]:
         """Return how far the axis may deflect below and above zero [m], both positive; None = not judged."""
-        if axis not in SIDES:
-            raise ValueError(f"`axis` must be one of {', '.join(AXES)}, got {axis!r}.")
+        one_of("axis", axis, AXES)
         below, above = (self.limits.travel.stated.get(rating) for rating in SIDES[axis])
         return below, above
 

@@ -32,11 +32,7 @@ class LoopState:
 
 
 class RopeLoop:
-    """A planar loop of inextensible, naturally curved rope with its two halves clamped in both bars.
-
-    Attributes:
-        shape: of the half loop.
-    """
+    """A planar loop of inextensible, naturally curved rope with its two halves clamped in both bars."""
 
     def __init__(self, shape: LoopShape, elements: int | None = None) -> None:
         self.shape = shape

@@ -88,8 +88,6 @@ class VendorPart:
     """One row of a vendor's table, in SI units.
 
     Attributes:
-        name: of the vendor.
-        series: the table.
         loops: number of loops; None = not stated, as for the next four.
         rope: diameter of the rope [m].
         height: unloaded [m].

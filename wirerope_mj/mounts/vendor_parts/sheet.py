@@ -12,7 +12,6 @@ class StatedValue:
     """One value of a data sheet as a secant stiffness.
 
     Attributes:
-        name: of the value.
         unit: that it is printed in: N/mm, N (the force at the deflection) or Hz (of the mass of the static load).
         secant: deflection, stiffness and whether of the steady loop.
         fitted: whether the law is fitted to it.
@@ -77,7 +76,6 @@ class DataSheet:
     """A vendor's data sheet of one isolator, in SI units.
 
     Attributes:
-        name: of the part.
         source: the document.
         height: unloaded [m].
         width: across the bars [m].

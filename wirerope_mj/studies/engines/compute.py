@@ -40,7 +40,6 @@ class Part:
     """The result of a chunk.
 
     Attributes:
-        number: of the chunk.
         table: its rows of the table.
         responses: by variant the content of the file of its response, if it is kept; of those that failed there is none.
         died: whether no process lived long enough to compute it, or an accident kept one from it: its rows say so, and it is

@@ -29,7 +29,6 @@ class Draft:
     """Changes of a variant's system, gathered column by column.
 
     Attributes:
-        system: the base system.
         parameters: by mount, and there by ("axial", parameter) or ("stiffening", parameter).
         failed, absent: mounts.
         masses: factors by body.
@@ -53,7 +52,6 @@ class Entry:
     """One entry of `vary` with the system and the motions in which it varies.
 
     Attributes:
-        name: as it was written.
         pattern: of mounts or bodies in the name; "" of a motion.
         key: the rest of the name: axis and parameter, for instance.
     """
@@ -71,8 +69,6 @@ class Quantity:
     """One entry of `vary`, resolved.
 
     Attributes:
-        name: as it was written.
-        distribution: of its values.
         columns: one, or one for each mount or body; for specimens one for each parameter.
         isolators: of specimens, one for each group of columns that are sampled jointly.
     """

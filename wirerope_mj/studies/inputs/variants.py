@@ -22,7 +22,6 @@ class Work:
     """The inputs that all variants of a study share; can be pickled, and needs no file.
 
     Attributes:
-        system: the base system.
         motions: base motions among which a variant may choose; most studies have one.
         columns: of the inputs.
         duration, timestep, sample_rate, initial: as `simulate` takes them.

@@ -29,7 +29,6 @@ class Effect:
     """Effect of one input on a measure.
 
     Attributes:
-        name: of the input.
         index: first-order Sobol index, the fraction of the measure's variance that the input alone explains; 0 to 1, and by
             accident a little less than 0 where there is no effect.
         rank: Spearman's correlation of input and measure, -1 to 1; NaN where the input has no order.

@@ -27,7 +27,6 @@ class SobolIndex:
     """Sensitivity indices of one factor for a measure.
 
     Attributes:
-        name: of the factor.
         first: fraction of the variance that it explains alone; by accident a little less than 0 where there is no effect.
         total: fraction that it explains alone and together with others, so what would be gone if it were known.
         first_interval, total_interval: lower and upper bound at `CONFIDENCE`.

@@ -61,7 +61,6 @@ class StudySummary:
     """Summary of a study.
 
     Attributes:
-        result: of the study.
         by: the measure that is looked at most.
         effects: of the inputs on it, the strongest first.
     """

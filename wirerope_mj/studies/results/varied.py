@@ -31,7 +31,6 @@ class Varied:
         model: what the model says, as text: for a shift the position that is shifted, for a factor what it multiplies.
         nominal: the smallest and the largest number that the model says; empty if it says none.
         nominal_unit: of these; "SI" as the law states.
-        distribution: of its numbers.
     """
 
     name: str

@@ -96,9 +96,8 @@ class SearchDefinition:
 
     def rows(self, designs: Sequence[Design], first: int) -> pa.Table:
         """Return designs as rows of a study's inputs, numbered from `first`."""
-        columns = {
-            name: pa.array([design[name] for design in designs], type=self._types[name]) for name in self.variables
-        }
+        types = {column.name: column.type for one in self.study.quantities for column in one.columns}
+        columns = {name: pa.array([design[name] for design in designs], type=types[name]) for name in self.variables}
         return pa.table({"variant": pa.array(range(first, first + len(designs)), type=pa.int64()), **columns})
 
     def to_dict(self) -> dict[str, Any]:
@@ -109,10 +108,6 @@ class SearchDefinition:
             "generations": self.generations,
             "start": [dict(design) for design in self.start],
         }
-
-    @property
-    def _types(self) -> dict[str, pa.DataType]:
-        return {column.name: column.type for one in self.study.quantities for column in one.columns}
 
     def _check_measures(self) -> None:
         names = measure_names(self.study.base)

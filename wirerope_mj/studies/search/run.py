@@ -11,72 +11,27 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from wirerope_mj.engine.simulation.progress import Update, share_bar
-from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.engine.simulation.progress import Update
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine, Part
 from wirerope_mj.studies.engines.local import run_local
-from wirerope_mj.studies.folder import TABLE, computed_alone, finish, part_path, prepare, read_part, write_part
-from wirerope_mj.studies.loading import read_result
-from wirerope_mj.studies.responses import KEPT, RESPONSES
-from wirerope_mj.studies.run import checked_engine, chunk_size
+from wirerope_mj.studies.folder import part_path, read_part, write_part
+from wirerope_mj.studies.responses import RESPONSES
+from wirerope_mj.studies.run import chunk_size
 from wirerope_mj.studies.search.definition import SearchDefinition
-from wirerope_mj.studies.search.evolution import Design, Evolution, check_installed
+from wirerope_mj.studies.search.evolution import Design, Evolution
 from wirerope_mj.studies.search.front import objectives, violations
-from wirerope_mj.studies.search.result import GENERATION, SearchResult
-from wirerope_mj.studies.search.summary import search_summary
+from wirerope_mj.studies.search.result import GENERATION
 
 
-def run_search(
-    search: SearchDefinition,
-    folder: Path,
-    *,
-    keep: str,
-    engine: str,
-    workers: int | None,
-    address: str | None,
-    resume: bool,
-    force: bool,
-    progress: bool,
-) -> SearchResult:
-    """Evolve what is missing of a search and return its result; the arguments are those of `Search.run`."""
-    run = checked_engine(engine, workers=workers, address=address)
-    one_of("keep", keep, KEPT)
-    added = {"optimiser": check_installed(), **search.to_dict()}
-    identity = prepare(search.study, folder, keep=keep, resume=resume, force=force, search=added)
-    with computed_alone(folder, identity):
-        parts = 0
-        if not (folder / TABLE).is_file():
-            with share_bar(
-                "search", "designs/s", total=search.generations, parts="generations", enabled=progress
-            ) as update:
-                here = _Evolving(search, folder, keep, run, {"workers": workers, "address": address}, update)
-                with closing(here):  # so that no process goes on if this one is interrupted
-                    here.evolve()
-            parts = here.parts
-        finish(folder, parts, lambda: search_summary(_loaded(folder, search.study)))
-    return _loaded(folder, search.study)
-
-
-def _loaded(folder: Path, study: StudyDefinition) -> SearchResult:
-    result = read_result(folder, type(study))
-    assert isinstance(result, SearchResult)
-    return result
-
-
-class _Evolving:
-    """A search that runs.
-
-    Attributes:
-        parts: number of the parts of the table so far; their numbers follow each other through the generations.
-    """
+class Evolving:
+    """A search that runs: `parts` counts those of the table so far, and their numbers go on through the generations."""
 
     def __init__(
-        self, search: SearchDefinition, folder: Path, keep: str, engine: Engine, where: dict[str, Any], update: Update
+        self, search: SearchDefinition, folder: Path, keep: str, engine: Engine, options: dict[str, Any], update: Update
     ) -> None:
         self._search, self._folder, self._keep = search, folder, keep
-        self._engine, self._where, self._update = engine, where, update
+        self._engine, self._options, self._update = engine, options, update
         self._known: dict[tuple[Any, ...], tuple[Array, Array]] = {}
         self._chunks: queue.SimpleQueue[Chunk | None] = queue.SimpleQueue()
         self._results: Generator[Part, None, None] | None = None
@@ -135,13 +90,13 @@ class _Evolving:
         """Yield the parts of some chunks; processes of this machine wait for the chunks of later generations."""
         work = self._search.study.work
         if self._engine is not run_local:
-            with closing(self._engine(work, missing, **self._where)) if missing else nullcontext(()) as results:
+            with closing(self._engine(work, missing, **self._options)) if missing else nullcontext(()) as results:
                 yield from results
             return
         for chunk in missing:
             self._chunks.put(chunk)
         if self._results is None:
-            self._results = run_local(work, iter(self._chunks.get, None), **self._where)
+            self._results = run_local(work, iter(self._chunks.get, None), **self._options)
         for _ in missing:
             yield next(self._results)
 
