@@ -360,7 +360,7 @@ def test_what_leaves_its_law_is_an_error_that_names_the_frequency_and_leaves_no_
         ({"largest_cycles": 0}, "`largest_cycles` must be an integer >= 1, got 0"),
         ({"timestep": -1.0}, "`timestep` must be > 0"),
         ({"accuracy": 0.0}, "`accuracy` must be > 0"),
-        ({"history": "old"}, "`history` must be 'virgin' or 'relaxed', got 'old'"),
+        ({"history": "old"}, "`history` must be one of 'virgin', 'relaxed', got 'old'"),
         (
             {"initial": wr.State(values=np.zeros(3), time=0.0)},
             "`initial` must be a State of this system, with .* values",

@@ -100,7 +100,7 @@ def test_the_step_of_the_scenario_may_be_replaced_and_variants_have_a_default():
         ({"callback": "python"}, "'shock' asks for the 'python' callback"),
         ({"corners": [0.02]}, "cannot take over `corners`"),
         ({"duration": None}, "must say the duration"),
-        ({"initial": "hot"}, "`initial` must be one of settled"),
+        ({"initial": "hot"}, "`initial` must be one of 'settled'"),
     ],
 )
 def test_what_a_study_cannot_take_over_is_refused(changes, message):

@@ -7,19 +7,24 @@ from typing import TYPE_CHECKING
 from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.write import run_scenario
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import input_names
 from wirerope_mj.studies.results.statistics import worst
-from wirerope_mj.studies.results.study_summary import StudySummary
+from wirerope_mj.studies.results.study_summary import StudySummary, summary_of
+from wirerope_mj.studies.results.tables import measures_table, worst_table
 from wirerope_mj.studies.search.result import SearchResult
+from wirerope_mj.studies.search.tables import front_table
 
 if TYPE_CHECKING:
     from wirerope_mj.views.plots.study_pictures import StudyPicture
 
 MOST = 6
 """Variants in one comparison: more cannot be distinguished."""
+
+_ROWS = 12  # of a table in the viewer
 
 
 def checked_count(count: int) -> int:
@@ -84,7 +89,15 @@ def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
         return list(folders.values())
     responses = {name: load_response(folder) for name, folder in folders.items()}
     inputs = {name: _inputs(result, int(name.split()[1])) for name in folders}
-    return [record_overlay(responses, together, inputs=inputs), *folders.values()]
+    return [record_overlay(responses, together, inputs=inputs, tables=_tables(result, by)), *folders.values()]
+
+
+def _tables(result: StudyResult, by: str) -> list[Table]:
+    """Return the tables of a study or a search that stand beside its worst variants."""
+    if isinstance(result, SearchResult):
+        return [front_table(result, _ROWS)] if result.front.num_rows else []
+    summary = summary_of(result, by)
+    return [measures_table(summary), worst_table(summary, _ROWS, inputs=4)]
 
 
 def _inputs(result: StudyResult, number: int) -> dict[str, str]:

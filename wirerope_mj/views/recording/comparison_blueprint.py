@@ -5,7 +5,7 @@ from typing import Any
 
 from wirerope_mj.assessment.comparison import BASE
 from wirerope_mj.views.recording.camera import Camera, scene_extent, whole_scene
-from wirerope_mj.views.recording.comparison_text import PEAK_TEXTS, PEAKS, SUMMARY
+from wirerope_mj.views.recording.comparison_text import PEAK_TEXTS, PEAKS, STUDY, SUMMARY
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
 from wirerope_mj.views.recording.frame import fitting_width
 from wirerope_mj.views.recording.ghosts import ROOT as GHOSTS
@@ -41,7 +41,9 @@ def loop_widths(overlay: Overlay) -> dict[str, float]:
     return {axis: fitting_width(_TABS, len(shared.shown(axis)), 1, least=0.5) for axis in shared.axes}
 
 
-def overlay_blueprint(overlay: Overlay, graphs: Graphs, plots: Sequence[LoopPlot], *, tab: str, scene: str) -> Any:
+def overlay_blueprint(
+    overlay: Overlay, graphs: Graphs, plots: Sequence[LoopPlot], *, study: bool, tab: str, scene: str
+) -> Any:
     """Return the layout of the viewer with `tab` and `scene` in front.
 
     Raises:
@@ -63,6 +65,7 @@ def overlay_blueprint(overlay: Overlay, graphs: Graphs, plots: Sequence[LoopPlot
     tabs += [_loops(axis, plots) for axis in overlay.shared.axes]
     texts = [rrb.TextDocumentView(origin=entity(PEAKS, name), name=title) for name, title in PEAK_TEXTS.items()]
     tabs.append(rrb.Horizontal(*texts, name="Peaks"))
+    tabs += [rrb.TextDocumentView(origin=entity(STUDY), name="Study")] if study else []
     below = rrb.Horizontal(tabs_with(tabs, "tab", tab), beside, column_shares=[14, 5])
     above = tabs_with(_scenes(overlay), "scene", scene)
     return layout(rrb.Vertical(above, below, row_shares=[5, 7]), overlay.shared.window)

@@ -24,7 +24,7 @@ from wirerope_mj.views.recording.drawn_runs import Overlay
 from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.paths import AXES, entity
 
-PEAKS, SUMMARY = "peaks", "differences"
+PEAKS, SUMMARY, STUDY = "peaks", "differences", "study"
 PEAK_TEXTS = {"accelerations": "Accelerations", "mounts": "Mounts", "apart": "Farthest apart"}
 """Texts with the tables below /peaks: entities and titles."""
 
@@ -32,9 +32,10 @@ _WIDEST = 24
 """Characters of an input that still fit into a column; the viewer breaks no line in a table."""
 
 
-def overlay_texts(overlay: Overlay, inputs: Inputs) -> dict[str, str]:
-    """Return the differences and the tables of peaks as Markdown, by their entities."""
-    return {
+def overlay_texts(overlay: Overlay, inputs: Inputs, tables: Sequence[Table]) -> dict[str, str]:
+    """Return the differences, the tables of peaks and those of a study as Markdown, by their entities."""
+    study = {entity(STUDY): "\n\n".join(map(markdown_table, tables))} if tables else {}
+    return study | {
         entity(SUMMARY): summary_markdown(overlay, inputs),
         entity(PEAKS, "accelerations"): acceleration_tables(overlay),
         entity(PEAKS, "mounts"): mount_tables(overlay),

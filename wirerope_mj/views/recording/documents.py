@@ -81,7 +81,7 @@ def _mount_table(response: Response, selection: Selection) -> Table:
         peaks, ratio = response.peaks.mounts[name], worst[name]
         extremes = [_extreme(peak, axis) for peak in (peaks.deflection, peaks.force) for axis in (2, 1, 0)]
         used = "not rated" if math.isnan(ratio) else f"{in_unit(ratio, '%'):.0f} %"
-        rows.append((name, *extremes, Mark(f"{used}, exceeded", "exceeded") if ratio >= 1.0 else used))
+        rows.append((name, *extremes, Mark(f"{used}, exceeded", "exceeded") if ratio > 1.0 else used))
     columns = [Column("mount", align="left"), *(Column(axis, "mm", ".1f") for axis in reversed(AXES))]
     columns += [*(Column(axis, "kN", ".2f") for axis in reversed(AXES)), Column("rated travel used")]
     return Table(title="Mounts", columns=columns, rows=rows)

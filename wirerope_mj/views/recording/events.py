@@ -107,13 +107,13 @@ def _travel_events(response: Response, mount: SceneMount, axis: str) -> list[Eve
         ratio = value / limit
         if not ratio >= NEAR:  # also where nothing is rated
             continue
-        level = min(ratio, 1.0) if ratio >= 1.0 else NEAR
+        level = 1.0 if ratio > 1.0 else NEAR
         beyond = np.flatnonzero(deflection / limit >= level)
         how = (("compression", "tension")[side] if number == AXIAL else axis) + f" {in_unit(abs(value), 'mm'):.1f} mm"
         events.append(
             Event(
                 time=_short(float(response.time[beyond[0]]) if beyond.size else instant),
-                level="ERROR" if ratio >= 1.0 else "WARN",
+                level="ERROR" if ratio > 1.0 else "WARN",
                 text=f"{mount.name}: {how} is {in_unit(ratio, '%'):.0f} % of the rated {in_unit(abs(limit), 'mm'):.1f} mm",
             )
         )
@@ -143,7 +143,7 @@ def _travel_changes(response: Response, selection: Selection, axis: str) -> list
     used = _used_travel(response, axis)
     if used is None:
         return []
-    state = (used >= NEAR).astype(int) + (used >= 1.0)
+    state = (used >= NEAR).astype(int) + (used > 1.0)
     return [(float(response.time[row]), int(state[row])) for row in changes(state)]
 
 

@@ -11,7 +11,7 @@ The timeline is `sim_time` [s]. The entities of a run alone stand in `wirerope_m
 /histories/difference/KIND/PART/NAME          how far a run is from the first [g, mm]
 /loops/AXIS/MOUNT                             frame of the plot;  .../data/NAME  the loop [mm, kN];  .../trail  .../cursor
 /events/NAME                                  log of events
-/differences  /peaks/...                      texts
+/differences  /peaks/...  /study              texts
 ```
 
 RANK is 0 for the largest swing, which the viewer draws first and so behind the others.
@@ -23,6 +23,7 @@ from typing import Any
 
 from wirerope_mj.assessment.comparison import Align, Inputs
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.tables import Table
 from wirerope_mj.views.recording.blueprint import blueprint_of
 from wirerope_mj.views.recording.comparison_blueprint import loop_widths, overlay_blueprint
 from wirerope_mj.views.recording.comparison_text import overlay_texts
@@ -83,6 +84,7 @@ def record_overlay(
     *,
     align: Align = "start",
     inputs: Inputs | None = None,
+    tables: Sequence[Table] = (),
     tab: str = "Overview",
     scene: str = "Side by side",
 ) -> Path:
@@ -96,6 +98,7 @@ def record_overlay(
         path: file to write, or a folder, which gets an `overlay.rrd`; written atomically.
         align: "start": all begin together, as they were simulated; "shock": their first events fall together.
         inputs: what was given to each, as names and values; those that are not the same for all are shown.
+        tables: of the study that the runs belong to, which get a tab of their own, "Study".
         tab: which tab is in front: "Overview", "Accelerations", "Mounts", "Axial loops", ..., "Peaks".
         scene: which scene is in front: "Side by side", "Ghosts" or "Worst mount".
 
@@ -104,20 +107,27 @@ def record_overlay(
         RecordError: they share nothing, or one has no shock to align; or the environment variable RERUN switches
             recordings off.
     """
-    return write_overlay(overlay_of(responses, align), path, inputs=inputs or {}, tab=tab, scene=scene)
+    overlay = overlay_of(responses, align)
+    return write_overlay(overlay, path, inputs=inputs or {}, tables=tables, tab=tab, scene=scene)
 
 
 def write_overlay(
-    overlay: Overlay, path: str | Path, *, inputs: Inputs, tab: str = "Overview", scene: str = "Side by side"
+    overlay: Overlay,
+    path: str | Path,
+    *,
+    inputs: Inputs,
+    tables: Sequence[Table] = (),
+    tab: str = "Overview",
+    scene: str = "Side by side",
 ) -> Path:
     """Write what `overlay_of` made of the runs, and return the path; the rest is as for `record_overlay`."""
     graphs, loops = graphs_of_overlay(overlay), drawn_loops(overlay.runs, overlay.shared)
     plots = loop_plots(loops, overlay.shared, loop_widths(overlay))
-    layout = overlay_blueprint(overlay, graphs, plots, tab=tab, scene=scene)
+    layout = overlay_blueprint(overlay, graphs, plots, study=bool(tables), tab=tab, scene=scene)
     target = target_of(path, file=OVERLAY_FILE)
     with atomic_recording(target) as rec:
         name = " and ".join(run.name for run in overlay.runs)
-        _write(rec, name, layout, overlay_texts(overlay, inputs), overlay.runs, graphs)
+        _write(rec, name, layout, overlay_texts(overlay, inputs, tables), overlay.runs, graphs)
         log_loops(rec, loops, plots)
         log_ghosts(rec, overlay)
     return target
