@@ -12,6 +12,8 @@ import wirerope_mj as wr
 from wirerope_mj.engine.simulation.same_layout import check_same_layout
 from wirerope_mj.foundation.resources import models_folder
 
+pytestmark = pytest.mark.quick
+
 G = wr.STANDARD_GRAVITY
 STEPS = {"duration": 0.2, "timestep": 1e-3, "sample_rate": 250.0}
 

@@ -7,6 +7,8 @@ from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, KelvinVoigt, Masing, Zener
 from wirerope_mj.mounts.test_rig import CLOSURE, cyclic_test
 
+pytestmark = pytest.mark.quick
+
 BOUC_WEN = BoucWen(alpha=1.0, beta=0.8, gamma=0.2, n=1)
 
 

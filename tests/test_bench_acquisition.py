@@ -6,6 +6,8 @@ import pytest
 from wirerope_mj.mounts.laws import BoucWen, Loop
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
+pytestmark = pytest.mark.quick
+
 LOOP = cyclic_test(BoucWen(alpha=1e5, beta=800.0, gamma=200.0, n=1), 2e-3)[0]
 
 

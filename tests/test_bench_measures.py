@@ -18,6 +18,8 @@ from wirerope_mj.mounts.laws import (
 )
 from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, measured, softening_to_hardening
 
+pytestmark = pytest.mark.quick
+
 NI = AsymmetricBoucWen(alpha=1e5, beta=1500.0, gamma=0.0, n=1, k1=2e4, k2=0.0, k3=1e9, b=np.e, c=150.0)
 CASES = [(0.8, 0.2, 1), (0.2, 0.8, 1), (0.5, 0.5, 1), (0.8, -1.0, 1), (0.5, -0.5, 1), (0.8, 0.2, 2), (0.5, -0.4, 1.5)]
 

@@ -258,6 +258,7 @@ def resonance(law, level, frequencies):
     return frequencies[top] - slope / (2.0 * bend), peaks[top]
 
 
+@pytest.mark.slow
 def test_shaker_isolator_resonates_at_36_2_hz_at_half_a_g():
     law = isolator("sdof_36hz").axial
     frequency, peak = resonance(law, 0.5, np.arange(35.4, 37.1, 0.2))

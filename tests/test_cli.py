@@ -47,6 +47,7 @@ def test_the_main_job_prints_every_peak_against_its_limit_and_replays(tmp_path):
     assert "bit-identical" in again.stdout
 
 
+@pytest.mark.slow
 def test_an_interrupted_run_leaves_nothing_and_exits_130(tmp_path):
     command = [*WIREROPE, "run", "floating_floor_sweep", "--out", "deep/sweep"]
     process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
@@ -165,6 +166,7 @@ def test_show_without_a_run_is_an_error_of_the_recording(tmp_path):
         show(tmp_path)
 
 
+@pytest.mark.slow
 def test_a_reader_that_has_seen_enough_is_no_error(tmp_path):
     command = shlex.join([*WIREROPE, "isolators"])
     done = subprocess.run(

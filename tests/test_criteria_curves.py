@@ -6,6 +6,8 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import spectrum_verdict, transmissibility_verdict
 
+pytestmark = pytest.mark.quick
+
 D, LEVEL = 0.011, 100.0
 
 

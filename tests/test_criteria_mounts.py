@@ -18,6 +18,8 @@ from wirerope_mj.assessment.criteria import (
     verdict_lines,
 )
 
+pytestmark = pytest.mark.quick
+
 G = wr.STANDARD_GRAVITY
 
 

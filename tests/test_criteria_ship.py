@@ -8,6 +8,8 @@ import pytest
 from wirerope_mj.assessment.criteria import iso_6954_1984, iso_6954_2000, iso_6954_2000_of_history, velocity_lines
 from wirerope_mj.assessment.criteria.ship import RMS_2000, weighting
 
+pytestmark = pytest.mark.quick
+
 
 def test_the_weighting_is_that_of_the_standard():
     """ISO 8041 gives 0.3362 at 15.915 Hz (100 rad/s); half a decade below 0.79 Hz it falls by 40 dB a decade."""

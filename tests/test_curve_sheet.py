@@ -8,6 +8,8 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.vendor_parts.comparison import compare
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
 
+pytestmark = pytest.mark.quick
+
 SHEET = """name = "Socitec CB1390-20"
 source = "Socitec CB1390 vendor data sheet, page 2"
 curve = "shock"

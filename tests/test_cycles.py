@@ -13,6 +13,8 @@ from wirerope_mj.mounts.test_rig import cyclic_test, load_cycles, measured, stea
 from wirerope_mj.mounts.test_rig.clipping import is_level
 from wirerope_mj.mounts.test_rig.turning import find_turning_points, rms_noise
 
+pytestmark = pytest.mark.quick
+
 LAW = wr.AsymmetricBoucWen.from_normalised(
     z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0
 )

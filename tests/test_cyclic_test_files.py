@@ -11,6 +11,8 @@ import wirerope_mj as wr
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
+pytestmark = pytest.mark.quick
+
 LAW = wr.AsymmetricBoucWen(alpha=1e5, beta=1500.0, gamma=0.0, n=1, k1=2e4, k2=0.0, k3=1e9, b=np.e, c=150.0)
 PHASE = 2.0 * np.pi * np.arange(13) / 12
 

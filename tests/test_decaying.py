@@ -7,6 +7,8 @@ import pytest
 
 from wirerope_mj.motions import DecayingSine
 
+pytestmark = pytest.mark.quick
+
 OMEGA = 2 * math.pi * 14.0
 
 

@@ -8,6 +8,8 @@ import pytest
 from wirerope_mj.motions import DesignSpectrum, DoubleHalfSine, DoubleTriangle
 from wirerope_mj.motions.spectra import shock_response_spectrum
 
+pytestmark = pytest.mark.quick
+
 G = 9.80665
 SPECTRUM = DesignSpectrum(displacement=0.050, velocity=3.0, acceleration=100 * G)
 PULSES = [SPECTRUM.double_half_sine(direction="z"), SPECTRUM.double_triangle(direction="z")]

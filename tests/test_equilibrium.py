@@ -11,6 +11,8 @@ from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.statics.loading import LOAD_STEPS, Loading
 from wirerope_mj.foundation.resources import models_folder
 
+pytestmark = pytest.mark.quick
+
 G = wr.STANDARD_GRAVITY
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 MODELS = ("sdof_shaker", "shock_table", "cabinet", "floating_floor")

@@ -57,6 +57,7 @@ class Audit:
 AUDIT = Audit()
 
 
+@pytest.mark.slow
 def test_commands_execute_nothing_of_a_folder(copy, tmp_path, monkeypatch):
     """The folder holds whatever Python would pick up by itself: modules of common names, a scenario, a pickle."""
     names = ("scenario", "study", "sitecustomize", "numpy", "mujoco", "tomllib", "conftest", "__init__", "__main__")

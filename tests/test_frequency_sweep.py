@@ -11,6 +11,8 @@ import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError, RecordError, SimulationError
 from wirerope_mj.foundation.resources import models_folder
 
+pytestmark = pytest.mark.quick
+
 
 @pytest.fixture(scope="module")
 def system():

@@ -217,6 +217,7 @@ def test_sweeps_alone_have_envelopes_and_no_recording(tmp_path, capsys, monkeypa
     assert names == {"sweeps.parquet", "settings.toml", "frequency_response.json", *pictures}
 
 
+@pytest.mark.slow
 def test_a_hardening_mount_folds_and_sweeps_jump_there(tmp_path, monkeypatch):
     (tmp_path / "isolators").mkdir()
     shutil.copyfile(models_folder() / "sdof_shaker.xml", tmp_path / "hard.xml")

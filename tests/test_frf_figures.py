@@ -14,6 +14,8 @@ from wirerope_mj.dynamics.frequency_response.samples import along_branch, along_
 from wirerope_mj.dynamics.periodic import Jump
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
 
+pytestmark = pytest.mark.quick
+
 
 @dataclass
 class MadeUp:

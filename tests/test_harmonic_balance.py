@@ -98,6 +98,7 @@ def test_the_error_falls_with_the_fourth_power_of_the_harmonics_at_least():
     assert coarse.largest_deflection == pytest.approx(orbits[-2].largest_deflection, rel=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("beta", "gamma", "alpha", "n", "omega", "height"), PEAKS)
 def test_resonance_peaks_follow_the_parameters_as_in_the_thesis(beta, gamma, alpha, n, omega, height):
     law = BoucWen(alpha=alpha, beta=beta, gamma=gamma, n=n)

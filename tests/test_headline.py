@@ -12,6 +12,8 @@ from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Verdict, he
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.summary import read_headline
 
+pytestmark = pytest.mark.quick
+
 
 def row(value=1.0, limit=2.0, **changes):
     return Verdict(criterion="travel in roll", subject="m1", value=value, limit=limit, unit="m", **changes)

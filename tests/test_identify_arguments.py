@@ -7,6 +7,8 @@ import wirerope_mj as wr
 from wirerope_mj.mounts.identification import compare_laws, compare_methods, identify_specimens
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
+pytestmark = pytest.mark.quick
+
 LAW = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.0, k=5e4)
 LOOPS = measured(cyclic_test(LAW, [1e-3, 4e-3]), points_per_cycle=40, seed=1)
 

@@ -50,6 +50,7 @@ def changed(monkeypatch, **changes):
     monkeypatch.setattr(command, "identify", fit)
 
 
+@pytest.mark.slow
 def test_records_of_several_files_become_an_isolator_that_repeats_loops_nobody_measured(folder, capsys):
     write_record(
         folder / "small.csv", *rig_record(TRUTH, [0.5e-3, 1.5e-3, 4e-3], seed=1, drift=100.0, slack=1e-4, points=100.0)

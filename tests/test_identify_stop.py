@@ -167,6 +167,7 @@ def bare_record(folder, amplitudes, *, noise=15.0, step=0.0):
     return write_record(folder / "bare.csv", time, x, force)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("noise", "step"), [(15.0, 0.0), (0.5, 4.0)])
 def test_records_of_a_bare_stop_become_an_isolator(folder, capsys, noise, step):
     bare_record(folder, [3e-3, 6e-3, 8e-3], noise=noise, step=step)

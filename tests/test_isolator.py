@@ -33,6 +33,8 @@ from wirerope_mj.mounts.laws import (
     SymmetricBoucWen,
 )
 
+pytestmark = pytest.mark.quick
+
 EVERY_LAW = [
     BoucWen(alpha=1e5, beta=2.0, gamma=-0.5, n=0.7, k=3e4),
     Ozdemir(alpha=1e5, beta=0.01, n=2),

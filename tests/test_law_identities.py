@@ -12,6 +12,8 @@ from scipy.special import gamma as gamma_function
 from wirerope_mj.mounts import laws
 from wirerope_mj.mounts.test_rig import cyclic_test
 
+pytestmark = pytest.mark.quick
+
 RNG = np.random.default_rng(7)
 PATHS = [path_through(RNG.uniform(-2.0, 2.0, 15), per_segment=4) for _ in range(4)]
 

@@ -177,6 +177,7 @@ print(json.dumps(loops))
 """
 
 
+@pytest.mark.slow
 def test_compiled_traces_are_those_of_plain_python():
     folder = os.path.dirname(__file__)
     run = subprocess.run(

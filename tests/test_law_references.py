@@ -13,6 +13,8 @@ from scipy.integrate import quad, solve_ivp
 
 from wirerope_mj.mounts import laws
 
+pytestmark = pytest.mark.quick
+
 RNG = np.random.default_rng(20)
 POINTS = [RNG.uniform(-2.0, 2.0, 12) for _ in range(4)]
 

@@ -14,6 +14,8 @@ from wirerope_mj.mounts.laws.stop_kernels import N_POINTS, POINTS
 from wirerope_mj.mounts.laws.table_kernels import ROW
 from wirerope_mj.mounts.test_rig import cyclic_test
 
+pytestmark = pytest.mark.quick
+
 # Steady loops of amplitude A for alpha = 1: beta, gamma, n, A, peak z, work per cycle. The digits are those of an
 # event-split integration (relative tolerance 1e-12) of the differential equation.
 LOOPS = [

@@ -12,6 +12,8 @@ import pytest
 import wirerope_mj
 from wirerope_mj.foundation.resources import scenarios_folder
 
+pytestmark = pytest.mark.quick
+
 PACKAGE = Path(wirerope_mj.__file__).parent
 HOUSE = {
     "foundation": (),

@@ -11,6 +11,8 @@ from wirerope_mj.dynamics.single_mass.simplified import simplified_peak
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, KelvinVoigt, SymmetricBoucWen, Zener
 
+pytestmark = pytest.mark.quick
+
 TURN = 2.0 * np.pi
 SOFT = BoucWen(alpha=1.0, beta=0.5, gamma=0.5, n=1.0)
 STIFF = SymmetricBoucWen(alpha=1.0, beta=0.5, gamma=-0.2, n=2.0, k1=1.0, k2=0.0, k3=0.5)

@@ -8,6 +8,8 @@ import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.mounts.isolator import find_isolator
 
+pytestmark = pytest.mark.quick
+
 LAW = 'law = "bouc-wen"\nalpha = 1e5\nbeta = 800.0\ngamma = 200.0\nn = 1\n'
 
 

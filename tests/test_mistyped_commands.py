@@ -6,6 +6,8 @@ import pytest
 
 from wirerope_mj.cli import main
 
+pytestmark = pytest.mark.quick
+
 FILES = {
     "empty.py": "",
     "syntax.py": "def scenario(:\n",

@@ -238,6 +238,7 @@ def driven(name):
     return spec.compile()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("timestep", [2e-4, 5e-4])
 @pytest.mark.parametrize("name", [name for name, expected in EXPECTED.items() if not expected.stops])
 def test_a_payload_without_mounts_settles_on_its_contacts(name, timestep):

@@ -13,6 +13,8 @@ from wirerope_mj.dynamics.modes import modes
 from wirerope_mj.dynamics.modes.rest import linearise
 from wirerope_mj.engine.control import installed
 
+pytestmark = pytest.mark.quick
+
 G = wr.STANDARD_GRAVITY
 PLACES = {"p1": (0.5, 0.4), "p2": (0.5, -0.3), "p3": (-0.6, 0.4), "p4": (-0.6, -0.3)}
 HALF = (0.35, 0.45, 0.25)

@@ -169,6 +169,7 @@ def test_a_mode_at_an_amplitude_is_the_loop_of_a_cyclic_test():
     )
 
 
+@pytest.mark.slow
 def test_modes_do_not_become_one_another_where_frequencies_meet():
     """Between 5 and 15 mm the cabinet's bounce passes its yaw."""
     s = wr.load_system(models_folder() / "cabinet.xml")

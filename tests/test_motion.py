@@ -29,6 +29,8 @@ from wirerope_mj.motions import (
 )
 from wirerope_mj.motions.motion import unique_times
 
+pytestmark = pytest.mark.quick
+
 DATA = Path(__file__).parent / "data"
 G = 9.80665
 

@@ -31,6 +31,8 @@ from wirerope_mj.views.recording.drawn_runs import COLORS, overlay_of
 from wirerope_mj.views.recording.ghosts import ghost_factor
 from wirerope_mj.views.recording.viewer import viewer_binary
 
+pytestmark = pytest.mark.quick
+
 G = STANDARD_GRAVITY
 
 

@@ -8,6 +8,8 @@ import wirerope_mj as wr
 from wirerope_mj.mounts.laws.path import follow_path
 from wirerope_mj.mounts.laws.steady import follow_force, settle
 
+pytestmark = pytest.mark.quick
+
 LAWS = [
     *(
         wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=s, n=n, k=1e4)

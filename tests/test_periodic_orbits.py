@@ -7,6 +7,8 @@ from house import sdof, sdof_text
 import wirerope_mj as wr
 from wirerope_mj.dynamics.periodic.multipliers import MARGIN
 
+pytestmark = pytest.mark.quick
+
 BENCHMARK_ACCURACY = 1e-6  # 1280 steps per period: order 2 at the kinks leaves 3e-6 of the loop's energy
 
 

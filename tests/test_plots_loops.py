@@ -8,6 +8,8 @@ from wirerope_mj.mounts.laws import BoucWen
 from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.views.plots.loops import cyclic_tests_figure, loops_figure, save_cyclic_tests, save_loops
 
+pytestmark = pytest.mark.quick
+
 
 def test_panel_holds_loops_in_millimetres_and_kilonewtons_with_the_rated_points():
     isolator = load_isolator(find_isolator("enidine_wr16_400"))

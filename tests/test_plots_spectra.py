@@ -15,6 +15,8 @@ from wirerope_mj.views.plots.spectra import (
     shock_spectra_figure,
 )
 
+pytestmark = pytest.mark.quick
+
 G = wr.STANDARD_GRAVITY
 TIME = np.arange(4001) / 2000.0
 

@@ -8,6 +8,8 @@ from scipy.signal import lfilter
 
 import wirerope_mj as wr
 
+pytestmark = pytest.mark.quick
+
 RATE = 1000.0
 
 

@@ -5,6 +5,8 @@ import pytest
 
 from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep
 
+pytestmark = pytest.mark.quick
+
 G = 9.80665
 
 

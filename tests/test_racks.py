@@ -104,6 +104,7 @@ def test_modes_of_the_rack_of_850_kg_in_cycles_of_12_5_mm(stiffness):
     np.testing.assert_allclose(RACKS[850].frequencies(0.0125, stiffness), [10.42, 6.98, 11.68], rtol=WITHIN)
 
 
+@pytest.mark.slow
 def test_modes_of_the_package_are_those_of_the_first_harmonic():
     """Apart from where the cycles run: at the sag of 0.6 mm instead of about zero mean force, 1 % of these."""
     found = modes_along(wr.modes(system(850), amplitude=0.0125))

@@ -10,6 +10,8 @@ import pytest
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.motions import HalfSine, load_record, motion_from_dict
 
+pytestmark = pytest.mark.quick
+
 DATA = Path(__file__).parent / "data"
 G = 9.80665
 

@@ -8,6 +8,8 @@ from wirerope_mj.motions import HalfSine, load_record, motion_from_dict
 from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.views.plots.record_baseline import save_record_baseline
 
+pytestmark = pytest.mark.quick
+
 RATE = 1000.0
 TIME = np.arange(20_001) / RATE
 

@@ -11,6 +11,8 @@ from wirerope_mj.views.recording import read_state, record_rerun
 from wirerope_mj.views.recording.poses import frames_of, rotate
 from wirerope_mj.views.recording.viewer import viewer_binary
 
+pytestmark = pytest.mark.quick
+
 
 @pytest.fixture(scope="module")
 def floor() -> Response:

@@ -376,6 +376,7 @@ def test_a_sweep_is_shown_over_frequency_and_has_no_spectrum(tmp_path):
     assert "The base is driven steadily: a shock response spectrum would say little" in words
 
 
+@pytest.mark.slow
 def test_random_vibration_is_shown_by_its_density(tmp_path):
     level = 4.0  # (m/s^2)^2/Hz over 40 Hz: 12.65 m/s^2 rms
     motion = wr.RandomVibration(

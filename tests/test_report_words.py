@@ -11,6 +11,8 @@ from wirerope_mj.views.report import judged
 from wirerope_mj.views.report.content import Paragraph
 from wirerope_mj.views.report.display import fixed, listed, number, shown, shown_unit, title_of
 
+pytestmark = pytest.mark.quick
+
 
 def verdict(**changes):
     return Verdict(

@@ -17,6 +17,8 @@ from wirerope_mj.engine.simulation.stability import eigenvalues
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.studies.inputs.failure import without_force
 
+pytestmark = pytest.mark.quick
+
 G = wr.STANDARD_GRAVITY
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 SPRING = wr.KelvinVoigt(k=4e3, c=0.0)

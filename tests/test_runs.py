@@ -200,6 +200,7 @@ def mjcf(file: str) -> str:
     return text.replace('data="isolators/enidine_wr12_400.toml"', f'data="{file}"')
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "file", ["isolators/made_up.toml", "made_up", "../outside/made_up.toml", "/nowhere/made_up.toml"]
 )

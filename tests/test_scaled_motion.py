@@ -13,6 +13,8 @@ from wirerope_mj.motions import motion_from_dict
 from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.runs.sources import system_and_motion
 
+pytestmark = pytest.mark.quick
+
 DATA = Path(__file__).parent / "data"
 G = 9.80665
 PULSE = wr.HalfSine(peak=15 * G, duration=0.011, direction="z", start=0.02)

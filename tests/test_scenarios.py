@@ -11,6 +11,8 @@ from wirerope_mj.motions import HalfSine
 from wirerope_mj.runs.option_file import load_function
 from wirerope_mj.runs.scenario import Scenario, load_scenario, shipped_scenarios
 
+pytestmark = pytest.mark.quick
+
 SHORT = 0.12  # [s]: the shocks strike at 0.05 s and have passed by then
 
 

@@ -10,6 +10,8 @@ from wirerope_mj.mounts.identification.residuals import loop_residual
 from wirerope_mj.mounts.identification.search import Unknowns, run_search
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
+pytestmark = pytest.mark.quick
+
 
 @pytest.mark.parametrize("k", [0.0, 1e-6, 5e4])
 def test_jacobian_of_a_number_near_zero_is_no_rounding(k):

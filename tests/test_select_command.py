@@ -8,6 +8,8 @@ from wirerope_mj.assessment.selection import shock_from_text
 from wirerope_mj.cli import main
 from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep
 
+pytestmark = pytest.mark.quick
+
 LOAD = ("select", "--mass", "200", "--mounts", "4")
 
 

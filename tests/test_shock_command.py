@@ -83,6 +83,7 @@ def test_channels_say_where_each_one_goes(record, asked):
     np.testing.assert_allclose(one.samples, np.outer(PULSE, [0, 1, 0]), atol=1e-7)
 
 
+@pytest.mark.slow
 def test_a_universal_file_moves_the_base_on_its_axes(record, capsys, tmp_path):
     axes = [history(3, "x", PULSE, step=5e-4, unit="m/s^2"), history(3, "-z", PULSE, step=5e-4, unit="m/s^2")]
     (tmp_path / "deck.unv").write_bytes(b"".join(axes))

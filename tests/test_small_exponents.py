@@ -110,6 +110,7 @@ def harmonic_by_integration(law, deflection, amplitude):
     return 2.0 * total / (4000 * amplitude)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [0.1, 0.22, 0.5, 2.0])
 @pytest.mark.parametrize("amplitude", [1e-5, 1e-3, 15e-3])
 @pytest.mark.parametrize("sigma", [0.3, 0.7])

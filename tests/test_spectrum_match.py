@@ -11,6 +11,8 @@ from wirerope_mj.motions import EN1998_TYPE_1, ac156_spectrum, en1998_spectrum, 
 from wirerope_mj.motions.spectra import shock_response_spectrum
 from wirerope_mj.motions.spectrum_flanks import too_steep
 
+pytestmark = pytest.mark.quick
+
 GRID = np.geomspace(1.3, 33.3, 60)
 TARGET = list(zip(GRID, ac156_spectrum(GRID, s_ds=10.0, height_ratio=1.0), strict=True))
 

@@ -8,6 +8,8 @@ from scipy.signal import lfilter
 
 import wirerope_mj as wr
 
+pytestmark = pytest.mark.quick
+
 D = 0.011  # length of the pulses [s]
 LEVEL = 150.0  # their peak [m/s^2]
 N = 4400  # steps per pulse: straight lines then lack (pi/N)^2/12 = 4e-8 of a half-sine

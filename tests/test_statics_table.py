@@ -13,6 +13,8 @@ from wirerope_mj.cli.statics_tables import print_statics
 from wirerope_mj.engine.statics import static_table
 from wirerope_mj.foundation.resources import models_folder
 
+pytestmark = pytest.mark.quick
+
 G = wr.STANDARD_GRAVITY
 PLACES = {"p1": (0.5, 0.4), "p2": (0.5, -0.4), "p3": (-0.5, 0.4), "p4": (-0.5, -0.4)}
 

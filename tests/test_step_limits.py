@@ -20,6 +20,8 @@ from wirerope_mj.engine.simulation.timestep import (
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 
+pytestmark = pytest.mark.quick
+
 G = wr.STANDARD_GRAVITY
 
 

@@ -29,6 +29,7 @@ def three():
     return wr.load_system(mjcf(world, [("m1", "p", "b", "a")], gravity=wr.STANDARD_GRAVITY), isolators={"a": isolator})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", THREE)
 def test_steady_sines_are_the_closed_form_along_every_axis(three, axis):
     frequencies = THREE[axis][0] * np.array([0.5, 0.9, 1.0, 1.1, 1.5, 3.0])

@@ -210,6 +210,7 @@ def test_what_is_asked_of_a_system_is_the_stiffened_mount():
     assert smooth.isolator.axial.law == there.isolator.axial
 
 
+@pytest.mark.slow
 def test_variants_are_those_of_a_model_loaded_with_them(tmp_path):
     later = mount(wr.Stiffening(after_50=0.2, cycles=40.0))
     variant = wr.varied(one_mass(mount(SETTLED)), isolators={"m1": later})

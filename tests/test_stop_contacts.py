@@ -21,6 +21,8 @@ from wirerope_mj.views.recording.selection import select
 from wirerope_mj.views.recording.stops import CLOSED, OPEN
 from wirerope_mj.views.report.model import _provenance
 
+pytestmark = pytest.mark.quick
+
 G = wr.STANDARD_GRAVITY
 STEP = 1e-4
 BELOW, ABOVE = 0.012, 0.015

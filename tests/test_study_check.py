@@ -14,6 +14,8 @@ import wirerope_mj as wr
 from wirerope_mj.mounts.laws import LAWS
 from wirerope_mj.studies.inputs import check
 
+pytestmark = pytest.mark.quick
+
 ONE_BY_ONE = {"vaiana-rosati", "tabulated"}
 """Laws whose rules are about curves, not parameters."""
 

@@ -205,6 +205,7 @@ def shown(monkeypatch):
     return opened
 
 
+@pytest.mark.slow
 def test_the_command_makes_a_study_of_a_scenario_and_opens_its_worst(file, tmp_path, capsys, shown):
     folder = tmp_path / "out"
     vary = ["--vary", "mount/m1/axial/alpha = Normal(1, 0.2, relative)", "--vary", "motion/level = Uniform(0.5, 1.5)"]
@@ -235,6 +236,7 @@ def test_a_worst_run_says_its_inputs_in_scenario_and_report(tmp_path):
     assert "motion/level" in page
 
 
+@pytest.mark.slow
 def test_a_worst_run_among_several_records_has_the_peaks_of_the_table(tmp_path):
     # Corners at 11 ms and at 7.3 ms: alone, either motion would take other steps.
     pulses = [

@@ -108,6 +108,7 @@ def test_a_floor_whose_everything_varies_is_what_each_variant_is_alone(tmp_path)
         assert {key: row[key] for key in found} == pytest.approx(found, rel=0.0, abs=0.0, nan_ok=True)
 
 
+@pytest.mark.slow
 def test_two_workers_find_the_same_table_as_one(alone, tmp_path):
     result = table_study().run(tmp_path / "two", workers=2)
     assert result.table.schema == alone.table.schema

@@ -276,6 +276,7 @@ def test_the_driven_base_has_no_mass_that_could_matter():
         table_study(vary={"body/table/mass": wr.Normal(1.0, 0.1, relative=True)}, variants=4)
 
 
+@pytest.mark.slow
 def test_a_study_says_in_how_many_variants_stops_were_struck(tmp_path, capsys):
     levels = wr.Choice([1.0, 6.0])
     result = table_study(vary={"motion/level": levels}, variants=2, sampling="grid").run(tmp_path / "study")

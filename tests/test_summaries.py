@@ -8,6 +8,8 @@ from house import sdof_text
 import wirerope_mj as wr
 from wirerope_mj.foundation.summary import MOST_LINES, Summarised
 
+pytestmark = pytest.mark.quick
+
 LAW = wr.BoucWen(alpha=2e4, beta=30.0, gamma=10.0, n=1.0, k=5e3)
 
 

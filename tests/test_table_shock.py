@@ -7,6 +7,8 @@ import pytest
 
 from wirerope_mj.motions import ShockTableImpact
 
+pytestmark = pytest.mark.quick
+
 G = 9.80665
 V = math.sqrt(2 * G * 0.5)  # 3.1316 m/s
 

@@ -10,6 +10,8 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError
 
+pytestmark = pytest.mark.quick
+
 CB1390 = {
     "deflection": [0.0, 6.8e-3, 36e-3], "force": [0.0, 2820.0, 8460.0], "symmetric": True,
     "amplitudes": [36e-3], "areas": [230.0], "yield_deflection": 1e-3,

@@ -46,6 +46,7 @@ def differences(a, b):
     return max(part / max(scales[key], 1e-3 * largest[key[:2]]) for key, part in parts.items())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", range(6), ids=["half-sine", "sawtooth", "trapezoid", "step", "sine", "sweep"])
 def test_chosen_step_keeps_the_accuracy_and_is_not_a_third_of_what_would(system, which):
     direction = "z" if len(system.assembly.driven_dofs) == 1 else (1.0, 0.7, 1.0)

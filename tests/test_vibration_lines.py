@@ -8,6 +8,8 @@ import pytest
 from wirerope_mj.motions import Sine, VibrationLines, banded_lines
 from wirerope_mj.motions.random_phases import random_phases
 
+pytestmark = pytest.mark.quick
+
 
 def test_one_endless_line_is_a_sine():
     line = VibrationLines(acceleration=[(7.0, 3.0)], direction="z")
