@@ -181,7 +181,7 @@ def test_chunks_whose_process_died_are_told_with_the_way_on(tmp_path, monkeypatc
 @pytest.mark.parametrize("number", [1.5, 1.0, True, "1", None])
 def test_a_variant_has_a_whole_number(done, number):
     for ask in (done.response, done.study.row):
-        with pytest.raises(ValueError, match=f"`variant` must be an integer, got {number!r}"):
+        with pytest.raises(ValueError, match=f"`variant` must be an integer >= 0, got {number!r}"):
             ask(number)
 
 

@@ -18,6 +18,7 @@ import wirerope_mj as wr
 from wirerope_mj.engine.response.peaks import MountPeaks, Peak, Peaks
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.studies import folder as study_folder
+from wirerope_mj.studies import inputs_file
 from wirerope_mj.studies.engines import local
 from wirerope_mj.studies.engines.compute import Accident, compute, why_not
 from wirerope_mj.studies.measures import measures
@@ -168,14 +169,14 @@ def test_a_study_that_is_there_is_neither_overwritten_nor_mistaken_for_another(a
         table_study(duration=0.06).run(folder, resume=True)
     asked = table_study(question="Which mount?", name="tolerances")
     assert asked.run(folder, resume=True).message == alone.message  # nothing is missing
-    here = study_folder.versions()
+    here = inputs_file.versions()
     complete = (folder / study_folder.TABLE).read_bytes()
     for name, message in (
         ("code", "the code of wirerope-mj has changed since this study began, and one table would hold rows of both"),
         ("mujoco", f"this study began with mujoco {here['mujoco']} and would go on with 99.0: one table"),
     ):
         with monkeypatch.context() as patch:
-            patch.setattr(study_folder, "versions", lambda name=name: {**here, name: "99.0"})
+            patch.setattr(inputs_file, "versions", lambda name=name: {**here, name: "99.0"})
             assert table_study().run(folder, resume=True).message == alone.message  # of one table, nothing is mixed
             (folder / study_folder.TABLE).unlink()
             with pytest.raises(wr.RecordError, match=f"{message}.* Nothing in it was touched.*--force"):
@@ -264,7 +265,7 @@ def test_a_study_of_a_record_and_of_a_text_holds_all_it_needs(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"engine": "cloud"}, "`engine` must be one of local, dask, got 'cloud'"),
+        ({"engine": "cloud"}, "`engine` must be one of 'local', 'dask', got 'cloud'"),
         ({"workers": 0}, "`workers` must be an integer >= 1, got 0"),
         ({"address": "tcp://here:1"}, "`address` is for an engine with a cluster"),
     ],
