@@ -45,7 +45,7 @@ def test_resuming_prints_the_front_again(done, capsys):
     assert "knee" in out
     assert "given" in out
     for row in result.front.to_pylist():
-        assert f"{100.0 * row['travel']:.4g}" in out
+        assert f"{100.0 * row['travel']:.3g}" in out
 
 
 def test_a_search_without_a_design_within_its_limits_says_which_is_nearest(done, capsys):

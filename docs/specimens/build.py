@@ -8,7 +8,7 @@ import numpy as np
 
 import wirerope_mj as wr
 from wirerope_mj.foundation.resources import catalogue_folder
-from wirerope_mj.mounts.identification import Specimens, identify_specimens, joint_spread
+from wirerope_mj.mounts.identification import SpecimenFits, identify_specimens, joint_spread
 from wirerope_mj.mounts.isolator import Provenance
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
@@ -34,7 +34,7 @@ def main() -> None:
     print(f"written: {path}")
 
 
-def identified() -> tuple[wr.Isolator, dict[str, Specimens]]:
+def identified() -> tuple[wr.Isolator, dict[str, SpecimenFits]]:
     """Return the isolator with its spread, and what was found on every axis."""
     origin = wr.load_isolator(catalogue_folder() / f"{ORIGIN}.toml")
     twins = made(origin, scatter())
@@ -78,7 +78,7 @@ def _scaled(origin: wr.Isolator, size: float, rope: float, friction: float) -> w
     return wr.Isolator(name=origin.name, **laws)
 
 
-def _found(axis: str, origin: wr.Isolator, laws: list) -> Specimens:
+def _found(axis: str, origin: wr.Isolator, laws: list) -> SpecimenFits:
     travel = origin.limits.travel
     rated = {"axial": travel.compression, "shear": travel.shear, "roll": travel.roll}[axis]
     tests = []
