@@ -23,9 +23,9 @@ def test_identification_runs_from_a_record_to_an_isolator(tmp_path, monkeypatch,
     monkeypatch.chdir(tmp_path)
     names = {}
     exec(compile(blocks("docs/identification.md"), "identification.md", "exec"), names)
-    found, device = names["found"], names["device"]
+    fit, device = names["fit"], names["device"]
     for name, value in (("z_max", 800.0), ("x_y", 2e-3), ("sigma", 0.7), ("n", 1.4), ("k", 5e4)):
-        p = found.parameters[name]
+        p = fit.parameters[name]
         assert abs(p.value - value) < 3.0 * p.standard_error, name
     assert names["table"].best.law == "bouc-wen"
     assert names["both"].parameters["sigma"].standard_error < 0.5 * names["tips"].parameters["sigma"].standard_error

@@ -154,6 +154,6 @@ def test_what_is_kept_does_not_change_in_the_middle(alone, peaks, monkeypatch):
         table_study().run(alone.folder, resume=True)
     with pytest.raises(wr.RecordError, match="this study keeps peaks; go on with it with --keep peaks"):
         table_study().run(peaks.folder, resume=True, keep="responses")
-    with pytest.raises(ValueError, match="`keep` must be one of peaks, responses, got 'all'"):
+    with pytest.raises(ValueError, match="`keep` must be one of 'peaks', 'responses', got 'all'"):
         table_study().run(peaks.folder, resume=True, keep="all")
     assert table_study().run(alone.folder, resume=True, keep="responses").message == "10 variants, none failed."
