@@ -85,10 +85,10 @@ def test_a_shock_is_judged_from_python(capsys):
     assert names["verdict"].verdict == "not judged"  # the last of the random ones: nobody limits it
     steady = (names["shaking"].time >= 3.0) & (names["shaking"].time <= 18.0)  # two seconds of rise, two of fall
     by_hand = names["history"][steady].std()
-    rms = [v.value for v in names["judge_random"](names["shaking"]) if v.criterion == "rms acceleration along z"]
+    rms = [v.value for v in wr.judge_random(names["shaking"]) if v.criterion == "rms acceleration along z"]
     assert rms == pytest.approx([by_hand] * 2, rel=0.01)  # block and its top; settled a little sooner or later
     stretch = {"subject": "block", "discard": names["full"] + 1.0, "end": names["falls"]}
-    given = names["random_verdicts"](names["shaking"].time, names["history"], **stretch)[0]
+    given = wr.random_verdicts(names["shaking"].time, names["history"], **stretch)[0]
     assert given.value == pytest.approx(by_hand, rel=1e-9)
     assert "standard error" in capsys.readouterr().out
 
