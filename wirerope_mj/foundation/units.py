@@ -33,7 +33,7 @@ _SHOWN = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "m/s^2": ("g", 1.0 / STANDARD_GRA
 _PER_SI = {
     "mm": 1e3, "ms": 1e3, "mrad": 1e3, "kN": 1e-3, "kN/m": 1e-3, "N/mm": 1e-3, "MB": 1e-6, "%": 100.0,
 }  # fmt: skip
-"""How many of a displayed unit one SI unit is; the g is a divisor, so that integers of it stay integers."""
+"""Displayed units to one SI unit; the g is a divisor, so that integers of it stay integers."""
 
 
 def shown_in(unit: str) -> tuple[str, float]:

@@ -49,7 +49,7 @@ class DesignSpectrum:
 
     @property
     def corner_frequencies(self) -> tuple[float, float]:
-        """Where the branches meet [Hz]: f1 = v0/(2 pi d0) and f2 = a0/(2 pi v0)."""
+        """Frequencies at which the branches meet [Hz]: f1 = v0/(2 pi d0) and f2 = a0/(2 pi v0)."""
         low = self.velocity / (2 * math.pi * self.displacement)
         return low, self.acceleration / (2 * math.pi * self.velocity)
 

@@ -73,7 +73,7 @@ class BaseMotion(ABC):
     @property
     @abstractmethod
     def events(self) -> tuple[tuple[float, str], ...]:
-        """What happens when: instants [s] and short texts, in order of time."""
+        """Events: instants [s] and short texts, in order of time."""
 
     @property
     @abstractmethod

@@ -19,7 +19,7 @@ EN1998_TYPE_1 = {
 may have others."""
 
 LONGEST_PERIOD = 4.0
-"""Where the shape of EN 1998-1 ends [s]."""
+"""Longest period of the shape of EN 1998-1 [s]."""
 
 AC156_FREQUENCIES = (1.3, 8.3, 33.3)
 """Ends of the plateau and of the slope of ICC-ES AC156 [Hz]."""

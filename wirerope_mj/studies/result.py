@@ -119,7 +119,7 @@ class StudyResult(Summarised):
 
     @property
     def is_sampled(self) -> bool:
-        """Whether the variants were sampled at random, so that ratios of them are probabilities."""
+        """True if the variants were sampled at random, so that ratios of them are probabilities."""
         return self.study.sampling not in LISTED
 
     def worst(self, measure: str = "travel", count: int = 10) -> pa.Table:

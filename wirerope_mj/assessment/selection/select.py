@@ -48,7 +48,7 @@ class Candidate:
 
     @property
     def impulse_holds(self) -> bool:
-        """Whether the pulse is short enough to count by its velocity change; if not, its values are on the safe side."""
+        """True if the pulse is short enough to count by its velocity change; if not, its values are on the safe side."""
         return self.impulse < IMPULSE
 
     @property

@@ -37,7 +37,7 @@ class Level:
 
     @property
     def complete(self) -> bool:
-        """Whether the branch, if there is one, reached the end of the range."""
+        """True if the branch, if there is one, reached the end of the range."""
         return self.branch is None or self.branch.complete
 
 
@@ -52,7 +52,7 @@ class FrequencyResponse:
 
     @property
     def complete(self) -> bool:
-        """Whether every branch reached the end of the range."""
+        """True if every branch reached the end of the range."""
         return all(level.complete for level in self.levels)
 
     @property

@@ -42,7 +42,7 @@ class TippingStability:
 
     @property
     def stable(self) -> bool:
-        """Whether every displacement is brought back."""
+        """True if every displacement is brought back."""
         return self.smallest_eigenvalue > 0.0
 
     @property

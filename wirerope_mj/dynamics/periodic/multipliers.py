@@ -43,7 +43,7 @@ class FloquetStability:
 
     @property
     def stable(self) -> bool:
-        """Whether no multiplier lies outside the unit circle."""
+        """True if no multiplier lies outside the unit circle."""
         return bool((np.abs(self.multipliers) <= 1.0 + MARGIN).all())
 
 

@@ -22,7 +22,7 @@ HALVINGS, TERMS = 4, 18
 """Of the series of an exponential: what is left out of a norm of 10 is 1e-20."""
 
 LOWEST_FREQUENCY = 1.0
-"""Where the default frequencies begin [Hz], below what equipment on isolators answers with."""
+"""First of the default frequencies [Hz], below what equipment on isolators answers with."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -32,7 +32,7 @@ class MotionSettings:
 
     @property
     def turns(self) -> bool:
-        """Whether the direction varies."""
+        """True if the direction varies."""
         return self.azimuth is not None or self.elevation is not None
 
     def motion(self, motions: Sequence[BaseMotion]) -> BaseMotion:

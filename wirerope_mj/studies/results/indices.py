@@ -62,7 +62,7 @@ class SobolIndices:
 
     @property
     def too_few(self) -> bool:
-        """Whether the rows are too few to say anything: intervals of total indices are wide, or indices are none."""
+        """True if the rows are too few to say anything: intervals of total indices are wide, or indices are none."""
         return any(one.reach > _WIDE for one in self.factors) or any(
             not -_BEYOND <= index <= 1.0 + _BEYOND for one in self.factors for index in (one.first, one.total)
         )

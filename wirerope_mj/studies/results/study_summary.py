@@ -52,7 +52,7 @@ class Statistics:
 
     @property
     def beyond_text(self) -> str:
-        """How often the limit is exceeded: "88 of 325 (34 %)"; "" without a limit."""
+        """Count of variants beyond the limit: "88 of 325 (34 %)"; "" without a limit."""
         return "" if self.beyond is None else exceedance_text(self.beyond, self.ratio)
 
 
