@@ -1,4 +1,4 @@
-"""Options that are integers: 4.5 is refused, not cut to 4."""
+"""Options that are integers: 4.5 is refused, not truncated."""
 
 from collections.abc import Sequence
 from typing import Annotated, Any, get_origin
@@ -20,7 +20,7 @@ def integers(hint: Any, tokens: Sequence[Token]) -> int | list[int]:
 
 
 Integer = Annotated[int, Parameter(converter=integers)]
-"""An integer."""
+"""Option that accepts an integer."""
 
 Integers = Annotated[list[int], Parameter(consume_multiple=True, negative=(), converter=integers)]
-"""One or several of them."""
+"""Option that accepts one integer or several."""

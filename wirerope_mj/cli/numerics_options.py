@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from wirerope_mj.cli.file_options import own_option
+from wirerope_mj.cli.function_options import own_option
 from wirerope_mj.foundation.arguments import positive
 
 ACCURACY = "error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default"

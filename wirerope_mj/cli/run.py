@@ -8,7 +8,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from wirerope_mj.cli.file_options import own_option, run_with_options
+from wirerope_mj.cli.function_options import own_option, run_with_options
 from wirerope_mj.cli.numerics_options import NUMERICS, with_numerics
 from wirerope_mj.cli.tables import print_questions, print_run
 from wirerope_mj.runs.scenario import load_scenario, shipped_scenarios

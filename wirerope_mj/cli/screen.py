@@ -1,4 +1,4 @@
-"""The screen: its console, on which no text can move the cursor, and tables on it."""
+"""The screen: a console on which control characters and emoji codes in texts are harmless, and tables on it."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -14,13 +14,13 @@ from wirerope_mj.foundation.tables import Table
 WIDTH = 120
 """Width of tables where there is no terminal to fit them into [characters]."""
 
-_ROOMY = 100  # characters below which columns move together
+_ROOMY = 100  # characters below which columns have no padding
 _LONG = 16  # characters of a heading above numbers that stands on several lines
 _STYLES = {"exceeded": "bold red", "near": "yellow", "quiet": "dim", "strong": "bold"}
 
 
 class _Screen(Console):
-    """A console on which no text can move the cursor, colour what follows or become a picture."""
+    """A console on which control characters, markup and emoji codes in texts are made harmless."""
 
     def render_str(self, text: str, **options: Any) -> Text:
         """Return text for the screen, its invisible characters spelled out; all that is printed passes here."""
@@ -28,7 +28,7 @@ class _Screen(Console):
 
 
 def console() -> Console:
-    """Return where tables are printed: as wide as the terminal, or as `WIDTH`."""
+    """Return the console for tables: as wide as the terminal, or as `WIDTH`."""
     screen = _Screen(highlight=False, emoji=False)
     return screen if screen.is_terminal else _Screen(highlight=False, emoji=False, width=WIDTH)
 

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-from wirerope_mj.cli.file_options import own_option, run_with_options
+from wirerope_mj.cli.function_options import own_option, run_with_options
 from wirerope_mj.cli.screen import console
 from wirerope_mj.cli.study_run import compute_and_print
 from wirerope_mj.cli.tables import print_questions

@@ -24,11 +24,11 @@ _CYCLES = 2.0
 """Periods of the shock stiffness simulated after the shock: the first swing and the rebound hold the extremes."""
 
 _ACCURACY = 1e-3
-"""Error of the peaks [-]: the row's values are good to two digits."""
+"""Error of the peaks [-]: the table's values are good to two digits."""
 
-_ROOT = float(np.sqrt(0.5))
+_SQRT_HALF = float(np.sqrt(0.5))
 
-_ALONG = {"compression": (0.0, 0.0, 1.0), "45": (_ROOT, 0.0, _ROOT), "shear": (0.0, 1.0, 0.0)}
+_MODE_DIRECTIONS = {"compression": (0.0, 0.0, 1.0), "45": (_SQRT_HALF, 0.0, _SQRT_HALF), "shear": (0.0, 1.0, 0.0)}
 """Direction in the mount's axes from its base to the payload: axial, between axial and roll, along the bars."""
 
 _MODEL = """\
@@ -93,13 +93,13 @@ class SimulatedShock:
 
 
 def simulate_candidate(candidate: Candidate, worksheet: Worksheet) -> SimulatedShock:
-    """Return the simulated shock of a candidate: a guided mass, settled under its weight, on the isolator of its row.
+    """Return the simulated shock of a candidate: a guided mass, settled under its weight, on the isolator fitted to it.
 
     All mounts move alike, so one with its share of the mass stands for them.
 
     Raises:
         ModelError: the row has no stiffnesses to fit.
-        ConvergenceError: no law has them all, or there is no equilibrium under the weight.
+        ConvergenceError: no law fits all stiffnesses of the row, or there is no equilibrium under the weight.
         SimulationError: the run failed.
     """
     isolator = fit_part(candidate.part)
@@ -108,30 +108,32 @@ def simulate_candidate(candidate: Candidate, worksheet: Worksheet) -> SimulatedS
             raise ModelError(
                 f"{candidate.part.name}: the table does not state travel and stiffnesses in {axis}; nothing to fit."
             )
-    shock = _struck(worksheet)
+    shock = _shock_along_mode(worksheet)
     seconds = _START + shock.duration + _CYCLES / candidate.shock_frequency
     response = simulate(
         _system(isolator, worksheet), shock, duration=seconds, accuracy=_ACCURACY, sample_rate=4000.0
     )  # a sample every quarter of a millisecond: a mount of 50 Hz has 80 of them in a period
-    return _judged(candidate, isolator, worksheet, response)
+    return _simulated_shock(candidate, isolator, worksheet, response)
 
 
-def _judged(candidate: Candidate, isolator: Isolator, worksheet: Worksheet, response: Response) -> SimulatedShock:
-    """Return the peaks of a run, and their verdicts."""
+def _simulated_shock(
+    candidate: Candidate, isolator: Isolator, worksheet: Worksheet, response: Response
+) -> SimulatedShock:
+    """Return sag, travel and acceleration of a run, and their verdicts."""
     deflection = response.mounts["m1"].deflection
-    along = deflection @ np.array(_ALONG[worksheet.direction])
-    sides = (-along).max() if worksheet.direction == "compression" else np.abs(along).max()
+    along = deflection @ np.array(_MODE_DIRECTIONS[worksheet.direction])
+    deflected = float((-along).max() if worksheet.direction == "compression" else np.abs(along).max())
     travel = float(np.abs(along - along[0]).max())
     acceleration = response.peaks.bodies["payload"].acceleration.value
     rated = candidate.part.modes[worksheet.direction].travel
     return SimulatedShock(
         candidate=candidate,
         isolator=isolator,
-        sag=float(-deflection[0] @ np.array(_ALONG[worksheet.loading])),
+        sag=float(-deflection[0] @ np.array(_MODE_DIRECTIONS[worksheet.loading])),
         travel=travel,
-        deflection=float(sides),
+        deflection=deflected,
         acceleration=acceleration,
-        verdicts=_verdicts(candidate.part, rated, worksheet, float(sides), travel, acceleration),
+        verdicts=_verdicts(candidate.part, rated, worksheet, deflected, travel, acceleration),
         response=response,
     )
 
@@ -152,19 +154,21 @@ def _verdicts(
 
 def _system(isolator: Isolator, worksheet: Worksheet) -> System:
     """Return one mount upright with its share of the mass; gravity turns with the loading mode instead of the mount."""
-    ways = dict.fromkeys((worksheet.loading, worksheet.direction))
-    joints = [f'<joint name="payload_{way}" type="slide" axis="{_numbers(_ALONG[way])}"/>' for way in ways]
+    modes = dict.fromkeys((worksheet.loading, worksheet.direction))
+    joints = [
+        f'<joint name="payload_{mode}" type="slide" axis="{_numbers(_MODE_DIRECTIONS[mode])}"/>' for mode in modes
+    ]
     text = _MODEL.format(
-        gravity=_numbers(-worksheet.gravity * np.array(_ALONG[worksheet.loading])),
+        gravity=_numbers(-worksheet.gravity * np.array(_MODE_DIRECTIONS[worksheet.loading])),
         joints="\n      ".join(joints),
         mass=worksheet.mass / worksheet.mounts,
     )
     return load_system(text, isolators={"part": isolator})
 
 
-def _struck(worksheet: Worksheet) -> Shock:
+def _shock_along_mode(worksheet: Worksheet) -> Shock:
     """Return the shock of the base against the payload along its mode."""
-    direction = _ALONG[worksheet.direction]
+    direction = _MODE_DIRECTIONS[worksheet.direction]
     if isinstance(worksheet.shock, VelocityStep):
         return VelocityStep(velocity=worksheet.velocity, direction=direction, start=_START)
     return replace(worksheet.shock, peak=abs(worksheet.shock.peak), direction=direction, start=_START)

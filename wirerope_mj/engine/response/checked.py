@@ -53,8 +53,8 @@ def check_content(content: Any, columns: Sequence[str]) -> None:
 
 
 def _checked_plan(content: Mapping[str, Any]) -> ColumnPlan:
-    for room in ("bodies", "points"):
-        _list(_text)(room, content[room])
+    for group in ("bodies", "points"):
+        _list(_text)(group, content[group])
     _list(_row(_text, _list(_state_name)))("mounts", content["mounts"])
     mounts = [(name, tuple(states)) for name, states in content["mounts"]]
     plan = ColumnPlan(bodies=content["bodies"], points=content["points"], mounts=mounts)
@@ -66,9 +66,9 @@ def _checked_plan(content: Mapping[str, Any]) -> ColumnPlan:
 def _check_peaks(peaks: Any, plan: ColumnPlan) -> None:
     _table("peaks", peaks, KINDS)
     names = {"bodies": plan.bodies, "points": plan.points, "mounts": [name for name, _ in plan.mounts]}
-    for room, kind in KINDS.items():
-        _table(f"peaks.{room}", peaks[room], names[room], known=names[room])
-        _values(_record(kind))(f"peaks.{room}", peaks[room])
+    for group, kind in KINDS.items():
+        _table(f"peaks.{group}", peaks[group], names[group], known=names[group])
+        _values(_record(kind))(f"peaks.{group}", peaks[group])
     if peaks.get("contacts") is not None:  # older responses have none
         _values(_record(ContactPeak))("peaks.contacts", peaks["contacts"])
 
@@ -80,7 +80,7 @@ def _check_scene(scene: Any, plan: ColumnPlan) -> None:
         mounts=_list(_mount),
         limits=_list(_limit),
     )("scene", scene)
-    bodies, mounts = ([entry["name"] for entry in scene[room]] for room in ("bodies", "mounts"))
+    bodies, mounts = ([entry["name"] for entry in scene[group]] for group in ("bodies", "mounts"))
     if not all(bodies.count(name) == 1 for name in plan.bodies):  # bodies without a name may be several
         raise ValueError(f"`scene.bodies` must name each of {', '.join(plan.bodies)} once, got {', '.join(bodies)}.")
     if sorted(mounts) != sorted(name for name, _ in plan.mounts):

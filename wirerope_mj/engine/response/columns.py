@@ -43,8 +43,8 @@ class ColumnPlan:
         """Column names: time, base, bodies, points, mounts."""
         names = ["time"]
         names += [f"base/{part}/{c}" for part in BASE for c in _XYZ]
-        for room, members, parts in (("bodies", self.bodies, _KINEMATICS), ("points", self.points, _POINT)):
-            names += [f"{room}/{m}/{part}/{c}" for m in members for part, cs in parts for c in cs]
+        for group, members, parts in (("bodies", self.bodies, _KINEMATICS), ("points", self.points, _POINT)):
+            names += [f"{group}/{m}/{part}/{c}" for m in members for part, cs in parts for c in cs]
         for mount, states in self.mounts:
             names += [f"mounts/{mount}/{part}/{c}" for part in ("deflection", "force") for c in AXES]
             names += [f"mounts/{mount}/state/{state}" for state in states]

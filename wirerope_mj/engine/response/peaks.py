@@ -1,4 +1,4 @@
-"""Peaks of a response: every step is looked at, and an extreme is refined by the parabola through three steps."""
+"""Peaks of a response: largest norm, extremes of the components, and their instants."""
 
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -105,11 +105,11 @@ class Peaks:
         """Return the peaks as plain values."""
         contacts = self.contacts
         return {
-            room: {
+            group: {
                 name: {key: peak.to_list() for key, peak in vars(entry).items()}
-                for name, entry in getattr(self, room).items()
+                for name, entry in getattr(self, group).items()
             }
-            for room in KINDS
+            for group in KINDS
         } | {"contacts": None if contacts is None else {name: pair.to_dict() for name, pair in contacts.items()}}
 
     @classmethod
@@ -118,11 +118,11 @@ class Peaks:
         contacts = content.get("contacts")  # older responses have none
         return cls(
             **{
-                room: {
+                group: {
                     name: kind(**{key: Peak.from_list(numbers) for key, numbers in entry.items()})
-                    for name, entry in content[room].items()
+                    for name, entry in content[group].items()
                 }
-                for room, kind in KINDS.items()
+                for group, kind in KINDS.items()
             },
             contacts=None if contacts is None else {n: ContactPeak.from_dict(pair) for n, pair in contacts.items()},
         )

@@ -1,4 +1,4 @@
-"""Commands whose options are those of a Python file, and some of their own."""
+"""Command-line options made from the signature of a scenario's or a study's function."""
 
 import inspect
 from collections.abc import Callable, Sequence
@@ -9,9 +9,9 @@ from cyclopts import App, Parameter
 from wirerope_mj.cli.integers import integers
 
 
-def own_option(name: str, kind: Any, default: Any, text: str, **more: Any) -> inspect.Parameter:
+def own_option(name: str, kind: Any, default: Any, help_text: str, **parameter_options: Any) -> inspect.Parameter:
     """Return an option of the command itself: its name, type, default, and what --help says."""
-    annotation = Annotated[kind, Parameter(help=text, **more)]
+    annotation = Annotated[kind, Parameter(help=help_text, **parameter_options)]
     return inspect.Parameter(
         name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=_integer(annotation, kind)
     )
@@ -38,7 +38,7 @@ def run_with_options(
         function: of the file; its docstring says what its options are.
         own: options of the command itself, of other names.
         action: is given the values of the function's options and of the command's own.
-        tokens: behind the file's name on the command line.
+        tokens: after the file's name on the command line.
     """
 
     def command(**options: Any) -> None:
