@@ -45,6 +45,7 @@ def end(process, number):
     process.communicate(timeout=30.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stage", "kept"), [("writing", "old"), ("between", "old"), ("removing", "new")])
 def test_what_a_killed_process_left_beside_a_folder_is_put_right(tmp_path, stage, kept):
     folder = tmp_path / "run[1].a"  # letters that mean something in patterns

@@ -180,6 +180,7 @@ def test_the_variational_equation_gives_the_columns_integrated_one_by_one():
     assert np.abs(columns - quick).max() < 6e-3 * np.abs(columns).max()
 
 
+@pytest.mark.slow
 def test_a_branch_that_is_interrupted_goes_on_from_its_last_point(tmp_path, monkeypatch):
     system = sdof(HARDENING, mass=1.0)
     asked = {"start": 0.2, "stop": 0.5, "acceleration": 1.0, "largest_step": 0.05, **ALONG}

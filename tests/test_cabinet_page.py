@@ -32,6 +32,7 @@ def along_x(page):
     return dict(zip(names, np.array(page["along_x"][1:]), strict=True))
 
 
+@pytest.mark.slow
 def test_the_tables_are_what_the_script_computes(page):
     assert TABLES["rewritten"](PAGE, page["tables"]) == PAGE
 

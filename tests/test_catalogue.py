@@ -138,6 +138,7 @@ def test_secant_at_the_rated_travel_is_the_shock_stiffness(name):
         assert -force_at(part.shear, -travel) / travel == pytest.approx(shear, rel=EXACT)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", STIFFNESS)
 def test_damping_ratio_at_1_mm_lies_inside_the_vendors_range_on_all_axes(name):
     part, stated = isolator(name), read_datasheet(SHEETS[name])
@@ -153,6 +154,7 @@ def fit_of_line(x, y):
     return np.corrcoef(x, y)[0, 1] ** 2
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", STIFFNESS)
 def test_stiffness_is_linear_in_1_over_amplitude(name):
     # As measured on a rope in compression (Adv. Mech. Eng. 2021, 16878140211028058).
@@ -188,6 +190,7 @@ def test_force_deflection_points_are_met(name):
     assert force_at(part.shear, travel) == pytest.approx(shock, rel=0.05)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", SHEETS)
 def test_both_sags_under_the_rated_load_stay_within_the_rated_travel(name):
     part = isolator(name)
@@ -267,6 +270,7 @@ def test_shaker_isolator_resonates_at_36_2_hz_at_half_a_g():
     assert 4.0 < peak / (0.5 * STANDARD_GRAVITY) < 8.0
 
 
+@pytest.mark.quick
 def test_shaker_resonance_moves_left_as_the_level_rises():
     law = isolator("sdof_36hz").axial
     weak, _ = resonance(law, 0.25, np.arange(36.8, 38.5, 0.2))
@@ -297,6 +301,7 @@ def test_of_more_than_two_secants_the_largest_error_is_the_least():
     assert np.sign(errors).tolist() == [-1.0, 1.0, -1.0]
 
 
+@pytest.mark.quick
 def test_damping_out_of_reach_is_said_with_what_can_be_reached():
     stated = tuple(figure.secant for figure in two_stiffnesses(0.04, 600e3, 300e3))
     with pytest.raises(ConvergenceError, match=r"damping ratio of 0\.6 .* damping ratios reach 0\.\d+ to 0\.\d+"):
@@ -325,6 +330,7 @@ def test_table_judges_any_isolator_against_a_sheet():
     assert shock.error > 0.5  # a far stiffer mount
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

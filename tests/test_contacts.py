@@ -144,6 +144,7 @@ def test_contacts_come_back_from_the_file_and_older_files_have_none(struck, tmp_
     assert contact_verdicts(old) == ()
 
 
+@pytest.mark.slow
 def test_the_command_says_struck_stops_in_every_output(tmp_path):
     scenario = (
         (scenarios_folder() / "shock_table.py").read_text().replace("shock_table.xml", "shock_table_contacts.xml")

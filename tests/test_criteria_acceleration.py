@@ -27,6 +27,7 @@ def floor():
     return floor_response()
 
 
+@pytest.mark.quick
 def test_without_a_limit_nothing_is_judged(floor):
     found = acceleration_verdicts(floor)
     assert [v.subject for v in found] == ["floor", "rack_0", "rack_1", "rack_top"]  # the base is what shakes
@@ -46,6 +47,7 @@ def test_one_value_judges_the_size_of_the_vector(floor):
         assert verdict.margin == pytest.approx(allowed / peak.value - 1.0)
 
 
+@pytest.mark.quick
 def test_three_values_judge_the_components_and_zero_judges_nothing(floor):
     peak = floor.peaks.points["rack_top"].acceleration
     largest = np.maximum(-peak.minimum, peak.maximum)
@@ -58,6 +60,7 @@ def test_three_values_judge_the_components_and_zero_judges_nothing(floor):
         assert verdict.time == when[axis]
 
 
+@pytest.mark.quick
 def test_the_limits_of_the_model_are_taken_by_themselves(floor):
     scene = replace(
         floor.scene, limits=(limit("floor", 1.0), PayloadLimit(kind="clearance", name="rack_top", values=(1, 1, 1)))
@@ -74,6 +77,7 @@ def test_a_limit_of_nothing_is_an_error(floor):
         acceleration_verdicts(floor, [limit("deck", 10.0)])
 
 
+@pytest.mark.quick
 def test_a_free_payload_on_a_spring_is_judged_by_its_closed_form():
     """A slow sine of the base moves a mass on a stiff spring along: its acceleration is a / (1 - r^2) plus what rings."""
     mass, k, zeta = 4.0, 4.0e5, 0.3
@@ -95,6 +99,7 @@ def test_a_free_payload_on_a_spring_is_judged_by_its_closed_form():
     assert "below 20 Hz" in found["mass", "acceleration"].note
 
 
+@pytest.mark.quick
 def test_a_filter_takes_what_is_above_it(floor):
     plain = by_name(acceleration_verdicts(floor))["floor", "acceleration"].value
     slow = by_name(acceleration_verdicts(floor, cutoff=15.0))["floor", "acceleration"].value
@@ -105,6 +110,7 @@ def test_a_filter_takes_what_is_above_it(floor):
         acceleration_verdicts(floor, cutoff=600.0)
 
 
+@pytest.mark.quick
 def test_limits_written_in_the_model_judge_its_run(tmp_path):
     """A free box (no gravity, no mount moves it) that a shock leaves alone is within; what it rides on is not asked."""
     sites = '<site name="p" pos="0 0 -.1"/><site name="point/lid" pos="0 0 .1"/>'

@@ -26,6 +26,7 @@ def floor():
     return floor_response()
 
 
+@pytest.mark.quick
 def test_a_point_is_judged_in_both_directions_of_every_axis(floor):
     peak = floor.peaks.points["rack_top"].relative_displacement
     found = by_name(rattle_verdicts(floor, [clearance("rack_top", 0.5, 0.0, 1.01 * peak.maximum[2])]))
@@ -40,6 +41,7 @@ def test_a_point_is_judged_in_both_directions_of_every_axis(floor):
     assert down.time == peak.minimum_time[2]
 
 
+@pytest.mark.quick
 def test_six_values_are_one_for_each_direction(floor):
     found = by_name(rattle_verdicts(floor, [clearance("rack_top", 0.1, 0.2, 0.3, 0.4, 0.5, 0.6)]))
     limits = [found["rack_top", f"rattle space along {side}"].limit for side in ("-x", "+x", "-y", "+y", "-z", "+z")]
@@ -54,6 +56,7 @@ def test_without_a_clearance_the_largest_displacement_is_stated_and_not_judged(f
     assert {v.verdict for v in found.values()} == {"not judged"}
 
 
+@pytest.mark.quick
 def test_corners_move_with_the_body_and_its_rotation(floor):
     body = next(body for body in floor.scene.bodies if body.name == "rack_0")
     corners = body_corners(body)
@@ -72,6 +75,7 @@ def test_corners_move_with_the_body_and_its_rotation(floor):
     assert least <= side.value <= 1.001 * least  # the parabola between samples of 1 ms
 
 
+@pytest.mark.quick
 def test_a_tilt_moves_the_far_corner_by_its_arm():
     """At rest but for a tilt of 0.01 about y: a corner 1.5 m along x and 0.5 m up moves by (0.5, 0, -1.5) times that."""
     floor = floor_response(equipment=0, rows=50)  # nothing happens before 50 ms
@@ -85,6 +89,7 @@ def test_a_tilt_moves_the_far_corner_by_its_arm():
     np.testing.assert_allclose(found[0], [0.005, 0.0, -0.015], atol=1e-4)  # 1.5 times 0.01^2 / 2
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("shape", "size", "half"),
     [
@@ -112,6 +117,7 @@ def test_a_mesh_has_the_box_of_its_vertices(floor):
     np.testing.assert_allclose(corners.min(axis=0), [0.0, 0.0, 1.0])
 
 
+@pytest.mark.quick
 def test_a_clearance_of_nothing_is_an_error(floor):
     with pytest.raises(
         ValueError, match="'rack_9', which has no clearance here. There are: rack_top, floor, rack_0, rack_1"

@@ -19,6 +19,7 @@ def blocks(name, heading=""):
     return "\n".join(re.findall(r"```python\n(.*?)```", text[text.index(heading) :], flags=re.DOTALL))
 
 
+@pytest.mark.slow
 def test_identification_runs_from_a_record_to_an_isolator(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     names = {}
@@ -40,6 +41,7 @@ def test_readme_identifies_a_law(monkeypatch, capsys):
     assert "AsymmetricBoucWen(alpha=" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_frequency_response_runs_from_python(capsys):
     names = {}
     exec(compile(blocks("docs/frequency_response.md"), "frequency_response.md", "exec"), names)
@@ -76,6 +78,7 @@ def test_the_table_of_motions_names_every_motion():
     assert motions <= listed
 
 
+@pytest.mark.slow
 def test_a_shock_is_judged_from_python(capsys):
     names = {}
     exec(compile(blocks("docs/shock.md"), "shock.md", "exec"), names)
@@ -93,6 +96,7 @@ def test_a_shock_is_judged_from_python(capsys):
     assert "standard error" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_studies_run_into_a_folder(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     names = {}

@@ -74,6 +74,7 @@ def test_polynomials_of_the_coupling_mend_45_degrees_as_well():
     assert np.abs(errors).max() < 0.40
 
 
+@pytest.mark.quick
 def test_equilibria_over_the_rated_travels_are_stable():
     """No other shape in the plane has less energy nearby: the second variation is positive where the ends are kept."""
     for part in vendor_loops()[::7]:
@@ -93,6 +94,7 @@ def test_equilibria_over_the_rated_travels_are_stable():
             assert np.linalg.eigvalsh(kept.T @ second @ kept)[0] > 0.0, part.name
 
 
+@pytest.mark.quick
 def test_rope_held_by_the_bars_would_fit_worse():
     """Why the free rope begins in the middle of the bar: EI of one rope and 45 degrees scatter more with half a bar held."""
     checks = [check for check in check_vendor_loops() if check.part.rope == 0.0127]
@@ -137,6 +139,7 @@ def test_the_bands_hold_what_they_say():
     assert rope > part > 0.05  # an unknown rope is known less, and nothing is known to a few per cent
 
 
+@pytest.mark.quick
 def test_another_vendor_is_met_within_a_factor_of_two():
     errors = other_vendor_errors()
     assert len(errors["compression shock"]) == 21
@@ -144,6 +147,7 @@ def test_another_vendor_is_met_within_a_factor_of_two():
     assert np.abs(np.concatenate(list(errors.values()))).max() < np.log(2.0)
 
 
+@pytest.mark.quick
 def test_an_estimate_scales_with_its_loops_and_says_what_it_assumes():
     eight, six = estimate_loop(**WR16_400), estimate_loop(**WR16_400 | {"loops": 6})
     for name, value in eight.values.flat().items():
@@ -159,6 +163,7 @@ def test_an_estimate_scales_with_its_loops_and_says_what_it_assumes():
     assert spread[1] == eight.rotation[1] > 0.0
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -202,6 +207,7 @@ def test_the_command_prints_values_errors_and_writes_a_file(tmp_path, capsys):
     assert load_isolator(out).provenance.kind == "estimated"
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("change", "words"),
     [

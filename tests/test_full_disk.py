@@ -39,6 +39,7 @@ def limited(size, what, folder):
     return done.returncode, done.stderr
 
 
+@pytest.mark.slow
 def test_a_recording_that_finds_no_space_ends_with_an_error_and_leaves_nothing(tmp_path):
     code, told = limited(100_000, "recording", tmp_path)
     assert code == 1
@@ -47,6 +48,7 @@ def test_a_recording_that_finds_no_space_ends_with_an_error_and_leaves_nothing(t
 
 
 # Less than the model, than the samples, and than the recording.
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [2_000, 30_000, 500_000])
 def test_a_run_that_finds_no_space_is_one_message_and_nothing_is_left(tmp_path, size):
     code, told = limited(size, "run", tmp_path)

@@ -117,6 +117,7 @@ def test_a_hidden_folder_that_another_process_cleared_before_it_was_locked_is_ma
     assert names(tmp_path) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("force", [False, True])
 def test_of_two_writers_of_one_folder_the_second_is_told_so_before_it_works(tmp_path, writer, force):
     second = atomic_folder(tmp_path / "run-20240101", force=force, kind="run", marks=("mark",))

@@ -63,6 +63,7 @@ def modified(elastic, omega, level, **options):
     return harmonic_balance(law, mass=1.0, frequency=omega / TURN, acceleration=level, **options)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("beta", "gamma", "omega", "amplitude", "z", "energy"), PURE)
 def test_orbits_of_pure_bouc_wen_are_those_of_event_split_integration(beta, gamma, omega, amplitude, z, energy):
     orbit = pure(beta, gamma, omega)
@@ -161,6 +162,7 @@ def test_what_the_base_puts_in_the_law_takes_out_and_the_mass_hangs_on_it(law):
     assert orbit.coefficients[0].real < -0.05  # compression
 
 
+@pytest.mark.quick
 def test_a_symmetric_law_has_odd_harmonics_and_an_asymmetric_one_all():
     odd = pure(0.5, 0.5, 0.8).harmonics
     every = modified((0.5, 0.1, 0.05, 0.2), 0.8, 1.0).harmonics
@@ -191,6 +193,7 @@ def test_a_hardening_law_folds_and_has_three_motions_between_its_folds():
     assert [len(up.orbits_at(f)) for f in (0.99 * lower.frequency, 1.01 * upper.frequency)] == [1, 1]
 
 
+@pytest.mark.quick
 def test_a_search_that_fails_says_what_was_tried():
     with pytest.raises(
         ConvergenceError, match=r"no periodic motion with 3 harmonics .* from equivalent linearisation and from small"
@@ -198,6 +201,7 @@ def test_a_search_that_fails_says_what_was_tried():
         pure(0.5, 0.5, 0.8, harmonics=3, samples=64, tolerance=1e-30)  # below rounding
 
 
+@pytest.mark.quick
 def test_what_cannot_be_balanced_is_said():
     law, setting = BoucWen(alpha=1.0, beta=0.5, gamma=0.5, n=1.0), {"mass": 1.0, "frequency": 0.1, "acceleration": 0.3}
     with pytest.raises(ValueError, match="carries no weight"):

@@ -12,8 +12,6 @@ from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Verdict, he
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.summary import read_headline
 
-pytestmark = pytest.mark.quick
-
 
 def row(value=1.0, limit=2.0, **changes):
     return Verdict(criterion="travel in roll", subject="m1", value=value, limit=limit, unit="m", **changes)
@@ -33,6 +31,7 @@ def test_terminal_summary_report_recording_and_comparison_say_the_same_sentence(
     assert f"here: {sentence}" in " ".join(compared.split())
 
 
+@pytest.mark.slow
 def test_every_verdict_that_the_headline_counts_stands_in_the_summary(tmp_path):
     wirerope(
         "run",
@@ -58,6 +57,7 @@ def test_every_verdict_that_the_headline_counts_stands_in_the_summary(tmp_path):
     assert struck == pairs == 4
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("rows", "said"),
     [
@@ -81,6 +81,7 @@ def test_the_sentence_counts_what_is_exceeded_struck_and_not_judged(rows, said):
     assert headline(rows) == said
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("content", "said"),
     [

@@ -28,6 +28,7 @@ def synthetic():
         yield module
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("truth", [0, 1])
 @pytest.mark.parametrize("kind", LAWS, ids=lambda kind: getattr(kind, "name", None))
 def test_law_is_found_from_starts_within_a_factor_of_ten(synthetic, kind, truth):

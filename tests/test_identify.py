@@ -57,6 +57,7 @@ def test_a_known_law_comes_back_within_the_noise(truth):
         assert abs(parameter.value - expected[name]) < 4.0 * parameter.standard_error, (name, parameter, expected[name])
 
 
+@pytest.mark.quick
 def test_poor_start_is_rescued_by_the_grid():
     truth = TRUTHS[0]
     poor = wr.BoucWen.from_normalised(z_max=8.0, x_y=0.2, sigma=0.01, n=10.0, k=5e2)
@@ -89,6 +90,7 @@ def test_constraints_hold():
     assert values["beta<gamma"].value == pytest.approx(0.5, abs=1e-3)
 
 
+@pytest.mark.quick
 def test_bad_input_is_refused():
     loops = noisy_loops(TRUTHS[0], seed=5)
     with pytest.raises(ValueError, match="8 parameters are free .*3 different amplitudes are needed, 2 given"):
@@ -108,6 +110,7 @@ def test_bad_input_is_refused():
         wr.identify([clipped], law=wr.BoucWen)
 
 
+@pytest.mark.quick
 def test_a_parameter_that_moves_nothing_stops_the_fit_and_is_named():
     # The second element slips beyond every deflection tested: nothing tells where.
     start = wr.Masing(stiffness=[1e5, 1e5], slip_force=[1e2, 1e7], k=1e4)
@@ -115,6 +118,7 @@ def test_a_parameter_that_moves_nothing_stops_the_fit_and_is_named():
         wr.identify(noisy_loops(TRUTHS[0], seed=6), law=wr.Masing, start=start, grid=False)
 
 
+@pytest.mark.quick
 def test_a_loop_run_through_backwards_is_refused_and_a_thin_one_is_not():
     loops = noisy_loops(TRUTHS[0], seed=7)
     backwards = wr.Loop.from_samples(loops[0].deflection[::-1], loops[0].force[::-1])
@@ -129,6 +133,7 @@ def test_a_loop_run_through_backwards_is_refused_and_a_thin_one_is_not():
     assert np.isfinite(wr.identify([thin, *loops[1:]], law=wr.BoucWen, start=TRUTHS[0], grid=False).residual)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("least", "bound"), [(1e-2, 0.1772), (1e-3, 0.1115), (1e-4, 0.1)])
 def test_n_is_not_searched_for_below_what_the_least_amplitude_shows(least, bound):
     """ln 2 / ln(A_max / (0.02 A_min)): half of the slope at z = 0 is then lost within what its samples show."""
@@ -138,6 +143,7 @@ def test_n_is_not_searched_for_below_what_the_least_amplitude_shows(least, bound
         assert n.lower == pytest.approx(bound, abs=1e-4)
 
 
+@pytest.mark.quick
 def test_a_fit_of_a_gradual_law_names_its_range_and_what_it_does_not_show():
     """x_y (1/2)^(1/n) of the truth is 0.6 um, and 2 % of the least amplitude 40 um: samples cannot know alpha."""
     truth = wr.BoucWen.from_normalised(z_max=60.0, x_y=6e-4, sigma=0.7, n=0.1, k=1e5)

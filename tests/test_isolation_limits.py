@@ -107,6 +107,7 @@ def limits():
         yield isolation_limits
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", ["axial", "shear"])
 def test_the_catalogues_curves_are_those_of_work_and_energy(limits, axis):
     curves = limits.curves(axis)

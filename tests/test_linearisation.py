@@ -11,8 +11,6 @@ from wirerope_mj.dynamics.single_mass.simplified import simplified_peak
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, KelvinVoigt, SymmetricBoucWen, Zener
 
-pytestmark = pytest.mark.quick
-
 TURN = 2.0 * np.pi
 SOFT = BoucWen(alpha=1.0, beta=0.5, gamma=0.5, n=1.0)
 STIFF = SymmetricBoucWen(alpha=1.0, beta=0.5, gamma=-0.2, n=2.0, k1=1.0, k2=0.0, k3=0.5)
@@ -33,6 +31,7 @@ def test_a_spring_and_damper_is_answered_exactly():
     np.testing.assert_allclose(curve.damping_ratio[:, 0], omega * c / (2.0 * k), rtol=1e-12)
 
 
+@pytest.mark.quick
 def test_a_standard_solid_is_answered_with_its_dynamic_stiffness():
     law, omega = Zener(k0=200.0, k1=300.0, c=20.0), 12.0
     complex_stiffness = 200.0 + 300.0 * 1j * omega / (300.0 / 20.0 + 1j * omega)
@@ -42,6 +41,7 @@ def test_a_standard_solid_is_answered_with_its_dynamic_stiffness():
     assert omega * loop.damping == pytest.approx(complex_stiffness.imag, rel=1e-8)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("beta", "gamma", "n", "amplitude", "z", "work"),
     [
@@ -60,6 +60,7 @@ def test_spring_and_damper_are_those_of_the_closed_loop(beta, gamma, n, amplitud
     assert loop.damping_ratio == pytest.approx(work / (TURN * z * amplitude), rel=1e-5)
 
 
+@pytest.mark.quick
 def test_the_mean_force_carries_the_weight():
     loop = oscillator_at(TENSION, 0.5, frequency=1.0, weight=0.2)
     middle = oscillator_at(TENSION, 0.5, frequency=1.0)
@@ -81,6 +82,7 @@ def branch_of(law, level):
 MEASURED = [(SOFT, 0.3, 0.002, 0.002, 0.025), (STIFF, 0.6, 0.02, 0.002, 0.01), (TENSION, 0.3, 0.06, 0.006, 0.08)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("law", "level", "at_peak", "above", "below"), MEASURED, ids=["soft", "stiff", "asymmetric"])
 def test_its_distance_from_harmonic_balance_is_what_was_measured(law, level, at_peak, above, below):
     branch = branch_of(law, level)
@@ -178,6 +180,7 @@ def test_the_simplified_method_is_near_time_integration_of_a_shock():
     assert abs(peak.acceleration / acceleration - 1.0) < 0.02
 
 
+@pytest.mark.quick
 def test_what_cannot_be_estimated_is_said():
     with pytest.raises(ValueError, match="carries no weight"):
         equivalent_linear(SOFT, mass=1.0, frequencies=0.1, acceleration=0.3, gravity=9.81)

@@ -23,11 +23,13 @@ def ellipse(amplitude, point):
 FITS = [ellipse(amplitude, point) for amplitude in (1e-3, 4e-3, 12e-3) for point in POINTS]
 
 
+@pytest.mark.quick
 def test_operating_points_are_those_of_the_test_and_no_places_of_a_grid():
     titles = [panel.get_title() for panel in fit_figure(FITS, title="t").axes]
     assert [title.split(":")[0] for title in titles[:3]] == [f"±1 about {point} mm" for point in ("-5", "-0.3", "0")]
 
 
+@pytest.mark.quick
 def test_operating_points_are_told_apart_by_mark_and_colour():
     figure = measures_figure(FITS, title="t")
     (legend,) = figure.legends

@@ -155,6 +155,7 @@ def test_the_page_needs_nothing_but_itself(page):
     assert "@import" not in style
 
 
+@pytest.mark.quick
 def test_the_question_and_the_verdict_come_first(page, table):
     words = page.words
     verdicts = judge(wr.load_response(table))
@@ -314,6 +315,7 @@ def test_the_first_of_several_lines_lies_over_the_others_and_the_base_behind_the
     assert [line.get_label() for line in behind_first] == ["base", "block_top", "block"]
 
 
+@pytest.mark.quick
 def test_a_label_is_explained_only_where_it_is_drawn(finished):
     scene = finished.response.scene
 
@@ -350,6 +352,7 @@ def test_names_of_users_are_escaped_and_without_gravity_there_is_no_sag(tmp_path
     assert "relaxed" not in page.words
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("motion", "rate", "words"),
     [
@@ -439,6 +442,7 @@ def test_a_response_without_mounts_has_no_sections_about_them(finished):
     Page(report_html(content))
 
 
+@pytest.mark.quick
 def test_long_names_are_numbered_in_the_drawing(finished):
     scene = finished.response.scene
     long = "A-starboard_quarter_mount_1"
@@ -461,6 +465,7 @@ def test_long_names_in_legends_keep_what_tells_them_apart():
     assert short("$m_1$") == "$m_1$"  # pictures parse no formulas
 
 
+@pytest.mark.quick
 def test_a_long_response_is_thinned_to_its_extremes():
     from wirerope_mj.views.plots.report_image import thinned
 
@@ -475,6 +480,7 @@ def test_a_long_response_is_thinned_to_its_extremes():
     assert (instants[0], instants[-1]) == (time[0], time[-1])
 
 
+@pytest.mark.quick
 def test_pictures_show_samples_column_by_column(finished, monkeypatch):
     """A response of ten minutes is larger than memory: no more than a column may be asked for at once."""
     from wirerope_mj.views.report.motion import mounts_section, response_section

@@ -43,6 +43,7 @@ def everything(r):
     return r.samples.columns(0, len(r.samples.names))
 
 
+@pytest.mark.quick
 def test_shapes_and_names(response):
     n = response.time.size
     assert n == 251
@@ -134,6 +135,7 @@ def same(a, b):
     assert [body.name for body in a.scene.bodies] == [body.name for body in b.scene.bodies]
 
 
+@pytest.mark.quick
 def test_a_saved_response_comes_back_bit_by_bit(response, tmp_path):
     response.save(tmp_path / "run")
     loaded = wr.load_response(tmp_path / "run")
@@ -164,6 +166,7 @@ def test_a_loaded_response_reads_what_is_asked_for(response, tmp_path, monkeypat
     assert len(read) == 1
 
 
+@pytest.mark.quick
 def test_a_streamed_response_is_the_one_in_memory(system, tmp_path):
     settings = {"duration": 0.25, "timestep": 5e-5, "sample_rate": 20_000.0}
     memory = wr.simulate(system, SHOCK, **settings)
@@ -178,6 +181,7 @@ def test_a_streamed_response_is_the_one_in_memory(system, tmp_path):
         wr.load_response(tmp_path / "elsewhere")
 
 
+@pytest.mark.quick
 def test_a_run_goes_on_from_a_loaded_state(system, response, tmp_path):
     response.save(tmp_path)
     a, b = (
@@ -195,6 +199,7 @@ def test_a_damaged_file_is_named(response, tmp_path):
         wr.load_response(tmp_path)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("timestep", [2e-3, 1e-3])
 def test_peaks_are_refined_between_the_steps(timestep):
     """An undamped mass after a velocity step moves on x = -v/omega sin(omega t): its peaks are known."""
@@ -220,6 +225,7 @@ def test_peaks_are_refined_between_the_steps(timestep):
     assert acceleration.vector[2] == pytest.approx(np.sign(acceleration.vector[2]) * acceleration.value, rel=1e-12)
 
 
+@pytest.mark.quick
 def test_peaks_see_every_step_and_not_only_the_samples():
     system = sdof(LAW)
     runs = [

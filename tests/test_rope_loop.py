@@ -8,8 +8,6 @@ from wirerope_mj.mounts.rope_loop.elastica import LARGEST_REACH, RopeLoop
 from wirerope_mj.mounts.rope_loop.half_loop import HalfLoop
 from wirerope_mj.mounts.rope_loop.shape import LoopShape, loop_shape
 
-pytestmark = pytest.mark.quick
-
 WR16_400 = {"height": 0.089, "width": 0.105, "bar": 0.0196, "rope": 0.0127}
 SHAPE = loop_shape(**WR16_400)
 LOOP = RopeLoop(SHAPE)
@@ -17,6 +15,7 @@ ROUNDING = 1e-9
 """Relative: Newton stops at 1e-10 of the directions, and a force is the sum of two halves of opposite signs."""
 
 
+@pytest.mark.quick
 def test_a_ring_has_the_stiffness_of_castigliano():
     radius = 0.04
     stiffness = RopeLoop(LoopShape.ring(radius)).stiffness() * radius**3
@@ -25,6 +24,7 @@ def test_a_ring_has_the_stiffness_of_castigliano():
     assert stiffness[0, 0] == pytest.approx(4.0 / np.pi, rel=1e-6)
 
 
+@pytest.mark.quick
 def test_a_ring_turned_at_its_bar_has_the_stiffness_of_castigliano():
     """Moments and forces of a clamped half ring from its flexibility, integral of B^T B ds with B = (moment of unit loads)."""
     radius = 0.04
@@ -108,6 +108,7 @@ def test_the_force_is_the_gradient_of_the_energy(held):
         np.testing.assert_allclose(slope, force, rtol=0.0, atol=2e-6 * np.abs(force).max())
 
 
+@pytest.mark.quick
 def test_both_sides_of_roll_are_alike():
     roll, axial, turn = np.array([0.01, 0.03]), np.array([-0.05, 0.02]), np.array([0.1, -0.2])
     one, other = LOOP.state(roll, axial, turn), LOOP.state(-roll, axial, -turn)
@@ -117,6 +118,7 @@ def test_both_sides_of_roll_are_alike():
     np.testing.assert_allclose(one.moment, -other.moment, rtol=ROUNDING)
 
 
+@pytest.mark.quick
 def test_a_closed_path_costs_no_work():
     angle = np.linspace(0.0, 2.0 * np.pi, 65)
     roll, axial = 0.03 * np.sin(angle), -0.02 + 0.025 * np.cos(2.0 * angle)
@@ -128,6 +130,7 @@ def test_a_closed_path_costs_no_work():
     assert np.ptp(state.energy) > 0.1 * state.energy.max()  # there was work to lose
 
 
+@pytest.mark.slow
 def test_halving_the_elements_divides_the_error_by_64():
     """Cubic elements: energy, and with it the force, err by the sixth power of their size."""
     points = np.array([[0.03, 0.0, 0.02], [-0.04, -0.05, 0.01], [0.1, 0.2, 0.0]])
@@ -138,6 +141,7 @@ def test_halving_the_elements_divides_the_error_by_64():
     assert np.all(errors[1] < 1e-7)
 
 
+@pytest.mark.quick
 def test_uniform_precurvature_changes_nothing_but_the_clamping_moment():
     """A rope bent into its shape by end moments alone: the same natural curvature less everywhere.
 
@@ -151,6 +155,7 @@ def test_uniform_precurvature_changes_nothing_but_the_clamping_moment():
     assert abs(straighter.moment - bent.moment) > 1.0
 
 
+@pytest.mark.quick
 def test_a_loop_is_solved_from_deep_compression_to_nearly_taut():
     height = WR16_400["height"]
     nearly = (LARGEST_REACH - 0.002) * SHAPE.length - SHAPE.span[1]

@@ -61,6 +61,7 @@ def test_scenario_toml_resolves_every_input(table):
     assert {"mujoco", "wirerope-mj"} <= set(content["versions"])
 
 
+@pytest.mark.quick
 def test_the_copied_model_loads_by_itself_with_the_same_isolator(table, monkeypatch, tmp_path):
     monkeypatch.setattr("wirerope_mj.mounts.isolator.files.catalogue_folder", lambda: tmp_path)
     copied = wr.load_system(table / "model" / "shock_table.xml")
@@ -91,6 +92,7 @@ def test_a_mount_beyond_its_travel_is_said_to_exceed_it(tmp_path):
     assert any("exceeded in compression by m1" in line for line in content["verdicts"])
 
 
+@pytest.mark.quick
 def test_replay_is_bit_identical_from_the_folder_alone(table, tmp_path, monkeypatch):
     moved = copy(table, tmp_path)
     nothing = tmp_path / "nothing"
@@ -101,6 +103,7 @@ def test_replay_is_bit_identical_from_the_folder_alone(table, tmp_path, monkeypa
     assert result.largest_difference == 0.0
 
 
+@pytest.mark.quick
 def test_a_run_of_an_older_version_without_checksums_or_contacts_is_replayed():
     result = replay(Path(__file__).parent / "data" / "run_before_checksums")
     assert result.agrees  # bit for bit where it was written; another processor may round otherwise
@@ -115,6 +118,7 @@ def test_replay_of_a_streamed_run_is_bit_identical(tmp_path, monkeypatch):
     assert replay(tmp_path / "run").identical
 
 
+@pytest.mark.quick
 def test_replay_names_the_difference_that_a_changed_isolator_makes(table, tmp_path):
     moved = copy(table, tmp_path)
     file = moved / "model" / "isolators" / "enidine_wr12_400.toml"
@@ -129,6 +133,7 @@ def test_replay_names_the_difference_that_a_changed_isolator_makes(table, tmp_pa
     assert result.column
 
 
+@pytest.mark.quick
 def test_replay_refuses_a_folder_that_lacks_an_isolator(table, tmp_path):
     moved = copy(table, tmp_path)
     (moved / "model" / "isolators" / "enidine_wr12_400.toml").unlink()
@@ -167,6 +172,7 @@ def test_an_empty_folder_may_become_a_run(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == FILES
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("error", [KeyboardInterrupt, OSError("no space left")])
 def test_a_run_that_does_not_end_leaves_nothing_and_keeps_the_old_one(table, tmp_path, monkeypatch, error):
     moved = copy(table, tmp_path)

@@ -24,6 +24,7 @@ def done(tmp_path_factory):
     return place / "out"
 
 
+@pytest.mark.slow
 def test_a_search_becomes_one_folder_with_table_pictures_and_runs_of_its_best(done):
     files = {path.name for path in done.iterdir() if path.is_file()}
     assert files >= {"variants.parquet", "study.toml", "summary.json", "front.png", "placements.png"}

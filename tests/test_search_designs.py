@@ -97,6 +97,7 @@ def test_the_number_of_mounts_can_be_minimised(grid, tmp_path):
     assert len(best) == 2  # a fifth mount, far from the load, is no gain: four at the right places travel less
 
 
+@pytest.mark.slow
 def test_the_same_search_gives_the_same_bytes_with_other_workers(found, tmp_path):
     beam_search().run(tmp_path / "out", workers=2)
     assert content(tmp_path / "out") == content(found.folder)
@@ -182,6 +183,7 @@ def test_the_result_is_made_again_from_its_folder(found):
     assert (again.minimise, again.limits, again.start) == (("acceleration", "travel"), {"travel": 1.0}, 1)
 
 
+@pytest.mark.quick
 def test_a_place_that_is_not_fitted_is_as_if_the_model_had_no_mount_there(tmp_path):
     """What stands for no mount has 1e-6 N/m beside some 1e4 N/m: the peaks agree to far better than the 1e-6 that is asked."""
     vary = {"mount/m2,m4/fitted": wr.Choice(False), "motion/level": wr.Uniform(0.9, 1.1)}
@@ -197,6 +199,7 @@ def test_a_place_that_is_not_fitted_is_as_if_the_model_had_no_mount_there(tmp_pa
     assert np.isnan(np.asarray(left_out["travel/m2"])).all()  # nothing is there that could travel too far
 
 
+@pytest.mark.quick
 def test_failed_mounts_do_not_count_and_are_judged_still(tmp_path):
     study = beam_study(vary={"mount/*/failed": wr.Choice("", "m3")}, sampling="grid")
     table = study.run(tmp_path / "out", workers=1).table
@@ -234,6 +237,7 @@ def test_where_nothing_keeps_the_limits_the_nearest_is_named(tmp_path):
     assert found.chosen == np.argsort(travel, kind="stable")[: np.isfinite(travel).sum()].tolist()  # the nearest first
 
 
+@pytest.mark.quick
 def test_where_nothing_is_judged_the_message_says_so(tmp_path):
     found = beam_search(generations=1, minimise="acceleration", limits={"fragility": 1.0}).run(
         tmp_path / "o", workers=1
@@ -242,6 +246,7 @@ def test_where_nothing_is_judged_the_message_says_so(tmp_path):
     assert "None has values of all that is minimised or limited" in found.message
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("given", "message"),
     [
@@ -261,6 +266,7 @@ def test_what_cannot_be_is_said_before_anything_is_computed(given, message):
         beam_search(**given)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("start", "message"),
     [
@@ -311,6 +317,7 @@ def test_what_failed_or_is_not_judged_is_on_no_front():
     assert front(table, ("a", "b"), {}) == [2]
 
 
+@pytest.mark.quick
 def test_the_optimiser_finds_a_known_front_in_numbers_choices_and_truth_values():
     """Schaffer's problem x^2, (x - 2)^2, of which a limit leaves x >= 0.5; a word and a boolean can only spoil it.
 

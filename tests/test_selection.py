@@ -64,6 +64,7 @@ def test_travel_and_acceleration_are_those_of_a_linear_undamped_mass():
     assert found.acceleration * found.travel == pytest.approx(1.3**2, rel=1e-12)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("pulse", "velocity"),
     [
@@ -137,6 +138,7 @@ def test_fewer_loops_carry_less_in_proportion_and_travel_as_far():
         assert getattr(scaled, name) == pytest.approx(getattr(quoted, name), rel=0.017)
 
 
+@pytest.mark.quick
 def test_parts_with_fewer_loops_are_tried_when_asked():
     names = {f.part.name for f in select_isolators(**EXAMPLE, loops=(6,)).candidates}
     assert "WR12-500 (6 of 8 loops)" in names | {f.part.name for f in select_isolators(**EXAMPLE, loops=(6,)).rejected}
@@ -168,6 +170,7 @@ def test_candidates_come_with_the_largest_smallest_margin_first_and_unrated_ones
     assert all(f.governing.margin == f.margin for f in found)
 
 
+@pytest.mark.quick
 def test_without_a_fragility_the_softest_that_fits_comes_first():
     found = select_isolators(mass=200.0, mounts=4, velocity=1.0).candidates
     for group in ([f for f in found if not f.unrated], [f for f in found if f.unrated]):
@@ -222,6 +225,7 @@ def test_weight_and_shock_may_act_in_different_modes():
     assert hung.utilisation("static load") == pytest.approx(100.0 * G / 1557.0, rel=1e-12)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -253,6 +257,7 @@ def test_more_loops_than_the_part_has_are_refused():
         PARTS["WR36-200"].with_loops(4)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("text", "message"),
     [
@@ -342,6 +347,7 @@ def test_simulated_modes_take_the_axes_that_they_name():
     np.testing.assert_allclose(deflection[:, 2], -run.sag, rtol=1e-6)  # the weight stands still
 
 
+@pytest.mark.quick
 def test_a_part_without_shear_cannot_be_simulated_there_and_says_so():
     sheet = Worksheet(mass=100.0, mounts=1, shock=wr.VelocityStep(velocity=0.5, direction="z"))
     row = PARTS["WR16-400"]

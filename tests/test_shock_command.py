@@ -44,6 +44,7 @@ def asked(monkeypatch):
     return run
 
 
+@pytest.mark.slow
 def test_a_shipped_model_and_a_record_make_a_run_that_replays_bit_for_bit(record, capsys, tmp_path):
     arguments = ["--baseline", "highpass", "--highpass", "3", "--resample", "4000", "--scale", "0.5", "--start", "0.02"]
     assert main(["shock", "shock_table", "--record", record("ch7"), "--direction", "z", *arguments, *QUICK]) == 0

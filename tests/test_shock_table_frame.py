@@ -164,6 +164,7 @@ def figure():
         yield shock_frame, shock_frame.measure()
 
 
+@pytest.mark.slow
 def test_the_answer_of_the_gallery_holds_by_runs_of_their_own(rigid, figure):
     """Ten per cent stiffer than stated every frame tried is within 5 %; ten per cent softer its worst is beyond."""
     room, n = figure

@@ -166,6 +166,7 @@ def relative(a, b):
     return np.linalg.norm(a - b, axis=-1).max() / np.linalg.norm(b, axis=-1).max()
 
 
+@pytest.mark.slow
 def test_an_eccentric_floor_on_eight_mounts_follows_newton_and_euler(floor_runs):
     r, model, states, deck_position, deck_velocity = floor_runs
     found = {}
@@ -217,6 +218,7 @@ def test_peaks_of_the_floor_are_those_of_the_reference(floor_runs):
         assert r.peaks.mounts[f"m{i}"].deflection.value == pytest.approx(peak, rel=1e-4)
 
 
+@pytest.mark.quick
 def test_a_velocity_step_on_a_linear_mount_is_the_closed_form():
     k, c, velocity = 3e4, 120.0, 2.0
     system = sdof(wr.KelvinVoigt(k=k, c=c), mass=MASS)
@@ -237,6 +239,7 @@ def test_a_velocity_step_on_a_linear_mount_is_the_closed_form():
         assert np.abs(r.mounts["m1"].force[:, 2] - force)[after].max() < 1e-7 * np.abs(force).max()
 
 
+@pytest.mark.quick
 def test_a_sine_starts_on_its_steady_oscillation_and_does_not_drift():
     frequency, level = 8.0, 5.0
     system = sdof(wr.BoucWen(**hysteresis(alpha=6e4, z_max=40.0), k=2e4), mass=MASS)
@@ -253,6 +256,7 @@ def test_a_sine_starts_on_its_steady_oscillation_and_does_not_drift():
     assert abs(mass[late].mean() - mass[~late].mean()) < 0.02 * steady
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(("start", "stop"), [(4.0, 16.0), (16.0, 4.0)])
 def test_a_sweep_up_or_down_moves_the_base_as_the_motion_says(start, stop):
     system = sdof(wr.BoucWen(**hysteresis(alpha=6e4, z_max=40.0), k=2e4), mass=MASS)
@@ -284,6 +288,7 @@ def test_a_step_that_was_chosen_keeps_the_accuracy_asked_for(shape, accuracy):
     assert r.numerics.accuracy == accuracy
 
 
+@pytest.mark.quick
 def test_only_the_motion_relative_to_the_base_counts():
     """After the pulse the base coasts: a state carried over to a base at rest goes on in the same way."""
     system = sdof(wr.SymmetricBoucWen(**LAW, k2=0.0), mass=MASS)
@@ -301,6 +306,7 @@ def test_only_the_motion_relative_to_the_base_counts():
     np.testing.assert_allclose(b.force, a.force, rtol=0, atol=1e-6)
 
 
+@pytest.mark.quick
 def test_a_deck_whose_slides_are_turned_moves_along_the_world():
     law = wr.KelvinVoigt(k=2e4, c=30.0)
     slides = (
@@ -327,6 +333,7 @@ def test_a_deck_whose_slides_are_turned_moves_along_the_world():
     np.testing.assert_allclose(turned.mounts["m"].force, plain.mounts["m"].force, rtol=0, atol=1e-5)
 
 
+@pytest.mark.quick
 def test_points_on_a_chain_of_joints_accelerate_as_their_positions_say():
     """Every kind of joint between the deck and a point: what is reported are derivatives of what is reported."""
     chain = (

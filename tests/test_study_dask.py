@@ -74,6 +74,7 @@ def local(tmp_path_factory):
     return study().run(tmp_path_factory.mktemp("local") / "study", engine="local", workers=1).table
 
 
+@pytest.mark.slow
 def test_a_cluster_that_exists_gives_the_local_table_bit_for_bit(cluster, local, tmp_path):
     result = study().run(tmp_path / "study", keep="responses", engine="dask", address=cluster[0])
     table = result.table
@@ -115,6 +116,7 @@ def test_a_worker_that_is_killed_loses_nothing(cluster, local):
     assert bits(pa.concat_tables(found[number] for number in range(12))) == bits(local)
 
 
+@pytest.mark.slow
 def test_a_chunk_that_kills_its_workers_is_tried_alone_at_the_end_and_fails_alone(local, tmp_path, monkeypatch):
     tried = tmp_path / "tried"
 
@@ -171,6 +173,7 @@ def test_a_cluster_without_workers_is_waited_for_and_that_is_said(monkeypatch):
         dask_engine._warn_if_idle(Idle(), "tcp://here:1")
 
 
+@pytest.mark.slow
 def test_a_cluster_that_cannot_be_reached_loses_nothing_of_what_is_done(local, tmp_path, monkeypatch):
     folder, began = tmp_path / "study", time.monotonic()
     with socket.create_server(("127.0.0.1", 0)) as silent:  # takes the call, and never answers

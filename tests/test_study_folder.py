@@ -49,6 +49,7 @@ def done(tmp_path):
     return table_study(variants=3).run(tmp_path / "done", workers=1, keep="responses")
 
 
+@pytest.mark.slow
 @LOCKS
 def test_a_second_process_is_told_that_another_one_works_on_the_study(tmp_path):
     folder = tmp_path / "study"

@@ -108,6 +108,7 @@ def test_a_study_killed_at_any_operation_of_its_beginning_starts_as_if_nothing_h
     assert operation > 5  # the folder beside, its mode, model, parts, and the renaming at least
 
 
+@pytest.mark.slow
 def test_a_study_killed_at_any_operation_of_its_writing_ends_with_the_same_bytes(alone, tmp_path, monkeypatch):
     study, before = table_study(), tmp_path / "before"
     study_folder.prepare(study, before, keep="peaks", resume=False, force=False)
@@ -131,6 +132,7 @@ def test_a_study_killed_at_any_operation_of_its_writing_ends_with_the_same_bytes
     assert operation > 20  # three files of three operations each, and fourteen parts that are removed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("deaths", [1, 2])
 def test_a_chunk_whose_worker_dies_is_tried_once_more_and_then_fails(alone, tmp_path, monkeypatch, deaths):
     lives, ordinary = [], local._Process.compute

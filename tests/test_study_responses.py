@@ -84,6 +84,7 @@ def test_what_was_not_kept_is_simulated(peaks):
     assert bits(response) == bits(table_study().response(4))
 
 
+@pytest.mark.slow
 def test_workers_hand_them_over_and_small_memory_makes_small_chunks(alone, tmp_path, monkeypatch):
     study = table_study(variants=40)
     assert chunk_size(study, "responses") == chunk_size(study) == 3  # of 51 samples there is room for more

@@ -81,6 +81,7 @@ def test_measures_are_those_of_the_peaks():
     assert found["force/m1"] == 123.0
 
 
+@pytest.mark.quick
 def test_every_variant_is_what_it_is_alone_bit_for_bit(alone):
     study = table_study()
     for number in (0, 17, 39):
@@ -116,6 +117,7 @@ def test_two_workers_find_the_same_table_as_one(alone, tmp_path):
     assert rows(result.table) == rows(alone.table)
 
 
+@pytest.mark.quick
 def test_the_table_does_not_depend_on_which_variants_share_a_chunk(alone):
     study = table_study()
     first, *_ = chunks(study, [4])
@@ -156,6 +158,7 @@ def test_an_interrupted_study_keeps_its_parts_and_goes_on_with_the_missing_ones(
     assert rows(result.table) == rows(alone.table)
 
 
+@pytest.mark.quick
 def test_a_study_that_is_there_is_neither_overwritten_nor_mistaken_for_another(alone, tmp_path, monkeypatch):
     folder = tmp_path / "study"
     shutil.copytree(alone.folder, folder)
@@ -204,6 +207,7 @@ def test_a_changed_study_file_is_noticed(alone, tmp_path):
         wr.load_study(tmp_path / "study")
 
 
+@pytest.mark.quick
 def test_variants_that_fail_say_why_and_do_not_stop_the_rest(tmp_path):
     """The only mount of the table fails: nothing holds the block, and there is no equilibrium to start from."""
     vary = {**VARY, "mount/m1/failed": wr.Choice(False, True)}
@@ -223,6 +227,7 @@ def test_workers_that_cannot_start_end_the_study_with_one_message(tmp_path, monk
     assert not (tmp_path / "study" / "variants.parquet").exists()
 
 
+@pytest.mark.slow
 def test_a_script_needs_no_guard_and_ctrl_c_ends_its_workers(tmp_path):
     script = tmp_path / "script.py"
     script.write_text(
@@ -249,6 +254,7 @@ def test_a_script_needs_no_guard_and_ctrl_c_ends_its_workers(tmp_path):
     assert wr.load_study(tmp_path / "study").table.num_rows % 32 == 0
 
 
+@pytest.mark.quick
 def test_a_study_of_a_record_and_of_a_text_holds_all_it_needs(tmp_path):
     time_, record = np.arange(101) * 5e-4, tmp_path / "deck.csv"
     values = 50.0 * np.sin(np.pi * time_ / time_[-1]) ** 2
@@ -262,6 +268,7 @@ def test_a_study_of_a_record_and_of_a_text_holds_all_it_needs(tmp_path):
     assert rows(again.run(tmp_path / "again", workers=1).table) == table
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

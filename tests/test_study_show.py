@@ -17,6 +17,7 @@ def folder(tmp_path_factory):
     return place / "out", command
 
 
+@pytest.mark.slow
 def test_the_worst_variants_are_opened_once_they_are_there(folder, capsys):
     folder, command = folder
     assert main(["show", str(folder)]) == 2

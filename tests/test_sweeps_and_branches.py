@@ -41,6 +41,7 @@ def swept(branch, index, stop, rate):
     )
 
 
+@pytest.mark.slow
 def test_sweeps_jump_past_the_folds_and_nearer_the_slower_they_are(branch, sweeps):
     up, down = branch.folds
     past = []
