@@ -82,7 +82,7 @@ def test_an_existing_run_needs_force(tmp_path, capsys):
 
 def test_a_sweep_says_at_which_frequency_its_peaks_lie(tmp_path, capsys):
     assert main(["run", "sdof_sweep", "--duration", "0.2", "--out", str(tmp_path / "run")]) == 0
-    assert "at [Hz]" in capsys.readouterr().out
+    assert "[Hz]" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -139,7 +139,8 @@ def test_isolators_lists_the_catalogue_and_draws_one(tmp_path, capsys):
     assert main(["isolators", "enidine_wr16_400", "--out", str(picture)]) == 0
     out = capsys.readouterr().out
     assert "alpha" in out
-    assert "damping ratio [%]" in out
+    assert "damping" in out
+    assert "[%]" in out
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 

@@ -61,7 +61,7 @@ def test_the_cabinet_states_the_limit_of_its_vendor():
             "no point/ site 'blok'.*There are .*block",
         ),
         ('<numeric name="limit/acceleration/table" data="98"/>', "no body of the payload .* 'table'"),
-        ('<numeric name="limit/speed/block" data="98"/>', "KIND one of 'acceleration', 'clearance'"),
+        ('<numeric name="limit/speed/block" data="98"/>', "KIND one of acceleration, clearance"),
         ('<numeric name="limit/acceleration/block" data="1 2"/>', "must be 1 or 3 numbers, got 2"),
         ('<numeric name="limit/acceleration/block" data="-98"/>', "finite and >= 0"),
         ('<numeric name="limit/acceleration/block" data="0"/>', "one of them > 0"),
