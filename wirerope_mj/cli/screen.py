@@ -26,6 +26,10 @@ class _Screen(Console):
         """Return text for the screen, its invisible characters spelled out; all that is printed passes here."""
         return super().render_str(plain_lines(text), **options)
 
+    def on_broken_pipe(self) -> None:
+        """Let the command end as at any other broken pipe: a reader that has seen enough is no error."""
+        raise BrokenPipeError
+
 
 def console() -> Console:
     """Return the console for tables: as wide as the terminal, or as `WIDTH`."""
