@@ -21,8 +21,6 @@ from wirerope_mj.runs.checksums import CHECKSUMS, alterations
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import Scenario
 
-pytestmark = pytest.mark.quick
-
 KEY = b"wirerope_mj"
 
 

@@ -10,8 +10,6 @@ from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.test_rig import cyclic_test, load_cycles, measured, steady_loops
 from wirerope_mj.mounts.test_rig.noise import force_noise
 
-pytestmark = pytest.mark.quick
-
 LAW = wr.load_isolator(catalogue_folder() / "enidine_wr16_400.toml").axial
 POINTS = 200
 

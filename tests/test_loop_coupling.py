@@ -23,8 +23,6 @@ from wirerope_mj.mounts import laws
 from wirerope_mj.mounts.laws.plane_kernels import loop_force
 from wirerope_mj.studies.inputs.failure import without_force
 
-pytestmark = pytest.mark.quick
-
 G = wr.STANDARD_GRAVITY
 RNG = np.random.default_rng(11)
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION

@@ -9,8 +9,6 @@ import pytest
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, load_record
 
-pytestmark = pytest.mark.quick
-
 G = 9.80665
 RATE = 5000.0
 TIME = np.arange(5000) / RATE

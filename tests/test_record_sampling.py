@@ -9,8 +9,6 @@ from scipy.signal import butter, sosfiltfilt
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.motions import load_record
 
-pytestmark = pytest.mark.quick
-
 
 @pytest.fixture
 def csv(tmp_path):

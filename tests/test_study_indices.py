@@ -22,8 +22,6 @@ from wirerope_mj.studies.results.statistics import exceedance
 from wirerope_mj.studies.results.study_summary import StudySummary
 from wirerope_mj.views.plots.study_indices import indices_figure
 
-pytestmark = pytest.mark.quick
-
 SINGLE = [[0], [1], [2]]
 
 
