@@ -76,6 +76,7 @@ def test_jumps_land_on_the_other_stable_sheet(hardening):
     assert settled.response.peaks.bodies["mass"].acceleration.value == pytest.approx(rising.landing, rel=1e-2)
 
 
+@pytest.mark.slow
 def test_the_same_branch_is_found_backwards(hardening):
     back = wr.follow_branch(hardening.system, start=0.5, stop=0.15, acceleration=1.0, largest_step=0.05, **ALONG)
     found = sorted(fold.frequency for fold in back.folds)

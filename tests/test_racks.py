@@ -182,6 +182,7 @@ FREQUENCIES = np.linspace(20.6, 22.4, 10)
 """Across the resonances below [Hz]; between two of them a peak 2 Hz wide or more is missed by (0.1 / 2)^2 / 2, 0.2 %."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("gravity", "expected"), [(0.0, 8.85), (G, 8.65)])
 def test_a_sixth_of_the_rack_resonates_as_rope_does(gravity, expected):
     """850 kg / 6 on one mount, base sine of 0.5 m/s^2: 8 to 10 at the resonance, about rest in gravity and about zero."""

@@ -264,6 +264,7 @@ def test_changes_survive_a_file(variant):
         assert Changes.from_dict(tomllib.loads(tomli_w.dumps(changes.to_dict()))) == changes
 
 
+@pytest.mark.slow
 def test_a_run_of_a_variant_is_complete_in_itself(system, variant, tmp_path):
     scenario = wr.Scenario(
         "How far does it travel?", system.mjcf, SHOCK, {"duration": 0.04, "timestep": 1e-3}, isolators=system.isolators,
