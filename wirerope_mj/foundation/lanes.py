@@ -281,6 +281,14 @@ def _with_one(typingctx: Any, value: Any, number: Any, one: Any) -> Any:
     return LANES(LANES, types.intp, types.float64), build
 
 
+@intrinsic
+def _spread_out(typingctx: Any, value: Any) -> Any:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return _spread(context, builder, types.float64, LANES, args[0])
+
+    return LANES(types.float64), build
+
+
 def rows(array: Any) -> Any:
     """Return an array (..., WIDTH), contiguous, as an array of lanes; the array must outlive what is returned."""
     return array.reshape(-1, WIDTH)
@@ -313,6 +321,16 @@ def with_lane(value: Any, number: int, one: float) -> Any:
 @overload(with_lane, inline="always")
 def _overload_with_lane(value, number, one):  # type: ignore[no-untyped-def]
     return lambda value, number, one: _with_one(value, number, one)
+
+
+def spread(value: float) -> Any:
+    """Return lanes that all hold one number."""
+    return np.full(WIDTH, value)
+
+
+@overload(spread, inline="always")
+def _overload_spread(value):  # type: ignore[no-untyped-def]
+    return lambda value: _spread_out(value)
 
 
 def where(condition: Any, one: Any, other: Any) -> Any:
@@ -398,6 +416,31 @@ def _tanh_lanes(x):  # type: ignore[no-untyped-def]
     return where(x >= 0.0, t, -t)
 
 
+@inlined
+def _sin_cos_lanes(x):  # type: ignore[no-untyped-def]
+    """Return sin(x) and cos(x) to 1e-15 for |x| < 1e5: the series of what is left of whole quarter turns."""
+    k = math.floor(x * 0.6366197723675814 + 0.5)
+    r = ((x - k * 1.5707963267341256) - k * 6.077100506303966e-11) - k * 2.0222662487959506e-21
+    t = r * r
+    s = -1 / 39916800.0 + t * (1 / 6227020800.0 - t * (1 / 1307674368000.0))
+    s = r * (1.0 + t * (-1 / 6.0 + t * (1 / 120.0 + t * (-1 / 5040.0 + t * (1 / 362880.0 + t * s)))))
+    c = -1 / 3628800.0 + t * (1 / 479001600.0 - t * (1 / 87178291200.0 - t * (1 / 20922789888000.0)))
+    c = 1.0 + t * (-0.5 + t * (1 / 24.0 + t * (-1 / 720.0 + t * (1 / 40320.0 + t * c))))
+    odd, quarter = k - 2.0 * math.floor(0.5 * k), k - 4.0 * math.floor(0.25 * k)
+    sine, cosine = where(odd == 0.0, s, c), where(odd == 0.0, c, s)
+    return where(quarter >= 2.0, -sine, sine), where((quarter == 1.0) | (quarter == 2.0), -cosine, cosine)
+
+
+@inlined
+def _sin_lanes(x):  # type: ignore[no-untyped-def]
+    return _sin_cos_lanes(x)[0]
+
+
+@inlined
+def _cos_lanes(x):  # type: ignore[no-untyped-def]
+    return _sin_cos_lanes(x)[1]
+
+
 def _elementary(function: Any, lanes: Callable[[Any], Any]) -> None:
     @overload(function, inline="always")
     def implementation(x):  # type: ignore[no-untyped-def]
@@ -408,6 +451,8 @@ _elementary(math.exp, _exp_lanes)
 _elementary(math.log, _log_lanes)
 _elementary(math.expm1, _expm1_lanes)
 _elementary(math.tanh, _tanh_lanes)
+_elementary(math.sin, _sin_lanes)
+_elementary(math.cos, _cos_lanes)
 
 
 def power(x: Any, n: Any) -> Any:

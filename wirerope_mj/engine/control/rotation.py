@@ -46,7 +46,14 @@ def turned_by(lay, m, site_xquat):
 def righting_torque(lay, m, site_xquat):
     """Return the torque [N m] of the mount in row `m` on its payload, in the base site's axes."""
     e0, e1, e2, e3 = turned_by(lay, m, site_xquat)
-    k1, k2, k3 = lay[m + at.TURNING] * e1, lay[m + at.TURNING + 1] * e2, lay[m + at.TURNING + 2] * e3
+    k = m + at.TURNING
+    return righting(e0, e1, e2, e3, lay[k], lay[k + 1], lay[k + 2])
+
+
+@njit
+def righting(e0, e1, e2, e3, roll, shear, axial):
+    """Return the torque [N m] of rotational stiffnesses that are turned by a unit quaternion."""
+    k1, k2, k3 = roll * e1, shear * e2, axial * e3
     return (
         -2.0 * (e0 * k1 + e2 * k3 - e3 * k2),
         -2.0 * (e0 * k2 + e3 * k1 - e1 * k3),

@@ -1,0 +1,334 @@
+"""The equations of a system, read from its compiled model: structure, numbers that variants share, numbers of one variant."""
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.control import layout as control
+from wirerope_mj.engine.kernel import layout as at
+from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system.tables import Tables
+from wirerope_mj.foundation.arrays import Array
+
+Integers = npt.NDArray[np.int64]
+_FREE, _SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_SLIDE
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equations:
+    """Equations of one system, as `wirerope_mj.engine.kernel.layout` describes them.
+
+    Attributes:
+        lay: structure, (n_lay,).
+        fix: numbers that systems of one structure must share to be computed side by side, (n_fix,).
+        num: numbers of the system, (n_num,).
+        rest: the links' rows of working memory that no step changes: axes of what never turns, (n_rows,) from KIN on.
+    """
+
+    lay: Integers
+    fix: Array
+    num: Array
+    rest: Array
+
+    @property
+    def key(self) -> bytes:
+        """Bytes that systems have in common which may share lanes."""
+        return self.lay.tobytes() + self.fix.tobytes() + self.rest.tobytes()
+
+
+@dataclass
+class _Writer:
+    """Numbers that are put one behind the other, and where each begins."""
+
+    numbers: list[float]
+
+    def put(self, *values: object) -> int:
+        first = len(self.numbers)
+        for value in values:
+            self.numbers.extend(np.ravel(np.asarray(value, dtype=np.float64)).tolist())
+        return first
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pose:
+    """A frame in another one: origin (3,) and unit quaternion (4,)."""
+
+    origin: Array
+    quaternion: Array
+
+    def then(self, origin: Array, quaternion: Array) -> "Pose":
+        """Return the pose of a frame whose pose in this one is given."""
+        turned, product = np.empty(3), np.empty(4)
+        mujoco.mju_rotVecQuat(turned, np.asarray(origin, dtype=np.float64), self.quaternion)
+        mujoco.mju_mulQuat(product, self.quaternion, np.asarray(quaternion, dtype=np.float64))
+        return Pose(origin=self.origin + turned, quaternion=product / np.linalg.norm(product))
+
+    @property
+    def axes(self) -> Array:
+        """Axes as columns, (3, 3)."""
+        matrix = np.empty(9)
+        mujoco.mju_quat2Mat(matrix, self.quaternion)
+        return matrix.reshape(3, 3)
+
+
+HERE = Pose(origin=np.zeros(3), quaternion=np.array([1.0, 0.0, 0.0, 0.0]))
+
+
+class Bodies:
+    """Bodies of a model as links, and where each body is in its link."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self.model = model
+        moving = (model.body_weldid == np.arange(model.nbody)) & (model.body_dofnum > 0)
+        self.links = np.flatnonzero(moving).tolist()
+        numbers = {body: number for number, body in enumerate(self.links)}
+        self.link = [numbers.get(int(body), len(self.links)) for body in model.body_weldid]
+        self.pose: list[Pose] = []
+        for body in range(model.nbody):
+            over = HERE if moving[body] or not body else self.pose[int(model.body_parentid[body])]
+            self.pose.append(HERE if moving[body] or not body else over.then(model.body_pos[body], model.body_quat[body]))
+
+    def on_parent(self, body: int) -> tuple[int, Pose]:
+        """Return the link that a link's body hangs on, and its pose there."""
+        parent = int(self.model.body_parentid[body])
+        return self.link[parent], self.pose[parent].then(self.model.body_pos[body], self.model.body_quat[body])
+
+    def site(self, site: int) -> tuple[int, Pose]:
+        """Return the link of a site, and its pose there."""
+        body = int(self.model.site_bodyid[site])
+        return self.link[body], self.pose[body].then(self.model.site_pos[site], self.model.site_quat[site])
+
+
+def inertia_of(bodies: Bodies, number: int) -> Array:
+    """Return mass, centre, inertia and its inverse of a link with everything welded to it, (INERTIA_SIZE,)."""
+    model = bodies.model
+    own = [body for body in range(1, model.nbody) if bodies.link[body] == number]
+    masses = model.body_mass[own]
+    poses = [bodies.pose[body].then(model.body_ipos[body], model.body_iquat[body]) for body in own]
+    total = float(masses.sum())
+    centre = sum(m * pose.origin for m, pose in zip(masses, poses, strict=True)) / total if total else np.zeros(3)
+    about = np.zeros((3, 3))
+    for body, mass, pose in zip(own, masses, poses, strict=True):
+        arm = pose.origin - centre
+        about += pose.axes @ np.diag(model.body_inertia[body]) @ pose.axes.T
+        about += mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    inverse = np.linalg.inv(about) if np.linalg.det(about) > 0.0 else np.zeros((3, 3))
+    return np.concatenate([[total], centre, _six(about), _six(inverse)])
+
+
+def _six(matrix: Array) -> Array:
+    return matrix[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
+
+
+def equations_of(system: System) -> Equations:
+    """Return the equations of a system that `fits` (`wirerope_mj.engine.kernel.judge`) lets pass."""
+    model, tables, bodies = system.model, system.assembly.tables, Bodies(system.model)
+    fix, num, lay = _Writer([]), _Writer([]), np.zeros(at.HEADER, dtype=np.int64)
+    links, kinds = _links(bodies, fix, num)
+    dofs = _dofs(system, bodies, kinds, fix)
+    mounts = _mounts(system, bodies, fix, num)
+    frames = _frames(system, bodies, fix, num)
+    lay[at.GRAVITY] = fix.put(_gravity(model))
+    lay[at.DRIVEN] = fix.put(
+        [[*row, control_mass] for row, control_mass in zip(tables.drive, _drive_masses(tables), strict=True)]
+    )
+    lay[at.PARAMETERS] = num.put(tables.parameters)
+    axes = _axes(tables)
+    stops = _stops(tables, axes)
+    tracked = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
+    parts = [links, _trees(model, bodies, kinds, dofs), dofs, mounts, axes, frames, tables.channels[tracked], stops]
+    flat = [np.asarray(part, dtype=np.int64).ravel() for part in parts]
+    lay[at.LINKS : at.LINKS + len(flat)] = at.HEADER + np.cumsum([0] + [part.size for part in flat[:-1]])
+    n_links, n_states = len(bodies.links), tables.user.n_states
+    n_values = int(sum(control.POINT_VALUES if row[3] else control.KINEMATICS for row in frames))
+    n_values += control.MOUNT_VALUES * len(mounts) + n_states
+    counts = {
+        at.N_LINKS: n_links, at.N_TREES: len(parts[1]), at.NQ: model.nq, at.NV: model.nv, at.N_STATES: n_states,
+        at.N_MOUNTS: len(mounts), at.N_FRAMES: len(frames), at.N_CHANNELS: tracked.size, at.N_STOPS: len(stops),
+        at.N_SLIPPING: int(tables.layout[control.N_SLIPPING]), at.N_DRIVEN: len(tables.drive), at.N_VALUES: n_values,
+    }  # fmt: skip
+    for entry, number in counts.items():
+        lay[entry] = number
+    _sections(lay, largest=max((row[2] for row in parts[1]), default=0))
+    return Equations(lay=np.concatenate([lay, *flat]), fix=np.array(fix.numbers), num=np.array(num.numbers), rest=_rest(bodies, kinds))
+
+
+def _sections(lay: Integers, *, largest: int) -> None:
+    """Write where the sections of the working memory begin."""
+    tangents, states = 2 * lay[at.NV] + lay[at.N_STATES], lay[at.NQ] + lay[at.NV] + lay[at.N_STATES]
+    sizes = {
+        at.KIN: at.KIN_SIZE * (lay[at.N_LINKS] + 1), at.WRENCH: 6 * (lay[at.N_LINKS] + 1), at.SUB: 6 * lay[at.NV],
+        at.MASS: largest**2, at.RHS: lay[at.NV], at.RATES: lay[at.N_STATES], at.COMPOSITE: at.COM_SIZE * lay[at.N_LINKS],
+        at.START: states, at.SLOPE: tangents, at.SUM: tangents, at.RECORD: 9 * lay[at.N_MOUNTS], at.VALUES: lay[at.N_VALUES],
+        at.MEMORY: control.CHANNEL_MEMORY * lay[at.N_CHANNELS], at.TOUCHED: control.CONTACT_MEMORY * lay[at.N_STOPS],
+        at.FAILED: 1,
+    }  # fmt: skip
+    total = 0
+    for section, size in sizes.items():
+        lay[section] = total
+        total += int(size)
+    lay[at.N_WORK] = total
+
+
+def _gravity(model: mujoco.MjModel) -> Array:
+    off = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    return np.zeros(3) if off else model.opt.gravity.copy()
+
+
+def _drive_masses(tables: Tables) -> list[float]:
+    """Return the inertia of every driven slide, as the callback has it."""
+    first = int(tables.layout[control.DRIVEN])
+    return [float(tables.layout[first + control.DRIVEN_COLUMNS * i + 1]) for i in range(len(tables.drive))]
+
+
+def _links(bodies: Bodies, fix: _Writer, num: _Writer) -> tuple[list[list[int]], list[int]]:
+    """Return the rows of the links, the world's behind them, and their kinds."""
+    model, rows, kinds = bodies.model, [], []
+    for number, body in enumerate(bodies.links):
+        joints = range(int(model.body_jntadr[body]), int(model.body_jntadr[body] + model.body_jntnum[body]))
+        parent, pose = bodies.on_parent(body)
+        parent = parent if parent < len(bodies.links) else -1
+        if any(model.jnt_type[j] == _FREE for j in joints):
+            kind = at.FREE
+        elif all(model.jnt_type[j] == _SLIDE for j in joints) and (parent < 0 or kinds[parent] == at.STRAIGHT):
+            kind = at.STRAIGHT
+        else:
+            kind = at.TURNING
+        origin = pose.origin
+        if kind == at.STRAIGHT and parent >= 0:
+            origin = _modelled(bodies, parent).axes @ origin
+        kinds.append(kind)
+        first, n_dofs, tree = int(model.body_dofadr[body]), int(model.body_dofnum[body]), int(model.body_treeid[body])
+        frame, inertia = fix.put(origin, pose.quaternion), num.put(inertia_of(bodies, number))
+        rows.append([parent, first, n_dofs, kind, tree, frame, inertia])
+    rows.append([-1, 0, 0, at.STRAIGHT, -1, 0, 0])
+    return rows, kinds
+
+
+def _modelled(bodies: Bodies, number: int) -> Pose:
+    """Return the pose of a link that never turns, as modelled."""
+    parent, pose = bodies.on_parent(bodies.links[number])
+    if parent == len(bodies.links):
+        return pose
+    return _modelled(bodies, parent).then(pose.origin, pose.quaternion)
+
+
+def _rest(bodies: Bodies, kinds: list[int]) -> Array:
+    """Return the motion of all links and of the world before the first step: nothing but the axes of what never turns."""
+    rows = np.zeros((len(kinds) + 1, at.KIN_SIZE))
+    for number, kind in enumerate([*kinds, at.STRAIGHT]):
+        if kind == at.STRAIGHT:
+            pose = HERE if number == len(kinds) else _modelled(bodies, number)
+            rows[number, at.KIN_R : at.KIN_R + 9] = pose.axes.ravel()
+            rows[number, at.KIN_Q : at.KIN_Q + 4] = pose.quaternion
+    return rows.ravel()
+
+
+def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: _Writer) -> list[list[int]]:
+    model, driven = system.model, system.assembly.driven_dofs
+    rows = []
+    for dof in range(model.nv):
+        joint, link = int(model.dof_jntid[dof]), bodies.link[int(model.dof_bodyid[dof])]
+        q, along = int(model.jnt_qposadr[joint]), dof - int(model.jnt_dofadr[joint])
+        free, slide = model.jnt_type[joint] == _FREE, model.jnt_type[joint] == _SLIDE
+        kind = (at.ALONG if along else at.FLOATING) if free else at.SLIDE if slide else at.HINGE
+        axis = model.jnt_axis[joint]
+        if kinds[link] == at.STRAIGHT:
+            axis = _modelled(bodies, link).axes @ axis
+        constants = fix.put(
+            axis, model.jnt_pos[joint], model.dof_armature[dof], model.dof_damping[dof], model.jnt_stiffness[joint],
+            model.qpos_spring[q], model.qpos0[q],
+        )  # fmt: skip
+        number = driven.index(dof) if dof in driven else -1
+        rows.append([link, kind, q, int(model.dof_parentid[dof]), number, constants])
+    return rows
+
+
+def _trees(model: mujoco.MjModel, bodies: Bodies, kinds: list[int], dofs: list[list[int]]) -> list[list[int]]:
+    trees = model.body_treeid[bodies.links]
+    rows = []
+    for tree in range(model.ntree):
+        links, own = np.flatnonzero(trees == tree), np.flatnonzero(model.dof_treeid == tree)
+        plain = not (model.dof_armature[own].any() or model.dof_damping[own].any())
+        if all(dofs[dof][4] >= 0 for dof in own):
+            kind = at.DRIVEN_TREE
+        elif len(links) == 1 and kinds[links[0]] == at.FREE and plain:
+            kind = at.FREE_TREE
+        else:
+            kind = at.ANY_TREE
+        rows.append([kind, int(own[0]), own.size, int(links[0]), links.size])
+    return rows
+
+
+def _mounts(system: System, bodies: Bodies, fix: _Writer, num: _Writer) -> list[list[int]]:
+    tables, rows = system.assembly.tables, []
+    first = int(tables.layout[control.MOUNTS])
+    for number in range(tables.user.n_mounts):
+        row = tables.layout[first + control.MOUNT_COLUMNS * number :][: control.MOUNT_COLUMNS]
+        (payload, site), (base, base_site) = (bodies.site(int(row[c])) for c in (0, 1))
+        turning = row[control.TURNING : control.TURNING + 3]
+        points = num.put(site.origin, base_site.origin, turning)
+        axes = base_site.axes
+        frame = fix.put(axes.T, base_site.quaternion, site.quaternion, row[control.MODELLED : control.MODELLED + 4])
+        if base < len(bodies.links) and _is_straight(bodies, base):
+            fix.numbers[frame : frame + 9] = (_modelled(bodies, base).axes @ axes).T.ravel().tolist()
+        coupling = int(row[control.COUPLING])
+        rows.append([payload, base, int(row[6]), points, frame, coupling, int(row[control.PARTNER]), int(turning.any())])
+    return rows
+
+
+def _is_straight(bodies: Bodies, number: int) -> bool:
+    model = bodies.model
+    body = bodies.links[number]
+    while body:
+        joints = range(int(model.body_jntadr[body]), int(model.body_jntadr[body] + model.body_jntnum[body]))
+        if any(model.jnt_type[j] != _SLIDE for j in joints):
+            return False
+        body = int(model.body_parentid[body])
+    return True
+
+
+def _axes(tables: Tables) -> list[list[int]]:
+    first = int(tables.layout[control.AXES])
+    size = 3 * control.AXIS_COLUMNS * tables.user.n_mounts
+    return tables.layout[first : first + size].reshape(-1, control.AXIS_COLUMNS).astype(np.int64).tolist()
+
+
+def _stops(tables: Tables, axes: list[list[int]]) -> list[list[int]]:
+    """Return of every stop: record of its deflection, first parameter, state, and whether it has one."""
+    from wirerope_mj.mounts.laws.kernels import PARALLEL, STOP
+    from wirerope_mj.mounts.laws.stop_kernels import LOSS
+
+    rows, par = [], tables.parameters
+    for number, (law, first, state, _) in enumerate(axes):
+        record = 9 * (number // 3) + number % 3
+        if law == STOP:
+            rows.append([record, first, state, int(par[first + LOSS] != 0.0)])
+        for part in range(int(par[first]) if law == PARALLEL else 0):
+            kind, own, z = (int(one) for one in par[first + 1 + 3 * part : first + 4 + 3 * part])
+            if kind == STOP:
+                rows.append([record, first + own, state + z, int(par[first + own + LOSS] != 0.0)])
+    return rows
+
+
+def _frames(system: System, bodies: Bodies, fix: _Writer, num: _Writer) -> list[list[int]]:
+    """Return the rows of the bodies and points that are observed."""
+    model, assembly = system.model, system.assembly
+    tables, rows = assembly.tables, []
+    base = assembly.subjects.base
+    base_centre = bodies.pose[base].then(model.body_ipos[base], model.body_iquat[base]).origin
+    fixed = set(tables.base_channels)
+    for number, body in enumerate(assembly.subjects.bodies):
+        pose = bodies.pose[body]
+        centre = pose.then(model.body_ipos[body], model.body_iquat[body]).origin
+        rows.append([bodies.link[body], num.put(centre), fix.put(pose.quaternion), 0, 0, 0, 0, int(number not in fixed)])
+    first = int(tables.layout[control.POINTS])
+    for number, site in enumerate(assembly.subjects.points):
+        link, pose = bodies.site(site)
+        modelled = tables.layout[first + control.POINT_COLUMNS * number :][4:7]
+        rows.append(
+            [link, num.put(pose.origin), fix.put(pose.quaternion), 1, bodies.link[base], num.put(base_centre), fix.put(modelled), 1]
+        )  # fmt: skip
+    return rows

@@ -1,0 +1,58 @@
+"""Layout of a system's equations: integers of their structure, numbers that all variants share, and numbers of each variant.
+
+`lay` (int64) begins with a header; its tables follow. Rows refer to entries of `fix` (float64, shared: frames, axes, armatures)
+and of `num` (one lane for each variant: masses, centres, inertias, points of mounts, parameters of laws). A link is a body that
+moves, with everything welded to it; behind the last stands the world. Frames of links are those of their bodies; a vector "in the link" is in these axes from this
+origin.
+"""
+
+# header
+N_LINKS, N_TREES, NQ, NV, N_STATES, N_MOUNTS, N_FRAMES, N_CHANNELS, N_STOPS, N_SLIPPING, N_DRIVEN = range(11)
+LINKS, TREES, DOFS, MOUNTS, AXES, FRAMES, CHANNELS, STOPS, DRIVEN = range(11, 20)
+PARAMETERS = 20  # of the laws in `num`
+N_VALUES = 21  # sensor values of an instant
+# sections of the working memory, in rows
+KIN, WRENCH, SUB, MASS, RHS, RATES, COMPOSITE, START, SLOPE, SUM, RECORD, VALUES, MEMORY, TOUCHED, FAILED, N_WORK = range(22, 38)
+GRAVITY = 38  # address in `fix`
+HEADER = 39
+
+# parent (-1: the world), first dof, dofs, kind, tree, frame in the parent link in `fix` (position 3, quaternion 4), inertia in `num`
+LINK_COLUMNS = 7
+PARENT, FIRST_DOF, DOFS_OF, KIND, TREE, FRAME, INERTIA = range(7)
+STRAIGHT, FREE, TURNING = 0, 1, 2  # never turns; floats; all others
+
+# of `num`: mass, centre of mass (3), inertia about it xx, yy, zz, xy, xz, yz, its inverse alike
+MASS_OF, CENTRE, ABOUT, INVERSE, INERTIA_SIZE = 0, 1, 4, 10, 16
+
+# kind, first dof, number of dofs, first link, number of links
+TREE_COLUMNS = 5
+DRIVEN_TREE, FREE_TREE, ANY_TREE = 0, 1, 2
+
+# link, kind, qpos, parent dof (-1), place among the driven (-1), constants in `fix`
+DOF_COLUMNS = 6
+DOF_LINK, DOF_KIND, DOF_QPOS, DOF_PARENT, DOF_DRIVEN, DOF_FIX = range(6)
+SLIDE, HINGE, FLOATING, ALONG = 0, 1, 2, 3  # of a floating link's six dofs the first, and those that come with it
+# of `fix`: axis (3), anchor (3), armature, damping, stiffness, spring's reference, origin
+AXIS, ANCHOR, ARMATURE, DAMPING, STIFFNESS, REFERENCE, ORIGIN, DOF_FIX_SIZE = 0, 3, 6, 7, 8, 9, 10, 11
+
+# payload link, base link, base takes the reaction, points in `num` (payload 3, base 3, turning 3), frames in `fix`, coupling in
+# `num` (-1), partner, resists turning
+MOUNT_COLUMNS = 8
+PAYLOAD, BASE_LINK, MOVED, POINTS, AXES_IN, COUPLING, PARTNER, RESISTS = range(8)
+# of `fix`: axes of the base site in its link (9), orientation of base and payload site in their links (4, 4), as modelled (4)
+MOUNT_FIX_SIZE = 21
+POINTS_SIZE = 9
+
+# law number (-1), first parameter in `num`, first state, number of states; three rows per mount
+AXIS_COLUMNS = 4
+
+# link, point in the link in `num` (3), orientation in the link in `fix` (4), whether it is a point, base's link and its point in
+# `num` (3), displacement from there as modelled in `fix` (3), whether its peaks are tracked
+FRAME_COLUMNS = 8
+
+# of the motion of a link: origin, axes, quaternion, velocities, accelerations without those of its tree's coordinates, with them
+KIN_O, KIN_R, KIN_Q, KIN_W, KIN_V, KIN_A0, KIN_L0, KIN_A, KIN_L, KIN_SIZE = 0, 3, 12, 16, 19, 22, 25, 28, 31, 34
+
+# of a link with all that hangs on it, about its tree's first origin: mass, first moments (3), inertia (6), forces of mounts (6),
+# of inertia and weight (6)
+COM_M, COM_H, COM_I, COM_E, COM_B, COM_SIZE = 0, 1, 4, 10, 16, 22

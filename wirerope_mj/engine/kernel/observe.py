@@ -1,0 +1,191 @@
+"""Values of an instant, as the system's sensors have them, and the memory of peaks and stops: the callback's, in lanes."""
+
+import math
+
+from wirerope_mj.engine.control import layout as control
+from wirerope_mj.engine.kernel import layout as at
+from wirerope_mj.engine.kernel.forces import orientation
+from wirerope_mj.engine.kernel.links import carried, swung
+from wirerope_mj.engine.kernel.vectors import keep, minus, plus, quaternion, turned, vector
+from wirerope_mj.foundation.jit import inlined, njit
+from wirerope_mj.foundation.lanes import count, some, where
+from wirerope_mj.mounts.laws.kernels import PARALLEL, STOP
+from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, stop_force
+
+TIME_1, TIME_2, HISTORY, EVENT = range(4)
+"""Entries of the clock: instants of the last two steps, how many of them a parabola may use, what begins with this step."""
+
+
+@inlined
+def measure(lay, fix, num, y, work, whole):
+    """Write accelerations, displacements of points, deflections and forces to VALUES; with `whole` all else that is sampled."""
+    o, row, record = lay[at.VALUES], lay[at.FRAMES], lay[at.RECORD]
+    for _ in range(lay[at.N_FRAMES]):
+        is_point = lay[row + 3]
+        if whole or lay[row + 7]:
+            k = lay[at.KIN] + at.KIN_SIZE * lay[row]
+            r, w, alpha = (
+                turned(work, k + at.KIN_R, vector(num, lay[row + 1])), vector(work, k + at.KIN_W), vector(work, k + at.KIN_A),
+            )  # fmt: skip
+            position = plus(vector(work, k + at.KIN_O), r)
+            keep(work, o + control.ACCELERATION, swung(r, w, alpha, vector(work, k + at.KIN_L)))
+            if whole:
+                keep(work, o, position)
+                q = orientation(lay, lay[row], lay[row + 2], fix, work)
+                work[o + 3], work[o + 4], work[o + 5], work[o + 6] = q[0], q[1], q[2], q[3]
+                keep(work, o + 7, carried(r, w, vector(work, k + at.KIN_V)))
+                keep(work, o + 10, w)
+                keep(work, o + 16, alpha)
+            if is_point:
+                k = lay[at.KIN] + at.KIN_SIZE * lay[row + 4]
+                base = plus(vector(work, k + at.KIN_O), turned(work, k + at.KIN_R, vector(num, lay[row + 5])))
+                keep(work, o + control.RELATIVE, minus(minus(position, base), vector(fix, lay[row + 6])))
+        o += control.POINT_VALUES if is_point else control.KINEMATICS
+        row += at.FRAME_COLUMNS
+    axis, z = lay[at.AXES], lay[at.NQ] + lay[at.NV]
+    for _ in range(lay[at.N_MOUNTS]):
+        for c in range(control.MOUNT_VALUES):
+            work[o + c] = work[record + c]
+        o, record = o + control.MOUNT_VALUES, record + 9
+        for _axis in range(3):
+            for k in range(lay[axis + 3]):
+                if whole:
+                    work[o] = y[z + lay[axis + 2] + k]
+                o += 1
+            axis += at.AXIS_COLUMNS
+
+
+@inlined
+def extreme(t0, y0, t1, y1, t2, y2):
+    """Return instant and value of the extreme of the parabola through three points, as `observer.parabola_extreme` does."""
+    left, right = (y1 - y0) * (1.0 / (t1 - t0)), (y2 - y1) * (1.0 / (t2 - t1))
+    curvature = (right - left) * (1.0 / (t2 - t0))
+    stays = (curvature == 0.0) | (y1 == 0.0)
+    time = 0.5 * (t0 + t1 - left / where(stays, 1.0, curvature))
+    return where(stays, t1, time), where(stays, y1, y0 + (time - t0) * (left + curvature * (time - t1)))
+
+
+@inlined
+def higher(work, value_row, time_row, value, time, condition):
+    """Keep a value and its instant where a condition holds and it is above what is kept."""
+    better = condition & (value > work[value_row])
+    work[value_row] = where(better, value, work[value_row])
+    work[time_row] = where(better, time, work[time_row])
+    return better
+
+
+@inlined
+def lower(work, value_row, time_row, value, time, condition):
+    """Keep a value and its instant where a condition holds and it is below what is kept."""
+    better = condition & (value < work[value_row])
+    work[value_row] = where(better, value, work[value_row])
+    work[time_row] = where(better, time, work[time_row])
+
+
+@inlined
+def norm(a, i):
+    """Return the length of the vector at a[i:]."""
+    return math.sqrt(a[i] * a[i] + a[i + 1] * a[i + 1] + a[i + 2] * a[i + 2])
+
+
+@njit
+def begin_channel(work, m, j, time):
+    """Begin a channel's memory with its first vector."""
+    for c in range(3):
+        y2 = work[j + c]
+        work[m + control.LOW + c], work[m + control.HIGH + c] = y2, y2
+        work[m + control.LOW_TIME + c], work[m + control.HIGH_TIME + c] = time, time
+        work[m + control.PEAK_VECTOR + c], work[m + control.LAST + c], work[m + control.BEFORE + c] = y2, y2, y2
+    work[m + control.PEAK], work[m + control.PEAK_TIME] = norm(work, j), time
+
+
+@inlined
+def track(work, m, j, refine, t0, t1, t2):
+    """Update the extremes and the peak of a channel with its newest vector, refined by parabolas if there are two before."""
+    y2 = norm(work, j)
+    always = y2 == y2
+    grows = higher(work, m + control.PEAK, m + control.PEAK_TIME, y2, t2, always)
+    for c in range(3):
+        new, low, high = work[j + c], m + control.LOW + c, m + control.HIGH + c
+        higher(work, high, m + control.HIGH_TIME + c, new, t2, always)
+        lower(work, low, m + control.LOW_TIME + c, new, t2, always)
+        work[m + control.PEAK_VECTOR + c] = where(grows, new, work[m + control.PEAK_VECTOR + c])
+        if refine:
+            y0, y1 = work[m + control.BEFORE + c], work[m + control.LAST + c]
+            top, bottom = (y1 >= y0) & (y1 >= new), (y1 <= y0) & (y1 <= new)
+            if some(top | bottom):
+                time, value = extreme(t0, y0, t1, y1, t2, new)
+                higher(work, high, m + control.HIGH_TIME + c, value, time, top)
+                lower(work, low, m + control.LOW_TIME + c, value, time, bottom & (where(top, 1.0, 0.0) == 0.0))
+    if refine:
+        y0, y1 = norm(work, m + control.BEFORE), norm(work, m + control.LAST)
+        top = (y1 >= y0) & (y1 >= y2)
+        if some(top):
+            time, value = extreme(t0, y0, t1, y1, t2, y2)
+            better = higher(work, m + control.PEAK, m + control.PEAK_TIME, value, time, top)
+            for c in range(3):
+                v0, v1, v2 = work[m + control.BEFORE + c], work[m + control.LAST + c], work[j + c]
+                left = (v1 - v0) * (1.0 / (t1 - t0))
+                curvature = ((v2 - v1) * (1.0 / (t2 - t1)) - left) * (1.0 / (t2 - t0))
+                there = v0 + (time - t0) * (left + curvature * (time - t1))
+                work[m + control.PEAK_VECTOR + c] = where(better, there, work[m + control.PEAK_VECTOR + c])
+    for c in range(3):
+        work[m + control.BEFORE + c] = work[m + control.LAST + c]
+        work[m + control.LAST + c] = work[j + c]
+
+
+@inlined
+def track_peaks(lay, work, clock, time):
+    """Update all channels with the values of this step."""
+    event, history = clock[EVENT], clock[HISTORY]
+    if event == control.JUMP and history > 1.0:
+        history = 1.0  # what follows a jump is compared with what was, but no parabola is drawn to it
+    channel, m = lay[at.CHANNELS], lay[at.MEMORY]
+    for _ in range(lay[at.N_CHANNELS]):
+        j = lay[at.VALUES] + lay[channel]
+        if history == 0.0:
+            begin_channel(work, m, j, time)
+        else:
+            track(work, m, j, history >= 2.0, clock[TIME_2], clock[TIME_1], time)
+        channel, m = channel + 1, m + control.CHANNEL_MEMORY
+
+
+@inlined
+def tick(clock, time):
+    """Remember the instant of this step."""
+    clock[HISTORY] = 1.0 if clock[EVENT] != control.SMOOTH else min(clock[HISTORY] + 1.0, 2.0)
+    clock[TIME_2], clock[TIME_1], clock[EVENT] = clock[TIME_1], time, control.SMOOTH
+
+
+@njit
+def touch(work, k, clock, time, depth, force):
+    """Update the memory of a stop where it pushes, force > 0 [N] at a depth [m]."""
+    pushes, before = force > 0.0, clock[TIME_1]
+    fresh = pushes & (work[k + control.TOUCHES] == 0.0)
+    last, again = work[k + control.LAST_TOUCH], pushes & (work[k + control.TOUCHES] > 0.0)
+    stays = again & (last == before) if before < time else again & (last > time)
+    back = again & (last < before)
+    work[k + control.TOUCHED_FOR] += where(stays, time - before, 0.0)
+    work[k + control.FIRST_TOUCH] = where(fresh, time, work[k + control.FIRST_TOUCH])
+    work[k + control.FROM_START] = where(fresh, 1.0 if clock[HISTORY] == 0.0 else 0.0, work[k + control.FROM_START])
+    work[k + control.TOUCHES] += where(fresh | back, 1.0, 0.0)
+    work[k + control.LAST_TOUCH] = where(pushes, time, last)
+    higher(work, k + control.FORCE_PEAK, k + control.FORCE_TIME, force, time, pushes)
+    higher(work, k + control.DEPTH, k + control.DEPTH_TIME, depth, time, pushes)
+
+
+@inlined
+def track_stops(lay, num, y, work, clock, time):
+    """Update the memory of all stops with the deflections of this step; STOPS names axis and component of each."""
+    k, row, z = lay[at.TOUCHED], lay[at.STOPS], lay[at.NQ] + lay[at.NV]
+    if clock[HISTORY] == 0.0:
+        for c in range(control.CONTACT_MEMORY * lay[at.N_STOPS]):
+            work[k + c] = 0.0
+    for _ in range(lay[at.N_STOPS]):
+        x, rate = work[lay[at.RECORD] + lay[row]], work[lay[at.RECORD] + lay[row] + 6]
+        p = lay[at.PARAMETERS] + lay[row + 1]
+        depth = max(-x - num[p + BELOW], x - num[p + ABOVE])
+        if some(depth > 0.0):
+            w = y[z + lay[row + 2]] if lay[row + 3] else 0.0 * x
+            touch(work, k, clock, time, depth, where(depth > 0.0, abs(stop_force(num, p, x, rate, w)), 0.0))
+        k, row = k + control.CONTACT_MEMORY, row + 4

@@ -1,0 +1,184 @@
+"""Runge and Kutta's steps of eight variants at once, segment by segment, as MuJoCo takes them of one."""
+
+from wirerope_mj.engine.kernel import layout as at
+from wirerope_mj.engine.kernel.forces import apply_mounts
+from wirerope_mj.engine.kernel.links import place_links
+from wirerope_mj.engine.kernel.observe import EVENT, measure, tick, track_peaks, track_stops
+from wirerope_mj.engine.kernel.solve import accelerate
+from wirerope_mj.engine.kernel.vectors import dot, half_turn, keep, product, quaternion, times, turn_rate, unit, vector
+from wirerope_mj.foundation.jit import inlined, njit
+from wirerope_mj.foundation.lanes import WIDTH, lane, rows, spread, where, with_lane
+from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, hold_slips
+
+WILD = 1e10
+"""Acceleration beyond which MuJoCo takes a state for invalid (mjMAXVAL), and so does this."""
+
+
+@njit
+def forward(lay, fix, num, y, work, base):
+    """Compute motion of the links, forces, rates of the states and accelerations in a state `y`."""
+    place_links(lay, fix, y, work)
+    apply_mounts(lay, fix, num, y, work)
+    accelerate(lay, fix, num, y, work, base)
+
+
+@inlined
+def slopes(lay, y, work, weight, first):
+    """Write the tangents of this stage to SLOPE and add them, weighted, to SUM; the first stage begins it."""
+    nq, nv, s, total = lay[at.NQ], lay[at.NV], lay[at.SLOPE], lay[at.SUM]
+    for dof in range(nv):
+        kind = lay[lay[at.DOFS] + at.DOF_COLUMNS * dof + at.DOF_KIND]
+        if kind == at.FLOATING and not first:  # the turn since the step's start is what `shift` left in SLOPE
+            rate = turn_rate(vector(work, s + dof + 3), vector(y, nq + dof + 3))
+            keep(work, s + dof, vector(y, nq + dof))
+            keep(work, s + dof + 3, rate)
+        elif kind != at.ALONG or first:
+            work[s + dof] = y[nq + dof]
+        work[s + nv + dof] = work[lay[at.RHS] + dof]
+    for k in range(lay[at.N_STATES]):
+        work[s + 2 * nv + k] = work[lay[at.RATES] + k]
+    for i in range(2 * nv + lay[at.N_STATES]):
+        work[total + i] = weight * work[s + i] if first else work[total + i] + weight * work[s + i]
+
+
+@inlined
+def shift(lay, y, work, section, h):
+    """Write to `y` the state that tangents in a section lead to from START over a time h; turns stay in the section."""
+    nq, nv, start = lay[at.NQ], lay[at.NV], lay[at.START]
+    for dof in range(nv):
+        d = lay[at.DOFS] + at.DOF_COLUMNS * dof
+        kind, q = lay[d + at.DOF_KIND], lay[d + at.DOF_QPOS]
+        if kind <= at.HINGE:
+            y[q] = work[start + q] + h * work[section + dof]
+        elif kind == at.FLOATING:
+            for c in range(3):
+                y[q + c] = work[start + q + c] + h * work[section + dof + c]
+            turn = times(h, vector(work, section + dof + 3))
+            size = dot(turn, turn)
+            keep(work, section + dof + 3, turn)
+            c, s = half_turn(size)
+            q1 = product(quaternion(work, start + q + 3), (c, s * turn[0], s * turn[1], s * turn[2]))
+            y[q + 3], y[q + 4], y[q + 5], y[q + 6] = unit(q1)
+            work[lay[at.FAILED]] = where(size <= 1.0, work[lay[at.FAILED]], 1.0)
+    for i in range(nv + lay[at.N_STATES]):
+        y[nq + i] = work[start + nq + i] + h * work[section + nv + i]
+
+
+@inlined
+def take_step(lay, fix, num, y, work, middle, end, h):
+    """Take one step from a state whose accelerations are computed, with the base's at the step's middle and end."""
+    for i in range(lay[at.NQ] + lay[at.NV] + lay[at.N_STATES]):
+        work[lay[at.START] + i] = y[i]
+    slopes(lay, y, work, 1.0 / 6.0, True)
+    for stage in range(1, 4):
+        shift(lay, y, work, lay[at.SLOPE], h if stage == 3 else 0.5 * h)
+        forward(lay, fix, num, y, work, end if stage == 3 else middle)
+        slopes(lay, y, work, 1.0 / 6.0 if stage == 3 else 1.0 / 3.0, False)
+    shift(lay, y, work, lay[at.SUM], h)
+    left, axis = lay[at.N_SLIPPING], lay[at.AXES]
+    while left > 0:  # what the step carried beyond a slider's slip force
+        if lay[axis] == MASING or lay[axis] == PARALLEL:
+            z = lay[at.NQ] + lay[at.NV] + lay[axis + 2]
+            hold_slips(lay[axis], num, lay[at.PARAMETERS] + lay[axis + 1], y, z)
+            left -= 1
+        axis += at.AXIS_COLUMNS
+
+
+@inlined
+def watch(lay, y, work):
+    """Mark the lanes whose accelerations or states are no numbers any more, or beyond what a motion can be."""
+    size = 0.0 * y[0]
+    for dof in range(lay[at.NV]):
+        size = size + abs(work[lay[at.RHS] + dof]) + abs(y[lay[at.NQ] + dof])
+    work[lay[at.FAILED]] = where(size < WILD, work[lay[at.FAILED]], 1.0)
+
+
+@inlined
+def base_at(table, which, together, point):
+    """Return the base's acceleration in every lane at an instant of the table (n_motions, n_points, 3)."""
+    motion = which[0]
+    x, y, z = spread(table[motion, point, 0]), spread(table[motion, point, 1]), spread(table[motion, point, 2])
+    if not together:
+        for number in range(1, WIDTH):
+            motion = which[number]
+            x = with_lane(x, number, table[motion, point, 0])
+            y = with_lane(y, number, table[motion, point, 1])
+            z = with_lane(z, number, table[motion, point, 2])
+    return x, y, z
+
+
+@inlined
+def place_base(lay, fix, y, which, positions, rates, segment):
+    """Let the base stand and move as each lane's motion has it, (n_motions, n_segments, n_driven)."""
+    for dof in range(lay[at.NV]):
+        d = lay[at.DOFS] + at.DOF_COLUMNS * dof
+        driven = lay[d + at.DOF_DRIVEN]
+        if driven >= 0:
+            for number in range(WIDTH):
+                motion = which[number]
+                y[lay[d + at.DOF_QPOS], number] = fix[lay[d + at.DOF_FIX] + at.ORIGIN] + positions[motion, segment, driven]
+                y[lay[at.NQ] + dof, number] = rates[motion, segment, driven]
+
+
+@inlined
+def observe(lay, fix, num, y, work, clock, time, out, sample):
+    """Update peaks and stops with this instant, and write its values to `out`, (n_kept, n_samples, n_values), if sampled."""
+    measure(lay, fix, num, y, work, sample >= 0)
+    track_stops(lay, num, y, work, clock, time)
+    track_peaks(lay, work, clock, time)
+    tick(clock, time)
+    if sample >= 0:
+        for i in range(lay[at.N_VALUES]):
+            value = work[lay[at.VALUES] + i]
+            for number in range(out.shape[0]):
+                out[number, sample, i] = lane(value, number)
+
+
+@njit
+def advance(lay, fix, numbers, states, memory, clock, which, grid, positions, rates, table, ends, out, sample):
+    """Step all lanes through the segments of a grid and return the number of samples so far.
+
+    Args:
+        lay, fix: structure and shared numbers.
+        numbers, states, memory: of the lanes, (n, WIDTH), see `wirerope_mj.engine.kernel.layout`.
+        clock: (4,), see `observe`.
+        which: motion of every lane, (WIDTH,).
+        grid: starts, stops, numbers of steps, whether sampled, and events of the segments, (5, n_segments).
+        positions, rates: of the driven slides at the starts, (n_motions, n_segments, n_driven).
+        table: accelerations of the base at all half steps, (n_motions, n_points, 3).
+        ends: where a segment's accelerations end among them, (n_segments,).
+        out: takes the samples of the first lanes, (n_kept, n_samples, n_values).
+        sample: number of samples taken before.
+    """
+    num, y, work = rows(numbers), rows(states), rows(memory)
+    together = True
+    for number in range(1, WIDTH):
+        together = together and which[number] == which[0]
+    point = 0
+    for segment in range(grid.shape[1]):
+        start, steps = grid[0, segment], int(grid[2, segment])
+        h = (grid[1, segment] - start) / steps
+        place_base(lay, fix, states, which, positions, rates, segment)
+        clock[EVENT] = grid[4, segment]
+        for step in range(steps):
+            base = base_at(table, which, together, point)
+            forward(lay, fix, num, y, work, base)
+            watch(lay, y, work)
+            sampled = step == 0 and grid[3, segment] != 0.0
+            observe(lay, fix, num, y, work, clock, start + step * h, out, sample if sampled else -1)
+            sample += 1 if sampled else 0
+            middle, end = base_at(table, which, together, point + 1), base_at(table, which, together, point + 2)
+            take_step(lay, fix, num, y, work, middle, end, h)
+            point += 2
+        point = ends[segment]
+    return sample
+
+
+@njit
+def finish(lay, fix, numbers, states, memory, clock, which, time, positions, rates, table, out, sample):
+    """Observe the last instant, with the base as it is just before it."""
+    num, y, work = rows(numbers), rows(states), rows(memory)
+    place_base(lay, fix, states, which, positions, rates, 0)
+    forward(lay, fix, num, y, work, base_at(table, which, False, 0))
+    watch(lay, y, work)
+    observe(lay, fix, num, y, work, clock, time, out, sample)
