@@ -30,6 +30,7 @@ WIDTH = 8
 
 _DOUBLE, _LONG, _INDEX = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
 _VECTOR, _LONGS = ir.VectorType(_DOUBLE, WIDTH), ir.VectorType(_LONG, WIDTH)
+_INLINED = {"forceinline": True, "error_model": "numpy"}
 _CONTRACT = ("contract",)
 """Products may be fused with the sums that they are part of; nothing else may be reordered."""
 
@@ -127,6 +128,7 @@ def _comparison(sign: str) -> Callable[[Any, Any, Any], Any]:
 
 for _function, _instruction in {
     operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", operator.truediv: "fdiv",
+    operator.iadd: "fadd", operator.isub: "fsub", operator.imul: "fmul", operator.itruediv: "fdiv",
 }.items():  # fmt: skip
     _operator(_function, LANES, _arithmetic(_instruction))
 for _function, _sign in {
@@ -294,7 +296,7 @@ def rows(array: Any) -> Any:
     return array.reshape(-1, WIDTH)
 
 
-@overload(rows, inline="always")
+@overload(rows, jit_options=_INLINED)
 def _overload_rows(array):  # type: ignore[no-untyped-def]
     return lambda array: _rows(array)
 
@@ -304,7 +306,7 @@ def lane(value: Any, number: int) -> Any:
     return value[number] if isinstance(value, np.ndarray) else value
 
 
-@overload(lane, inline="always")
+@overload(lane, jit_options=_INLINED)
 def _overload_lane(value, number):  # type: ignore[no-untyped-def]
     if value == LANES:
         return lambda value, number: _one(value, number)
@@ -318,7 +320,7 @@ def with_lane(value: Any, number: int, one: float) -> Any:
     return changed
 
 
-@overload(with_lane, inline="always")
+@overload(with_lane, jit_options=_INLINED)
 def _overload_with_lane(value, number, one):  # type: ignore[no-untyped-def]
     return lambda value, number, one: _with_one(value, number, one)
 
@@ -340,7 +342,7 @@ def where(condition: Any, one: Any, other: Any) -> Any:
     return one if condition else other
 
 
-@overload(where, inline="always")
+@overload(where, jit_options=_INLINED)
 def _overload_where(condition, one, other):  # type: ignore[no-untyped-def]
     if condition == MASK:
         return lambda condition, one, other: _chosen(condition, one, other)
@@ -352,7 +354,7 @@ def some(condition: Any) -> Any:
     return bool(np.any(condition))
 
 
-@overload(some, inline="always")
+@overload(some, jit_options=_INLINED)
 def _overload_some(condition):  # type: ignore[no-untyped-def]
     if condition == MASK:
         return lambda condition: _any(condition)
@@ -364,11 +366,73 @@ def count(p: Any, i: int) -> int:
     return int(np.ravel(p[i])[0])
 
 
-@overload(count, inline="always")
+@overload(count, jit_options=_INLINED)
 def _overload_count(p, i):  # type: ignore[no-untyped-def]
     if p == ROWS:
         return lambda p, i: int(_one(p[i], 0))
     return lambda p, i: int(p[i])
+
+
+@intrinsic
+def _gathered(typingctx: Any, p: Any, i: Any, offset: Any) -> Any:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        pointer, first, offsets = args
+        offsets = builder.fptosi(offsets, ir.VectorType(_INDEX, WIDTH))
+        result = ir.Constant(_VECTOR, ir.Undefined)
+        for number in range(WIDTH):
+            at = ir.Constant(_INDEX, number)
+            row = builder.add(first, builder.sext(builder.extract_element(offsets, at), _LONG))
+            address = builder.add(builder.mul(row, ir.Constant(_LONG, WIDTH)), ir.Constant(_LONG, number))
+            result = builder.insert_element(result, builder.load(builder.gep(pointer, [address])), at)
+        return result
+
+    return LANES(ROWS, types.intp, LANES), build
+
+
+def picked(p: Any, i: int, offset: Any) -> Any:
+    """Return p[i + offset], the offset a whole number that lanes may differ in."""
+    if isinstance(offset, np.ndarray):
+        return np.array([p[i + int(one), number] for number, one in enumerate(offset)])
+    return p[i + offset]
+
+
+@overload(picked, jit_options=_INLINED)
+def _overload_picked(p, i, offset):  # type: ignore[no-untyped-def]
+    if p == ROWS:
+        return lambda p, i, offset: _gathered(p, i, offset)
+    return lambda p, i, offset: p[i + offset]
+
+
+def ranked(p: Any, i: int, n: int, x: Any) -> Any:
+    """Return how many of the n numbers from p[i] on, which ascend, are at or below x."""
+    if isinstance(x, np.ndarray):
+        return np.sum(p[i : i + n] <= x, axis=0).astype(np.float64)
+    return int(np.searchsorted(p[i : i + n], x, side="right"))
+
+
+@overload(ranked, jit_options=_INLINED)
+def _overload_ranked(p, i, n, x):  # type: ignore[no-untyped-def]
+    if p == ROWS:
+
+        def total(p, i, n, x):  # type: ignore[no-untyped-def]
+            rank = 0.0
+            for entry in range(n):
+                rank += where(p[i + entry] <= x, 1.0, 0.0)
+            return rank
+
+        return total
+
+    def search(p, i, n, x):  # type: ignore[no-untyped-def]
+        low, high = 0, n
+        while low < high:
+            middle = (low + high) // 2
+            if p[i + middle] <= x:
+                low = middle + 1
+            else:
+                high = middle
+        return low
+
+    return search
 
 
 @inlined
@@ -442,7 +506,7 @@ def _cos_lanes(x):  # type: ignore[no-untyped-def]
 
 
 def _elementary(function: Any, lanes: Callable[[Any], Any]) -> None:
-    @overload(function, inline="always")
+    @overload(function, jit_options=_INLINED)
     def implementation(x):  # type: ignore[no-untyped-def]
         return (lambda x: lanes(x)) if x == LANES else None
 
@@ -467,14 +531,12 @@ def power(x: Any, n: Any) -> Any:
 @inlined
 def _power_lanes(x, n):  # type: ignore[no-untyped-def]
     result = where(n == 2.0, x * x, x)
-    sesqui = n == 1.5
-    if some(sesqui):
-        result = where(sesqui, x * math.sqrt(x), result)
-    other = (n != 1.0) & (n != 2.0) & (n != 1.5)
+    other = (n != 1.0) & (n != 2.0)
     if some(other):
         # Below the normal numbers x^n is taken for that of the least: 1e-308^n, or 0 at 0.
         grown = _exp_lanes(n * _log_lanes(max(x, 2.2250738585072014e-308)))
-        result = where(other, where(x > 0.0, grown, 0.0), result)
+        grown = where(n == 1.5, x * math.sqrt(x), where(x > 0.0, grown, 0.0))
+        result = where(other, grown, result)
     return result
 
 
@@ -487,8 +549,20 @@ def _power_scalar(x, n):  # type: ignore[no-untyped-def]
     return x**n
 
 
-@overload(power, inline="always")
+@overload(power, jit_options=_INLINED)
 def _overload_power(x, n):  # type: ignore[no-untyped-def]
     if x == LANES:
         return lambda x, n: _power_lanes(x, n)
     return lambda x, n: _power_scalar(x, n)
+
+
+def raised(x: Any, n: Any) -> Any:
+    """Return x^n of x >= 0 as `power` does, but of a scalar by the library's function for n = 2, too."""
+    return x**n
+
+
+@overload(raised, jit_options=_INLINED)
+def _overload_raised(x, n):  # type: ignore[no-untyped-def]
+    if x == LANES:
+        return lambda x, n: _power_lanes(x, n)
+    return lambda x, n: x if n == 1.0 else x**n

@@ -9,6 +9,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
+from wirerope_mj.foundation.lanes import raised, some, where
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis, bouc_wen_rate
 from wirerope_mj.mounts.laws.law import anywhere, require_not_negative
 
@@ -104,11 +105,12 @@ def baber_noori(p, i, x, v, z, j, zdot, k):
     beta, gamma, n = nu * p[i + 1], nu * p[i + 2], p[i + 3]
     slip = p[i + 8] * -math.expm1(-p[i + 10] * e)
     pinch = 1.0
-    if slip > 0.0 and v != 0.0:
-        bound = (alpha / (beta + gamma)) ** (1.0 / n)
+    pinched = (slip > 0.0) & (v != 0.0)
+    if some(pinched):
+        bound = raised(alpha / (beta + gamma), 1.0 / n)
         width = (p[i + 11] + p[i + 12] * e) * (p[i + 13] + slip)
-        distance = ((force if v > 0.0 else -force) - p[i + 9] * bound) / width
-        pinch = 1.0 - slip * math.exp(-distance * distance)
+        distance = (where(v > 0.0, force, -force) - p[i + 9] * bound) / width
+        pinch = where(pinched, 1.0 - slip * math.exp(-distance * distance), 1.0)
     zdot[k] = pinch / eta * bouc_wen_rate(alpha, beta, gamma, n, v, force)
     zdot[k + 1] = force * v
     return p[i + 4] * x + force

@@ -85,5 +85,6 @@ class Ozdemir(Hysteresis):
 @njit
 def bouc_wen(p, i, x, v, z, j, zdot, k):
     """Return F = k x + z [N], thesis (3.4) with g = k x; p = alpha, beta, gamma, n, k."""
-    zdot[k] = bouc_wen_rate(p[i], p[i + 1], p[i + 2], p[i + 3], v, z[j])
-    return p[i + 4] * x + z[j]
+    hysteretic = z[j]
+    zdot[k] = bouc_wen_rate(p[i], p[i + 1], p[i + 2], p[i + 3], v, hysteretic)
+    return p[i + 4] * x + hysteretic

@@ -8,6 +8,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
+from wirerope_mj.foundation.lanes import count
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
 from wirerope_mj.mounts.laws.hysteresis import Normalised
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
@@ -136,7 +137,7 @@ def masing(p, i, x, v, z, j, zdot, k):
 
     The states grow elastically, beyond h_e too; who integrates them removes the overshoot after every step.
     """
-    n = int(p[i + 1])
+    n = count(p, i + 1)
     force = p[i] * x
     for e in range(n):
         slip = p[i + 2 + n + e]
@@ -148,7 +149,7 @@ def masing(p, i, x, v, z, j, zdot, k):
 @njit
 def hold_slip(p, i, z, j):
     """Clip the states of Masing's law to the slip forces, in place."""
-    n = int(p[i + 1])
+    n = count(p, i + 1)
     for e in range(n):
         slip = p[i + 2 + n + e]
         z[j + e] = min(max(z[j + e], -slip), slip)

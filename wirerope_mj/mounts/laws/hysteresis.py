@@ -7,6 +7,7 @@ from typing import Any, Self
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.jit import inlined
+from wirerope_mj.foundation.lanes import power, where
 from wirerope_mj.mounts.laws.law import Law, anywhere
 
 LEAST_EXPONENT = 0.05
@@ -143,13 +144,4 @@ class Hysteresis(Law):
 @inlined
 def bouc_wen_rate(alpha, beta, gamma, n, v, z):
     """Return zdot = alpha v - [gamma + beta sgn(v) sgn(z)] |z|^n v [N/s], thesis (3.7); no |z|^(n-1), so n < 1 is safe."""
-    size = abs(z)
-    if n == 1.0:  # pow() costs more than the rest of the kernel, and n is 1 or 2 in most fits
-        power = size
-    elif n == 2.0:
-        power = size * size
-    else:
-        power = size**n
-    if v * z >= 0.0:
-        return (alpha - (gamma + beta) * power) * v
-    return (alpha - (gamma - beta) * power) * v
+    return (alpha - (gamma + where(v * z >= 0.0, beta, -beta)) * power(abs(z), n)) * v

@@ -5,7 +5,9 @@ Every law's file holds its kernel beside its class. All of them have the same si
     force = kernel(p, i, x, v, z, j, zdot, k)
 
 with the parameters in `p[i:]`, deflection `x` [m], deflection rate `v` [m/s] and internal states in `z[j:]`; it writes the
-states' rates to `zdot[k:]` and returns the force [N]. With JIT disabled the kernels are plain Python. A law of its own kernel
+states' rates to `zdot[k:]` and returns the force [N]. With JIT disabled the kernels are plain Python. Each serves one system
+and eight side by side, see `wirerope_mj.foundation.lanes`: no branch may depend on a number that lanes can differ in, and
+integers among the parameters, in which they cannot, are read by `count`. A law of its own kernel
 needs a number that no other has, and a line in `evaluate_rarer`; one that depends on the rate is named in `RATE_DEPENDENT`, one
 with a closed form in the three functions at the end. Without a closed form it is integrated.
 """
@@ -15,6 +17,7 @@ import math
 import numpy as np
 
 from wirerope_mj.foundation.jit import inlined, njit
+from wirerope_mj.foundation.lanes import count
 from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, baber_noori
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, bouc_wen
 from wirerope_mj.mounts.laws.exact import advance_bouc_wen, carry_bouc_wen
@@ -111,7 +114,7 @@ def smoothed(p, i, x, v, z, j, zdot, k):
 
     p = e, number of the law, its parameters; s+ and s- are its slopes dz/dx for v > 0 and v < 0.
     """
-    law = int(p[i + 1])
+    law = count(p, i + 1)
     smoothable(law, p, i + 2, x, 1.0, z, j, zdot, k)
     up = zdot[k]
     force = smoothable(law, p, i + 2, x, -1.0, z, j, zdot, k)
@@ -127,10 +130,10 @@ def parallel(p, i, x, v, z, j, zdot, k):
     p = their number, for each of them its own number and where its parameters and its states begin, the parameters.
     """
     force = 0.0
-    for part in range(int(p[i])):
+    for part in range(count(p, i)):
         row = i + 1 + 3 * part
-        state = int(p[row + 2])
-        force += evaluate_one(int(p[row]), p, i + int(p[row + 1]), x, v, z, j + state, zdot, k + state)
+        state = count(p, row + 2)
+        force += evaluate_one(count(p, row), p, i + count(p, row + 1), x, v, z, j + state, zdot, k + state)
     return force
 
 
@@ -148,10 +151,10 @@ def hold_slips(law, p, i, z, j):
     if law == MASING:
         hold_slip(p, i, z, j)
     elif law == PARALLEL:
-        for part in range(int(p[i])):
+        for part in range(count(p, i)):
             row = i + 1 + 3 * part
-            if p[row] == MASING:
-                hold_slip(p, i + int(p[row + 1]), z, j + int(p[row + 2]))
+            if count(p, row) == MASING:
+                hold_slip(p, i + count(p, row + 1), z, j + count(p, row + 2))
 
 
 @njit

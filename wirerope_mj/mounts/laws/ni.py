@@ -90,15 +90,17 @@ def polynomial(k1, k2, k3, x):
 @njit
 def asymmetric_bouc_wen(p, i, x, v, z, j, zdot, k):
     """Return F = exp(lambda x) [z + F1(x)] [N], thesis (3.15); p = alpha, beta, gamma, n, k1, k2, k3, lambda."""
-    zdot[k] = bouc_wen_rate(p[i], p[i + 1], p[i + 2], p[i + 3], v, z[j])
-    return math.exp(p[i + 7] * x) * (z[j] + polynomial(p[i + 4], p[i + 5], p[i + 6], x))
+    hysteretic = z[j]
+    zdot[k] = bouc_wen_rate(p[i], p[i + 1], p[i + 2], p[i + 3], v, hysteretic)
+    return math.exp(p[i + 7] * x) * (hysteretic + polynomial(p[i + 4], p[i + 5], p[i + 6], x))
 
 
 @njit
 def symmetric_bouc_wen(p, i, x, v, z, j, zdot, k):
     """Return F = z + F1(x) [N], Ni's law for shear and roll; p = alpha, beta, gamma, n, k1, k2, k3."""
-    zdot[k] = bouc_wen_rate(p[i], p[i + 1], p[i + 2], p[i + 3], v, z[j])
-    return z[j] + polynomial(p[i + 4], p[i + 5], p[i + 6], x)
+    hysteretic = z[j]
+    zdot[k] = bouc_wen_rate(p[i], p[i + 1], p[i + 2], p[i + 3], v, hysteretic)
+    return hysteretic + polynomial(p[i + 4], p[i + 5], p[i + 6], x)
 
 
 @njit

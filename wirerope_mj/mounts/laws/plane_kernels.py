@@ -3,6 +3,7 @@
 import math
 
 from wirerope_mj.foundation.jit import njit
+from wirerope_mj.foundation.lanes import count, raised, some, where
 from wirerope_mj.mounts.laws.ni import polynomial
 
 BIAXIAL = 9
@@ -17,8 +18,8 @@ def loop_force(p, i, u, w):
     p = roll, compression, tension, W, I, J, coefficients row by row.
     """
     cu, cw = min(max(u, -p[i]), p[i]), min(max(w, -p[i + 1]), p[i + 2])
-    rows, columns = int(p[i + 4]), int(p[i + 5])
-    a, b = (cu / p[i]) ** 2, cw / p[i + 3]
+    rows, columns = count(p, i + 4), count(p, i + 5)
+    a, b = (cu / p[i]) * (cu / p[i]), cw / p[i + 3]
     # Horner's scheme in b within that in a, each with its derivative; the powers begin with the first.
     value_b, of_a, of_ab, value = 0.0, 0.0, 0.0, 0.0
     for row in range(rows - 1, -1, -1):
@@ -70,10 +71,11 @@ def biaxial_rates(p, i, vx, vy, z, jx, jy, zdot, kx, ky):
     wx, wy = z[jx] / p[i + 2], z[jy] / p[i + 3]
     ux, uy = vx / p[i + 4], vy / p[i + 5]
     size = math.sqrt(wx * wx + wy * wy)
-    if size > 0.0:
-        wx, wy = wx / size, wy / size
+    if some(size > 0.0):
+        length = where(size > 0.0, size, 1.0)
+        wx, wy = wx / length, wy / length
         along = ux * wx + uy * wy
-        pull = size**n * (sigma * abs(along) + (1.0 - sigma) * along)
+        pull = raised(size, n) * (sigma * abs(along) + (1.0 - sigma) * along)
         ux, uy = ux - pull * wx, uy - pull * wy
     zdot[kx], zdot[ky] = p[i + 2] * ux, p[i + 3] * uy
 

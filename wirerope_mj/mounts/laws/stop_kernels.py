@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
+from wirerope_mj.foundation.lanes import count, raised, some, where
 from wirerope_mj.mounts.laws.cubic import position, speed, zero_between
 from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
 from wirerope_mj.mounts.laws.table_kernels import ROW, cubics, row_at
@@ -16,6 +17,9 @@ LOSS, VISCOUS, BELOW, ABOVE, ROUNDING, STIFFNESS, EXPONENT, N_POINTS, POINTS = r
 _SHORTEST = 1e-12
 """Fraction of an interval that is passed over where rounding holds a path on a corner."""
 
+_NO_ROUNDING = 1e-300
+"""Taken for a rounding of zero [m], of which no depth is a fraction."""
+
 _PANELS = 4
 """Panels at least: within its rounding a hardening stop begins as depth^(3 exponent), which eight points have to 1e-10 then."""
 
@@ -26,35 +30,32 @@ _STEEPEST = 4.0
 @njit
 def seated(depth, rounding):
     """Return what counts of a depth > 0 [m], r (t^3 - t^4 / 2) up to t = depth / r = 1, then depth - r / 2, and its slope."""
-    if depth >= rounding:
-        return depth - 0.5 * rounding, 1.0
-    t = depth / rounding
-    return rounding * t * t * t * (1.0 - 0.5 * t), t * t * (3.0 - 2.0 * t)
+    t = min(depth / max(rounding, _NO_ROUNDING), 1.0)
+    within = rounding * t * t * t * (1.0 - 0.5 * t)
+    return where(depth >= rounding, depth - 0.5 * rounding, within), t * t * (3.0 - 2.0 * t)
 
 
 @njit
 def elastic(p, i, depth):
     """Return the elastic force of the stop at what counts of its depth [N]."""
-    if p[i + N_POINTS] > 0.0:
+    if count(p, i + N_POINTS) > 0:
         table = i + N_POINTS - 4  # as in a tabulated law
         return cubics(p, table, row_at(p, table, depth), depth)[0]
-    if p[i + EXPONENT] == 1.0:
-        return p[i + STIFFNESS] * depth
-    return p[i + STIFFNESS] * depth ** p[i + EXPONENT]
+    return p[i + STIFFNESS] * raised(depth, p[i + EXPONENT])
 
 
 @njit
 def stop_force(p, i, x, v, w):
     """Return the force of a stop [N] with the state w of its loss."""
-    if x < -p[i + BELOW]:
-        side, depth = -1.0, -x - p[i + BELOW]
-    elif x > p[i + ABOVE]:
-        side, depth = 1.0, x - p[i + ABOVE]
-    else:
+    below, above = p[i + BELOW], p[i + ABOVE]
+    pressed, pulled = x < -below, x > above
+    if not some(pressed | pulled):
         return 0.0
+    side = where(pressed, -1.0, 1.0)
+    depth = where(pressed, -x - below, x - above)
     counted, slope = seated(depth, p[i + ROUNDING])
     force = elastic(p, i, counted) * (1.0 + p[i + LOSS] * side * w) + p[i + VISCOUS] * slope * side * v
-    return side * max(force, 0.0)
+    return where(pressed | pulled, side * max(force, 0.0), 0.0)
 
 
 @njit
@@ -64,10 +65,11 @@ def stop(p, i, x, v, z, j, zdot, k):
     p = 1 / reversal, 1 / reversal, 0, 1, loss, c, gap below, gap above, rounding, k, exponent, number n of knots, and of the
     points what a tabulated law has behind that, then the knots as depths behind the gap (n,).
     """
-    if p[i + LOSS] == 0.0:
-        return stop_force(p, i, x, v, 0.0)
-    zdot[k] = p[i] * (v - abs(v) * z[j])
-    return stop_force(p, i, x, v, z[j])
+    w = 0.0
+    if some(p[i + LOSS] != 0.0):  # then in every lane: without loss there is no state
+        w = z[j]
+        zdot[k] = p[i] * (v - abs(v) * w)
+    return stop_force(p, i, x, v, w)
 
 
 @njit

@@ -7,6 +7,7 @@ The coefficients are those of M and then of g in ascending powers of the distanc
 import math
 
 from wirerope_mj.foundation.jit import njit
+from wirerope_mj.foundation.lanes import count, picked, ranked
 from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
 
 ROW = 8
@@ -19,32 +20,26 @@ _SHORT = 2.0
 @njit
 def row_at(p, i, x):
     """Return how many knots are at or below a deflection: the number of its row of coefficients."""
-    low, high, knots = 0, int(p[i + 4]), i + 5
-    while low < high:
-        middle = (low + high) // 2
-        if p[knots + middle] <= x:
-            low = middle + 1
-        else:
-            high = middle
-    return low
+    return ranked(p, i + 5, count(p, i + 4), x)
 
 
 @njit
 def cubics(p, i, row, x):
     """Return M [N] and g [-] of a row of coefficients at a deflection."""
-    m = int(p[i + 4])
-    c = i + 5 + m + ROW * row
-    d = x - p[i + 5 + max(row - 1, 0)]
-    mean = p[c] + d * (p[c + 1] + d * (p[c + 2] + d * p[c + 3]))
-    return mean, p[c + 4] + d * (p[c + 5] + d * (p[c + 6] + d * p[c + 7]))
+    c, at = i + 5 + count(p, i + 4), ROW * row
+    d = x - picked(p, i + 5, max(row - 1, 0))
+    mean = picked(p, c, at) + d * (picked(p, c + 1, at) + d * (picked(p, c + 2, at) + d * picked(p, c + 3, at)))
+    g = picked(p, c + 4, at) + d * (picked(p, c + 5, at) + d * (picked(p, c + 6, at) + d * picked(p, c + 7, at)))
+    return mean, g
 
 
 @njit
 def tabulated(p, i, x, v, z, j, zdot, k):
     """Return F = M(x) + g(x) z [N] with zdot = alpha v - beta |v| z."""
-    zdot[k] = p[i] * v - p[i + 1] * abs(v) * z[j]
+    friction = z[j]
+    zdot[k] = p[i] * v - p[i + 1] * abs(v) * friction
     mean, g = cubics(p, i, row_at(p, i, x), x)
-    return mean + g * z[j]
+    return mean + g * friction
 
 
 @njit

@@ -10,6 +10,7 @@ from scipy.optimize import brentq
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
+from wirerope_mj.foundation.lanes import where
 from wirerope_mj.mounts.laws.law import Law, anywhere
 
 VAIANA_ROSATI = 7
@@ -179,11 +180,10 @@ def vaiana_rosati(p, i, x, v, z, j, zdot, k):
     lower, lower_slope = limit_curve(p, i + 8, x)
     upper, lower = upper + p[i + 1], lower - p[i + 9]
     half, half_slope = 0.5 * (upper - lower), 0.5 * (upper_slope - lower_slope)
-    if v >= 0.0:
-        zdot[k] = (half_slope + p[i + 2] * (half - z[j])) * v
-    else:
-        zdot[k] = (-half_slope + p[i + 10] * (half + z[j])) * v
-    return 0.5 * (upper + lower) - p[i + 16] + z[j]
+    up, hysteretic = v >= 0.0, z[j]
+    s = where(up, 1.0, -1.0)
+    zdot[k] = (s * half_slope + where(up, p[i + 2], p[i + 10]) * (half - s * hysteretic)) * v
+    return 0.5 * (upper + lower) - p[i + 16] + hysteretic
 
 
 @njit

@@ -106,8 +106,9 @@ def kelvin_voigt(p, i, x, v, z, j, zdot, k):
 @njit
 def zener(p, i, x, v, z, j, zdot, k):
     """Return F = k0 x + z [N] with zdot = k1 v - r z; p = k0, k1, r = k1 / c."""
-    zdot[k] = p[i + 1] * v - p[i + 2] * z[j]
-    return p[i] * x + z[j]
+    relaxing = z[j]
+    zdot[k] = p[i + 1] * v - p[i + 2] * relaxing
+    return p[i] * x + relaxing
 
 
 @njit
