@@ -33,6 +33,11 @@ class Equations:
     rest: Array
 
     @property
+    def n_values(self) -> int:
+        """Number of sensor values of an instant."""
+        return int(self.lay[at.N_VALUES])
+
+    @property
     def key(self) -> bytes:
         """Bytes that systems have in common which may share lanes."""
         return self.lay.tobytes() + self.fix.tobytes() + self.rest.tobytes()

@@ -1,1 +1,193 @@
 """Systems through one time grid by the kernel, eight to a vector, on several threads."""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from typing import cast
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.control.state import STATE
+from wirerope_mj.engine.kernel.equations import Equations
+from wirerope_mj.engine.kernel.group import NOTHING, Group, group_of
+from wirerope_mj.engine.response.peaks import Peak
+from wirerope_mj.engine.simulation.grid import Grid, TimeGrid
+from wirerope_mj.engine.simulation.stages import Stages, StageTables
+from wirerope_mj.engine.simulation.stepper import acceleration_before, base_before
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.lanes import WIDTH
+from wirerope_mj.foundation.state import State
+from wirerope_mj.motions import BaseMotion
+
+Sink = Callable[[int, int, Array], None]
+"""Takes the number of a variant, of the first of some samples, and these samples' sensor values, (n_samples, n_values)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class InLanes:
+    """Variants at the end of a grid.
+
+    Attributes:
+        groups: the variants side by side, and those of each group by their numbers.
+        base_peaks: peak of the base's acceleration of every distinct motion.
+        which: number of each variant's motion among these, (n,).
+        steps: number of steps.
+        largest_step: largest of them [s].
+    """
+
+    groups: list[tuple[Group, list[int]]]
+    base_peaks: list[Peak]
+    which: list[int]
+    steps: int
+    largest_step: float
+
+
+def indices(model: mujoco.MjModel, part: mujoco.mjtState) -> npt.NDArray[np.int64]:
+    """Return where a part of MuJoCo's state stands among the values of a `State`."""
+    numbers = np.arange(mujoco.mj_stateSize(model, STATE), dtype=np.float64)
+    found = np.empty(mujoco.mj_stateSize(model, part))
+    mujoco.mj_extractState(model, numbers, STATE, found, part)
+    return found.astype(np.int64)
+
+
+def moving(model: mujoco.MjModel) -> npt.NDArray[np.int64]:
+    """Return where qpos, qvel and act stand among the values of a `State`."""
+    kinds = mujoco.mjtState
+    return np.concatenate([indices(model, one) for one in (kinds.mjSTATE_QPOS, kinds.mjSTATE_QVEL, kinds.mjSTATE_ACT)])
+
+
+def go_in_lanes(
+    equations: Sequence[Equations],
+    drive: Array,
+    motions: Sequence[BaseMotion],
+    states: Array,
+    grid: TimeGrid,
+    *,
+    threads: int = 1,
+    sink: Sink | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> InLanes:
+    """Step variants through a grid.
+
+    Args:
+        equations: of each variant.
+        drive: slides from base vectors, (n_driven, 3).
+        motions: base motion of each variant.
+        states: qpos, qvel and act of each variant at the start, (n, n_state).
+        grid: whose corners count; the events are those of each variant's own motion.
+        threads: number of threads.
+        sink: takes the samples; None if they are not wanted.
+        progress: takes the simulated time [s] now and then.
+    """
+    distinct = list({id(motion): motion for motion in motions}.values())
+    numbers = {id(motion): number for number, motion in enumerate(distinct)}
+    which = [numbers[id(motion)] for motion in motions]
+    events = [(one.corners.tobytes(), tuple(time for time, _ in one.velocity_jumps)) for one in distinct]
+    groups = _groups(equations, states, which, [events[motion] for motion in which])
+    tables = [StageTables(motion, drive) for motion in distinct]
+    done, steps, largest, stop = 0, 0, 0.0, grid.start
+    with ThreadPoolExecutor(threads) as pool:
+        run = pool.map if threads > 1 and len(groups) > 1 else map
+        for block in grid.blocks():
+            own = [block.with_events_of(motion) if motion is not grid.motion else block for motion in distinct]
+            for stages in zip(*(table.blocks(one) for table, one in zip(tables, own, strict=True)), strict=True):
+                piece = _piece(own, stages)
+                list(run(partial(_advance, piece, done, sink), groups))
+                done += piece.samples
+                if progress is not None:
+                    progress(float(piece.grids[0][1, -1]))
+            steps, largest = steps + int(block.steps.sum()), max(largest, block.largest_step)
+            stop = float(block.stop[-1]) if block.stop.size else stop
+    _finish(groups, distinct, drive, stop, done if done < grid.sample_times.size else -1, sink)
+    return InLanes(
+        groups=groups, base_peaks=[table.peak for table in tables], which=which, steps=steps, largest_step=largest
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Piece:
+    """Segments for all variants: of every motion the grid's rows, (5, n_segments), and what its base does in them."""
+
+    grids: list[Array]
+    positions: Array
+    rates: Array
+    accelerations: Array
+    ends: npt.NDArray[np.int64]
+    samples: int
+
+
+def _piece(own: Sequence[Grid], stages: Sequence[Stages]) -> _Piece:
+    first = stages[0].first
+    cut = slice(first, first + stages[0].ends.size)
+    grids = [
+        np.array([grid.start[cut], grid.stop[cut], grid.steps[cut], grid.sampled[cut], grid.event[cut]]) for grid in own
+    ]
+    return _Piece(
+        grids=grids,
+        positions=np.array([one.positions for one in stages]),
+        rates=np.array([one.rates for one in stages]),
+        accelerations=np.array([one.accelerations for one in stages]),
+        ends=stages[0].ends,
+        samples=int(own[0].sampled[cut].sum()),
+    )
+
+
+def _groups(
+    equations: Sequence[Equations], states: Array, which: list[int], events: Sequence[object]
+) -> list[tuple[Group, list[int]]]:
+    """Return groups of variants that may share lanes, in the order of the first of each."""
+    alike: dict[object, list[int]] = {}
+    keys = {id(one): one.key for one in equations}
+    for number, (one, event) in enumerate(zip(equations, events, strict=True)):
+        alike.setdefault((keys[id(one)], event), []).append(number)
+    groups = []
+    for numbers in alike.values():
+        for first in range(0, len(numbers), WIDTH):
+            some = numbers[first : first + WIDTH]
+            group = group_of([equations[i] for i in some], states[some], [which[i] for i in some])
+            groups.append((group, some))
+    return groups
+
+
+def _advance(piece: _Piece, sample: int, sink: Sink | None, group: tuple[Group, list[int]]) -> None:
+    own, numbers = group
+    out = np.empty((own.size, piece.samples, own.equations.n_values)) if sink is not None else NOTHING
+    grid = piece.grids[int(own.which[0])]
+    own.go(grid, piece.positions, piece.rates, piece.accelerations, piece.ends, out, 0)
+    if sink is not None:
+        for number, rows in zip(numbers, out, strict=True):
+            sink(number, sample, rows)
+
+
+def _finish(
+    groups: list[tuple[Group, list[int]]], motions: Sequence[BaseMotion], drive: Array, stop: float, sample: int,
+    sink: Sink | None,
+) -> None:  # fmt: skip
+    """Observe the last instant with the bases as they are just before it, and hand on its values if it is sampled."""
+    before = [base_before(motion, drive, stop) for motion in motions]
+    positions, rates = (np.array([one[part] for one in before])[:, np.newaxis] for part in (0, 1))
+    table = np.array([acceleration_before(motion, stop) for motion in motions])[:, np.newaxis]
+    for own, numbers in groups:
+        wanted = sink is not None and sample >= 0
+        out = np.empty((own.size, 1, own.equations.n_values)) if wanted else NOTHING
+        own.finish(stop, positions, rates, table, out, 0 if wanted else -1)
+        if sink is not None and wanted:
+            for number, rows in zip(numbers, out, strict=True):
+                sink(number, sample, rows)
+
+
+def final_state(model: mujoco.MjModel, start: State, userdata: slice, values: Array, time: float) -> State:
+    """Return the state at the end: that of the start with another instant, qpos, qvel and act, (n_state,).
+
+    What belongs to the run alone, the system's part of userdata, is zero.
+    """
+    changed = start.values.copy()
+    user = indices(model, mujoco.mjtState.mjSTATE_USERDATA)
+    changed[indices(model, mujoco.mjtState.mjSTATE_TIME)] = time
+    changed[moving(model)] = values
+    changed[user[userdata]] = 0.0
+    return State(values=cast(Array, changed), time=time)
+
