@@ -64,6 +64,17 @@ class RowsType(types.Type):
         super().__init__(name=f"Rows{WIDTH}")
 
 
+class TableType(types.Type):
+    """Numba's type of an array of integers or floats that is only read: its address.
+
+    An array that is handed on costs its references' counting, and a look at the sign of each index.
+    """
+
+    def __init__(self, element: types.Type) -> None:
+        self.element = element
+        super().__init__(name=f"Table({element})")
+
+
 LANES, MASK, ROWS = LanesType(), MaskType(), RowsType()
 
 
@@ -83,6 +94,13 @@ class _MaskModel(models.PrimitiveModel):
 class _RowsModel(models.PrimitiveModel):
     def __init__(self, manager: Any, kind: Any) -> None:
         super().__init__(manager, kind, _DOUBLE.as_pointer())
+
+
+@register_model(TableType)
+class _TableModel(models.PrimitiveModel):
+    def __init__(self, manager: Any, kind: Any) -> None:
+        element = _DOUBLE if kind.element == types.float64 else _LONG
+        super().__init__(manager, kind, element.as_pointer())
 
 
 def _constant(value: float) -> ir.Constant:
@@ -186,8 +204,11 @@ _unary(math.floor, _call("floor"))
 
 class _GetItem(AbstractTemplate):
     def generic(self, args: Any, kws: Any) -> Any:
-        ok = len(args) == 2 and args[0] == ROWS and isinstance(args[1], types.Integer)
-        return signature(LANES, ROWS, types.intp) if ok else None
+        if len(args) != 2 or not isinstance(args[1], types.Integer):
+            return None
+        if isinstance(args[0], TableType):
+            return signature(args[0].element, args[0], types.intp)
+        return signature(LANES, ROWS, types.intp) if args[0] == ROWS else None
 
 
 class _SetItem(AbstractTemplate):
@@ -210,6 +231,11 @@ def _load(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     return builder.load(_address(builder, *args), align=8)
 
 
+@lower_builtin(operator.getitem, TableType, types.Integer)
+def _read(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+    return builder.load(builder.gep(args[0], [args[1]]))
+
+
 @lower_builtin(operator.setitem, RowsType, types.Integer, LanesType)
 def _store(context: Any, builder: Any, sig: Any, args: Any) -> Any:
     builder.store(args[2], _address(builder, args[0], args[1]), align=8)
@@ -222,6 +248,14 @@ def _rows(typingctx: Any, array: Any) -> Any:
         return make_array(sig.args[0])(context, builder, args[0]).data
 
     return ROWS(array), build
+
+
+@intrinsic
+def _table(typingctx: Any, array: Any) -> Any:
+    def build(context: Any, builder: Any, sig: Any, args: Any) -> Any:
+        return make_array(sig.args[0])(context, builder, args[0]).data
+
+    return TableType(array.dtype)(array), build
 
 
 @intrinsic
@@ -299,6 +333,16 @@ def rows(array: Any) -> Any:
 @overload(rows, jit_options=_INLINED)
 def _overload_rows(array):  # type: ignore[no-untyped-def]
     return lambda array: _rows(array)
+
+
+def table(array: Any) -> Any:
+    """Return a contiguous array of int64 or float64 as one that is only read, at indices >= 0; it must outlive what is returned."""
+    return array
+
+
+@overload(table, inline="always")
+def _overload_table(array):  # type: ignore[no-untyped-def]
+    return lambda array: _table(array)
 
 
 def lane(value: Any, number: int) -> Any:

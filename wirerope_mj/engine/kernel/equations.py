@@ -133,7 +133,7 @@ def equations_of(system: System) -> Equations:
     fix, num, lay = _Writer([]), _Writer([]), np.zeros(at.HEADER, dtype=np.int64)
     links, kinds = _links(bodies, fix, num)
     dofs = _dofs(system, bodies, kinds, fix)
-    mounts = _mounts(system, bodies, fix, num)
+    mounts, runs = _mounts(system, bodies, kinds, fix, num)
     frames = _frames(system, bodies, fix, num)
     lay[at.GRAVITY] = fix.put(_gravity(model))
     lay[at.DRIVEN] = fix.put(
@@ -143,7 +143,7 @@ def equations_of(system: System) -> Equations:
     axes = _axes(tables)
     stops = _stops(tables, axes)
     tracked = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
-    parts = [links, _trees(model, bodies, kinds, dofs), dofs, mounts, axes, frames, tables.channels[tracked], stops]
+    parts = [links, _trees(model, bodies, kinds, dofs, num), dofs, runs, mounts, axes, frames, tables.channels[tracked], stops]
     flat = [np.asarray(part, dtype=np.int64).ravel() for part in parts]
     lay[at.LINKS : at.LINKS + len(flat)] = at.HEADER + np.cumsum([0] + [part.size for part in flat[:-1]])
     n_links, n_states = len(bodies.links), tables.user.n_states
@@ -153,6 +153,7 @@ def equations_of(system: System) -> Equations:
         at.N_LINKS: n_links, at.N_TREES: len(parts[1]), at.NQ: model.nq, at.NV: model.nv, at.N_STATES: n_states,
         at.N_MOUNTS: len(mounts), at.N_FRAMES: len(frames), at.N_CHANNELS: tracked.size, at.N_STOPS: len(stops),
         at.N_SLIPPING: int(tables.layout[control.N_SLIPPING]), at.N_DRIVEN: len(tables.drive), at.N_VALUES: n_values,
+        at.N_RUNS: len(runs),
     }  # fmt: skip
     for entry, number in counts.items():
         lay[entry] = number
@@ -166,8 +167,9 @@ def _sections(lay: Integers, *, largest: int) -> None:
     sizes = {
         at.KIN: at.KIN_SIZE * (lay[at.N_LINKS] + 1), at.WRENCH: 6 * (lay[at.N_LINKS] + 1), at.SUB: 6 * lay[at.NV],
         at.MASS: largest**2, at.RHS: lay[at.NV], at.RATES: lay[at.N_STATES], at.COMPOSITE: at.COM_SIZE * lay[at.N_LINKS],
-        at.START: states, at.SLOPE: tangents, at.SUM: tangents, at.RECORD: 9 * lay[at.N_MOUNTS], at.VALUES: lay[at.N_VALUES],
-        at.MEMORY: control.CHANNEL_MEMORY * lay[at.N_CHANNELS], at.TOUCHED: control.CONTACT_MEMORY * lay[at.N_STOPS],
+        at.START: states, at.SLOPE: tangents, at.SUM: tangents, at.RECORD: at.RECORD_SIZE * lay[at.N_MOUNTS], at.VALUES: lay[at.N_VALUES],
+        at.RECENT: at.RECENT_SIZE * lay[at.N_CHANNELS], at.MEMORY: control.CHANNEL_MEMORY * lay[at.N_CHANNELS],
+         at.TOUCHED: control.CONTACT_MEMORY * lay[at.N_STOPS],
         at.FAILED: 1,
     }  # fmt: skip
     total = 0
@@ -251,7 +253,9 @@ def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: _Writer) -> lis
     return rows
 
 
-def _trees(model: mujoco.MjModel, bodies: Bodies, kinds: list[int], dofs: list[list[int]]) -> list[list[int]]:
+def _trees(
+    model: mujoco.MjModel, bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: _Writer
+) -> list[list[int]]:
     trees = model.body_treeid[bodies.links]
     rows = []
     for tree in range(model.ntree):
@@ -261,38 +265,45 @@ def _trees(model: mujoco.MjModel, bodies: Bodies, kinds: list[int], dofs: list[l
             kind = at.DRIVEN_TREE
         elif len(links) == 1 and kinds[links[0]] == at.FREE and plain:
             kind = at.FREE_TREE
+        elif len(links) == 1 and kinds[links[0]] == at.STRAIGHT and not any(dofs[dof][4] >= 0 for dof in own):
+            kind = at.SLIDING_TREE
         else:
             kind = at.ANY_TREE
-        rows.append([kind, int(own[0]), own.size, int(links[0]), links.size])
+        inverse = num.put(_inverse_mass(bodies, int(links[0]), own)) if kind == at.SLIDING_TREE else 0
+        rows.append([kind, int(own[0]), own.size, int(links[0]), links.size, inverse])
     return rows
 
 
-def _mounts(system: System, bodies: Bodies, fix: _Writer, num: _Writer) -> list[list[int]]:
-    tables, rows = system.assembly.tables, []
+def _inverse_mass(bodies: Bodies, link: int, dofs: Integers) -> Array:
+    """Return the inverse of the mass matrix of a link that only slides, (n, n)."""
+    model = bodies.model
+    axes = model.jnt_axis[model.dof_jntid[dofs]]
+    mass = inertia_of(bodies, link)[at.MASS_OF] * axes @ axes.T + np.diag(model.dof_armature[dofs])
+    return np.linalg.inv(mass)
+
+
+def _mounts(system: System, bodies: Bodies, kinds: list[int], fix: _Writer, num: _Writer) -> tuple[list[list[int]], list[list[int]]]:
+    """Return the rows of the mounts, and their runs."""
+    tables, rows, runs = system.assembly.tables, [], []
     first = int(tables.layout[control.MOUNTS])
     for number in range(tables.user.n_mounts):
         row = tables.layout[first + control.MOUNT_COLUMNS * number :][: control.MOUNT_COLUMNS]
         (payload, site), (base, base_site) = (bodies.site(int(row[c])) for c in (0, 1))
         turning = row[control.TURNING : control.TURNING + 3]
-        points = num.put(site.origin, base_site.origin, turning)
-        axes = base_site.axes
+        points = num.put(_seen(bodies, kinds, payload) @ site.origin, _seen(bodies, kinds, base) @ base_site.origin, turning)
+        axes = _seen(bodies, kinds, base) @ base_site.axes
         frame = fix.put(axes.T, base_site.quaternion, site.quaternion, row[control.MODELLED : control.MODELLED + 4])
-        if base < len(bodies.links) and _is_straight(bodies, base):
-            fix.numbers[frame : frame + 9] = (_modelled(bodies, base).axes @ axes).T.ravel().tolist()
-        coupling = int(row[control.COUPLING])
-        rows.append([payload, base, int(row[6]), points, frame, coupling, int(row[control.PARTNER]), int(turning.any())])
-    return rows
+        rows.append([int(row[6]), points, frame, int(row[control.COUPLING]), int(row[control.PARTNER]), int(turning.any()), int(np.array_equal(axes, np.eye(3)))])
+        if runs and runs[-1][:2] == [payload, base]:
+            runs[-1][2] += 1
+        else:
+            runs.append([payload, base, 1])
+    return rows, runs
 
 
-def _is_straight(bodies: Bodies, number: int) -> bool:
-    model = bodies.model
-    body = bodies.links[number]
-    while body:
-        joints = range(int(model.body_jntadr[body]), int(model.body_jntadr[body] + model.body_jntnum[body]))
-        if any(model.jnt_type[j] != _SLIDE for j in joints):
-            return False
-        body = int(model.body_parentid[body])
-    return True
+def _seen(bodies: Bodies, kinds: list[int], link: int) -> Array:
+    """Return the matrix that turns a vector in a link to the axes in which the equations have it."""
+    return _modelled(bodies, link).axes if link < len(kinds) and kinds[link] == at.STRAIGHT else np.eye(3)
 
 
 def _axes(tables: Tables) -> list[list[int]]:
@@ -308,7 +319,7 @@ def _stops(tables: Tables, axes: list[list[int]]) -> list[list[int]]:
 
     rows, par = [], tables.parameters
     for number, (law, first, state, _) in enumerate(axes):
-        record = 9 * (number // 3) + number % 3
+        record = at.RECORD_SIZE * (number // 3) + number % 3
         if law == STOP:
             rows.append([record, first, state, int(par[first + LOSS] != 0.0)])
         for part in range(int(par[first]) if law == PARALLEL else 0):

@@ -3,7 +3,6 @@
 from wirerope_mj.engine.control.mounts import AXIAL
 from wirerope_mj.engine.control.rotation import righting
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.links import carried
 from wirerope_mj.engine.kernel.vectors import (
     cross,
     dot,
@@ -15,6 +14,7 @@ from wirerope_mj.engine.kernel.vectors import (
     quaternion,
     times,
     turned,
+    turned_back,
     vector,
 )
 from wirerope_mj.foundation.jit import inlined, njit
@@ -22,33 +22,21 @@ from wirerope_mj.mounts.laws.kernels import evaluate
 from wirerope_mj.mounts.laws.plane_kernels import biaxial_rates, loop_force
 
 
-@inlined
-def axes_of(lay, m, fix, work):
-    """Return the axes of the mount in row `m`, world frame."""
-    f, link = lay[m + at.AXES_IN], lay[m + at.BASE_LINK]
-    x, y, z = vector(fix, f), vector(fix, f + 3), vector(fix, f + 6)
-    if lay[lay[at.LINKS] + at.LINK_COLUMNS * link + at.KIND] != at.STRAIGHT:
-        r = lay[at.KIN] + at.KIN_SIZE * link + at.KIN_R
-        x, y, z = turned(work, r, x), turned(work, r, y), turned(work, r, z)
-    return x, y, z
-
-
 @njit
-def couple_axes(lay, m, axis, num, y, work, record, rates, axes):
+def couple_axes(lay, m, axis, num, y, work, record):
     """Give roll and another axis of the mount in row `m` one hysteretic force: its rates replace those of the axes.
 
-    Returns what the elastic energy of a loop adds to the mount's force [N], in its axes.
+    What the elastic energy of a loop adds to the mount's force goes to its record.
     """
+    rates = lay[at.RATES]
     first, other, z = lay[at.PARAMETERS] + lay[m + at.COUPLING], lay[m + at.PARTNER], lay[at.NQ] + lay[at.NV]
     j, k = lay[axis + 2], lay[axis + 2 + at.AXIS_COLUMNS * other]
     roll, along = work[record + 6], work[record + 6 + other]
     biaxial_rates(num, first, roll, along, y, z + j, z + k, work, rates + j, rates + k)
-    if other != AXIAL:
-        return 0.0 * roll, 0.0 * roll
-    fu, fw = loop_force(num, first + 6, work[record], work[record + AXIAL])
-    work[record + 3] += fu
-    work[record + 3 + AXIAL] += fw
-    return fu, fw
+    if other == AXIAL:
+        fu, fw = loop_force(num, first + 6, work[record], work[record + AXIAL])
+        work[record + 3] += fu
+        work[record + 3 + AXIAL] += fw
 
 
 @njit
@@ -58,65 +46,109 @@ def orientation(lay, link, f, fix, work):
 
 
 @njit
-def add_torque(lay, m, fix, num, work, axes):
+def add_torque(lay, m, payload, base, fix, num, work):
     """Add the torques of the mount in row `m`, which resists turning, to the wrenches on its links."""
-    f, p, payload, base = lay[m + at.AXES_IN], lay[m + at.POINTS], lay[m + at.PAYLOAD], lay[m + at.BASE_LINK]
+    f, p = lay[m + at.AXES_IN], lay[m + at.POINTS]
     b, s = orientation(lay, base, f + 9, fix, work), orientation(lay, payload, f + 13, fix, work)
     e = product((b[0], -b[1], -b[2], -b[3]), s)
     e = product(e, (fix[f + 17], -fix[f + 18], -fix[f + 19], -fix[f + 20]))
     t = righting(e[0], e[1], e[2], e[3], num[p + 6], num[p + 7], num[p + 8])
-    x, y, z = axes
-    torque = plus(plus(times(t[0], x), times(t[1], y)), times(t[2], z))
+    torque = plus(plus(times(t[0], vector(fix, f)), times(t[1], vector(fix, f + 3))), times(t[2], vector(fix, f + 6)))
+    if lay[lay[at.LINKS] + at.LINK_COLUMNS * base + at.KIND] != at.STRAIGHT:
+        torque = turned(work, lay[at.KIN] + at.KIN_SIZE * base + at.KIN_R, torque)
     grow(work, lay[at.WRENCH] + 6 * payload + 3, torque)
     if lay[m + at.MOVED]:
         grow(work, lay[at.WRENCH] + 6 * base + 3, times(-1.0, torque))
 
 
 @inlined
-def apply_mounts(lay, fix, num, y, work):
-    """Write every mount's deflection, force and rate to RECORD, state rates to RATES, and wrenches on links to WRENCH.
+def deflect(lay, fix, num, work):
+    """Write every mount's deflection and its rate, in its axes, and its arm on the payload's link, to RECORD."""
+    run, m, record = lay[at.RUNS], lay[at.MOUNTS], lay[at.RECORD]
+    for _ in range(lay[at.N_RUNS]):
+        k, b = lay[at.KIN] + at.KIN_SIZE * lay[run], lay[at.KIN] + at.KIN_SIZE * lay[run + 1]
+        straight = lay[lay[at.LINKS] + at.LINK_COLUMNS * lay[run + 1] + at.KIND] == at.STRAIGHT
+        turns = lay[lay[at.LINKS] + at.LINK_COLUMNS * lay[run] + at.KIND] != at.STRAIGHT
+        apart = minus(vector(work, k + at.KIN_O), vector(work, b + at.KIN_O))
+        faster = minus(vector(work, k + at.KIN_V), vector(work, b + at.KIN_V))
+        w = vector(work, k + at.KIN_W)
+        for _ in range(lay[run + 2]):
+            p, f, rate = lay[m + at.POINTS], lay[m + at.AXES_IN], faster
+            arm = vector(num, p)  # on a link that never turns it is in the world's axes, as base points and axes are
+            if turns:
+                arm = turned(work, k + at.KIN_R, arm)
+                rate = plus(rate, cross(w, arm))
+            keep(work, record + 9, arm)
+            reach, there = plus(apart, arm), vector(num, p + 3)
+            if straight:
+                d = minus(reach, there)
+            else:
+                d = turned_back(work, b + at.KIN_R, minus(reach, turned(work, b + at.KIN_R, there)))
+                rate = turned_back(work, b + at.KIN_R, minus(rate, cross(vector(work, b + at.KIN_W), reach)))
+            if not lay[m + at.ALIGNED]:
+                ex, ey, ez = vector(fix, f), vector(fix, f + 3), vector(fix, f + 6)
+                d, rate = (dot(ex, d), dot(ey, d), dot(ez, d)), (dot(ex, rate), dot(ey, rate), dot(ez, rate))
+            keep(work, record, d)
+            keep(work, record + 6, rate)
+            record, m = record + at.RECORD_SIZE, m + at.MOUNT_COLUMNS
+        run += at.RUN_COLUMNS
 
-    A wrench is force and torque about the link's origin, world axes.
-    """
-    n_mounts, wrench, record, rates = lay[at.N_MOUNTS], lay[at.WRENCH], lay[at.RECORD], lay[at.RATES]
-    z, parameters = lay[at.NQ] + lay[at.NV], lay[at.PARAMETERS]
-    for c in range(6 * lay[at.N_LINKS]):
-        work[wrench + c] = 0.0
-    m, axis = lay[at.MOUNTS], lay[at.AXES]
-    for _ in range(n_mounts):
-        payload, base, p = lay[m + at.PAYLOAD], lay[m + at.BASE_LINK], lay[m + at.POINTS]
-        k = lay[at.KIN] + at.KIN_SIZE * payload
-        arm = turned(work, k + at.KIN_R, vector(num, p))
-        site = plus(vector(work, k + at.KIN_O), arm)
-        velocity = carried(arm, vector(work, k + at.KIN_W), vector(work, k + at.KIN_V))
-        b = lay[at.KIN] + at.KIN_SIZE * base
-        reach = minus(site, vector(work, b + at.KIN_O))
-        velocity = minus(velocity, carried(reach, vector(work, b + at.KIN_W), vector(work, b + at.KIN_V)))
-        d = minus(reach, turned(work, b + at.KIN_R, vector(num, p + 3)))
-        axes = axes_of(lay, m, fix, work)
-        keep(work, record, (dot(axes[0], d), dot(axes[1], d), dot(axes[2], d)))
-        keep(work, record + 6, (dot(axes[0], velocity), dot(axes[1], velocity), dot(axes[2], velocity)))
-        first = axis
+
+@inlined
+def evaluate_laws(lay, num, y, work):
+    """Write the force of every axis of every mount to RECORD, and the rates of its states to RATES."""
+    axis, record, parameters = lay[at.AXES], lay[at.RECORD], lay[at.PARAMETERS]
+    z, rates = lay[at.NQ] + lay[at.NV], lay[at.RATES]
+    for _ in range(lay[at.N_MOUNTS]):
         for c in range(3):
-            law, force = lay[axis], 0.0 * d[0]
+            law, x = lay[axis], work[record + c]
+            force = 0.0 * x
             if law >= 0:
-                state = lay[axis + 2]
-                force = evaluate(
-                    law, num, parameters + lay[axis + 1], work[record + c], work[record + 6 + c], y, z + state, work,
-                    rates + state,
-                )  # fmt: skip
+                p, state = parameters + lay[axis + 1], lay[axis + 2]
+                force = evaluate(law, num, p, x, work[record + 6 + c], y, z + state, work, rates + state)
             work[record + 3 + c] = force
             axis += at.AXIS_COLUMNS
-        if lay[m + at.COUPLING] >= 0:
-            couple_axes(lay, m, first, num, y, work, record, rates, axes)
-        f = vector(work, record + 3)
-        force = plus(plus(times(f[0], axes[0]), times(f[1], axes[1])), times(f[2], axes[2]))
-        grow(work, wrench + 6 * payload, times(-1.0, force))
-        grow(work, wrench + 6 * payload + 3, cross(force, arm))
-        if lay[m + at.MOVED]:
-            grow(work, wrench + 6 * base, force)
-            grow(work, wrench + 6 * base + 3, cross(reach, force))
-        if lay[m + at.RESISTS]:
-            add_torque(lay, m, fix, num, work, axes)
-        record += 9
-        m += at.MOUNT_COLUMNS
+        record += at.RECORD_SIZE
+
+
+@inlined
+def apply_mounts(lay, fix, num, y, work):
+    """Write deflection, force, rate and arm of every mount to RECORD, state rates to RATES, wrenches on links to WRENCH.
+
+    A wrench is force and torque about the link's origin, world axes. Mounts between the same two links follow each other in a
+    run. Laws are called in a loop of their own, where no more than a deflection and its rate need be kept in registers.
+    """
+    deflect(lay, fix, num, work)
+    evaluate_laws(lay, num, y, work)
+    wrench, record = lay[at.WRENCH], lay[at.RECORD]
+    for c in range(6 * lay[at.N_LINKS]):
+        work[wrench + c] = 0.0
+    run, m, axis = lay[at.RUNS], lay[at.MOUNTS], lay[at.AXES]
+    for _ in range(lay[at.N_RUNS]):
+        payload, base = lay[run], lay[run + 1]
+        k, b = lay[at.KIN] + at.KIN_SIZE * payload, lay[at.KIN] + at.KIN_SIZE * base
+        straight = lay[lay[at.LINKS] + at.LINK_COLUMNS * base + at.KIND] == at.STRAIGHT
+        total = times(0.0, vector(work, k + at.KIN_O))
+        torque = total
+        for _ in range(lay[run + 2]):
+            if lay[m + at.COUPLING] >= 0:
+                couple_axes(lay, m, axis, num, y, work, record)
+            f, force, arm = lay[m + at.AXES_IN], vector(work, record + 3), vector(work, record + 9)
+            if not lay[m + at.ALIGNED]:
+                force = plus(
+                    plus(times(force[0], vector(fix, f)), times(force[1], vector(fix, f + 3))),
+                    times(force[2], vector(fix, f + 6)),
+                )
+            if not straight:
+                force = turned(work, b + at.KIN_R, force)
+            total, torque = plus(total, force), plus(torque, cross(arm, force))
+            if lay[m + at.MOVED]:
+                reach = plus(arm, minus(vector(work, k + at.KIN_O), vector(work, b + at.KIN_O)))
+                grow(work, wrench + 6 * base, force)
+                grow(work, wrench + 6 * base + 3, cross(reach, force))
+            if lay[m + at.RESISTS]:
+                add_torque(lay, m, payload, base, fix, num, work)
+            record, m, axis = record + at.RECORD_SIZE, m + at.MOUNT_COLUMNS, axis + 3 * at.AXIS_COLUMNS
+        grow(work, wrench + 6 * payload, times(-1.0, total))
+        grow(work, wrench + 6 * payload + 3, times(-1.0, torque))
+        run += at.RUN_COLUMNS

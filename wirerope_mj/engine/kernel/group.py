@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.equations import Equations, Integers
-from wirerope_mj.engine.kernel.observe import EVENT
+from wirerope_mj.engine.kernel.observe import CLOCK_SIZE
 from wirerope_mj.engine.kernel.steps import advance, finish
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
@@ -44,11 +45,11 @@ class Group:
 
     def channels(self, number: int) -> Array:
         """Return the tracker's memory of one variant, (n_channels, ...), as `wirerope_mj.engine.control.layout` has it."""
-        return self._section(at.MEMORY, at.TOUCHED)[:, number].reshape(self.equations.lay[at.N_CHANNELS], -1)
+        return self._section(at.MEMORY, at.TOUCHED)[:, number].reshape(-1, control.CHANNEL_MEMORY)
 
     def stops(self, number: int) -> Array:
         """Return the memory of one variant's stops, (n_stops, ...), as `wirerope_mj.engine.control.layout` has it."""
-        return self._section(at.TOUCHED, at.FAILED)[:, number].reshape(self.equations.lay[at.N_STOPS], -1)
+        return self._section(at.TOUCHED, at.FAILED)[:, number].reshape(-1, control.CONTACT_MEMORY)
 
     def _section(self, first: int, behind: int) -> Array:
         lay = self.equations.lay
@@ -85,7 +86,7 @@ def group_of(equations: Sequence[Equations], states: Array, which: Sequence[int]
         numbers=np.ascontiguousarray(np.array([one.num for one in equations])[lanes].T),
         states=np.ascontiguousarray(states[lanes].T),
         memory=memory,
-        clock=np.zeros(EVENT + 1),
+        clock=np.zeros(CLOCK_SIZE),
         which=np.asarray(which, dtype=np.int64)[lanes],
         size=size,
     )

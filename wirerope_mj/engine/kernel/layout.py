@@ -8,13 +8,14 @@ origin.
 
 # header
 N_LINKS, N_TREES, NQ, NV, N_STATES, N_MOUNTS, N_FRAMES, N_CHANNELS, N_STOPS, N_SLIPPING, N_DRIVEN = range(11)
-LINKS, TREES, DOFS, MOUNTS, AXES, FRAMES, CHANNELS, STOPS, DRIVEN = range(11, 20)
-PARAMETERS = 20  # of the laws in `num`
-N_VALUES = 21  # sensor values of an instant
+LINKS, TREES, DOFS, RUNS, MOUNTS, AXES, FRAMES, CHANNELS, STOPS, DRIVEN = range(11, 21)
+PARAMETERS = 21  # of the laws in `num`
+N_VALUES, N_RUNS = 22, 23  # sensor values of an instant
 # sections of the working memory, in rows
-KIN, WRENCH, SUB, MASS, RHS, RATES, COMPOSITE, START, SLOPE, SUM, RECORD, VALUES, MEMORY, TOUCHED, FAILED, N_WORK = range(22, 38)
-GRAVITY = 38  # address in `fix`
-HEADER = 39
+KIN, WRENCH, SUB, MASS, RHS, RATES, COMPOSITE, START, SLOPE, SUM, RECORD, VALUES, RECENT, MEMORY, TOUCHED, FAILED = range(24, 40)
+N_WORK = 40
+GRAVITY = 41  # address in `fix`
+HEADER = 42
 
 # parent (-1: the world), first dof, dofs, kind, tree, frame in the parent link in `fix` (position 3, quaternion 4), inertia in `num`
 LINK_COLUMNS = 7
@@ -24,9 +25,9 @@ STRAIGHT, FREE, TURNING = 0, 1, 2  # never turns; floats; all others
 # of `num`: mass, centre of mass (3), inertia about it xx, yy, zz, xy, xz, yz, its inverse alike
 MASS_OF, CENTRE, ABOUT, INVERSE, INERTIA_SIZE = 0, 1, 4, 10, 16
 
-# kind, first dof, number of dofs, first link, number of links
-TREE_COLUMNS = 5
-DRIVEN_TREE, FREE_TREE, ANY_TREE = 0, 1, 2
+# kind, first dof, number of dofs, first link, number of links, a sliding link's inverse mass matrix in `num`
+TREE_COLUMNS = 6
+DRIVEN_TREE, FREE_TREE, SLIDING_TREE, ANY_TREE = 0, 1, 2, 3  # the first three have one link
 
 # link, kind, qpos, parent dof (-1), place among the driven (-1), constants in `fix`
 DOF_COLUMNS = 6
@@ -35,13 +36,18 @@ SLIDE, HINGE, FLOATING, ALONG = 0, 1, 2, 3  # of a floating link's six dofs the 
 # of `fix`: axis (3), anchor (3), armature, damping, stiffness, spring's reference, origin
 AXIS, ANCHOR, ARMATURE, DAMPING, STIFFNESS, REFERENCE, ORIGIN, DOF_FIX_SIZE = 0, 3, 6, 7, 8, 9, 10, 11
 
-# payload link, base link, base takes the reaction, points in `num` (payload 3, base 3, turning 3), frames in `fix`, coupling in
-# `num` (-1), partner, resists turning
-MOUNT_COLUMNS = 8
-PAYLOAD, BASE_LINK, MOVED, POINTS, AXES_IN, COUPLING, PARTNER, RESISTS = range(8)
-# of `fix`: axes of the base site in its link (9), orientation of base and payload site in their links (4, 4), as modelled (4)
+# payload link, base link, number of mounts between them that follow each other
+RUN_COLUMNS = 3
+
+# base takes the reaction, points in `num` (payload 3, base 3, turning 3), frames in `fix`, coupling among the parameters (-1),
+# partner, resists turning, axes are those of its base's link; points and axes are in the world's where a link never turns
+MOUNT_COLUMNS = 7
+MOVED, POINTS, AXES_IN, COUPLING, PARTNER, RESISTS, ALIGNED = range(7)
+# of `fix`: axes of the base site (3, 3), orientation of base and payload site in their links (4, 4), as modelled (4)
 MOUNT_FIX_SIZE = 21
 POINTS_SIZE = 9
+# of the memory: deflection, force, rate of the deflection, arm (3 each)
+RECORD_SIZE = 12
 
 # law number (-1), first parameter in `num`, first state, number of states; three rows per mount
 AXIS_COLUMNS = 4
@@ -49,6 +55,9 @@ AXIS_COLUMNS = 4
 # link, point in the link in `num` (3), orientation in the link in `fix` (4), whether it is a point, base's link and its point in
 # `num` (3), displacement from there as modelled in `fix` (3), whether its peaks are tracked
 FRAME_COLUMNS = 8
+
+# of a channel: its last three vectors with their norms, in turn
+RECENT_SIZE = 12
 
 # of the motion of a link: origin, axes, quaternion, velocities, accelerations without those of its tree's coordinates, with them
 KIN_O, KIN_R, KIN_Q, KIN_W, KIN_V, KIN_A0, KIN_L0, KIN_A, KIN_L, KIN_SIZE = 0, 3, 12, 16, 19, 22, 25, 28, 31, 34

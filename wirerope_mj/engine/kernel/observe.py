@@ -8,12 +8,12 @@ from wirerope_mj.engine.kernel.forces import orientation
 from wirerope_mj.engine.kernel.links import carried, swung
 from wirerope_mj.engine.kernel.vectors import keep, minus, plus, quaternion, turned, vector
 from wirerope_mj.foundation.jit import inlined, njit
-from wirerope_mj.foundation.lanes import count, some, where
-from wirerope_mj.mounts.laws.kernels import PARALLEL, STOP
+from wirerope_mj.foundation.lanes import some, where
 from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, stop_force
 
-TIME_1, TIME_2, HISTORY, EVENT = range(4)
-"""Entries of the clock: instants of the last two steps, how many of them a parabola may use, what begins with this step."""
+TIME_1, TIME_2, HISTORY, EVENT, TURN, CLOCK_SIZE = range(6)
+"""Entries of the clock: instants of the last two steps, how many of them a parabola may use, what begins with this step, and
+which of a channel's three recent vectors is next."""
 
 
 @inlined
@@ -46,7 +46,7 @@ def measure(lay, fix, num, y, work, whole):
     for _ in range(lay[at.N_MOUNTS]):
         for c in range(control.MOUNT_VALUES):
             work[o + c] = work[record + c]
-        o, record = o + control.MOUNT_VALUES, record + 9
+        o, record = o + control.MOUNT_VALUES, record + at.RECORD_SIZE
         for _axis in range(3):
             for k in range(lay[axis + 3]):
                 if whole:
@@ -67,7 +67,7 @@ def extreme(t0, y0, t1, y1, t2, y2):
 
 @inlined
 def higher(work, value_row, time_row, value, time, condition):
-    """Keep a value and its instant where a condition holds and it is above what is kept."""
+    """Keep a value and its instant where a condition holds and it is above what is kept; returns where."""
     better = condition & (value > work[value_row])
     work[value_row] = where(better, value, work[value_row])
     work[time_row] = where(better, time, work[time_row])
@@ -82,72 +82,88 @@ def lower(work, value_row, time_row, value, time, condition):
     work[time_row] = where(better, time, work[time_row])
 
 
-@inlined
-def norm(a, i):
-    """Return the length of the vector at a[i:]."""
-    return math.sqrt(a[i] * a[i] + a[i + 1] * a[i + 1] + a[i + 2] * a[i + 2])
+@njit
+def begin_channel(work, m, recent, time):
+    """Begin a channel's memory with its first vector."""
+    for c in range(3):
+        y2 = work[recent + c]
+        work[m + control.LOW + c], work[m + control.HIGH + c], work[m + control.PEAK_VECTOR + c] = y2, y2, y2
+        work[m + control.LOW_TIME + c], work[m + control.HIGH_TIME + c] = time, time
+    work[m + control.PEAK], work[m + control.PEAK_TIME] = work[recent + 3], time
 
 
 @njit
-def begin_channel(work, m, j, time):
-    """Begin a channel's memory with its first vector."""
-    for c in range(3):
-        y2 = work[j + c]
-        work[m + control.LOW + c], work[m + control.HIGH + c] = y2, y2
-        work[m + control.LOW_TIME + c], work[m + control.HIGH_TIME + c] = time, time
-        work[m + control.PEAK_VECTOR + c], work[m + control.LAST + c], work[m + control.BEFORE + c] = y2, y2, y2
-    work[m + control.PEAK], work[m + control.PEAK_TIME] = norm(work, j), time
-
-
-@inlined
-def track(work, m, j, refine, t0, t1, t2):
-    """Update the extremes and the peak of a channel with its newest vector, refined by parabolas if there are two before."""
-    y2 = norm(work, j)
+def update_component(work, low, high, times, refine, t0, y0, t1, y1, t2, y2):
+    """Update lowest and highest value of a component, their instants `times` rows behind them."""
     always = y2 == y2
-    grows = higher(work, m + control.PEAK, m + control.PEAK_TIME, y2, t2, always)
-    for c in range(3):
-        new, low, high = work[j + c], m + control.LOW + c, m + control.HIGH + c
-        higher(work, high, m + control.HIGH_TIME + c, new, t2, always)
-        lower(work, low, m + control.LOW_TIME + c, new, t2, always)
-        work[m + control.PEAK_VECTOR + c] = where(grows, new, work[m + control.PEAK_VECTOR + c])
-        if refine:
-            y0, y1 = work[m + control.BEFORE + c], work[m + control.LAST + c]
-            top, bottom = (y1 >= y0) & (y1 >= new), (y1 <= y0) & (y1 <= new)
-            if some(top | bottom):
-                time, value = extreme(t0, y0, t1, y1, t2, new)
-                higher(work, high, m + control.HIGH_TIME + c, value, time, top)
-                lower(work, low, m + control.LOW_TIME + c, value, time, bottom & (where(top, 1.0, 0.0) == 0.0))
+    higher(work, high, high + times, y2, t2, always)
+    lower(work, low, low + times, y2, t2, always)
     if refine:
-        y0, y1 = norm(work, m + control.BEFORE), norm(work, m + control.LAST)
         top = (y1 >= y0) & (y1 >= y2)
-        if some(top):
-            time, value = extreme(t0, y0, t1, y1, t2, y2)
-            better = higher(work, m + control.PEAK, m + control.PEAK_TIME, value, time, top)
-            for c in range(3):
-                v0, v1, v2 = work[m + control.BEFORE + c], work[m + control.LAST + c], work[j + c]
-                left = (v1 - v0) * (1.0 / (t1 - t0))
-                curvature = ((v2 - v1) * (1.0 / (t2 - t1)) - left) * (1.0 / (t2 - t0))
-                there = v0 + (time - t0) * (left + curvature * (time - t1))
-                work[m + control.PEAK_VECTOR + c] = where(better, there, work[m + control.PEAK_VECTOR + c])
+        bottom = (y1 <= y0) & (y1 <= y2) & (where(top, 1.0, 0.0) == 0.0)
+        time, value = extreme(t0, y0, t1, y1, t2, y2)
+        higher(work, high, high + times, value, time, top)
+        lower(work, low, low + times, value, time, bottom)
+
+
+@njit
+def update_norm(work, m, first, second, third, refine, t0, t1, t2):
+    """Update the peak of the norm with the vectors of three steps, their norms behind them."""
+    y0, y1, y2 = work[first + 3], work[second + 3], work[third + 3]
+    grows = higher(work, m + control.PEAK, m + control.PEAK_TIME, y2, t2, y2 == y2)
     for c in range(3):
-        work[m + control.BEFORE + c] = work[m + control.LAST + c]
-        work[m + control.LAST + c] = work[j + c]
+        work[m + control.PEAK_VECTOR + c] = where(grows, work[third + c], work[m + control.PEAK_VECTOR + c])
+    if not refine:
+        return
+    time, value = extreme(t0, y0, t1, y1, t2, y2)
+    better = higher(work, m + control.PEAK, m + control.PEAK_TIME, value, time, (y1 >= y0) & (y1 >= y2))
+    for c in range(3):
+        v0, v1, v2 = work[first + c], work[second + c], work[third + c]
+        left = (v1 - v0) * (1.0 / (t1 - t0))
+        curvature = ((v2 - v1) * (1.0 / (t2 - t1)) - left) * (1.0 / (t2 - t0))
+        there = v0 + (time - t0) * (left + curvature * (time - t1))
+        work[m + control.PEAK_VECTOR + c] = where(better, there, work[m + control.PEAK_VECTOR + c])
 
 
 @inlined
 def track_peaks(lay, work, clock, time):
-    """Update all channels with the values of this step."""
+    """Update all channels with the values of this step.
+
+    A parabola through y0, y1, y2 whose middle is extreme rises above it by at most a |y1 - y0| + b |y1 - y2|, with
+    a = max(r, 1)^2 / (4 + 4 r), b = a / r and r the ratio of the two steps: only where that could beat what is kept, which is
+    seldom, is it drawn.
+    """
     event, history = clock[EVENT], clock[HISTORY]
     if event == control.JUMP and history > 1.0:
         history = 1.0  # what follows a jump is compared with what was, but no parabola is drawn to it
-    channel, m = lay[at.CHANNELS], lay[at.MEMORY]
+    refine, begins, t0, t1 = history >= 2.0, history == 0.0, clock[TIME_2], clock[TIME_1]
+    a = b = 0.0
+    if refine:
+        ratio = (time - t1) / (t1 - t0)
+        a = 1.0001 * max(ratio, 1.0) ** 2 / (4.0 + 4.0 * ratio)
+        b = a / ratio
+    turn = int(clock[TURN])
+    now, last, before = 4 * turn, 4 * ((turn + 2) % 3), 4 * ((turn + 1) % 3)
+    channel, m, recent = lay[at.CHANNELS], lay[at.MEMORY], lay[at.RECENT]
     for _ in range(lay[at.N_CHANNELS]):
         j = lay[at.VALUES] + lay[channel]
-        if history == 0.0:
-            begin_channel(work, m, j, time)
-        else:
-            track(work, m, j, history >= 2.0, clock[TIME_2], clock[TIME_1], time)
-        channel, m = channel + 1, m + control.CHANNEL_MEMORY
+        size = 0.0 * work[j]
+        for c in range(3):
+            y2, y1, y0 = work[j + c], work[recent + last + c], work[recent + before + c]
+            work[recent + now + c] = y2
+            size = size + y2 * y2
+            above = a * abs(y1 - y0) + b * abs(y1 - y2)
+            low, high = m + control.LOW + c, m + control.HIGH + c
+            if some((max(y2, y1 + above) > work[high]) | (min(y2, y1 - above) < work[low])) and not begins:
+                update_component(work, low, high, control.LOW_TIME - control.LOW, refine, t0, y0, t1, y1, time, y2)
+        y2, y1, y0 = math.sqrt(size), work[recent + last + 3], work[recent + before + 3]
+        work[recent + now + 3] = y2
+        if begins:
+            begin_channel(work, m, recent + now, time)
+        elif some(max(y2, y1 + a * abs(y1 - y0) + b * abs(y1 - y2)) > work[m + control.PEAK]):
+            update_norm(work, m, recent + before, recent + last, recent + now, refine, t0, t1, time)
+        channel, m, recent = channel + 1, m + control.CHANNEL_MEMORY, recent + at.RECENT_SIZE
+    clock[TURN] = float((turn + 1) % 3)
 
 
 @inlined

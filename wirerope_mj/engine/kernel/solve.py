@@ -63,6 +63,37 @@ def float_freely(lay, t, fix, num, y, work):
 
 
 @inlined
+def slide(lay, t, fix, num, y, work):
+    """Solve the equations of a link that only slides, whose mass matrix never changes."""
+    first, n, link = lay[t + 1], lay[t + 2], lay[t + 3]
+    k, r, inverse = lay[at.KIN] + at.KIN_SIZE * link, lay[at.RHS] + first, lay[t + 5]
+    mass = num[lay[lay[at.LINKS] + at.LINK_COLUMNS * link + at.INERTIA] + at.MASS_OF]
+    force = plus(vector(work, lay[at.WRENCH] + 6 * link), times(mass, vector(fix, lay[at.GRAVITY])))
+    for i in range(n):
+        d = lay[at.DOFS] + at.DOF_COLUMNS * (first + i)
+        work[lay[at.MASS] + i] = dot(vector(fix, lay[d + at.DOF_FIX] + at.AXIS), force) + resistance(lay, d, first + i, fix, y)
+    a = times(0.0, force)
+    for i in range(n):
+        acceleration = num[inverse + n * i] * work[lay[at.MASS]]
+        for j in range(1, n):
+            acceleration = acceleration + num[inverse + n * i + j] * work[lay[at.MASS] + j]
+        work[r + i] = acceleration
+        d = lay[at.DOFS] + at.DOF_COLUMNS * (first + i)
+        a = plus(a, times(acceleration, vector(fix, lay[d + at.DOF_FIX] + at.AXIS)))
+    keep(work, k + at.KIN_L, a)
+
+
+@inlined
+def resistance(lay, d, dof, fix, y):
+    """Return what spring and damper of a joint push with."""
+    f = lay[d + at.DOF_FIX]
+    force = -fix[f + at.DAMPING] * y[lay[at.NQ] + dof]
+    if lay[d + at.DOF_KIND] <= at.HINGE:
+        force = force - fix[f + at.STIFFNESS] * (y[lay[d + at.DOF_QPOS]] - fix[f + at.REFERENCE])
+    return force
+
+
+@inlined
 def rotated(work, r, i):
     """Return R I R^T of a symmetric matrix as xx, yy, zz, xy, xz, yz."""
     x, y, z = vector(work, r), vector(work, r + 3), vector(work, r + 6)
@@ -170,10 +201,7 @@ def balance(lay, first, n, fix, y, work, base):
             work[lay[at.RHS] + dof] = side + fix[lay[at.DRIVEN] + 4 * number + 3] * drive(lay, fix, number, base)
             continue
         side -= dot(turn, vector(work, c + at.COM_B + 3)) + dot(shift, vector(work, c + at.COM_B))
-        side -= fix[f + at.DAMPING] * y[lay[at.NQ] + dof]
-        if lay[d + at.DOF_KIND] <= at.HINGE:
-            side -= fix[f + at.STIFFNESS] * (y[lay[d + at.DOF_QPOS]] - fix[f + at.REFERENCE])
-        work[lay[at.RHS] + dof] = side
+        work[lay[at.RHS] + dof] = side + resistance(lay, d, dof, fix, y)
 
 
 @njit
@@ -215,6 +243,8 @@ def accelerate(lay, fix, num, y, work, base):
             follow_base(lay, t, fix, work, base)
         elif lay[t] == at.FREE_TREE:
             float_freely(lay, t, fix, num, y, work)
+        elif lay[t] == at.SLIDING_TREE:
+            slide(lay, t, fix, num, y, work)
         else:
             solve_tree(lay, t, fix, num, y, work, base)
         t += at.TREE_COLUMNS

@@ -7,7 +7,7 @@ from wirerope_mj.engine.kernel.observe import EVENT, measure, tick, track_peaks,
 from wirerope_mj.engine.kernel.solve import accelerate
 from wirerope_mj.engine.kernel.vectors import dot, half_turn, keep, product, quaternion, times, turn_rate, unit, vector
 from wirerope_mj.foundation.jit import inlined, njit
-from wirerope_mj.foundation.lanes import WIDTH, lane, rows, spread, where, with_lane
+from wirerope_mj.foundation.lanes import WIDTH, lane, rows, spread, table, where, with_lane
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, hold_slips
 
 WILD = 1e10
@@ -94,16 +94,16 @@ def watch(lay, y, work):
 
 
 @inlined
-def base_at(table, which, together, point):
-    """Return the base's acceleration in every lane at an instant of the table (n_motions, n_points, 3)."""
-    motion = which[0]
-    x, y, z = spread(table[motion, point, 0]), spread(table[motion, point, 1]), spread(table[motion, point, 2])
+def base_at(motion, which, together, point):
+    """Return the base's acceleration in every lane at an instant of (n_motions, n_points, 3)."""
+    i = which[0]
+    x, y, z = spread(motion[i, point, 0]), spread(motion[i, point, 1]), spread(motion[i, point, 2])
     if not together:
         for number in range(1, WIDTH):
-            motion = which[number]
-            x = with_lane(x, number, table[motion, point, 0])
-            y = with_lane(y, number, table[motion, point, 1])
-            z = with_lane(z, number, table[motion, point, 2])
+            i = which[number]
+            x = with_lane(x, number, motion[i, point, 0])
+            y = with_lane(y, number, motion[i, point, 1])
+            z = with_lane(z, number, motion[i, point, 2])
     return x, y, z
 
 
@@ -135,22 +135,22 @@ def observe(lay, fix, num, y, work, clock, time, out, sample):
 
 
 @njit
-def advance(lay, fix, numbers, states, memory, clock, which, grid, positions, rates, table, ends, out, sample):
+def advance(structure, shared, numbers, states, memory, clock, which, grid, positions, rates, motion, ends, out, sample):
     """Step all lanes through the segments of a grid and return the number of samples so far.
 
     Args:
-        lay, fix: structure and shared numbers.
+        structure, shared: `lay` and `fix` of the equations.
         numbers, states, memory: of the lanes, (n, WIDTH), see `wirerope_mj.engine.kernel.layout`.
-        clock: (4,), see `observe`.
+        clock: (CLOCK_SIZE,), see `observe`.
         which: motion of every lane, (WIDTH,).
         grid: starts, stops, numbers of steps, whether sampled, and events of the segments, (5, n_segments).
         positions, rates: of the driven slides at the starts, (n_motions, n_segments, n_driven).
-        table: accelerations of the base at all half steps, (n_motions, n_points, 3).
+        motion: accelerations of the base at all half steps, (n_motions, n_points, 3).
         ends: where a segment's accelerations end among them, (n_segments,).
         out: takes the samples of the first lanes, (n_kept, n_samples, n_values).
         sample: number of samples taken before.
     """
-    num, y, work = rows(numbers), rows(states), rows(memory)
+    lay, fix, num, y, work = table(structure), table(shared), rows(numbers), rows(states), rows(memory)
     together = True
     for number in range(1, WIDTH):
         together = together and which[number] == which[0]
@@ -161,13 +161,13 @@ def advance(lay, fix, numbers, states, memory, clock, which, grid, positions, ra
         place_base(lay, fix, states, which, positions, rates, segment)
         clock[EVENT] = grid[4, segment]
         for step in range(steps):
-            base = base_at(table, which, together, point)
+            base = base_at(motion, which, together, point)
             forward(lay, fix, num, y, work, base)
             watch(lay, y, work)
             sampled = step == 0 and grid[3, segment] != 0.0
             observe(lay, fix, num, y, work, clock, start + step * h, out, sample if sampled else -1)
             sample += 1 if sampled else 0
-            middle, end = base_at(table, which, together, point + 1), base_at(table, which, together, point + 2)
+            middle, end = base_at(motion, which, together, point + 1), base_at(motion, which, together, point + 2)
             take_step(lay, fix, num, y, work, middle, end, h)
             point += 2
         point = ends[segment]
@@ -175,10 +175,10 @@ def advance(lay, fix, numbers, states, memory, clock, which, grid, positions, ra
 
 
 @njit
-def finish(lay, fix, numbers, states, memory, clock, which, time, positions, rates, table, out, sample):
+def finish(structure, shared, numbers, states, memory, clock, which, time, positions, rates, motion, out, sample):
     """Observe the last instant, with the base as it is just before it."""
-    num, y, work = rows(numbers), rows(states), rows(memory)
+    lay, fix, num, y, work = table(structure), table(shared), rows(numbers), rows(states), rows(memory)
     place_base(lay, fix, states, which, positions, rates, 0)
-    forward(lay, fix, num, y, work, base_at(table, which, False, 0))
+    forward(lay, fix, num, y, work, base_at(motion, which, False, 0))
     watch(lay, y, work)
     observe(lay, fix, num, y, work, clock, time, out, sample)
