@@ -20,8 +20,8 @@ _NODES = np.exp(_S - np.exp(-_S))
 _WEIGHTS = _STEP * _NODES * (1 + np.exp(-_S)) * np.exp(-_NODES)
 
 
-def oscillating_tails(u: Array) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    """Return h1 and h2 of the integrals from u to infinity, without their fast factor e^(iu).
+def oscillating_tail(u: Array, order: int) -> NDArray[np.complex128]:
+    """Return h1 (order 1) or h2 (order 2) of the integrals from u to infinity, without their fast factor e^(iu).
 
         int e^(is) / s ds          = e^(iu) h1(u)    (so e^(iu) h1 = E1(-iu) = -Ci(u) + i (pi/2 - Si(u)))
         int e^(is) ln(s/u) / s ds  = e^(iu) h2(u)    (the integral of the first one over ln u)
@@ -35,27 +35,31 @@ def oscillating_tails(u: Array) -> tuple[NDArray[np.complex128], NDArray[np.comp
 
     Args:
         u: positive arguments, (n,).
+        order: which of the two.
     """
-    h1, h2 = np.empty(u.shape, dtype=complex), np.empty(u.shape, dtype=complex)
     large = u >= _SERIES_FROM
-    h1[large], h2[large] = _by_series(u[large])
-    h1[~large], h2[~large] = _by_quadrature(u[~large])
-    return h1, h2
+    if large.all():  # as in every sweep but the slowest; the rule's sum costs as much for no argument as for many
+        return _by_series(u, order)
+    h = np.empty(u.shape, dtype=complex)
+    h[large], h[~large] = _by_series(u[large], order), _by_quadrature(u[~large], order)
+    return h
 
 
-def _by_series(u: Array) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+def _by_series(u: Array, order: int) -> NDArray[np.complex128]:
     """With q = -i/u: h1 = (i/u) sum n! q^n and h2 = -(i/u) sum n! (1 + 1/2 + ... + 1/n) q^n."""
     q = -1j / u
-    first = np.polynomial.polynomial.polyval(q, _FACTORIALS)
-    second = np.polynomial.polynomial.polyval(q, _HARMONIC_FACTORIALS)
-    return 1j / u * first, -1j / u * second
+    if order == 1:
+        return np.asarray(1j / u * np.polynomial.polynomial.polyval(q, _FACTORIALS))
+    return np.asarray(-1j / u * np.polynomial.polynomial.polyval(q, _HARMONIC_FACTORIALS))
 
 
-def _by_quadrature(u: Array) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
-    h1, h2 = np.zeros(u.shape, dtype=complex), np.zeros(u.shape, dtype=complex)
+def _by_quadrature(u: Array, order: int) -> NDArray[np.complex128]:
+    h = np.zeros(u.shape, dtype=complex)
     for y, weight in zip(_NODES, _WEIGHTS, strict=True):
         term = 1j * weight / (u + 1j * y)
-        ratio = y / u
-        h1 += term
-        h2 += term * (0.5 * np.log1p(ratio**2) + 1j * np.arctan(ratio))  # ln(1 + i ratio), exact for small ratios
-    return h1, h2
+        if order == 1:
+            h += term
+        else:
+            ratio = y / u
+            h += term * (0.5 * np.log1p(ratio**2) + 1j * np.arctan(ratio))  # ln(1 + i ratio), exact for small ratios
+    return h
