@@ -10,7 +10,6 @@ from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import FILE, Response, response_metadata
 from wirerope_mj.engine.response.storage import build_response, load_response
 from wirerope_mj.engine.simulation.grid import TimeGrid
-from wirerope_mj.engine.simulation.run import point_name
 from wirerope_mj.engine.simulation.scene import scene_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
@@ -80,10 +79,10 @@ class Recorder:
 
 def column_plan(system: System) -> ColumnPlan:
     """Return the columns that are sampled of a system."""
-    model, subjects = system.model, system.assembly.subjects
+    subjects = system.assembly.subjects
     return ColumnPlan(
-        bodies=[model.body(body).name for body in subjects.bodies],
-        points=[point_name(model, site) for site in subjects.points],
+        bodies=subjects.body_names,
+        points=subjects.point_names,
         mounts=[(name, _state_names(system, name)) for name in system.mounts],
     )
 
