@@ -12,7 +12,7 @@ from wirerope_mj.engine.response.response import FILE, Response, response_metada
 from wirerope_mj.engine.response.storage import load_response
 from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.simulation.scene import scene_of
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.parquet_files import TableWriter
 from wirerope_mj.foundation.state import State
@@ -75,6 +75,7 @@ class Recorder:
             self._writer.discard()
 
 
+@once_per_system
 def column_plan(system: System) -> ColumnPlan:
     """Return the columns that are sampled of a system."""
     subjects = system.assembly.subjects
