@@ -6,7 +6,6 @@ from collections.abc import Iterable
 import numpy as np
 
 from wirerope_mj.engine.response.peaks import Peak, Peaks
-from wirerope_mj.engine.simulation.run import point_name
 from wirerope_mj.engine.statics.result import forces_at_rest
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.state import State
@@ -76,17 +75,15 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
 
 def payload_bodies(system: System) -> list[str]:
     """Return the observed bodies that are not fixed to the base."""
-    bodies = system.assembly.subjects.bodies
-    on_base = set(system.assembly.tables.base_channels)
-    return [system.model.body(body).name for index, body in enumerate(bodies) if index not in on_base]
+    bodies, on_base = system.assembly.subjects.body_names, system.assembly.tables.base_channels
+    return [name for index, name in enumerate(bodies) if index not in on_base]
 
 
 def payload_points(system: System) -> list[str]:
     """Return the points that are not fixed to the base."""
-    subjects, on_base = system.assembly.subjects, set(system.assembly.tables.base_channels)
+    subjects, on_base = system.assembly.subjects, system.assembly.tables.base_channels
     n = len(subjects.bodies)
-    names = [point_name(system.model, point) for point in subjects.points]
-    return [name for index, name in enumerate(names) if n + 2 * index not in on_base]
+    return [name for index, name in enumerate(subjects.point_names) if n + 2 * index not in on_base]
 
 
 def _static_loads(system: System, rest: State | None) -> dict[str, float]:

@@ -1,18 +1,18 @@
 """The samples of a run on their way into a response."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from wirerope_mj.engine.response.columns import ColumnPlan
 from wirerope_mj.engine.response.histories import MemorySamples, Numerics
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.response.response import FILE, Response, response_metadata
-from wirerope_mj.engine.response.storage import build_response, load_response
+from wirerope_mj.engine.response.response import FILE, Response, response_metadata, response_of
+from wirerope_mj.engine.response.storage import load_response
 from wirerope_mj.engine.simulation.grid import TimeGrid
-from wirerope_mj.engine.simulation.run import point_name
 from wirerope_mj.engine.simulation.scene import scene_of
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.parquet_files import TableWriter
 from wirerope_mj.foundation.state import State
@@ -52,24 +52,21 @@ class Recorder:
 
     def finish(self, start: State, final: State, peaks: Peaks, numerics: Numerics) -> Response:
         """Return the response of a run that came to its end."""
-        content = response_metadata(
-            plan=self.plan,
-            peaks=peaks,
-            scene=scene_of(self._system),
-            motion=self._motion.to_dict(),
-            events=self._motion.events,
-            numerics=numerics,
-            initial_state=start,
-            final_state=final,
-        )
+        parts: dict[str, Any] = {
+            "peaks": peaks,
+            "scene": scene_of(self._system),
+            "motion": self._motion.to_dict(),
+            "events": self._motion.events,
+            "numerics": numerics,
+            "initial_state": State(values=start.values.copy(), time=start.time),  # others may start from it, too
+            "final_state": final,
+        }
         rest = self._with_base(self._times.size - self._written)
         if self._writer is None:
-            return build_response(
-                names=self._names, column_reader=lambda names: MemorySamples(names, rest), content=content, path=None
-            )
+            return response_of(self.plan, MemorySamples(self._names, rest), **parts)
         if rest.size:
             self._writer.write(rest)
-        self._writer.close(content)
+        self._writer.close(response_metadata(plan=self.plan, **parts))
         return load_response(self._writer.path.parent)
 
     def discard(self) -> None:
@@ -78,12 +75,13 @@ class Recorder:
             self._writer.discard()
 
 
+@once_per_system
 def column_plan(system: System) -> ColumnPlan:
     """Return the columns that are sampled of a system."""
-    model, subjects = system.model, system.assembly.subjects
+    subjects = system.assembly.subjects
     return ColumnPlan(
-        bodies=[model.body(body).name for body in subjects.bodies],
-        points=[point_name(model, site) for site in subjects.points],
+        bodies=subjects.body_names,
+        points=subjects.point_names,
         mounts=[(name, _state_names(system, name)) for name in system.mounts],
     )
 

@@ -90,15 +90,15 @@ def run(
 
 def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
     """Return the peaks from the tracker's memory in the system's userdata; what is fixed to the base has the base's own."""
-    model, assembly = system.model, system.assembly
+    assembly = system.assembly
     rigid = set(assembly.tables.base_channels)
     channels = iter(
         [base if number in rigid else _peak(row) for number, row in enumerate(assembly.tables.user.channel_rows(user))]
     )
-    bodies = {model.body(body).name: BodyPeaks(acceleration=next(channels)) for body in assembly.subjects.bodies}
+    bodies = {name: BodyPeaks(acceleration=next(channels)) for name in assembly.subjects.body_names}
     points = {
-        point_name(model, site): PointPeaks(acceleration=next(channels), relative_displacement=next(channels))
-        for site in assembly.subjects.points
+        name: PointPeaks(acceleration=next(channels), relative_displacement=next(channels))
+        for name in assembly.subjects.point_names
     }
     mounts = {name: MountPeaks(deflection=next(channels), force=next(channels)) for name in system.mounts}
     return Peaks(bodies=bodies, points=points, mounts=mounts, contacts=contacts_of(system, user))
@@ -115,8 +115,3 @@ def _peak(row: Array) -> Peak:
         maximum=vector(at.HIGH),
         maximum_time=vector(at.HIGH_TIME),
     )
-
-
-def point_name(model: mujoco.MjModel, site: int) -> str:
-    """Return the name of the point that a site `point/NAME` declares, prefixes of an attached model included."""
-    return model.site(site).name.replace("point/", "", 1)

@@ -55,11 +55,15 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
         if not element.name:  # each has one, so that it can be observed and drawn
             element.name = f"body_{element.id}"
     plain = spec.compile()
+    bodies = tuple(body for body in range(1, plain.nbody) if plain.body_weldid[body] != 0)
+    points = tuple(site for site in range(plain.nsite) if POINT in plain.site(site).name)
     subjects = Subjects(
         base=base,
         driven=_drive(spec, plain, base),
-        bodies=tuple(body for body in range(1, plain.nbody) if plain.body_weldid[body] != 0),
-        points=tuple(site for site in range(plain.nsite) if POINT in plain.site(site).name),
+        bodies=bodies,
+        points=points,
+        body_names=tuple(plain.body(body).name for body in bodies),
+        point_names=tuple(plain.site(site).name.replace(POINT, "", 1) for site in points),
     )
     # Whatever is added stands after what the model has, so that all addresses are known before it is compiled.
     tables = make_tables(plain, mujoco.MjData(plain), declared, subjects, sensor=int(plain.nsensordata))
