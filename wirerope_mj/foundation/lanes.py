@@ -488,10 +488,12 @@ def _power_lanes(x, n):  # type: ignore[no-untyped-def]
     result = where(n == 2.0, x * x, x)
     other = (n != 1.0) & (n != 2.0)
     if some(other):
-        # Below the normal numbers x^n is taken for that of the least: 1e-308^n, or 0 at 0.
-        grown = _exp_lanes(n * _log_lanes(max(x, 2.2250738585072014e-308)))
-        grown = where(n == 1.5, x * math.sqrt(x), where(x > 0.0, grown, 0.0))
-        result = where(other, grown, result)
+        result = where(n == 1.5, x * math.sqrt(x), result)
+        other = other & (n != 1.5)
+        if some(other):
+            # Below the normal numbers x^n is taken for that of the least: 1e-308^n, or 0 at 0.
+            grown = _exp_lanes(n * _log_lanes(max(x, 2.2250738585072014e-308)))
+            result = where(other, where(x > 0.0, grown, 0.0), result)
     return result
 
 
