@@ -41,6 +41,11 @@ class Equations:
         return int(self.lay[at.N_VALUES])
 
     @property
+    def n_extra(self) -> int:
+        """Number of entries of qpos that a state has more than a velocity: one for each floating link."""
+        return int(self.lay[at.NQ])
+
+    @property
     def key(self) -> bytes:
         """Bytes that systems have in common which may share lanes."""
         return self.lay.tobytes() + self.fix.tobytes() + self.rest.tobytes()
@@ -96,7 +101,9 @@ class Bodies:
         self.pose: list[Pose] = []
         for body in range(model.nbody):
             over = HERE if moving[body] or not body else self.pose[int(model.body_parentid[body])]
-            self.pose.append(HERE if moving[body] or not body else over.then(model.body_pos[body], model.body_quat[body]))
+            self.pose.append(
+                HERE if moving[body] or not body else over.then(model.body_pos[body], model.body_quat[body])
+            )
 
     def on_parent(self, body: int) -> tuple[int, Pose]:
         """Return the link that a link's body hangs on, and its pose there."""
@@ -146,7 +153,17 @@ def equations_of(system: System) -> Equations:
     axes = _axes(tables)
     stops = _stops(tables, axes)
     tracked = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
-    parts = [links, _trees(model, bodies, kinds, dofs, num), dofs, runs, mounts, axes, frames, tables.channels[tracked], stops]
+    parts = [
+        links,
+        _trees(model, bodies, kinds, dofs, num),
+        dofs,
+        runs,
+        mounts,
+        axes,
+        frames,
+        tables.channels[tracked],
+        stops,
+    ]
     pairs = pair_rows(model, bodies, fix)
     flat = [np.asarray(part, dtype=np.int64).ravel() for part in parts]
     lay[at.LINKS : at.LINKS + len(flat)] = at.HEADER + np.cumsum([0] + [part.size for part in flat[:-1]])
@@ -164,7 +181,12 @@ def equations_of(system: System) -> Equations:
     for entry, number in counts.items():
         lay[entry] = number
     _sections(lay, largest=max((row[2] for row in parts[1]), default=0))
-    return Equations(lay=np.concatenate([lay, *flat]), fix=np.array(fix.numbers), num=np.array(num.numbers), rest=_rest(bodies, kinds))
+    return Equations(
+        lay=np.concatenate([lay, *flat]),
+        fix=np.array(fix.numbers),
+        num=np.array(num.numbers),
+        rest=_rest(bodies, kinds),
+    )
 
 
 def _sections(lay: Integers, *, largest: int) -> None:
@@ -352,7 +374,9 @@ def _inverse_mass(bodies: Bodies, link: int, dofs: Integers) -> Array:
     return np.linalg.inv(mass)
 
 
-def _mounts(system: System, bodies: Bodies, kinds: list[int], fix: _Writer, num: _Writer) -> tuple[list[list[int]], list[list[int]]]:
+def _mounts(
+    system: System, bodies: Bodies, kinds: list[int], fix: _Writer, num: _Writer
+) -> tuple[list[list[int]], list[list[int]]]:
     """Return the rows of the mounts, and their runs."""
     tables, rows, runs = system.assembly.tables, [], []
     first = int(tables.layout[control.MOUNTS])
@@ -360,10 +384,22 @@ def _mounts(system: System, bodies: Bodies, kinds: list[int], fix: _Writer, num:
         row = tables.layout[first + control.MOUNT_COLUMNS * number :][: control.MOUNT_COLUMNS]
         (payload, site), (base, base_site) = (bodies.site(int(row[c])) for c in (0, 1))
         turning = row[control.TURNING : control.TURNING + 3]
-        points = num.put(_seen(bodies, kinds, payload) @ site.origin, _seen(bodies, kinds, base) @ base_site.origin, turning)
+        points = num.put(
+            _seen(bodies, kinds, payload) @ site.origin, _seen(bodies, kinds, base) @ base_site.origin, turning
+        )
         axes = _seen(bodies, kinds, base) @ base_site.axes
         frame = fix.put(axes.T, base_site.quaternion, site.quaternion, row[control.MODELLED : control.MODELLED + 4])
-        rows.append([int(row[6]), points, frame, int(row[control.COUPLING]), int(row[control.PARTNER]), int(turning.any()), int(np.array_equal(axes, np.eye(3)))])
+        rows.append(
+            [
+                int(row[6]),
+                points,
+                frame,
+                int(row[control.COUPLING]),
+                int(row[control.PARTNER]),
+                int(turning.any()),
+                int(np.array_equal(axes, np.eye(3))),
+            ]
+        )
         if runs and runs[-1][:2] == [payload, base]:
             runs[-1][2] += 1
         else:
@@ -409,7 +445,9 @@ def _frames(system: System, bodies: Bodies, fix: _Writer, num: _Writer) -> list[
     for number, body in enumerate(assembly.subjects.bodies):
         pose = bodies.pose[body]
         centre = pose.then(model.body_ipos[body], model.body_iquat[body]).origin
-        rows.append([bodies.link[body], num.put(centre), fix.put(pose.quaternion), 0, 0, 0, 0, int(number not in fixed)])
+        rows.append(
+            [bodies.link[body], num.put(centre), fix.put(pose.quaternion), 0, 0, 0, 0, int(number not in fixed)]
+        )
     first = int(tables.layout[control.POINTS])
     for number, site in enumerate(assembly.subjects.points):
         link, pose = bodies.site(site)

@@ -35,13 +35,19 @@ class Recorder:
         self._block = np.empty((rows, len(self._names)))
         self._written = 0
 
-    def add(self, sample: int, values: Array) -> None:
-        """Take the sensor values of a sample."""
-        row = sample - self._written
-        self._block[row, self.plan.first_sensor :] = values[: len(self._names) - self.plan.first_sensor]
-        if self._writer is not None and row == self._block.shape[0] - 1:
-            self._writer.write(self._with_base(row + 1))
-            self._written += row + 1
+    def add(self, first: int, values: Array) -> None:
+        """Take the sensor values of samples from number `first` on, (n_samples, n_values); 0 begins all over again."""
+        if first == 0 and self._written and self._writer is not None:
+            self._writer.discard()
+            self._writer, self._written = TableWriter(self._writer.path, self._names), 0
+        while len(values):
+            row = first - self._written
+            some = values[: self._block.shape[0] - row]
+            self._block[row : row + len(some), self.plan.first_sensor :] = some[:, : len(self._names) - self.plan.first_sensor]
+            first, values = first + len(some), values[len(some) :]
+            if self._writer is not None and first - self._written == self._block.shape[0]:
+                self._writer.write(self._with_base(self._block.shape[0]))
+                self._written = first
 
     def _with_base(self, rows: int) -> Array:
         times = self._times[self._written : self._written + rows]

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import mujoco
+import numpy as np
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
@@ -24,13 +26,18 @@ CHECK_EVERY = 64
 
 @dataclass(frozen=True, kw_only=True)
 class RunResult:
-    """Result of stepping: state at the grid's end, peaks over every step, largest step [s]."""
+    """Result of stepping: state at the grid's end, peaks over every step, largest step [s], and who made it.
+
+    `why` says why it is MuJoCo's and not the kernel's, if it is.
+    """
 
     final_state: State
     peaks: Peaks
     callback: Kind
     steps: int
     largest_step: float
+    engine: Literal["mujoco", "kernel"] = "mujoco"
+    why: str = ""
 
 
 def run(
@@ -45,8 +52,8 @@ def run(
 ) -> RunResult:
     """Step `system` through `grid` from `initial` and hand every sample to `sink`.
 
-    The system's model is copied, so that one system serves several threads. `sink` takes the sample's number and the system's
-    sensor values, which it must copy; `progress` takes the simulated time [s] now and then.
+    The system's model is copied, so that one system serves several threads. `sink` takes the number of the first of some samples
+    and the system's sensor values, (n_samples, n_values), which it must copy; `progress` takes the simulated time [s] now and then.
 
     Raises:
         SimulationError: MuJoCo warned that the state is not valid any more.
@@ -69,13 +76,13 @@ def run(
                 steps = int(block.steps[segment])
                 if block.sampled[segment]:
                     mujoco.mj_step(stepper.model, data)
-                    sink(sample, values)
+                    sink(sample, values[np.newaxis])
                     sample, steps = sample + 1, steps - 1
                 if steps:
                     mujoco.mj_step(stepper.model, data, nstep=steps)
         final = stepper.finish()
         if sample < grid.sample_times.size:
-            sink(sample, values)
+            sink(sample, values[np.newaxis])
         stepper.check()
     if progress is not None:
         progress(grid.stop)
