@@ -91,10 +91,10 @@ def run(
 def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
     """Return the peaks from the tracker's memory in the system's userdata; what is fixed to the base has the base's own."""
     assembly = system.assembly
-    rigid = set(assembly.tables.base_channels)
-    channels = iter(
-        [base if number in rigid else _peak(row) for number, row in enumerate(assembly.tables.user.channel_rows(user))]
-    )
+    every = _peaks(assembly.tables.user.channel_rows(user).copy())
+    for number in assembly.tables.base_channels:
+        every[number] = base
+    channels = iter(every)
     bodies = {name: BodyPeaks(acceleration=next(channels)) for name in assembly.subjects.body_names}
     points = {
         name: PointPeaks(acceleration=next(channels), relative_displacement=next(channels))
@@ -104,14 +104,14 @@ def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
     return Peaks(bodies=bodies, points=points, mounts=mounts, contacts=contacts_of(system, user))
 
 
-def _peak(row: Array) -> Peak:
-    vector = lambda first: row[first : first + 3].copy()  # noqa: E731
-    return Peak(
-        value=float(row[at.PEAK]),
-        time=float(row[at.PEAK_TIME]),
-        vector=vector(at.PEAK_VECTOR),
-        minimum=vector(at.LOW),
-        minimum_time=vector(at.LOW_TIME),
-        maximum=vector(at.HIGH),
-        maximum_time=vector(at.HIGH_TIME),
-    )
+def _peaks(rows: Array) -> list[Peak]:
+    """Return the peaks of channels from the tracker's memory of them, (n_channels, CHANNEL_MEMORY); their vectors are views."""
+    numbers = (rows[:, at.PEAK].tolist(), rows[:, at.PEAK_TIME].tolist())
+    vectors = (rows[:, first : first + 3] for first in (at.PEAK_VECTOR, at.LOW, at.LOW_TIME, at.HIGH, at.HIGH_TIME))
+    return [
+        Peak(
+            value=value, time=time, vector=vector,
+            minimum=low, minimum_time=low_time, maximum=high, maximum_time=high_time,
+        )
+        for value, time, vector, low, low_time, high, high_time in zip(*numbers, *vectors, strict=True)
+    ]  # fmt: skip
