@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import mujoco
+import numpy as np
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
@@ -91,7 +92,8 @@ def run(
 def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
     """Return the peaks from the tracker's memory in the system's userdata; what is fixed to the base has the base's own."""
     assembly = system.assembly
-    every = _peaks(assembly.tables.user.channel_rows(user).copy())
+    rows = assembly.tables.user.channel_rows(user)
+    every = [Peak.of(row) for row in rows.take(_NUMBERS, axis=1)]
     for number in assembly.tables.base_channels:
         every[number] = base
     channels = iter(every)
@@ -104,14 +106,11 @@ def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
     return Peaks(bodies=bodies, points=points, mounts=mounts, contacts=contacts_of(system, user))
 
 
-def _peaks(rows: Array) -> list[Peak]:
-    """Return the peaks of channels from the tracker's memory of them, (n_channels, CHANNEL_MEMORY); their vectors are views."""
-    numbers = (rows[:, at.PEAK].tolist(), rows[:, at.PEAK_TIME].tolist())
-    vectors = (rows[:, first : first + 3] for first in (at.PEAK_VECTOR, at.LOW, at.LOW_TIME, at.HIGH, at.HIGH_TIME))
-    return [
-        Peak(
-            value=value, time=time, vector=vector,
-            minimum=low, minimum_time=low_time, maximum=high, maximum_time=high_time,
-        )
-        for value, time, vector, low, low_time, high, high_time in zip(*numbers, *vectors, strict=True)
-    ]  # fmt: skip
+_NUMBERS = np.array(
+    [
+        at.PEAK,
+        at.PEAK_TIME,
+        *(first + c for first in (at.PEAK_VECTOR, at.LOW, at.LOW_TIME, at.HIGH, at.HIGH_TIME) for c in range(3)),
+    ]
+)
+"""Where the numbers of a `Peak` stand in the tracker's memory of a channel."""
