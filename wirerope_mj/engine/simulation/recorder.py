@@ -29,7 +29,7 @@ class Recorder:
         """Prepare for the samples of `grid`; `out` is the folder they are streamed to, None to keep them in memory."""
         self._system, self._motion, self._times = system, motion, grid.sample_times
         self.plan = column_plan(system)
-        self._names = self.plan.names
+        self._names = self.plan.names.copy()
         self._writer = TableWriter(out / FILE, self._names) if out is not None else None
         rows = min(STREAM_ROWS, self._times.size) if out is not None else self._times.size
         self._block = np.empty((rows, len(self._names)))

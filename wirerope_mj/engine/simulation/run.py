@@ -98,10 +98,11 @@ def run(
 def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
     """Return the peaks from the tracker's memory in the system's userdata; what is fixed to the base has the base's own."""
     assembly = system.assembly
-    rigid = set(assembly.tables.base_channels)
-    channels = iter(
-        [base if number in rigid else _peak(row) for number, row in enumerate(assembly.tables.user.channel_rows(user))]
-    )
+    rows = assembly.tables.user.channel_rows(user)
+    every = [Peak.of(row) for row in rows.take(_NUMBERS, axis=1)]
+    for number in assembly.tables.base_channels:
+        every[number] = base
+    channels = iter(every)
     bodies = {name: BodyPeaks(acceleration=next(channels)) for name in assembly.subjects.body_names}
     points = {
         name: PointPeaks(acceleration=next(channels), relative_displacement=next(channels))
@@ -111,14 +112,11 @@ def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
     return Peaks(bodies=bodies, points=points, mounts=mounts, contacts=contacts_of(system, user))
 
 
-def _peak(row: Array) -> Peak:
-    vector = lambda first: row[first : first + 3].copy()  # noqa: E731
-    return Peak(
-        value=float(row[at.PEAK]),
-        time=float(row[at.PEAK_TIME]),
-        vector=vector(at.PEAK_VECTOR),
-        minimum=vector(at.LOW),
-        minimum_time=vector(at.LOW_TIME),
-        maximum=vector(at.HIGH),
-        maximum_time=vector(at.HIGH_TIME),
-    )
+_NUMBERS = np.array(
+    [
+        at.PEAK,
+        at.PEAK_TIME,
+        *(first + c for first in (at.PEAK_VECTOR, at.LOW, at.LOW_TIME, at.HIGH, at.HIGH_TIME) for c in range(3)),
+    ]
+)
+"""Where the numbers of a `Peak` stand in the tracker's memory of a channel."""
