@@ -50,7 +50,13 @@ def compute(
         SimulationError: MuJoCo warned that the state is not valid any more, or "kernel" was asked for and cannot compute this.
     """
     one_of("engine", engine, ("auto", "mujoco", "kernel"))
-    why = "it was asked for" if engine == "mujoco" else "the callback in Python is MuJoCo's" if callback != "native" else ""
+    why = (
+        "it was asked for"
+        if engine == "mujoco"
+        else "the callback in Python is MuJoCo's"
+        if callback != "native"
+        else ""
+    )
     if not why:
         why = unfit(system) or leap(system, motion)
         done = None if why else _by_kernel(system, motion, grid, start, sink, progress)
@@ -58,8 +64,13 @@ def compute(
             return done
         why = why or str(done)
         if engine == "kernel":
-            raise SimulationError(f'the kernel cannot compute this run: {why}. Ask for `engine` "auto", or "mujoco".')
+            raise SimulationError(refused(why))
     return replace(run(system, motion, grid, start, callback=callback, sink=sink, progress=progress), why=why)
+
+
+def refused(why: str) -> str:
+    """Return the message about a run that only the kernel was to compute, from the reason why it cannot."""
+    return f'the kernel cannot compute this run: {why}. Ask for `engine` "auto", or "mujoco".'
 
 
 def leap(system: System, motion: BaseMotion) -> str:
@@ -105,5 +116,3 @@ def _by_kernel(
         largest_step=done.largest_step,
         engine="kernel",
     )
-
-
