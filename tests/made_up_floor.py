@@ -6,8 +6,9 @@ from wirerope_mj.engine.response import Numerics, Peak, Response
 from wirerope_mj.engine.response.columns import ColumnPlan
 from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
-from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount, scene_to_dict
-from wirerope_mj.engine.response.storage import build_response
+from wirerope_mj.engine.response.response import response_of
+from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
+from wirerope_mj.foundation.state import State
 from wirerope_mj.views.recording.poses import rotate
 
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
@@ -56,29 +57,22 @@ def floor_response(
         peaks.mounts[name] = MountPeaks(deflection=peak(time, deflection), force=peak(time, force))
     names, values = plan.names, np.concatenate(parts, axis=1)
     assert values.shape == (rows, len(names))
-    content = {
-        "peaks": peaks.to_dict(),
-        "scene": scene_to_dict(floor_scene(position, arms, places, spots, travel, base)),
-        "motion": {"kind": "half-sine"},
-        "events": [[0.05, "half-sine begins"], [0.061, "half-sine ends"]] if events else [],
-        "bodies": plan.bodies,
-        "points": plan.points,
-        "mounts": [list(mount) for mount in plan.mounts],
-        "numerics": vars(
-            Numerics(timestep=1e-3, accuracy=1e-4, error_estimate=2e-5, steps=rows, callback="native", versions={})
+    return response_of(
+        plan, MemorySamples(names, values), peaks=peaks,
+        scene=floor_scene(position, arms, places, spots, travel, base),
+        motion={"kind": "half-sine"}, events=[(0.05, "half-sine begins"), (0.061, "half-sine ends")] if events else [],
+        numerics=Numerics(
+            timestep=1e-3, accuracy=1e-4, error_estimate=2e-5, steps=rows, callback="native", versions={}
         ),
-        "states": [[0.0, ""], [1.0, ""]],
-    }
-    return build_response(
-        names=names, column_reader=lambda names: MemorySamples(names, values), content=content, path=None
-    )
+        initial_state=State(values=np.zeros(0), time=0.0), final_state=State(values=np.zeros(0), time=1.0),
+    )  # fmt: skip
 
 
 def peak(time, values) -> Peak:
     norm = np.linalg.norm(values, axis=1)
     low, high = values.argmin(axis=0), values.argmax(axis=0)
     return Peak(
-        value=norm.max(), time=time[norm.argmax()], vector=values[norm.argmax()], minimum=values.min(axis=0),
+        value=float(norm.max()), time=float(time[norm.argmax()]), vector=values[norm.argmax()], minimum=values.min(axis=0),
         minimum_time=time[low], maximum=values.max(axis=0), maximum_time=time[high],
     )  # fmt: skip
 

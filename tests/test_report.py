@@ -12,6 +12,7 @@ from house import sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN, judge
+from wirerope_mj.engine.response import Peak
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.tables import Table
@@ -301,7 +302,7 @@ def test_bodies_with_limits_are_drawn_before_larger_accelerations(finished):
     response, peaks = finished.response, finished.response.peaks
     assert worst_names(response) == ["block"]  # block_top moves alike
     point = peaks.points["block_top"]
-    twice = replace(point, acceleration=replace(point.acceleration, value=2.0 * point.acceleration.value))
+    twice = replace(point, acceleration=Peak.of(2.0 * point.acceleration.numbers))
     faster = replace(response, peaks=replace(peaks, points={"block_top": twice}))
     assert worst_names(faster) == ["block_top", "block"]
     limits = (PayloadLimit(kind="acceleration", name="block", values=(100.0,)),)

@@ -1,7 +1,8 @@
 """Compiling kernels, with a disk cache that no change of any kernel can outlive.
 
 Numba's cache watches only the file of the function it compiled. Kernels here call kernels of other files, so that a change of
-one would leave the others with its old code. The cache folder therefore carries a digest of all files that hold kernels.
+one would leave the others with its old code. The cache folder therefore carries a digest of all files that hold kernels, or
+teach Numba new types.
 """
 
 import hashlib
@@ -27,7 +28,7 @@ def cache_folder() -> str:
     digest = hashlib.sha256()
     for path in sorted(_PACKAGE.rglob("*.py")):
         source = path.read_bytes()
-        if b"from wirerope_mj.foundation.jit import" in source:
+        if b"from wirerope_mj.foundation.jit import" in source or b"from numba.extending import" in source:
             digest.update(source)
     if numba.config.CACHE_DIR:
         root = Path(numba.config.CACHE_DIR)

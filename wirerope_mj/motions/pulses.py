@@ -101,7 +101,7 @@ class HalfSine(Pulse):
 
     def _phase(self, t: Array) -> Array:
         """Return pi t / D, held at 0 before the pulse and at pi after it."""
-        return np.clip(math.pi * (t - self.start) / self.duration, 0.0, math.pi)
+        return np.minimum(np.maximum(math.pi * (t - self.start) / self.duration, 0.0), math.pi)
 
 
 @dataclass(frozen=True, kw_only=True)

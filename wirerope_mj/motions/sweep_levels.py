@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.motions.sweep_integrals import oscillating_tails
+from wirerope_mj.motions.sweep_integrals import oscillating_tail
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,16 +61,18 @@ class Course:
         """Return the angular frequency at the times [rad/s]."""
         return 2 * math.pi * self.frequency(t)
 
-    def angle(self, within: Array) -> tuple[Array, Array]:
-        """Return u and u - u0 at times up to the end of the sweep; the difference is taken without cancellation."""
-        u0 = 2 * math.pi * self.start / self.growth
-        exponent = self.sign * self.growth * within
-        return u0 * np.exp(exponent), u0 * np.expm1(exponent)
+    def u(self, within: Array) -> Array:
+        """Return u at times up to the end of the sweep."""
+        return 2 * math.pi * self.start / self.growth * np.exp(self.sign * self.growth * within)
+
+    def angle(self, within: Array) -> Array:
+        """Return u - u0 at times up to the end of the sweep, taken without cancellation."""
+        return 2 * math.pi * self.start / self.growth * np.expm1(self.sign * self.growth * within)
 
     def phase(self, t: Array) -> Array:
         """Return the phase [rad]."""
         within = self.within(t)
-        return self.sign * self.angle(within)[1] + self.last * (t - within)
+        return self.sign * self.angle(within) + self.last * (t - within)
 
     def whole_cycles(self) -> Array:
         """Return the instants at which the cycles that the sweep completes begin and end [s], (n + 1,)."""
@@ -83,8 +85,12 @@ class Course:
 
 def _tail(course: Course, within: Array, order: int) -> NDArray[np.complex128]:
     """Return e^(i (u - u0)) h1(u) for order 1 and e^(i (u - u0)) h2(u) for order 2."""
-    u, angle = course.angle(within)
-    return np.exp(1j * angle) * oscillating_tails(u)[order - 1]
+    return np.exp(1j * course.angle(within)) * oscillating_tail(course.u(within), order)
+
+
+def _ends(course: Course, t: Array) -> bool:
+    """Return whether the sweep is over at one of the times: until then nothing is added to it."""
+    return bool((t > course.duration).any())
 
 
 def _after(course: Course, t: Array, function: Callable[[Array], Array]) -> Array:
@@ -94,19 +100,21 @@ def _after(course: Course, t: Array, function: Callable[[Array], Array]) -> Arra
 
 def _velocity_of_acceleration(course: Course, t: Array) -> Array:
     swept = -np.imag(_tail(course, course.within(t), 1)) / course.growth
-    return swept - _after(course, t, np.cos) / course.last
+    return swept - _after(course, t, np.cos) / course.last if _ends(course, t) else swept
 
 
 def _displacement_of_acceleration(course: Course, t: Array) -> Array:
     within = course.within(t)
     swept = course.sign * np.imag(_tail(course, within, 2)) / course.growth**2
+    if not _ends(course, t):
+        return swept
     drift = _velocity_of_acceleration(course, within) + np.cos(course.phase(within)) / course.last
     return swept + drift * (t - within) - _after(course, t, np.sin) / course.last**2
 
 
 def _displacement_of_velocity(course: Course, t: Array) -> Array:
     swept = course.sign * np.real(_tail(course, course.within(t), 1)) / course.growth
-    return swept - _after(course, t, np.sin) / course.last
+    return swept - _after(course, t, np.sin) / course.last if _ends(course, t) else swept
 
 
 def _acceleration_of_displacement(course: Course, t: Array) -> Array:

@@ -1,17 +1,18 @@
 """Measures of each variant: peaks over every step, as plain numbers."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 
 import numpy as np
 
 from wirerope_mj.engine.response.peaks import Peak, Peaks
-from wirerope_mj.engine.simulation.run import point_name
 from wirerope_mj.engine.statics.result import forces_at_rest
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.state import State
+from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.static_rating import static_utilisation
-from wirerope_mj.mounts.isolator.travel import RATINGS, travel_reached, travel_utilisation
+from wirerope_mj.mounts.isolator.travel import RATINGS, largest_utilisation, travel_reached
 from wirerope_mj.studies.inputs.failure import acts
 
 NAN = math.nan
@@ -48,57 +49,72 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     at |= {name: peaks.points[name].acceleration for name in points}
     result = {"acceleration": _largest(at[name].value for name in bodies)}
     result |= dict.fromkeys(("travel", "static_load", "fragility"), NAN)
-    result["mounts"] = float(
-        sum(acts(mount.isolator) and not mount.isolator.is_stop for mount in system.mounts.values())
-    )
+    isolators = {id(mount.isolator): mount.isolator for mount in system.mounts.values()}  # few, and asked once each
+    fitted = {key: acts(isolator) and not isolator.is_stop for key, isolator in isolators.items()}
+    result["mounts"] = float(sum(fitted[id(mount.isolator)] for mount in system.mounts.values()))
     result["struck"] = float(len(peaks.struck))
     result |= {f"acceleration/{name}": peak.value for name, peak in at.items()}
     result |= {f"displacement/{name}": peaks.points[name].relative_displacement.value for name in points}
-    utilisations = []
-    deflections = [peaks.mounts[name].deflection for name in system.mounts]
-    lowest, highest = (np.array([getattr(d, end) for d in deflections]) for end in ("minimum", "maximum"))
-    every = {rating: values.tolist() for rating, values in travel_reached(lowest, highest).items()}
-    for index, (name, mount) in enumerate(system.mounts.items()):
-        result[f"force/{name}"] = peaks.mounts[name].force.value
-        if mount.isolator.is_stop:
-            continue
-        reached = {rating: values[index] for rating, values in every.items()}
-        utilisations.append(_largest(travel_utilisation(reached, mount.isolator.limits.travel.stated).values()))
-        result |= {f"deflection/{name}/{rating}": value for rating, value in reached.items()}
-        result[f"travel/{name}"] = utilisations[-1]
-    loads = _static_loads(system, rest)
-    result |= {f"static_load/{name}": value for name, value in loads.items()}
-    for measure, values in (("travel", utilisations), ("static_load", loads.values())):
-        result[measure] = _largest(value for value in values if not math.isnan(value))
+    result.update(zip(_force_names(tuple(system.mounts)), [m.force.value for m in peaks.mounts.values()], strict=True))
+    judged = tuple(name for name, mount in system.mounts.items() if not mount.isolator.is_stop)
+    reached, used = _travel(system, peaks, judged, isolators)
+    loads = _static_loads(system, rest, judged, isolators)
+    result.update(zip(_judged_names(judged), [*reached, *used, *loads], strict=True))
+    for measure, values in (("travel", used), ("static_load", loads)):
+        result[measure] = _largest([value for value in values if not math.isnan(value)])
     result["fragility"] = _fragility(system, at)
     return result
 
 
 def payload_bodies(system: System) -> list[str]:
     """Return the observed bodies that are not fixed to the base."""
-    bodies = system.assembly.subjects.bodies
-    on_base = set(system.assembly.tables.base_channels)
-    return [system.model.body(body).name for index, body in enumerate(bodies) if index not in on_base]
+    bodies, on_base = system.assembly.subjects.body_names, system.assembly.tables.base_channels
+    return [name for index, name in enumerate(bodies) if index not in on_base]
 
 
 def payload_points(system: System) -> list[str]:
     """Return the points that are not fixed to the base."""
-    subjects, on_base = system.assembly.subjects, set(system.assembly.tables.base_channels)
+    subjects, on_base = system.assembly.subjects, system.assembly.tables.base_channels
     n = len(subjects.bodies)
-    names = [point_name(system.model, point) for point in subjects.points]
-    return [name for index, name in enumerate(names) if n + 2 * index not in on_base]
+    return [name for index, name in enumerate(subjects.point_names) if n + 2 * index not in on_base]
 
 
-def _static_loads(system: System, rest: State | None) -> dict[str, float]:
-    """Return the utilisation of the rated static load at rest of every mount but stops; NaN where it is not judged."""
-    utilisations = {name: NAN for name, mount in system.mounts.items() if not mount.isolator.is_stop}
-    if rest is None:
-        return utilisations
-    for (name, mount), force in zip(system.mounts.items(), forces_at_rest(system, rest), strict=True):
-        used = static_utilisation(force, mount.isolator.limits.static_load)
-        if used is not None:
-            utilisations[name] = used
-    return utilisations
+@cache
+def _force_names(mounts: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of the forces of mounts, made once for all variants of a system."""
+    return tuple(f"force/{name}" for name in mounts)
+
+
+@cache
+def _judged_names(mounts: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of what is judged of mounts: travel by rating, utilisations of travel and of static load."""
+    deflections = [f"deflection/{name}/{rating}" for rating in RATINGS for name in mounts]
+    return (*deflections, *(f"{measure}/{name}" for measure in ("travel", "static_load") for name in mounts))
+
+
+def _travel(
+    system: System, peaks: Peaks, judged: Sequence[str], isolators: Mapping[int, Isolator]
+) -> tuple[list[float], list[float]]:
+    """Return the travel of some mounts [m], one rating after the other, and their largest utilisation; NaN if not rated."""
+    if not judged:
+        return [], []
+    deflections = np.array([peaks.mounts[name].deflection.numbers for name in judged])
+    reached = np.array(list(travel_reached(deflections[:, Peak.MINIMUM], deflections[:, Peak.MAXIMUM]).values()))
+    stated = {key: isolator.limits.travel.stated for key, isolator in isolators.items()}
+    ratings = {key: [travel.get(rating, NAN) for rating in RATINGS] for key, travel in stated.items()}
+    rated = np.array([ratings[id(system.mounts[name].isolator)] for name in judged])
+    return reached.ravel().tolist(), largest_utilisation(reached.T, rated).tolist()
+
+
+def _static_loads(
+    system: System, rest: State | None, judged: Sequence[str], isolators: Mapping[int, Isolator]
+) -> list[float]:
+    """Return the utilisation of the rated static load at rest of some mounts; NaN where it is not judged."""
+    if rest is None or all(isolator.limits.static_load is None for isolator in isolators.values()):
+        return [NAN] * len(judged)
+    forces = dict(zip(system.mounts, forces_at_rest(system, rest).tolist(), strict=True))
+    used = [static_utilisation(forces[name], system.mounts[name].isolator.limits.static_load) for name in judged]
+    return [NAN if one is None else one for one in used]
 
 
 def _fragility(system: System, at: dict[str, Peak]) -> float:

@@ -6,7 +6,7 @@ from typing import Literal, get_args
 
 from wirerope_mj.assessment.comparison.compared import BASE, ComparedRun, Component, Subject, subjects_of
 from wirerope_mj.assessment.comparison.histories import HistoryDifference, largest_differences
-from wirerope_mj.engine.response import Peak, Response
+from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import RecordError
@@ -79,18 +79,9 @@ def _aligned(name: str, responses: Mapping[str, Response], align: Align) -> Comp
 
 def _moved(response: Response, by: float) -> Response:
     """Return the response on a timeline `by` seconds later; its samples stay as they are."""
-
-    def later(peak: Peak) -> Peak:
-        return replace(
-            peak,
-            time=peak.time + by,
-            minimum_time=peak.minimum_time + by,
-            maximum_time=peak.maximum_time + by,
-        )
-
     peaks = {
         kind: {
-            name: replace(entry, **{key: later(getattr(entry, key)) for key in entry.__dataclass_fields__})
+            name: replace(entry, **{key: getattr(entry, key).later(by) for key in entry.__dataclass_fields__})
             for name, entry in getattr(response.peaks, kind).items()
         }
         for kind in ("bodies", "points", "mounts")

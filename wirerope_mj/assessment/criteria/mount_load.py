@@ -1,16 +1,16 @@
 """Forces of mounts: static loads against their rating, and the largest force of a run."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.assessment.criteria.limits import payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_start
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.isolator.static_rating import static_load_unjudged
 
@@ -68,9 +68,11 @@ def missing_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
     )
 
 
-def _static(criterion: str, name: str, force: npt.ArrayLike, rated: float | None, unjudged: str = "") -> Verdict:
+def _static(
+    criterion: str, name: str, force: Sequence[float] | Array, rated: float | None, unjudged: str = ""
+) -> Verdict:
     note = unjudged or static_load_unjudged(force, rated)
-    compression = max(-float(np.asarray(force, dtype=np.float64)[2]), 0.0)
+    compression = max(-float(force[2]), 0.0)
     limit = None if note else rated
     return Verdict(criterion=criterion, subject=name, value=compression, limit=limit, unit="N", note=note)
 

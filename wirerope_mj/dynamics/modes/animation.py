@@ -53,8 +53,8 @@ def animated_modes(system: System, modes: Modes) -> ModeAnimation:
     known = [height for height in heights if height is not None]
     amplitude = FRACTION * min(known) if known else _FLAT
     plan = ColumnPlan(
-        bodies=[system.model.body(body).name for body in system.assembly.subjects.bodies],
-        points=[system.model.site(site).name.split("point/", 1)[-1] for site in system.assembly.subjects.points],
+        bodies=system.assembly.subjects.body_names,
+        points=system.assembly.subjects.point_names,
         mounts=[(name, ()) for name in system.mounts],
     )
     values = _values(system, modes, rest, plan, amplitude)

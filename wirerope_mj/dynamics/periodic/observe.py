@@ -14,15 +14,14 @@ from wirerope_mj.mounts.isolator.travel import travel_reached, travel_utilisatio
 
 def observed_bodies(system: System) -> list[str]:
     """Return the bodies whose motion is observed, the base left out, payloads first."""
-    names = [system.model.body(body).name for body in system.assembly.subjects.bodies]
+    names = system.assembly.subjects.body_names
     others = [name for name in names if name not in system.payloads and name != system.base]
     return [*system.payloads, *others]
 
 
 def body_acceleration(system: System, track: Track, body: str) -> Array:
     """Return the absolute acceleration of a body's centre of mass at the start of every step [m/s^2], (n_t, 3)."""
-    names = [system.model.body(number).name for number in system.assembly.subjects.bodies]
-    first = at.KINEMATICS * names.index(body) + at.ACCELERATION
+    first = at.KINEMATICS * system.assembly.subjects.body_names.index(body) + at.ACCELERATION
     return track.sensors[:, first : first + 3]
 
 

@@ -27,8 +27,8 @@ class Channels:
     @classmethod
     def of(cls, system: System) -> "Channels":
         """Return the channels of a system with a driven base."""
-        model, assembly = system.model, system.assembly
-        every = [model.body(body).name for body in assembly.subjects.bodies]
+        assembly = system.assembly
+        every = assembly.subjects.body_names
         fixed = {every[channel] for channel in assembly.tables.base_channels if channel < len(every)}
         others = [name for name in every if name not in fixed and name not in system.payloads]
         names = (*system.payloads, *others)

@@ -12,6 +12,9 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.tables import Tables
 from wirerope_mj.foundation.arrays import Array
 
+FARTHEST = 1e3
+"""Clearance that is as good as any larger one [m]."""
+
 Integers = npt.NDArray[np.int64]
 _FREE, _SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_SLIDE
 
@@ -36,6 +39,11 @@ class Equations:
     def n_values(self) -> int:
         """Number of sensor values of an instant."""
         return int(self.lay[at.N_VALUES])
+
+    @property
+    def n_extra(self) -> int:
+        """Number of entries of qpos that a state has more than a velocity: one for each floating link."""
+        return int(self.lay[at.NQ])
 
     @property
     def key(self) -> bytes:
@@ -93,7 +101,9 @@ class Bodies:
         self.pose: list[Pose] = []
         for body in range(model.nbody):
             over = HERE if moving[body] or not body else self.pose[int(model.body_parentid[body])]
-            self.pose.append(HERE if moving[body] or not body else over.then(model.body_pos[body], model.body_quat[body]))
+            self.pose.append(
+                HERE if moving[body] or not body else over.then(model.body_pos[body], model.body_quat[body])
+            )
 
     def on_parent(self, body: int) -> tuple[int, Pose]:
         """Return the link that a link's body hangs on, and its pose there."""
@@ -143,7 +153,18 @@ def equations_of(system: System) -> Equations:
     axes = _axes(tables)
     stops = _stops(tables, axes)
     tracked = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
-    parts = [links, _trees(model, bodies, kinds, dofs, num), dofs, runs, mounts, axes, frames, tables.channels[tracked], stops]
+    parts = [
+        links,
+        _trees(model, bodies, kinds, dofs, num),
+        dofs,
+        runs,
+        mounts,
+        axes,
+        frames,
+        tables.channels[tracked],
+        stops,
+    ]
+    pairs = pair_rows(model, bodies, fix)
     flat = [np.asarray(part, dtype=np.int64).ravel() for part in parts]
     lay[at.LINKS : at.LINKS + len(flat)] = at.HEADER + np.cumsum([0] + [part.size for part in flat[:-1]])
     n_links, n_states = len(bodies.links), tables.user.n_states
@@ -155,10 +176,17 @@ def equations_of(system: System) -> Equations:
         at.N_SLIPPING: int(tables.layout[control.N_SLIPPING]), at.N_DRIVEN: len(tables.drive), at.N_VALUES: n_values,
         at.N_RUNS: len(runs),
     }  # fmt: skip
+    lay[at.PAIRS], lay[at.N_PAIRS] = at.HEADER + sum(part.size for part in flat), len(pairs)
+    flat.append(np.array(pairs, dtype=np.int64).ravel())
     for entry, number in counts.items():
         lay[entry] = number
     _sections(lay, largest=max((row[2] for row in parts[1]), default=0))
-    return Equations(lay=np.concatenate([lay, *flat]), fix=np.array(fix.numbers), num=np.array(num.numbers), rest=_rest(bodies, kinds))
+    return Equations(
+        lay=np.concatenate([lay, *flat]),
+        fix=np.array(fix.numbers),
+        num=np.array(num.numbers),
+        rest=_rest(bodies, kinds),
+    )
 
 
 def _sections(lay: Integers, *, largest: int) -> None:
@@ -222,6 +250,63 @@ def _modelled(bodies: Bodies, number: int) -> Pose:
     return _modelled(bodies, parent).then(pose.origin, pose.quaternion)
 
 
+def pair_rows(model: mujoco.MjModel, bodies: Bodies, fix: _Writer) -> list[list[int]]:
+    """Return the rows of the pairs of links with geoms that may touch, with the least clearance of any two of them."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    least: dict[tuple[int, int], tuple[float, float]] = {}
+    for one, other, margin in may_touch(model):
+        plane = model.geom_type[other] == mujoco.mjtGeom.mjGEOM_PLANE
+        first, second = (other, one) if plane else (one, other)
+        links = (bodies.link[int(model.geom_bodyid[first])], bodies.link[int(model.geom_bodyid[second])])
+        clearance = mujoco.mj_geomDistance(model, data, first, second, FARTHEST, np.zeros(6)) - margin
+        body = int(model.geom_bodyid[second])
+        centre = bodies.pose[body].then(model.geom_pos[second], model.geom_quat[second]).origin
+        reach = float(np.linalg.norm(centre)) + float(model.geom_rbound[second])
+        known = least.get(links, (np.inf, 0.0))
+        least[links] = (min(known[0], clearance), max(known[1], reach))
+    rows = []
+    for (first, second), (clearance, reach) in least.items():
+        here, there = _place(model, data, bodies, first), _place(model, data, bodies, second)
+        place, turn = here.axes.T @ (there.origin - here.origin), here.axes.T @ there.axes
+        rows.append([first, second, fix.put(place, turn, clearance, reach)])
+    return rows
+
+
+def _place(model: mujoco.MjModel, data: mujoco.MjData, bodies: Bodies, link: int) -> Pose:
+    if link == len(bodies.links):
+        return HERE
+    body = bodies.links[link]
+    return Pose(origin=data.xpos[body].copy(), quaternion=data.xquat[body].copy())
+
+
+def may_touch(model: mujoco.MjModel) -> list[tuple[int, int, float]]:
+    """Return the pairs of geoms that MuJoCo lets touch when they move, and the distance from which on they do [m]."""
+    off = mujoco.mjtDisableBit
+    if model.opt.disableflags & (off.mjDSBL_CONTACT | off.mjDSBL_CONSTRAINT):
+        return []
+    weld, parent = model.body_weldid, model.body_weldid[model.body_parentid[model.body_weldid]]
+    bodies = weld[model.geom_bodyid]
+    declared = list(zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), model.pair_margin.tolist(), strict=True))
+    known = {frozenset(pair[:2]) for pair in declared}
+    excluded = set(model.exclude_signature.tolist())
+    types, affinities, found = model.geom_contype, model.geom_conaffinity, declared
+    active = np.flatnonzero(types | affinities)
+    for i, one in enumerate(active.tolist()):
+        for other in active[i + 1 :].tolist():
+            a, b = int(bodies[one]), int(bodies[other])
+            related = a and b and (parent[a] == b or parent[b] == a)
+            if a == b or not (types[one] & affinities[other] or types[other] & affinities[one]):
+                continue
+            if related and not model.opt.disableflags & off.mjDSBL_FILTERPARENT:
+                continue
+            low, high = sorted((int(model.geom_bodyid[one]), int(model.geom_bodyid[other])))
+            if (low << 16) + high in excluded or frozenset((one, other)) in known:
+                continue
+            found.append((one, other, float(model.geom_margin[one] + model.geom_margin[other])))
+    return [pair for pair in found if bodies[pair[0]] != bodies[pair[1]]]
+
+
 def _rest(bodies: Bodies, kinds: list[int]) -> Array:
     """Return the motion of all links and of the world before the first step: nothing but the axes of what never turns."""
     rows = np.zeros((len(kinds) + 1, at.KIN_SIZE))
@@ -246,11 +331,18 @@ def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: _Writer) -> lis
             axis = _modelled(bodies, link).axes @ axis
         constants = fix.put(
             axis, model.jnt_pos[joint], model.dof_armature[dof], model.dof_damping[dof], model.jnt_stiffness[joint],
-            model.qpos_spring[q], model.qpos0[q],
+            model.qpos_spring[q], model.qpos0[q], _limits(model, joint),
         )  # fmt: skip
         number = driven.index(dof) if dof in driven else -1
         rows.append([link, kind, q, int(model.dof_parentid[dof]), number, constants])
     return rows
+
+
+def _limits(model: mujoco.MjModel, joint: int) -> Array:
+    """Return between which values a joint's limits do not act; none has equal ones."""
+    if not model.jnt_limited[joint] or model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_LIMIT:
+        return np.zeros(2)
+    return model.jnt_range[joint] + model.jnt_margin[joint] * np.array([1.0, -1.0])
 
 
 def _trees(
@@ -282,7 +374,9 @@ def _inverse_mass(bodies: Bodies, link: int, dofs: Integers) -> Array:
     return np.linalg.inv(mass)
 
 
-def _mounts(system: System, bodies: Bodies, kinds: list[int], fix: _Writer, num: _Writer) -> tuple[list[list[int]], list[list[int]]]:
+def _mounts(
+    system: System, bodies: Bodies, kinds: list[int], fix: _Writer, num: _Writer
+) -> tuple[list[list[int]], list[list[int]]]:
     """Return the rows of the mounts, and their runs."""
     tables, rows, runs = system.assembly.tables, [], []
     first = int(tables.layout[control.MOUNTS])
@@ -290,10 +384,22 @@ def _mounts(system: System, bodies: Bodies, kinds: list[int], fix: _Writer, num:
         row = tables.layout[first + control.MOUNT_COLUMNS * number :][: control.MOUNT_COLUMNS]
         (payload, site), (base, base_site) = (bodies.site(int(row[c])) for c in (0, 1))
         turning = row[control.TURNING : control.TURNING + 3]
-        points = num.put(_seen(bodies, kinds, payload) @ site.origin, _seen(bodies, kinds, base) @ base_site.origin, turning)
+        points = num.put(
+            _seen(bodies, kinds, payload) @ site.origin, _seen(bodies, kinds, base) @ base_site.origin, turning
+        )
         axes = _seen(bodies, kinds, base) @ base_site.axes
         frame = fix.put(axes.T, base_site.quaternion, site.quaternion, row[control.MODELLED : control.MODELLED + 4])
-        rows.append([int(row[6]), points, frame, int(row[control.COUPLING]), int(row[control.PARTNER]), int(turning.any()), int(np.array_equal(axes, np.eye(3)))])
+        rows.append(
+            [
+                int(row[6]),
+                points,
+                frame,
+                int(row[control.COUPLING]),
+                int(row[control.PARTNER]),
+                int(turning.any()),
+                int(np.array_equal(axes, np.eye(3))),
+            ]
+        )
         if runs and runs[-1][:2] == [payload, base]:
             runs[-1][2] += 1
         else:
@@ -339,7 +445,9 @@ def _frames(system: System, bodies: Bodies, fix: _Writer, num: _Writer) -> list[
     for number, body in enumerate(assembly.subjects.bodies):
         pose = bodies.pose[body]
         centre = pose.then(model.body_ipos[body], model.body_iquat[body]).origin
-        rows.append([bodies.link[body], num.put(centre), fix.put(pose.quaternion), 0, 0, 0, 0, int(number not in fixed)])
+        rows.append(
+            [bodies.link[body], num.put(centre), fix.put(pose.quaternion), 0, 0, 0, 0, int(number not in fixed)]
+        )
     first = int(tables.layout[control.POINTS])
     for number, site in enumerate(assembly.subjects.points):
         link, pose = bodies.site(site)

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.kernel import layout as at
@@ -39,9 +38,9 @@ class Group:
     size: int
 
     @property
-    def failed(self) -> npt.NDArray[np.bool_]:
-        """Whether a variant's state is no state any more, (size,)."""
-        return self._section(at.FAILED, at.N_WORK)[0, : self.size] != 0.0
+    def failed(self) -> Array:
+        """Why a variant was given up, 0 if it was not, (size,); see `wirerope_mj.engine.kernel.layout`."""
+        return self._section(at.FAILED, at.N_WORK)[0, : self.size]
 
     def channels(self, number: int) -> Array:
         """Return the tracker's memory of one variant, (n_channels, ...), as `wirerope_mj.engine.control.layout` has it."""
@@ -55,7 +54,9 @@ class Group:
         lay = self.equations.lay
         return self.memory[lay[first] : lay[behind]]
 
-    def go(self, grid: Array, positions: Array, rates: Array, table: Array, ends: Integers, out: Array, sample: int) -> int:
+    def go(
+        self, grid: Array, positions: Array, rates: Array, table: Array, ends: Integers, out: Array, sample: int
+    ) -> int:
         """Step through segments, see `wirerope_mj.engine.kernel.steps.advance`; returns the number of samples so far."""
         e = self.equations
         return int(

@@ -10,12 +10,14 @@ origin.
 N_LINKS, N_TREES, NQ, NV, N_STATES, N_MOUNTS, N_FRAMES, N_CHANNELS, N_STOPS, N_SLIPPING, N_DRIVEN = range(11)
 LINKS, TREES, DOFS, RUNS, MOUNTS, AXES, FRAMES, CHANNELS, STOPS, DRIVEN = range(11, 21)
 PARAMETERS = 21  # of the laws in `num`
-N_VALUES, N_RUNS = 22, 23  # sensor values of an instant
+N_VALUES, N_RUNS, N_PAIRS, PAIRS = 22, 23, 42, 43  # sensor values of an instant
 # sections of the working memory, in rows
-KIN, WRENCH, SUB, MASS, RHS, RATES, COMPOSITE, START, SLOPE, SUM, RECORD, VALUES, RECENT, MEMORY, TOUCHED, FAILED = range(24, 40)
+KIN, WRENCH, SUB, MASS, RHS, RATES, COMPOSITE, START, SLOPE, SUM, RECORD, VALUES, RECENT, MEMORY, TOUCHED, FAILED = (
+    range(24, 40)
+)
 N_WORK = 40
 GRAVITY = 41  # address in `fix`
-HEADER = 42
+HEADER = 44
 
 # parent (-1: the world), first dof, dofs, kind, tree, frame in the parent link in `fix` (position 3, quaternion 4), inertia in `num`
 LINK_COLUMNS = 7
@@ -33,8 +35,15 @@ DRIVEN_TREE, FREE_TREE, SLIDING_TREE, ANY_TREE = 0, 1, 2, 3  # the first three h
 DOF_COLUMNS = 6
 DOF_LINK, DOF_KIND, DOF_QPOS, DOF_PARENT, DOF_DRIVEN, DOF_FIX = range(6)
 SLIDE, HINGE, FLOATING, ALONG = 0, 1, 2, 3  # of a floating link's six dofs the first, and those that come with it
-# of `fix`: axis (3), anchor (3), armature, damping, stiffness, spring's reference, origin
-AXIS, ANCHOR, ARMATURE, DAMPING, STIFFNESS, REFERENCE, ORIGIN, DOF_FIX_SIZE = 0, 3, 6, 7, 8, 9, 10, 11
+# of `fix`: axis (3), anchor (3), armature, damping, stiffness, spring's reference, origin, limits (2)
+AXIS, ANCHOR, ARMATURE, DAMPING, STIFFNESS, REFERENCE, ORIGIN, LOWEST, HIGHEST = 0, 3, 6, 7, 8, 9, 10, 11, 12
+
+# links that carry geoms which may touch, and in `fix` how they stand to each other as modelled: place and axes of the second in
+# the first (3, 9), clearance, reach of the second's geoms from its origin
+PAIR_COLUMNS = 3
+
+# values of FAILED, other than 0: the state is none, a joint stands at its limit, geoms may touch
+WILD, LIMITED, TOUCHING = 1.0, 2.0, 3.0
 
 # payload link, base link, number of mounts between them that follow each other
 RUN_COLUMNS = 3

@@ -71,7 +71,9 @@ def slide(lay, t, fix, num, y, work):
     force = plus(vector(work, lay[at.WRENCH] + 6 * link), times(mass, vector(fix, lay[at.GRAVITY])))
     for i in range(n):
         d = lay[at.DOFS] + at.DOF_COLUMNS * (first + i)
-        work[lay[at.MASS] + i] = dot(vector(fix, lay[d + at.DOF_FIX] + at.AXIS), force) + resistance(lay, d, first + i, fix, y)
+        work[lay[at.MASS] + i] = dot(vector(fix, lay[d + at.DOF_FIX] + at.AXIS), force) + resistance(
+            lay, d, first + i, fix, y
+        )
     a = times(0.0, force)
     for i in range(n):
         acceleration = num[inverse + n * i] * work[lay[at.MASS]]
@@ -222,7 +224,11 @@ def solve_tree(lay, t, fix, num, y, work, base):
     factor(lay, first, n, work)
     substitute(lay, first, n, work)
     for i in range(link, end):
-        row, c, k = lay[at.LINKS] + at.LINK_COLUMNS * i, lay[at.COMPOSITE] + at.COM_SIZE * i, lay[at.KIN] + at.KIN_SIZE * i
+        row, c, k = (
+            lay[at.LINKS] + at.LINK_COLUMNS * i,
+            lay[at.COMPOSITE] + at.COM_SIZE * i,
+            lay[at.KIN] + at.KIN_SIZE * i,
+        )
         over = lay[at.COMPOSITE] + at.COM_SIZE * lay[row + at.PARENT]
         for j in range(6):  # angular acceleration and that of `ref`, beyond the links' own
             work[c + j] = work[over + j] if lay[row + at.PARENT] >= link else 0.0 * work[c]

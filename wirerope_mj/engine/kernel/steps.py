@@ -1,16 +1,30 @@
 """Runge and Kutta's steps of eight variants at once, segment by segment, as MuJoCo takes them of one."""
 
+import math
+
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.forces import apply_mounts
 from wirerope_mj.engine.kernel.links import place_links
 from wirerope_mj.engine.kernel.observe import EVENT, measure, tick, track_peaks, track_stops
 from wirerope_mj.engine.kernel.solve import accelerate
-from wirerope_mj.engine.kernel.vectors import dot, half_turn, keep, product, quaternion, times, turn_rate, unit, vector
+from wirerope_mj.engine.kernel.vectors import (
+    dot,
+    half_turn,
+    keep,
+    minus,
+    product,
+    quaternion,
+    times,
+    turn_rate,
+    turned_back,
+    unit,
+    vector,
+)
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import WIDTH, lane, rows, spread, table, where, with_lane
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, hold_slips
 
-WILD = 1e10
+BEYOND = 1e10
 """Acceleration beyond which MuJoCo takes a state for invalid (mjMAXVAL), and so does this."""
 
 
@@ -20,6 +34,13 @@ def forward(lay, fix, num, y, work, base):
     place_links(lay, fix, y, work)
     apply_mounts(lay, fix, num, y, work)
     accelerate(lay, fix, num, y, work, base)
+
+
+@inlined
+def fail(lay, work, fails, why):
+    """Mark the lanes where something fails for the first time."""
+    f = lay[at.FAILED]
+    work[f] = where(fails & (work[f] == 0.0), why, work[f])
 
 
 @inlined
@@ -59,7 +80,7 @@ def shift(lay, y, work, section, h):
             c, s = half_turn(size)
             q1 = product(quaternion(work, start + q + 3), (c, s * turn[0], s * turn[1], s * turn[2]))
             y[q + 3], y[q + 4], y[q + 5], y[q + 6] = unit(q1)
-            work[lay[at.FAILED]] = where(size <= 1.0, work[lay[at.FAILED]], 1.0)
+            fail(lay, work, size > 1.0, at.WILD)
     for i in range(nv + lay[at.N_STATES]):
         y[nq + i] = work[start + nq + i] + h * work[section + nv + i]
 
@@ -84,13 +105,42 @@ def take_step(lay, fix, num, y, work, middle, end, h):
         axis += at.AXIS_COLUMNS
 
 
+@njit
+def apart(lay, fix, work, row):
+    """Return by how much less than their clearance the links of a pair have moved towards each other, > 0, at the least [m].
+
+    The second's geoms have come no closer than its origin has moved in the first's axes, and its axes have turned times their
+    reach: |R - R0| is at most the root of the sum of the squares.
+    """
+    one, other = lay[at.KIN] + at.KIN_SIZE * lay[row], lay[at.KIN] + at.KIN_SIZE * lay[row + 1]
+    f = lay[row + 2]
+    place = turned_back(work, one + at.KIN_R, minus(vector(work, other + at.KIN_O), vector(work, one + at.KIN_O)))
+    moved = minus(place, vector(fix, f))
+    turn = 0.0 * place[0]
+    for c in range(3):
+        axis = (work[other + at.KIN_R + c], work[other + at.KIN_R + 3 + c], work[other + at.KIN_R + 6 + c])
+        away = minus(turned_back(work, one + at.KIN_R, axis), (fix[f + 3 + c], fix[f + 6 + c], fix[f + 9 + c]))
+        turn = turn + dot(away, away)
+    return fix[f + 12] - math.sqrt(dot(moved, moved)) - math.sqrt(turn) * fix[f + 13]
+
+
 @inlined
-def watch(lay, y, work):
-    """Mark the lanes whose accelerations or states are no numbers any more, or beyond what a motion can be."""
+def watch(lay, fix, y, work):
+    """Mark the lanes whose state is none any more, and those that reach what these equations do not hold."""
     size = 0.0 * y[0]
     for dof in range(lay[at.NV]):
         size = size + abs(work[lay[at.RHS] + dof]) + abs(y[lay[at.NQ] + dof])
-    work[lay[at.FAILED]] = where(size < WILD, work[lay[at.FAILED]], 1.0)
+    fail(lay, work, where(size < BEYOND, 0.0, 1.0) > 0.0, at.WILD)  # of what is no number, too
+    for dof in range(lay[at.NV]):
+        d = lay[at.DOFS] + at.DOF_COLUMNS * dof
+        f = lay[d + at.DOF_FIX]
+        if lay[d + at.DOF_KIND] <= at.HINGE and fix[f + at.LOWEST] < fix[f + at.HIGHEST]:
+            x = y[lay[d + at.DOF_QPOS]]
+            fail(lay, work, (x <= fix[f + at.LOWEST]) | (x >= fix[f + at.HIGHEST]), at.LIMITED)
+    row = lay[at.PAIRS]
+    for _ in range(lay[at.N_PAIRS]):
+        fail(lay, work, apart(lay, fix, work, row) <= 0.0, at.TOUCHING)
+        row += at.PAIR_COLUMNS
 
 
 @inlined
@@ -116,7 +166,9 @@ def place_base(lay, fix, y, which, positions, rates, segment):
         if driven >= 0:
             for number in range(WIDTH):
                 motion = which[number]
-                y[lay[d + at.DOF_QPOS], number] = fix[lay[d + at.DOF_FIX] + at.ORIGIN] + positions[motion, segment, driven]
+                y[lay[d + at.DOF_QPOS], number] = (
+                    fix[lay[d + at.DOF_FIX] + at.ORIGIN] + positions[motion, segment, driven]
+                )
                 y[lay[at.NQ] + dof, number] = rates[motion, segment, driven]
 
 
@@ -135,7 +187,9 @@ def observe(lay, fix, num, y, work, clock, time, out, sample):
 
 
 @njit
-def advance(structure, shared, numbers, states, memory, clock, which, grid, positions, rates, motion, ends, out, sample):
+def advance(
+    structure, shared, numbers, states, memory, clock, which, grid, positions, rates, motion, ends, out, sample
+):
     """Step all lanes through the segments of a grid and return the number of samples so far.
 
     Args:
@@ -163,7 +217,7 @@ def advance(structure, shared, numbers, states, memory, clock, which, grid, posi
         for step in range(steps):
             base = base_at(motion, which, together, point)
             forward(lay, fix, num, y, work, base)
-            watch(lay, y, work)
+            watch(lay, fix, y, work)
             sampled = step == 0 and grid[3, segment] != 0.0
             observe(lay, fix, num, y, work, clock, start + step * h, out, sample if sampled else -1)
             sample += 1 if sampled else 0
@@ -180,5 +234,5 @@ def finish(structure, shared, numbers, states, memory, clock, which, time, posit
     lay, fix, num, y, work = table(structure), table(shared), rows(numbers), rows(states), rows(memory)
     place_base(lay, fix, states, which, positions, rates, 0)
     forward(lay, fix, num, y, work, base_at(motion, which, False, 0))
-    watch(lay, y, work)
+    watch(lay, fix, y, work)
     observe(lay, fix, num, y, work, clock, time, out, sample)

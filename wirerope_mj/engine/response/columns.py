@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from wirerope_mj.engine.response.histories import (
     BaseResponse,
@@ -38,7 +39,7 @@ class ColumnPlan:
     points: Sequence[str]
     mounts: Sequence[tuple[str, tuple[str, ...]]]
 
-    @property
+    @cached_property
     def names(self) -> list[str]:
         """Column names: time, base, bodies, points, mounts."""
         names = ["time"]
@@ -49,6 +50,12 @@ class ColumnPlan:
             names += [f"mounts/{mount}/{part}/{c}" for part in ("deflection", "force") for c in AXES]
             names += [f"mounts/{mount}/state/{state}" for state in states]
         return names
+
+    @cached_property
+    def _hysteretic(self) -> list[list[list[int]]]:
+        """Per mount the positions of the hysteretic forces of roll, shear and axial among its states."""
+        axes = [f"{axis}.z" for axis in AXES]
+        return [[[i for i, s in enumerate(states) if s.startswith(z)] for z in axes] for _, states in self.mounts]
 
     @property
     def first_sensor(self) -> int:
@@ -65,12 +72,15 @@ class ColumnPlan:
         bodies, points, mounts = {}, {}, {}
         for name in self.bodies:
             bodies[name] = BodyResponse(samples, column)
-            column += sum(len(cs) for _, cs in _KINEMATICS)
+            column += _size(_KINEMATICS)
         for name in self.points:
             points[name] = PointResponse(samples, column)
-            column += sum(len(cs) for _, cs in _POINT)
-        for name, states in self.mounts:
-            z = [[i for i, s in enumerate(states) if s.startswith(f"{axis}.z")] for axis in AXES]
+            column += _size(_POINT)
+        for (name, states), z in zip(self.mounts, self._hysteretic, strict=True):
             mounts[name] = MountResponse(samples, column, z, states)
             column += 6 + len(states)
         return base, bodies, points, mounts
+
+
+def _size(parts: Sequence[tuple[str, Sequence[str]]]) -> int:
+    return sum(len(components) for _, components in parts)

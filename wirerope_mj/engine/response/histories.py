@@ -129,6 +129,8 @@ class Numerics:
         callback: "native" or "python".
         versions: of the packages that computed it.
         limited_by: what keeps the step from being longer; "" for older responses, which do not say it.
+        engine: "kernel" or "mujoco".
+        why: why it was not the kernel; "" for older responses, which knew none.
     """
 
     timestep: float
@@ -138,3 +140,5 @@ class Numerics:
     callback: str
     versions: dict[str, str]
     limited_by: str = ""
+    engine: str = "mujoco"
+    why: str = ""

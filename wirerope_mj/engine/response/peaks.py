@@ -9,40 +9,95 @@ from wirerope_mj.engine.response.contacts import ContactPeak
 from wirerope_mj.foundation.arrays import Array
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, init=False, repr=False)
 class Peak:
     """Largest norm of a vector quantity, and the extremes of its components.
 
     Attributes:
-        value: largest norm.
-        time: its instant [s].
-        vector: the vector at that instant, (3,).
-        minimum, maximum: extremes of the components, (3,).
-        minimum_time, maximum_time: their instants [s], (3,).
+        numbers: value, time, vector, minimum, minimum_time, maximum and maximum_time behind each other, (17,): a run has a peak
+            for every channel, and few of them are looked at.
     """
 
     SIZE: ClassVar[int] = 17
+    VECTOR, MINIMUM, MINIMUM_TIME, MAXIMUM, MAXIMUM_TIME = (slice(first, first + 3) for first in range(2, 17, 3))
 
-    value: float
-    time: float
-    vector: Array
-    minimum: Array
-    minimum_time: Array
-    maximum: Array
-    maximum_time: Array
+    numbers: Array
+
+    def __init__(
+        self,
+        *,
+        value: float,
+        time: float,
+        vector: Array,
+        minimum: Array,
+        minimum_time: Array,
+        maximum: Array,
+        maximum_time: Array,
+    ) -> None:
+        numbers = np.hstack([value, time, vector, minimum, minimum_time, maximum, maximum_time]).astype(np.float64)
+        object.__setattr__(self, "numbers", numbers)
+
+    @classmethod
+    def of(cls, numbers: Array) -> "Peak":
+        """Return the peak of `SIZE` numbers, (17,), which it keeps."""
+        peak = object.__new__(cls)
+        object.__setattr__(peak, "numbers", numbers)
+        return peak
+
+    @property
+    def value(self) -> float:
+        """Largest norm."""
+        return self.numbers.item(0)
+
+    @property
+    def time(self) -> float:
+        """Its instant [s]."""
+        return self.numbers.item(1)
+
+    @property
+    def vector(self) -> Array:
+        """The vector at that instant, (3,)."""
+        return self.numbers[self.VECTOR]
+
+    @property
+    def minimum(self) -> Array:
+        """Smallest values of the components, (3,)."""
+        return self.numbers[self.MINIMUM]
+
+    @property
+    def minimum_time(self) -> Array:
+        """Their instants [s], (3,)."""
+        return self.numbers[self.MINIMUM_TIME]
+
+    @property
+    def maximum(self) -> Array:
+        """Largest values of the components, (3,)."""
+        return self.numbers[self.MAXIMUM]
+
+    @property
+    def maximum_time(self) -> Array:
+        """Their instants [s], (3,)."""
+        return self.numbers[self.MAXIMUM_TIME]
+
+    def __repr__(self) -> str:
+        parts = ("value", "time", "vector", "minimum", "minimum_time", "maximum", "maximum_time")
+        return f"Peak({', '.join(f'{part}={getattr(self, part)!r}' for part in parts)})"
+
+    def later(self, by: float) -> "Peak":
+        """Return the peak on a timeline `by` seconds later."""
+        numbers = self.numbers.copy()
+        for times in (1, self.MINIMUM_TIME, self.MAXIMUM_TIME):
+            numbers[times] += by
+        return Peak.of(numbers)
 
     def to_list(self) -> list[float]:
         """Return the peak as `SIZE` numbers."""
-        return np.hstack(list(vars(self).values())).tolist()
+        return self.numbers.tolist()
 
     @classmethod
     def from_list(cls, numbers: Any) -> "Peak":
         """Return the peak that `to_list` wrote."""
-        n = np.array(numbers, dtype=np.float64)
-        return cls(
-            value=float(n[0]), time=float(n[1]), vector=n[2:5],
-            minimum=n[5:8], minimum_time=n[8:11], maximum=n[11:14], maximum_time=n[14:17],
-        )  # fmt: skip
+        return cls.of(np.array(numbers, dtype=np.float64))
 
 
 @dataclass(frozen=True, kw_only=True)

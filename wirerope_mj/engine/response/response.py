@@ -112,6 +112,39 @@ class Response(Summarised):
         write_rows(Path(folder) / FILE, names, self.samples.columns(0, len(names)), content)
 
 
+def response_of(
+    plan: ColumnPlan,
+    samples: SampledColumns,
+    *,
+    peaks: Peaks,
+    scene: Scene,
+    motion: dict[str, Any],
+    events: Iterable[tuple[float, str]],
+    numerics: Numerics,
+    initial_state: State,
+    final_state: State,
+    path: Path | None = None,
+) -> Response:
+    """Return the response whose samples stand in the columns of `plan`."""
+    base, bodies, points, mounts = plan.parts(samples)
+    return Response(
+        time=samples.columns(0, 1)[:, 0],
+        base=base,
+        bodies=bodies,
+        points=points,
+        mounts=mounts,
+        peaks=peaks,
+        scene=scene,
+        motion=motion,
+        events=tuple((float(time), str(text)) for time, text in events),
+        numerics=numerics,
+        initial_state=initial_state,
+        final_state=final_state,
+        samples=samples,
+        path=path,
+    )
+
+
 def response_metadata(
     *,
     plan: ColumnPlan,

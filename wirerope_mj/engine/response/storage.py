@@ -1,6 +1,6 @@
 """A response read from its Parquet file: float64 samples, and everything else in the file's own metadata."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from wirerope_mj.engine.response.checked import check_content
 from wirerope_mj.engine.response.columns import ColumnPlan
 from wirerope_mj.engine.response.histories import BLOCK_ROWS, Numerics
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.response.response import FILE, FORMAT, Response
+from wirerope_mj.engine.response.response import FILE, FORMAT, Response, response_of
 from wirerope_mj.engine.response.scene import scene_from_dict
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
@@ -88,9 +88,7 @@ def load_response(folder: str | Path) -> Response:
     if not path.is_file():
         raise RecordError(f"{folder}: there is no {FILE} here; a run folder holds one.")
     names, content = _read(path)
-    response = build_response(
-        names=names, column_reader=lambda names: FileSamples(names, path), content=content, path=path
-    )
+    response = _response(FileSamples(names, path), content, path)
     if not response.time.size or (np.diff(response.time) <= 0.0).any():
         raise RecordError(f"{path}: column 'time' must hold instants that grow from sample to sample. {_AGAIN}")
     return response
@@ -111,31 +109,23 @@ def _read(path: Path) -> tuple[list[str], dict[str, Any]]:
     return schema.names, content
 
 
-def build_response(
-    *, names: list[str], column_reader: Callable[[list[str]], Any], content: dict[str, Any], path: Path | None
-) -> Response:
+def _response(samples: FileSamples, content: dict[str, Any], path: Path) -> Response:
     """Return the response of samples and their metadata."""
-    samples = column_reader(names)
     plan = ColumnPlan(
         bodies=content["bodies"],
         points=content["points"],
         mounts=[(name, tuple(states)) for name, states in content["mounts"]],
     )
-    base, bodies, points, mounts = plan.parts(samples)
     initial, final = (State.from_plain(state) for state in content["states"])
-    return Response(
-        time=samples.columns(0, 1)[:, 0],
-        base=base,
-        bodies=bodies,
-        points=points,
-        mounts=mounts,
+    return response_of(
+        plan,
+        samples,
         peaks=Peaks.from_dict(content["peaks"]),
         scene=scene_from_dict(content["scene"]),
         motion=content["motion"],
-        events=tuple((float(time), str(text)) for time, text in content["events"]),
+        events=content["events"],
         numerics=Numerics(**content["numerics"]),
         initial_state=initial,
         final_state=final,
-        samples=samples,
         path=path,
     )

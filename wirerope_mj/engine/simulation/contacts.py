@@ -5,7 +5,7 @@ from dataclasses import replace
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.response.contacts import ContactPeak
 from wirerope_mj.engine.system import System
-from wirerope_mj.engine.system.contact_pairs import contact_name, geom_name, payload_first
+from wirerope_mj.engine.system.contact_pairs import contact_name, payload_first, untouched
 from wirerope_mj.foundation.arrays import Array
 
 OTHERS = "further pairs"
@@ -19,18 +19,17 @@ def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
     have touched is left out.
     """
     model, addresses, base = system.model, system.assembly.tables.user, system.assembly.subjects.base
-    declared = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True) if addresses.n_contacts else ()
-    pairs = [payload_first(model, base, pair) for pair in declared]
-    contacts = {contact_name(model, pair): _contact(system, pair) for pair in pairs}
-    for row in addresses.contact_rows(user):
-        if row[at.TOUCHES] and row[at.GEOMS] == at.SEVERAL:
+    contacts = dict(system.assembly.contacts)
+    rows = addresses.contact_rows(user)
+    for row in rows[rows[:, at.TOUCHES] != 0.0]:
+        if row[at.GEOMS] == at.SEVERAL:
             contacts[OTHERS] = _touched(ContactPeak(geoms=(OTHERS, ""), bodies=("", "")), row)
-        elif row[at.TOUCHES]:
+        else:
             pair = payload_first(model, base, (int(row[at.GEOMS]), int(row[at.GEOMS + 1])))
-            contacts[contact_name(model, pair)] = _touched(_contact(system, pair), row)
+            contacts[contact_name(model, pair)] = _touched(untouched(model, pair), row)
     if OTHERS in contacts:
         contacts = {name: contact for name, contact in contacts.items() if contact.touches}
-    return contacts | _stops(system, user)
+    return contacts | _stops(system, user) if addresses.n_stops else contacts
 
 
 def _stops(system: System, user: Array) -> dict[str, ContactPeak]:
@@ -46,13 +45,6 @@ def _stops(system: System, user: Array) -> dict[str, ContactPeak]:
             row = next(rows)
             contacts[name] = _touched(open_stop, row) if row[at.TOUCHES] else open_stop
     return contacts
-
-
-def _contact(system: System, pair: tuple[int, int]) -> ContactPeak:
-    """Return a contact that has not touched."""
-    model = system.model
-    bodies = [model.body(model.geom_bodyid[geom]).name if geom >= 0 else "" for geom in pair]
-    return ContactPeak(geoms=(geom_name(model, pair[0]), geom_name(model, pair[1])), bodies=(bodies[0], bodies[1]))
 
 
 def _touched(contact: ContactPeak, row: Array) -> ContactPeak:

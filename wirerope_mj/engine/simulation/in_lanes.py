@@ -4,7 +4,6 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
-from typing import cast
 
 import mujoco
 import numpy as np
@@ -17,6 +16,7 @@ from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import Grid, TimeGrid
 from wirerope_mj.engine.simulation.stages import Stages, StageTables
 from wirerope_mj.engine.simulation.stepper import acceleration_before, base_before
+from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.foundation.state import State
@@ -53,10 +53,21 @@ def indices(model: mujoco.MjModel, part: mujoco.mjtState) -> npt.NDArray[np.int6
     return found.astype(np.int64)
 
 
-def moving(model: mujoco.MjModel) -> npt.NDArray[np.int64]:
+@once_per_system
+def moving(system: System) -> npt.NDArray[np.int64]:
     """Return where qpos, qvel and act stand among the values of a `State`."""
     kinds = mujoco.mjtState
-    return np.concatenate([indices(model, one) for one in (kinds.mjSTATE_QPOS, kinds.mjSTATE_QVEL, kinds.mjSTATE_ACT)])
+    parts = (kinds.mjSTATE_QPOS, kinds.mjSTATE_QVEL, kinds.mjSTATE_ACT)
+    return np.concatenate([indices(system.model, part) for part in parts])
+
+
+@once_per_system
+def _own(system: System) -> tuple[int, npt.NDArray[np.int64]]:
+    """Return where the instant stands among the values of a `State`, and the system's part of userdata."""
+    time = indices(system.model, mujoco.mjtState.mjSTATE_TIME)
+    user = indices(system.model, mujoco.mjtState.mjSTATE_USERDATA)
+    first = system.assembly.userdata
+    return int(time[0]), user[first : first + system.assembly.tables.user.size]
 
 
 def go_in_lanes(
@@ -179,15 +190,12 @@ def _finish(
                 sink(number, sample, rows)
 
 
-def final_state(model: mujoco.MjModel, start: State, userdata: slice, values: Array, time: float) -> State:
+def final_state(system: System, start: State, values: Array, time: float) -> State:
     """Return the state at the end: that of the start with another instant, qpos, qvel and act, (n_state,).
 
     What belongs to the run alone, the system's part of userdata, is zero.
     """
+    instant, user = _own(system)
     changed = start.values.copy()
-    user = indices(model, mujoco.mjtState.mjSTATE_USERDATA)
-    changed[indices(model, mujoco.mjtState.mjSTATE_TIME)] = time
-    changed[moving(model)] = values
-    changed[user[userdata]] = 0.0
-    return State(values=cast(Array, changed), time=time)
-
+    changed[moving(system)], changed[instant], changed[user] = values, time, 0.0
+    return State(values=changed, time=time)

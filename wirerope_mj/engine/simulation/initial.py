@@ -36,7 +36,8 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State) -> S
     elif isinstance(initial, str) and initial in _HISTORIES:
         state = equilibrium(system, history=_HISTORIES[initial]).state
     elif initial == "unloaded":
-        state = state_of(system.model, mujoco.MjData(system.model))
+        with system.assembly.scratch.data(system.model) as data:
+            state = state_of(system.model, data)
     else:
         raise ValueError(f"`initial` must be 'settled', 'relaxed', 'unloaded' or a State, got {initial!r}.")
     return moving_with_base(system, motion, state)
@@ -62,11 +63,11 @@ def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:
     moved |= np.abs(dv).max() > SAME_MOTION * max(np.abs(v).max(), 1e-3)
     if not moved:
         return state
-    data = mujoco.MjData(model)
-    mujoco.mj_setState(model, data, state.values, STATE)
     to_world = np.linalg.pinv(assembly.tables.drive)
-    _carry(system, data, to_world @ dq, to_world @ dv)
-    return State(values=state_of(model, data).values, time=state.time)
+    with assembly.scratch.data(model) as data:
+        mujoco.mj_setState(model, data, state.values, STATE)
+        _carry(system, data, to_world @ dq, to_world @ dv)
+        return State(values=state_of(model, data).values, time=state.time)
 
 
 def _carry(system: System, data: mujoco.MjData, shift: Array, velocity: Array) -> None:

@@ -1,18 +1,18 @@
 """The samples of a run on their way into a response."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from wirerope_mj.engine.response.columns import ColumnPlan
 from wirerope_mj.engine.response.histories import MemorySamples, Numerics
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.response.response import FILE, Response, response_metadata
-from wirerope_mj.engine.response.storage import build_response, load_response
+from wirerope_mj.engine.response.response import FILE, Response, response_metadata, response_of
+from wirerope_mj.engine.response.storage import load_response
 from wirerope_mj.engine.simulation.grid import TimeGrid
-from wirerope_mj.engine.simulation.run import point_name
 from wirerope_mj.engine.simulation.scene import scene_of
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.parquet_files import TableWriter
 from wirerope_mj.foundation.state import State
@@ -29,19 +29,27 @@ class Recorder:
         """Prepare for the samples of `grid`; `out` is the folder they are streamed to, None to keep them in memory."""
         self._system, self._motion, self._times = system, motion, grid.sample_times
         self.plan = column_plan(system)
-        self._names = self.plan.names
+        self._names = self.plan.names.copy()
         self._writer = TableWriter(out / FILE, self._names) if out is not None else None
         rows = min(STREAM_ROWS, self._times.size) if out is not None else self._times.size
         self._block = np.empty((rows, len(self._names)))
         self._written = 0
 
-    def add(self, sample: int, values: Array) -> None:
-        """Take the sensor values of a sample."""
-        row = sample - self._written
-        self._block[row, self.plan.first_sensor :] = values[: len(self._names) - self.plan.first_sensor]
-        if self._writer is not None and row == self._block.shape[0] - 1:
-            self._writer.write(self._with_base(row + 1))
-            self._written += row + 1
+    def add(self, first: int, values: Array) -> None:
+        """Take the sensor values of samples from number `first` on, (n_samples, n_values); 0 begins all over again."""
+        if first == 0 and self._written and self._writer is not None:
+            self._writer.discard()
+            self._writer, self._written = TableWriter(self._writer.path, self._names), 0
+        while len(values):
+            row = first - self._written
+            some = values[: self._block.shape[0] - row]
+            self._block[row : row + len(some), self.plan.first_sensor :] = some[
+                :, : len(self._names) - self.plan.first_sensor
+            ]
+            first, values = first + len(some), values[len(some) :]
+            if self._writer is not None and first - self._written == self._block.shape[0]:
+                self._writer.write(self._with_base(self._block.shape[0]))
+                self._written = first
 
     def _with_base(self, rows: int) -> Array:
         times = self._times[self._written : self._written + rows]
@@ -52,24 +60,21 @@ class Recorder:
 
     def finish(self, start: State, final: State, peaks: Peaks, numerics: Numerics) -> Response:
         """Return the response of a run that came to its end."""
-        content = response_metadata(
-            plan=self.plan,
-            peaks=peaks,
-            scene=scene_of(self._system),
-            motion=self._motion.to_dict(),
-            events=self._motion.events,
-            numerics=numerics,
-            initial_state=start,
-            final_state=final,
-        )
+        parts: dict[str, Any] = {
+            "peaks": peaks,
+            "scene": scene_of(self._system),
+            "motion": self._motion.to_dict(),
+            "events": self._motion.events,
+            "numerics": numerics,
+            "initial_state": State(values=start.values.copy(), time=start.time),  # others may start from it, too
+            "final_state": final,
+        }
         rest = self._with_base(self._times.size - self._written)
         if self._writer is None:
-            return build_response(
-                names=self._names, column_reader=lambda names: MemorySamples(names, rest), content=content, path=None
-            )
+            return response_of(self.plan, MemorySamples(self._names, rest), **parts)
         if rest.size:
             self._writer.write(rest)
-        self._writer.close(content)
+        self._writer.close(response_metadata(plan=self.plan, **parts))
         return load_response(self._writer.path.parent)
 
     def discard(self) -> None:
@@ -78,12 +83,13 @@ class Recorder:
             self._writer.discard()
 
 
+@once_per_system
 def column_plan(system: System) -> ColumnPlan:
     """Return the columns that are sampled of a system."""
-    model, subjects = system.model, system.assembly.subjects
+    subjects = system.assembly.subjects
     return ColumnPlan(
-        bodies=[model.body(body).name for body in subjects.bodies],
-        points=[point_name(model, site) for site in subjects.points],
+        bodies=subjects.body_names,
+        points=subjects.point_names,
         mounts=[(name, _state_names(system, name)) for name in system.mounts],
     )
 

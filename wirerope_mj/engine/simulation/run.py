@@ -2,8 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import mujoco
+import numpy as np
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
@@ -24,13 +26,18 @@ CHECK_EVERY = 64
 
 @dataclass(frozen=True, kw_only=True)
 class RunResult:
-    """Result of stepping: state at the grid's end, peaks over every step, largest step [s]."""
+    """Result of stepping: state at the grid's end, peaks over every step, largest step [s], and who made it.
+
+    `why` says why it is MuJoCo's and not the kernel's, if it is.
+    """
 
     final_state: State
     peaks: Peaks
     callback: Kind
     steps: int
     largest_step: float
+    engine: Literal["mujoco", "kernel"] = "mujoco"
+    why: str = ""
 
 
 def run(
@@ -45,8 +52,8 @@ def run(
 ) -> RunResult:
     """Step `system` through `grid` from `initial` and hand every sample to `sink`.
 
-    The system's model is copied, so that one system serves several threads. `sink` takes the sample's number and the system's
-    sensor values, which it must copy; `progress` takes the simulated time [s] now and then.
+    The system's model is copied, so that one system serves several threads. `sink` takes the number of the first of some samples
+    and the system's sensor values, (n_samples, n_values), which it must copy; `progress` takes the simulated time [s] now and then.
 
     Raises:
         SimulationError: MuJoCo warned that the state is not valid any more.
@@ -69,13 +76,13 @@ def run(
                 steps = int(block.steps[segment])
                 if block.sampled[segment]:
                     mujoco.mj_step(stepper.model, data)
-                    sink(sample, values)
+                    sink(sample, values[np.newaxis])
                     sample, steps = sample + 1, steps - 1
                 if steps:
                     mujoco.mj_step(stepper.model, data, nstep=steps)
         final = stepper.finish()
         if sample < grid.sample_times.size:
-            sink(sample, values)
+            sink(sample, values[np.newaxis])
         stepper.check()
     if progress is not None:
         progress(grid.stop)
@@ -90,33 +97,26 @@ def run(
 
 def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
     """Return the peaks from the tracker's memory in the system's userdata; what is fixed to the base has the base's own."""
-    model, assembly = system.model, system.assembly
-    rigid = set(assembly.tables.base_channels)
-    channels = iter(
-        [base if number in rigid else _peak(row) for number, row in enumerate(assembly.tables.user.channel_rows(user))]
-    )
-    bodies = {model.body(body).name: BodyPeaks(acceleration=next(channels)) for body in assembly.subjects.bodies}
+    assembly = system.assembly
+    rows = assembly.tables.user.channel_rows(user)
+    every = [Peak.of(row) for row in rows.take(_NUMBERS, axis=1)]
+    for number in assembly.tables.base_channels:
+        every[number] = base
+    channels = iter(every)
+    bodies = {name: BodyPeaks(acceleration=next(channels)) for name in assembly.subjects.body_names}
     points = {
-        point_name(model, site): PointPeaks(acceleration=next(channels), relative_displacement=next(channels))
-        for site in assembly.subjects.points
+        name: PointPeaks(acceleration=next(channels), relative_displacement=next(channels))
+        for name in assembly.subjects.point_names
     }
     mounts = {name: MountPeaks(deflection=next(channels), force=next(channels)) for name in system.mounts}
     return Peaks(bodies=bodies, points=points, mounts=mounts, contacts=contacts_of(system, user))
 
 
-def _peak(row: Array) -> Peak:
-    vector = lambda first: row[first : first + 3].copy()  # noqa: E731
-    return Peak(
-        value=float(row[at.PEAK]),
-        time=float(row[at.PEAK_TIME]),
-        vector=vector(at.PEAK_VECTOR),
-        minimum=vector(at.LOW),
-        minimum_time=vector(at.LOW_TIME),
-        maximum=vector(at.HIGH),
-        maximum_time=vector(at.HIGH_TIME),
-    )
-
-
-def point_name(model: mujoco.MjModel, site: int) -> str:
-    """Return the name of the point that a site `point/NAME` declares, prefixes of an attached model included."""
-    return model.site(site).name.replace("point/", "", 1)
+_NUMBERS = np.array(
+    [
+        at.PEAK,
+        at.PEAK_TIME,
+        *(first + c for first in (at.PEAK_VECTOR, at.LOW, at.LOW_TIME, at.HIGH, at.HIGH_TIME) for c in range(3)),
+    ]
+)
+"""Where the numbers of a `Peak` stand in the tracker's memory of a channel."""

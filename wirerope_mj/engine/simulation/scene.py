@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
-from wirerope_mj.engine.system import Mount, System
+from wirerope_mj.engine.system import Mount, System, once_per_system
 from wirerope_mj.foundation.arrays import Array
 
 _SHAPES = {
@@ -19,11 +19,19 @@ _SHAPES = {
 _NAN = float("nan")
 
 
+@once_per_system
 def scene_of(system: System) -> Scene:
     """Return bodies, geoms and mounts of a system in its modelled geometry; geoms of other kinds are left out."""
     model = system.model
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
+    with system.assembly.scratch.data(model) as data:
+        mujoco.mj_kinematics(model, data)
+        bodies = _bodies(system, data)
+        mounts = tuple(_mount(model, data, mount) for mount in system.mounts.values())
+    return Scene(name=system.name, base=system.base, bodies=bodies, mounts=mounts, limits=system.limits)
+
+
+def _bodies(system: System, data: mujoco.MjData) -> tuple[SceneBody, ...]:
+    model = system.model
     base = model.body(system.base).id if system.base else -1
     bodies = []
     for body in range(model.nbody):
@@ -39,8 +47,7 @@ def scene_of(system: System) -> Scene:
                 geoms=_geoms(model, body),
             )
         )
-    mounts = tuple(_mount(model, data, mount) for mount in system.mounts.values())
-    return Scene(name=system.name, base=system.base, bodies=tuple(bodies), mounts=mounts, limits=system.limits)
+    return tuple(bodies)
 
 
 def _geoms(model: mujoco.MjModel, body: int) -> tuple[Geom, ...]:

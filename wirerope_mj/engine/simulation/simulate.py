@@ -11,12 +11,12 @@ import numpy as np
 from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.response import FILE, Response
+from wirerope_mj.engine.simulation.engines import Engine, compute
 from wirerope_mj.engine.simulation.finished import require_lawful, warn_of_uncertainty
 from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.initial import initial_state
 from wirerope_mj.engine.simulation.progress import progress_bar
 from wirerope_mj.engine.simulation.recorder import Recorder
-from wirerope_mj.engine.simulation.run import run
 from wirerope_mj.engine.simulation.stability import stable_step
 from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, limit_of_given
 from wirerope_mj.engine.system import System
@@ -38,6 +38,7 @@ def simulate(
     sample_rate: float = 1000.0,
     corners: Sequence[float] | Array = (),
     callback: Kind = "native",
+    engine: Engine = "auto",
     out: str | Path | None = None,
     progress: bool = False,
 ) -> Response:
@@ -54,7 +55,9 @@ def simulate(
         accuracy: error of samples and refined peaks allowed, relative to the peaks; used if `timestep` is None.
         sample_rate: samples per second [Hz], at k / sample_rate.
         corners: instants [s] at which steps end besides the motion's own corners, as the variants of a batch share theirs.
-        callback: "native", or "python".
+        callback: "native", or "python"; of MuJoCo.
+        engine: "auto" (the kernel, see `wirerope_mj.engine.kernel`, where its equations hold, else MuJoCo), "mujoco" or
+            "kernel"; `numerics.engine` says who computed it, and `numerics.why` why it was not the kernel.
         out: folder to which samples are streamed as `response.parquet`; the response then reads them when asked.
         progress: whether a progress bar is shown on standard error.
 
@@ -77,7 +80,9 @@ def simulate(
         raise RecordError(f"{out}: a response stands here already; give another `out`, or remove {FILE}.")
     start = initial_state(system, motion, initial)
     if timestep is None:
-        step = choose_timestep(system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy)
+        step = choose_timestep(
+            system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy, engine=engine
+        )
     else:
         given = checked_step(system, timestep, duration)
         step = ChosenStep(timestep=given, error=math.nan, limited_by=limit_of_given(timestep, sample_rate))
@@ -88,7 +93,9 @@ def simulate(
     recorder = Recorder(system, motion, grid, Path(out) if out is not None else None)
     try:
         with progress_bar(grid, enabled=progress) as update:
-            done = run(system, motion, grid, start, callback=callback, sink=recorder.add, progress=update)
+            done = compute(
+                system, motion, grid, start, engine=engine, callback=callback, sink=recorder.add, progress=update
+            )
         require_lawful(system, done.peaks)
         numerics = Numerics(
             timestep=done.largest_step,
@@ -96,6 +103,8 @@ def simulate(
             error_estimate=step.error,
             steps=done.steps,
             callback=done.callback,
+            engine=done.engine,
+            why=done.why,
             versions=dict(versions()),
             limited_by=step.limited_by,
         )

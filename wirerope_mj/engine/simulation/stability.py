@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.engine.system.tables import turning
 from wirerope_mj.foundation.arrays import Array
 
@@ -64,6 +64,7 @@ def eigenvalues(system: System, *, closed: bool = False) -> npt.NDArray[np.compl
     return np.asarray(np.linalg.eigvals(rates), dtype=np.complex128)
 
 
+@once_per_system
 def stable_step(system: System) -> float:
     """Return the largest step [s] with which RK4 is stable on the unloaded mounts and on all stops."""
     laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values() if law is not None]

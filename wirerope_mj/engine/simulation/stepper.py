@@ -142,7 +142,7 @@ def leave_behind(system: System, model: mujoco.MjModel, data: mujoco.MjData, jum
     slide between base and frame takes up the whole jump.
     """
     driven = system.assembly.driven_dofs
-    riding = _riding_dofs(model, driven)
+    riding = riding_dofs(model, driven)
     if not riding.size:
         return
     mujoco.mj_kinematics(model, data)
@@ -160,7 +160,7 @@ def side_by_side(indices: npt.NDArray[Any]) -> npt.NDArray[Any] | slice:
     return slice(first, first + n) if np.array_equal(indices, np.arange(first, first + n)) else indices
 
 
-def _riding_dofs(model: mujoco.MjModel, driven: list[int]) -> npt.NDArray[np.int64]:
+def riding_dofs(model: mujoco.MjModel, driven: list[int]) -> npt.NDArray[np.int64]:
     """Return the coordinates of what hangs on the driven base through joints of its own."""
     roots = model.body_rootid[model.dof_bodyid]
     rides = np.isin(roots, roots[driven])

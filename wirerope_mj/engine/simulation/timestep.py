@@ -7,9 +7,9 @@ from functools import partial
 import numpy as np
 
 from wirerope_mj.engine.response.peaks import Peaks
+from wirerope_mj.engine.simulation.engines import Engine, compute
 from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.initial import moving_with_base
-from wirerope_mj.engine.simulation.run import run
 from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
@@ -76,6 +76,7 @@ def choose_timestep(
     duration: float,
     sample_rate: float,
     accuracy: float,
+    engine: Engine = "auto",
 ) -> ChosenStep:
     """Return the largest step of a halving series whose pilots keep samples and refined peaks within `accuracy`.
 
@@ -89,7 +90,7 @@ def choose_timestep(
     step, limit = (between, CORNERS) if between < step else (step, limit)
 
     failures: list[str] = []
-    pilots = partial(_pilots, system, motion, start, windows, sample_rate, failures)
+    pilots = partial(_pilots, system, motion, start, windows, sample_rate, engine, failures)
     wanted = accuracy if len(windows) == 1 else WINDOWED * accuracy
     coarse = pilots(step)
     in_contact: list[ChosenStep] = []
@@ -188,19 +189,20 @@ class _Pilot:
 
 def _pilots(
     system: System, motion: BaseMotion, start: State, windows: list[tuple[float, float]], sample_rate: float,
-    failures: list[str], step: float,
+    engine: Engine, failures: list[str], step: float,
 ) -> list[_Pilot] | None:  # fmt: skip
     """Return the pilots of all windows with one step; None, and the reason in `failures`, where it was too large."""
     try:
-        return [_pilot(system, motion, start, window, sample_rate, step) for window in windows]
+        return [_pilot(system, motion, start, window, sample_rate, engine, step) for window in windows]
     except SimulationError as failure:
         failures.append(str(failure))
         return None
 
 
 def _pilot(
-    system: System, motion: BaseMotion, start: State, window: tuple[float, float], sample_rate: float, step: float
-) -> _Pilot:
+    system: System, motion: BaseMotion, start: State, window: tuple[float, float], sample_rate: float, engine: Engine,
+    step: float,
+) -> _Pilot:  # fmt: skip
     begin, length = window
     grid = time_grid(start=begin, duration=length, sample_rate=sample_rate, timestep=step, motion=motion)
     # What is fixed to the base follows the motion, whatever the step.
@@ -208,13 +210,13 @@ def _pilot(
     channels = system.assembly.tables.channels[judged]
     history = np.empty((grid.sample_times.size, channels.size, 3))
 
-    def sink(sample: int, values: Array) -> None:
-        history[sample] = values[channels[:, None] + np.arange(3)]
+    def sink(first: int, values: Array) -> None:
+        history[first : first + len(values)] = values[:, channels[:, None] + np.arange(3)]
 
     at_begin = State(values=start.values.copy(), time=begin)
     if begin != start.time:
         at_begin = moving_with_base(system, motion, at_begin)
-    done = run(system, motion, grid, at_begin, callback="native", sink=sink)
+    done = compute(system, motion, grid, at_begin, engine=engine, callback="native", sink=sink)
     names, rows = _peak_rows(done.peaks)
     # Of geoms alone: with a mount's stop the error falls as it does without one.
     touches = any(contact.touches and not contact.mount for contact in (done.peaks.contacts or {}).values())

@@ -6,6 +6,8 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.response.contacts import ContactPeak
+from wirerope_mj.engine.system.contact_pairs import declared_contacts
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.engine.system.scratch import Scratch
 from wirerope_mj.engine.system.tables import DRIVE_ARMATURE, Subjects, Tables, make_tables
@@ -28,6 +30,7 @@ class Assembly:
         userdata: first entry of the system's userdata.
         activation: first internal state in act.
         sensor: first of the system's sensor values.
+        contacts: the model's declared pairs of geoms by name, as contacts that have not touched.
         scratch: data to compute with, shared by all variants of a system.
     """
 
@@ -37,6 +40,7 @@ class Assembly:
     userdata: int
     activation: int
     sensor: int
+    contacts: dict[str, ContactPeak]
     scratch: Scratch = field(default_factory=Scratch, repr=False, compare=False)
 
     def user(self, userdata: Array) -> Array:
@@ -55,11 +59,15 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
         if not element.name:  # each has one, so that it can be observed and drawn
             element.name = f"body_{element.id}"
     plain = spec.compile()
+    bodies = tuple(body for body in range(1, plain.nbody) if plain.body_weldid[body] != 0)
+    points = tuple(site for site in range(plain.nsite) if POINT in plain.site(site).name)
     subjects = Subjects(
         base=base,
         driven=_drive(spec, plain, base),
-        bodies=tuple(body for body in range(1, plain.nbody) if plain.body_weldid[body] != 0),
-        points=tuple(site for site in range(plain.nsite) if POINT in plain.site(site).name),
+        bodies=bodies,
+        points=points,
+        body_names=tuple(plain.body(body).name for body in bodies),
+        point_names=tuple(plain.site(site).name.replace(POINT, "", 1) for site in points),
     )
     # Whatever is added stands after what the model has, so that all addresses are known before it is compiled.
     tables = make_tables(plain, mujoco.MjData(plain), declared, subjects, sensor=int(plain.nsensordata))
@@ -72,13 +80,15 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
     first = int(plain.nnumericdata)
     _add_state_actuator(spec, plain, tables, [first, first + tables.layout.size, userdata, int(plain.na)])
     _add_sensors(spec, plain, declared, subjects)
+    model = spec.compile()
     return Assembly(
-        model=spec.compile(),
+        model=model,
         tables=tables,
         subjects=subjects,
         userdata=userdata,
         activation=int(plain.na),
         sensor=int(plain.nsensordata),
+        contacts=declared_contacts(model, base),
     )
 
 

@@ -3,6 +3,8 @@
 import mujoco
 import numpy as np
 
+from wirerope_mj.engine.response.contacts import ContactPeak
+
 MOST = 32
 """Rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state."""
 
@@ -14,6 +16,21 @@ def contact_capacity(model: mujoco.MjModel) -> int:
     if model.nflex:
         return int(model.npair) + MOST
     return int(model.npair) + min(_pairs_by_type(model), MOST)
+
+
+def declared_contacts(model: mujoco.MjModel, base: int) -> dict[str, ContactPeak]:
+    """Return the model's declared pairs by name, as contacts that have not touched."""
+    if not contact_capacity(model):
+        return {}
+    declared = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
+    pairs = [payload_first(model, base, pair) for pair in declared]
+    return {contact_name(model, pair): untouched(model, pair) for pair in pairs}
+
+
+def untouched(model: mujoco.MjModel, pair: tuple[int, int]) -> ContactPeak:
+    """Return the contact of two geoms that have not touched."""
+    bodies = [model.body(model.geom_bodyid[geom]).name if geom >= 0 else "" for geom in pair]
+    return ContactPeak(geoms=(geom_name(model, pair[0]), geom_name(model, pair[1])), bodies=(bodies[0], bodies[1]))
 
 
 def contact_name(model: mujoco.MjModel, geoms: tuple[int, int]) -> str:

@@ -20,12 +20,17 @@ DRIVE_ARMATURE = 1e10
 
 @dataclass(frozen=True, kw_only=True)
 class Subjects:
-    """Parts of a compiled model that matter: ids of the base (0: the world), its driven slides, observed bodies and points."""
+    """Parts of a compiled model that matter: ids of the base (0: the world), its driven slides, observed bodies and points.
+
+    A point's name is what follows `point/` in that of its site, prefixes of an attached model included.
+    """
 
     base: int
     driven: tuple[int, ...]
     bodies: tuple[int, ...]
     points: tuple[int, ...]
+    body_names: tuple[str, ...]
+    point_names: tuple[str, ...]
 
 
 @dataclass(frozen=True, kw_only=True)

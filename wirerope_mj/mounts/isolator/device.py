@@ -123,15 +123,20 @@ class Isolator:
         """Indices of the two coupled axes among roll, shear and axial; none if the axes are independent."""
         return () if self.coupling is None else tuple(AXES.index(axis) for axis in COUPLINGS[self.coupling])
 
-    @property
+    @cached_property
+    def holds_everywhere(self) -> bool:
+        """True if all laws hold at any deflection."""
+        return all(math.isinf(end) for law in self.axes.values() if law is not None for end in law.travel_ends)
+
+    @cached_property
     def stops(self) -> tuple[str, ...]:
         """The axis of every stop among the laws, in their order."""
         return tuple(axis for axis, law in self.axes.items() for part in _parts(law) if isinstance(part, Stop))
 
-    @property
+    @cached_property
     def is_stop(self) -> bool:
         """True if all laws are stops and nothing is rated: listed with contacts, and not among the isolators."""
-        laws = [part for law in self.axes.values() for part in _parts(law)]
+        laws = (part for law in self.axes.values() for part in _parts(law))
         return all(isinstance(law, Stop) for law in laws) and self.limits == Limits()
 
     @cached_property

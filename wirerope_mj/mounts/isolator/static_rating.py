@@ -1,19 +1,19 @@
 """Static load of a mount against its rating, which holds for a mount that stands."""
 
 import math
+from collections.abc import Sequence
 
-import numpy as np
-import numpy.typing as npt
+from wirerope_mj.foundation.arrays import Array
 
 
-def static_utilisation(force: npt.ArrayLike, rated: float | None) -> float | None:
+def static_utilisation(force: Sequence[float] | Array, rated: float | None) -> float | None:
     """Return compression over rated static load; None where `static_load_unjudged` says why that is not judged."""
     if rated is None or static_load_unjudged(force, rated):
         return None
-    return max(-float(np.asarray(force, dtype=np.float64)[2]), 0.0) / rated
+    return max(-float(force[2]), 0.0) / rated
 
 
-def static_load_unjudged(force: npt.ArrayLike, rated: float | None) -> str:
+def static_load_unjudged(force: Sequence[float] | Array, rated: float | None) -> str:
     """Return why a rated static load says nothing of the load of a mount, as text; empty where it judges it.
 
     The rating holds for compression: a mount that hangs, or carries more across its axis than along it, is not judged.
@@ -24,7 +24,7 @@ def static_load_unjudged(force: npt.ArrayLike, rated: float | None) -> str:
     """
     if rated is None or math.isnan(rated):
         return "no static load is rated"
-    roll, shear, along = np.asarray(force, dtype=np.float64).tolist()
+    roll, shear, along = map(float, force)
     across = math.hypot(roll, shear)
     if across > abs(along):
         return "the load is across the axis, and the rating holds for compression"

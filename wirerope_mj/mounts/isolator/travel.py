@@ -24,12 +24,25 @@ def travel_in(rating: str, deflection: Array) -> Array:
 
 def travel_reached(lowest: Array, highest: Array) -> dict[str, Array]:
     """Return the largest travel by rating [m], (...), between extreme deflections, (..., 3)."""
-    return {rating: np.maximum(travel_in(rating, lowest), travel_in(rating, highest)) for rating in RATINGS}
+    low, high = np.minimum(lowest, highest), np.maximum(lowest, highest)
+    both_ways = np.maximum(np.abs(low), np.abs(high))
+    reached = {-1.0: np.maximum(-low, 0.0) + 0.0, 0.0: both_ways, 1.0: np.maximum(high, 0.0) + 0.0}  # never -0.0
+    return {rating: np.asarray(reached[sign][..., axis]) for rating, (axis, sign) in RATINGS.items()}
 
 
 def travel_utilisation(reached: Mapping[str, npt.ArrayLike], rated: Mapping[str, float]) -> dict[str, float]:
     """Return travel over rated travel by rating; what is not rated is not judged and not in it."""
     return {rating: float(reached[rating]) / rated[rating] for rating in RATINGS if rating in rated}  # type: ignore[arg-type]
+
+
+def largest_utilisation(reached: Array, rated: Array) -> Array:
+    """Return the largest utilisation over the ratings, (...); NaN where nothing is rated.
+
+    Args:
+        reached: travel in the order of RATINGS [m], (..., 4).
+        rated: rated travel [m], (..., 4); NaN where none is stated.
+    """
+    return np.asarray(np.fmax.reduce(reached / rated, axis=-1))
 
 
 def beyond_law(axes: Mapping[str, Law | None], lowest: Array, highest: Array, *, fraction: float = 1.0) -> str:

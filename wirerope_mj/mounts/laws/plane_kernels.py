@@ -76,7 +76,7 @@ def biaxial_rates(p, i, vx, vy, z, jx, jy, zdot, kx, ky):
         wx, wy = wx / length, wy / length
         along = ux * wx + uy * wy
         pull = raised(size, n) * (sigma * abs(along) + (1.0 - sigma) * along)
-        ux, uy = ux - pull * wx, uy - pull * wy
+        ux, uy = where(size > 0.0, ux - pull * wx, ux), where(size > 0.0, uy - pull * wy, uy)
     zdot[kx], zdot[ky] = p[i + 2] * ux, p[i + 3] * uy
 
 
