@@ -83,8 +83,7 @@ class Numbers:
         for mount, isolator in changes.isolators.items():
             if mount not in self._points or not self.write_isolator(numbers, mount, isolator.conditioned):
                 return None
-        moves = changes.masses or changes.centres or changes.positions
-        return numbers if not moves or self._write_geometry(numbers, changes) else None
+        return numbers if self.write_geometry(numbers, changes) else None
 
     def write_law(self, numbers: Array, mount: str, axis: int, parameters: Array) -> None:
         """Write the parameters of a law of the same structure."""
@@ -118,7 +117,10 @@ class Numbers:
         numbers[first : first + 3] = turns
         return True
 
-    def _write_geometry(self, numbers: Array, changes: Changes) -> bool:
+    def write_geometry(self, numbers: Array, changes: Changes) -> bool:
+        """Write what masses, centres of mass and positions of mounts change; returns whether all else stays as it is."""
+        if not (changes.masses or changes.centres or changes.positions):
+            return True
         system, model, lay = self._system, self._system.model, self.equations.lay
         arrays = {name: getattr(model, name).copy() for name in ("body_mass", "body_inertia", "body_ipos", "site_pos")}
         touched: set[int] = set()
