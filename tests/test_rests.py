@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from laws_for_tests import PARAMETERS, example
 
 import wirerope_mj as wr
-from laws_for_tests import PARAMETERS, example
 from wirerope_mj.engine.kernel.held import equations, not_held
 from wirerope_mj.engine.kernel.numbers import Numbers
 from wirerope_mj.engine.simulation.judge import unfit
@@ -85,7 +85,7 @@ def test_every_law_rests_where_the_search_with_mujoco_finds_it(name, history):
     require_same(in_lanes(system, history), searched(system, history))
 
 
-@pytest.mark.parametrize("n", (0.6, 1.0, 1.5, 2.0))
+@pytest.mark.parametrize("n", [0.6, 1.0, 1.5, 2.0])
 def test_coupled_axes_rest_where_the_search_with_mujoco_finds_them(n):
     law = wr.SymmetricBoucWen(alpha=1e5, beta=0.7e5 / 150.0**n, gamma=0.3e5 / 150.0**n, n=n, k1=8e4, k2=1e5, k3=2e7)
     system = floor_on(law, coupling="biaxial")
@@ -125,7 +125,7 @@ def test_what_has_another_structure_is_not_written():
     assert numbers.of(Changes(masses={"nothing": 2.0})) is None
 
 
-@pytest.mark.parametrize("name", ("bouc-wen", "asymmetric-bouc-wen", "bouc-wen-baber-noori"))
+@pytest.mark.parametrize("name", ["bouc-wen", "asymmetric-bouc-wen", "bouc-wen-baber-noori"])
 def test_a_variant_rests_with_the_same_bits_in_any_company(name):
     system = floor_on(example(name))
     numbers = Numbers(system, equations(system))

@@ -55,7 +55,7 @@ def test_variants_have_the_bits_that_a_batch_of_their_systems_has(name):
     require_equal(table(study, rows), table(study, rows, side_by_side=False))
 
 
-@pytest.mark.parametrize("initial", ("relaxed", "unloaded"))
+@pytest.mark.parametrize("initial", ["relaxed", "unloaded"])
 def test_variants_begin_where_the_batch_begins(initial):
     study = study_of(STUDIES["body"], initial=initial, variants=3)
     rows = study.table().to_pylist()
