@@ -26,7 +26,7 @@ HOUSE = {
         ("estimate",),
     ),
     "motions": (("spectra",), ("records",)),
-    "engine": (("response", "control"), ("system",), ("statics",), ("simulation",)),
+    "engine": (("response", "control"), ("system",), ("kernel",), ("statics",), ("simulation",)),
     "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
     "assessment": (("criteria",), ("comparison", "selection")),
     "studies": (("inputs",), ("engines",), ("results",), ("search",)),
@@ -46,7 +46,7 @@ OWNERS = {
     "rerun": {"views/recording"},
     "matplotlib": {"views/plots"},
     "mujoco": {
-        "engine/system", "engine/control", "engine/statics", "engine/simulation",
+        "engine/system", "engine/control", "engine/kernel", "engine/statics", "engine/simulation",
         "dynamics/modes", "dynamics/sweep", "dynamics/periodic",
     },
     "jinja2": {"views/report"},

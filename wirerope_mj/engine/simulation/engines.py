@@ -10,7 +10,7 @@ from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.group import Group
 from wirerope_mj.engine.simulation.grid import TimeGrid
-from wirerope_mj.engine.simulation.in_lanes import final_state, go_in_lanes, moving
+from wirerope_mj.engine.simulation.in_lanes import InLanes, final_state, go_in_lanes, moving
 from wirerope_mj.engine.simulation.judge import equations, unfit
 from wirerope_mj.engine.simulation.run import RunResult, peaks_of, run
 from wirerope_mj.engine.simulation.stepper import riding_dofs
@@ -108,9 +108,16 @@ def _by_kernel(
     group = done.groups[0][0]
     if why := failure(group, 0):
         return why
+    return result_of(system, start, grid, done, group, 0, 0)
+
+
+def result_of(
+    system: System, start: State, grid: TimeGrid, done: InLanes, group: Group, lane: int, variant: int
+) -> RunResult:
+    """Return what came of one variant, in a lane of its group."""
     return RunResult(
-        final_state=final_state(system, start, group.states[:, 0], grid.stop),
-        peaks=peaks_of(system, memory_of(system, group, 0), done.base_peaks[0]),
+        final_state=final_state(system, start, group.states[:, lane], grid.stop),
+        peaks=peaks_of(system, memory_of(system, group, lane), done.base_peaks[done.which[variant]]),
         callback="native",
         steps=done.steps,
         largest_step=done.largest_step,

@@ -30,7 +30,7 @@ STATES = 13 * WIDTH
 """Random states in which accelerations are compared: a hundred, and what fills the last lanes."""
 
 PLACE, TURN, SPEED = 2e-3, 0.02, 0.2
-"""Random displacement [m], angle [rad] and rate [m/s, rad/s] of a coordinate: mounts move by millimetres, links turn by degrees."""
+"""Random displacement [m], angle [rad] and rate [m/s, rad/s] of a coordinate: millimetres of a mount, degrees of a link."""
 
 STEPS = 40
 """Steps of the short run."""
