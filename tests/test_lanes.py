@@ -180,6 +180,9 @@ POINTS = {"depths": (1e-3, 3e-3, 6e-3), "forces": (100.0, 700.0, 4000.0)}
 EXPONENTS = (1.0, 2.0, 1.5, 1.2, 0.6, 3.0, 1.0, 2.5)
 """One for each lane: those that have code of their own, and others, beside each other."""
 
+WITHOUT = {"stop": ("rounding", "c"), "bouc-wen-baber-noori": ("zeta", "q", "p", "psi", "delta_psi", "lam")}
+"""What some lanes are without beside others that have it: its width is zero there, by which the others divide."""
+
 
 def varied(law):
     """Return eight laws of the same structure as `law` with different parameters."""
@@ -202,6 +205,8 @@ def varied(law):
                 changes[key] = value if law.depths else max(EXPONENTS[number], 1.0)
             elif isinstance(value, float):
                 changes[key] = value * rng.uniform(0.8, 1.0 if key == "loss" else 1.25)
+        if number % 4 == 3:
+            changes |= dict.fromkeys(WITHOUT.get(law.name, ()), 0.0)
         laws.append(replace(law, **changes))
     return laws
 
