@@ -250,7 +250,7 @@ def states_for(law, corners):
     v = rng.normal(size=(N, WIDTH)) * rng.choice([1.0, 0.01], (N, WIDTH))
     v[::7], v[3::7] = 0.0, rng.choice([-0.0, 0.0, 0.1, -0.1], v[3::7].shape)
     z = rng.normal(size=(N, n_states, WIDTH)) * 200.0
-    z[::11] = 0.0
+    z[::11], z[1::11, 0] = 0.0, 0.0
     for number, name in enumerate(law.state_names):
         if name.endswith("w"):  # the state of a stop's loss
             z[:, number] = np.clip(z[:, number], -1.0, 1.0)
