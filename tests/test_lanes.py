@@ -112,6 +112,13 @@ def test_powers_of_common_exponents_need_no_logarithm():
     np.testing.assert_array_equal(in_lanes(power, 2)(0.0, [1.0, 2.0, 1.5, 0.3, 1.2, 3.0, 100.0, 7.0]), [[0.0] * WIDTH])
 
 
+@pytest.mark.parametrize("function", [math.exp, math.expm1, math.tanh, math.sqrt, power], ids=lambda f: f.__name__)
+def test_what_is_no_number_stays_none(function):
+    x = np.where(np.arange(WIDTH) % 3 == 1, np.nan, 0.3)[None]
+    result = in_lanes(function, 2)(x, EXPONENTS) if function is power else in_lanes(function, 1)(x)
+    np.testing.assert_array_equal(np.isnan(result), np.isnan(x))
+
+
 @pytest.mark.parametrize("function", [math.sqrt, math.floor, abs, operator.neg], ids=lambda f: f.__name__)
 def test_functions_of_one_instruction_are_exact(function):
     x = of_many_sizes(-3, 5, signs=function is not math.sqrt)
@@ -363,3 +370,6 @@ def test_coupled_axes_in_lanes_are_those_of_one_system():
         coupled_one(*own, expected)
         # As above; Horner's schemes and the vector's length are rounded some ten times.
         assert (np.abs(result[..., number] - expected) <= 32.0 * EPS * np.abs(expected).max(axis=0)).all()
+        alone = np.empty((N, 4, WIDTH))
+        coupled(*(np.repeat(one[..., number : number + 1], WIDTH, axis=-1) for one in (p, q, x, z)), alone)
+        assert (alone.view(np.int64) == result[..., number : number + 1].copy().view(np.int64)).all()

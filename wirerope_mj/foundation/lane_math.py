@@ -122,7 +122,7 @@ def _power_lanes(x, n):  # type: ignore[no-untyped-def]
         if some(other):
             # Below the normal numbers x^n is taken for that of the least: 1e-308^n, or 0 at 0.
             grown = _exp_lanes(n * _log_lanes(max(x, 2.2250738585072014e-308)))
-            result = where(other, where(x > 0.0, grown, 0.0), result)
+            result = where(other, where(x > 0.0, grown, 0.0 * x), result)  # NaN stays NaN
     return result
 
 
