@@ -143,7 +143,7 @@ def _overload_power(x, n):  # type: ignore[no-untyped-def]
 
 
 def raised(x: Any, n: Any) -> Any:
-    """Return x^n of x >= 0 as `power` does, but of a scalar by the library's function for n = 2, too."""
+    """Return x^n of x >= 0 as `power` does, but of a scalar by the library's function for n = 2, too: x x has other bits."""
     return x**n
 
 
