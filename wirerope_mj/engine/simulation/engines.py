@@ -50,7 +50,13 @@ def compute(
         SimulationError: MuJoCo warned that the state is not valid any more, or "kernel" was asked for and cannot compute this.
     """
     one_of("engine", engine, ("auto", "mujoco", "kernel"))
-    why = "it was asked for" if engine == "mujoco" else "the callback in Python is MuJoCo's" if callback != "native" else ""
+    why = (
+        "it was asked for"
+        if engine == "mujoco"
+        else "the callback in Python is MuJoCo's"
+        if callback != "native"
+        else ""
+    )
     if not why:
         why = unfit(system) or leap(system, motion)
         done = None if why else _by_kernel(system, motion, grid, start, sink, progress)
@@ -79,8 +85,7 @@ def memory_of(system: System, group: Group, number: int) -> Array:
     """Return the memory of one variant's peaks and stops as the system's userdata has it, (n_userdata,)."""
     user = np.zeros(system.assembly.tables.user.size)
     tables = system.assembly.tables
-    tracked = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
-    tables.user.channel_rows(user)[tracked] = group.channels(number)
+    tables.user.channel_rows(user)[tables.tracked] = group.channels(number)
     tables.user.stop_rows(user)[: len(group.stops(number))] = group.stops(number)
     return user
 
@@ -105,5 +110,3 @@ def _by_kernel(
         largest_step=done.largest_step,
         engine="kernel",
     )
-
-

@@ -205,8 +205,7 @@ def _pilot(
 ) -> _Pilot:  # fmt: skip
     begin, length = window
     grid = time_grid(start=begin, duration=length, sample_rate=sample_rate, timestep=step, motion=motion)
-    # What is fixed to the base follows the motion, whatever the step.
-    judged = np.setdiff1d(np.arange(system.assembly.tables.channels.size), system.assembly.tables.base_channels)
+    judged = system.assembly.tables.tracked  # what is fixed to the base follows the motion, whatever the step
     channels = system.assembly.tables.channels[judged]
     history = np.empty((grid.sample_times.size, channels.size, 3))
 
