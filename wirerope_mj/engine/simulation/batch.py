@@ -8,18 +8,22 @@ from functools import cache, partial
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
+from wirerope_mj.engine.simulation.engines import Engine, failure, leap, memory_of, refused
 from wirerope_mj.engine.simulation.finished import require_lawful
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
+from wirerope_mj.engine.simulation.in_lanes import final_state, go_in_lanes, moving
 from wirerope_mj.engine.simulation.initial import initial_state
+from wirerope_mj.engine.simulation.judge import equations, unfit
 from wirerope_mj.engine.simulation.lockstep import Lockstep
 from wirerope_mj.engine.simulation.recorder import Recorder
-from wirerope_mj.engine.simulation.run import run
+from wirerope_mj.engine.simulation.run import peaks_of, run
 from wirerope_mj.engine.simulation.same_layout import check_same_layout
 from wirerope_mj.engine.simulation.simulate import (
     check_arguments,
@@ -30,7 +34,7 @@ from wirerope_mj.engine.simulation.simulate import (
 )
 from wirerope_mj.engine.simulation.timestep import limit_of_given
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import integer
+from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError, WireRopeError
 from wirerope_mj.foundation.state import State
@@ -49,6 +53,8 @@ class BatchResult:
         initial_state, final_state: states at the start and at the end.
         timestep: largest step [s].
         steps: number of steps.
+        engine: "kernel" or "mujoco".
+        why: why it was not the kernel.
         response: the whole response, if it was asked for.
     """
 
@@ -57,6 +63,8 @@ class BatchResult:
     final_state: State
     timestep: float
     steps: int
+    engine: str = "mujoco"
+    why: str = ""
     response: Response | None = None
 
 
@@ -91,6 +99,7 @@ def simulate_batch(
     corners: Sequence[float] | Array = (),
     threads: int | None = None,
     responses: bool = False,
+    engine: Engine = "auto",
 ) -> list[BatchResult | BatchFailure]:
     """Return the peaks of many variants of one layout, in their order; samples are kept only on request.
 
@@ -110,6 +119,7 @@ def simulate_batch(
             that the results do not depend on which variants share a batch.
         threads: number of threads; None for one per processor.
         responses: whether whole responses are kept, too: in memory, those of all variants at once.
+        engine: as `simulate` takes it, for each variant by itself.
 
     Raises:
         ValueError: an argument is out of range.
@@ -120,6 +130,7 @@ def simulate_batch(
     systems, motions, starts = _variants(systems, motions, initial)
     if not systems:
         return []
+    one_of("engine", engine, ("auto", "mujoco", "kernel"))
     check_same_layout(systems)
     results: dict[int, BatchResult | BatchFailure] = {}
     variants = []
@@ -137,7 +148,7 @@ def simulate_batch(
             start=_common_instant(variants), duration=duration, sample_rate=sample_rate, timestep=timestep,
             motion=motions[0], corners=_all_corners(motions, checked_corners(corners)),
         )  # fmt: skip
-        results |= _together(variants, grid, threads, responses)
+        results |= _together(variants, grid, threads, responses, engine)
     return [results[number] for number in range(len(systems))]
 
 
@@ -177,7 +188,55 @@ def _common_instant(variants: Sequence[_Variant]) -> float:
 
 
 def _together(
+    variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool, engine: Engine
+) -> dict[int, BatchResult | BatchFailure]:
+    """Return the variants' results by number, all stepped through one grid, by the kernel as far as it holds them."""
+    why = {v.number: "it was asked for" if engine == "mujoco" else _why_not(v) for v in variants}
+    results: dict[int, BatchResult | BatchFailure] = {}
+    if fit := [variant for variant in variants if not why[variant.number]]:
+        done, gave_up = _in_lanes(fit, grid, threads, responses)
+        results, why = results | done, why | gave_up
+    rest = [variant for variant in variants if variant.number not in results]
+    if engine == "kernel":
+        return results | {v.number: BatchFailure(error=SimulationError(refused(why[v.number]))) for v in rest}
+    return results | (_by_mujoco(rest, grid, threads, responses, why) if rest else {})
+
+
+def _why_not(variant: _Variant) -> str:
+    """Return why the kernel cannot compute a variant, "" if it can."""
+    return unfit(variant.system) or leap(variant.system, variant.motion)
+
+
+def _in_lanes(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool
+) -> tuple[dict[int, BatchResult | BatchFailure], dict[int, str]]:
+    """Return the results of variants that the kernel computed, and why it gave up the others, by number."""
+    recorders = [_recorder(variant, grid) for variant in variants] if responses else []
+    states = np.array([variant.start.values[moving(variant.system)] for variant in variants])
+    done = go_in_lanes(
+        [equations(v.system) for v in variants], variants[0].system.assembly.tables.drive, [v.motion for v in variants],
+        states, grid, threads=threads,
+        sink=(lambda index, first, rows: recorders[index].add(first, rows)) if responses else None,
+    )  # fmt: skip
+    results: dict[int, BatchResult | BatchFailure] = {}
+    gave_up: dict[int, str] = {}
+    for group, indices in done.groups:
+        for lane, index in enumerate(indices):
+            variant = variants[index]
+            if why := failure(group, lane):
+                gave_up[variant.number] = why
+                continue
+            results[variant.number] = _result(
+                variant, grid, final_state(variant.system, variant.start, group.states[:, lane], grid.stop),
+                peaks_of(variant.system, memory_of(variant.system, group, lane), done.base_peaks[done.which[index]]),
+                recorders[index] if responses else None,
+                timestep=done.largest_step, steps=done.steps, callback="native", engine="kernel", why="",
+            )  # fmt: skip
+    return results, gave_up
+
+
+def _by_mujoco(
+    variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool, why: dict[int, str]
 ) -> dict[int, BatchResult | BatchFailure]:
     """Return the variants' results by number, all stepped through one grid."""
     results: dict[int, BatchResult | BatchFailure] = {}
@@ -193,15 +252,16 @@ def _together(
                 final, peaks = side_by_side.result(index)
                 results[variants[index].number] = _result(
                     variants[index], grid, final, peaks, recorders[index] if responses else None,
-                    timestep=side_by_side.largest_step, steps=side_by_side.steps, callback=kind,
+                    timestep=side_by_side.largest_step, steps=side_by_side.steps, callback=kind, engine="mujoco",
+                    why=why[variants[index].number],
                 )  # fmt: skip
             results |= {variants[i].number: BatchFailure(error=error) for i, error in side_by_side.errors.items()}
     # Where it is not known yet what went wrong, it is learned by going the same way alone, as does what threads cannot serve.
     alone = [variant for variant in variants if variant.number not in results]
-    return results | {variant.number: _alone(variant, grid, kind, responses) for variant in alone}
+    return results | {v.number: _alone(v, grid, kind, responses, why[v.number]) for v in alone}
 
 
-def _alone(variant: _Variant, grid: TimeGrid, kind: Kind, responses: bool) -> BatchResult | BatchFailure:
+def _alone(variant: _Variant, grid: TimeGrid, kind: Kind, responses: bool, why: str) -> BatchResult | BatchFailure:
     own = replace(grid, motion=variant.motion)
     recorder = _recorder(variant, grid) if responses else None
     sink = _forget if recorder is None else recorder.add
@@ -211,7 +271,7 @@ def _alone(variant: _Variant, grid: TimeGrid, kind: Kind, responses: bool) -> Ba
         return BatchFailure(error=error)
     return _result(
         variant, grid, done.final_state, done.peaks, recorder,
-        timestep=done.largest_step, steps=done.steps, callback=done.callback,
+        timestep=done.largest_step, steps=done.steps, callback=done.callback, engine="mujoco", why=why,
     )  # fmt: skip
 
 
@@ -222,16 +282,16 @@ def _recorder(variant: _Variant, grid: TimeGrid) -> Recorder:
 def _add(recorders: Sequence[Recorder], sample: int, values: Array) -> None:
     """Give every variant's recorder its row of a sample's sensor values."""
     for recorder, row in zip(recorders, values, strict=True):
-        recorder.add(sample, row)
+        recorder.add(sample, row[np.newaxis])
 
 
-def _forget(sample: int, values: Array) -> None:
+def _forget(first: int, values: Array) -> None:
     """Keep no sample."""
 
 
 def _result(
     variant: _Variant, grid: TimeGrid, final: State, peaks: Peaks, recorder: Recorder | None,
-    *, timestep: float, steps: int, callback: Kind,
+    *, timestep: float, steps: int, callback: Kind, engine: str, why: str,
 ) -> BatchResult | BatchFailure:  # fmt: skip
     try:
         require_lawful(variant.system, peaks)
@@ -240,10 +300,17 @@ def _result(
     response = None
     if recorder is not None:
         numerics = Numerics(
-            timestep=timestep, accuracy=math.nan, error_estimate=math.nan, steps=steps, callback=callback,
+            engine=engine, why=why, timestep=timestep, accuracy=math.nan, error_estimate=math.nan, steps=steps, callback=callback,
             versions=dict(versions()), limited_by=limit_of_given(grid.timestep, grid.sample_rate),
         )  # fmt: skip
         response = recorder.finish(variant.start, final, peaks, numerics)
     return BatchResult(
-        peaks=peaks, initial_state=variant.start, final_state=final, timestep=timestep, steps=steps, response=response
+        peaks=peaks,
+        initial_state=variant.start,
+        final_state=final,
+        timestep=timestep,
+        steps=steps,
+        engine=engine,
+        why=why,
+        response=response,
     )

@@ -64,8 +64,13 @@ def compute(
             return done
         why = why or str(done)
         if engine == "kernel":
-            raise SimulationError(f'the kernel cannot compute this run: {why}. Ask for `engine` "auto", or "mujoco".')
+            raise SimulationError(refused(why))
     return replace(run(system, motion, grid, start, callback=callback, sink=sink, progress=progress), why=why)
+
+
+def refused(why: str) -> str:
+    """Return the message about a run that only the kernel was to compute, from the reason why it cannot."""
+    return f'the kernel cannot compute this run: {why}. Ask for `engine` "auto", or "mujoco".'
 
 
 def leap(system: System, motion: BaseMotion) -> str:

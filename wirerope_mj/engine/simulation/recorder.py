@@ -43,7 +43,9 @@ class Recorder:
         while len(values):
             row = first - self._written
             some = values[: self._block.shape[0] - row]
-            self._block[row : row + len(some), self.plan.first_sensor :] = some[:, : len(self._names) - self.plan.first_sensor]
+            self._block[row : row + len(some), self.plan.first_sensor :] = some[
+                :, : len(self._names) - self.plan.first_sensor
+            ]
             first, values = first + len(some), values[len(some) :]
             if self._writer is not None and first - self._written == self._block.shape[0]:
                 self._writer.write(self._with_base(self._block.shape[0]))
