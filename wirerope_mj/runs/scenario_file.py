@@ -12,7 +12,7 @@ from wirerope_mj.runs.folder import FORMAT, SCENARIO
 
 _TABLES = {
     "model": ("file", "changes"),
-    "simulate": ("duration", "initial", "timestep", "sample_rate", "callback", "accuracy", "corners"),
+    "simulate": ("duration", "initial", "timestep", "sample_rate", "callback", "accuracy", "corners", "engine"),
 }
 """Tables of which every key counts, and their keys."""
 
@@ -24,7 +24,11 @@ _NEEDED = {
     "versions": (),
 }
 _REMEDY = "Put it right, or take the file from another copy of the folder."
-_CHOICES = {"initial": ("settled", "relaxed", "unloaded"), "callback": ("native", "python")}
+_CHOICES = {
+    "initial": ("settled", "relaxed", "unloaded"),
+    "callback": ("native", "python"),
+    "engine": ("mujoco", "kernel"),
+}
 
 
 def scenario_content(folder: Path) -> dict[str, Any]:
