@@ -10,8 +10,10 @@ import numpy as np
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.control.state import state_of
-from wirerope_mj.engine.kernel.equations import Equations, equations_of
+from wirerope_mj.engine.kernel.equations import Equations
 from wirerope_mj.engine.kernel.group import group_of
+from wirerope_mj.engine.kernel.held import equations as equations
+from wirerope_mj.engine.kernel.held import not_held
 from wirerope_mj.engine.kernel.probe import probe
 from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes
@@ -41,14 +43,7 @@ FINER = 4
 UNJUDGED = "the native callback, with which it is compared, is not available"
 """Why a system is not judged."""
 
-_ENABLED = mujoco.mjtEnableBit.mjENBL_ENERGY | mujoco.mjtEnableBit.mjENBL_FWDINV
 _known: dict[bytes, str] = {}
-
-
-@once_per_system
-def equations(system: System) -> Equations:
-    """Return the equations of a system that the kernel's can be; made once."""
-    return equations_of(system)
 
 
 @once_per_system
@@ -60,7 +55,7 @@ def unfit(system: System) -> str:
     Warns:
         AccuracyWarning: kernel and MuJoCo differ, which should not be; MuJoCo is believed.
     """
-    beyond = _beyond(system)
+    beyond = not_held(system)
     if beyond:
         return beyond
     key = hashlib.blake2b(equations(system).key, digest_size=16).digest()
@@ -72,28 +67,6 @@ def unfit(system: System) -> str:
         if _known[key]:
             warnings.warn(f"MuJoCo computes this system: {_known[key]}.", AccuracyWarning, stacklevel=2)
     return _known[key]
-
-
-def _beyond(system: System) -> str:
-    """Return which part of a model the kernel's equations do not hold, "" if there is none."""
-    model, assembly = system.model, system.assembly
-    counts = {
-        "equality constraints": model.neq, "tendons": model.ntendon, "actuators of its own": model.nu - 1,
-        "plugins": model.nplugin, "flexible bodies": model.nflex, "mocap bodies": model.nmocap,
-        "gravity compensation": model.ngravcomp, "springs that yield": model.nplastic,
-        "activations of its own": model.na - assembly.tables.user.n_states,
-    }  # fmt: skip
-    kinds, free = model.jnt_type, mujoco.mjtJoint.mjJNT_FREE
-    held = {
-        "ball joints": kinds == mujoco.mjtJoint.mjJNT_BALL, "dry friction in joints": model.dof_frictionloss > 0.0,
-        "springs of floating bodies": (kinds == free) & (model.jnt_stiffness != 0.0),
-        "springs or dampers that are not linear": [model.jnt_stiffnesspoly.any(), model.dof_dampingpoly.any()],
-        "a medium around it": [model.opt.density, model.opt.viscosity],
-        "options of MuJoCo's that change its steps": [model.opt.enableflags & ~_ENABLED],
-    }  # fmt: skip
-    parts = [name for name, number in counts.items() if number > 0]
-    parts += [name for name, values in held.items() if np.any(values)]
-    return f"the model has {', '.join(parts)}" if parts else ""
 
 
 def _differs(system: System) -> str:
