@@ -90,8 +90,7 @@ def memory_of(system: System, group: Group, number: int) -> Array:
     """Return the memory of one variant's peaks and stops as the system's userdata has it, (n_userdata,)."""
     user = np.zeros(system.assembly.tables.user.size)
     tables = system.assembly.tables
-    tracked = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
-    tables.user.channel_rows(user)[tracked] = group.channels(number)
+    tables.user.channel_rows(user)[tables.tracked] = group.channels(number)
     tables.user.stop_rows(user)[: len(group.stops(number))] = group.stops(number)
     return user
 

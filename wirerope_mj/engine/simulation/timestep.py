@@ -296,8 +296,7 @@ def _pilot(
 
 def _pilot_of(system: System, done: RunResult, rows: Array) -> _Pilot:
     tables = system.assembly.tables
-    # What is fixed to the base follows the motion, whatever the step.
-    judged = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
+    judged = tables.tracked  # what is fixed to the base follows the motion, whatever the step
     names, peaks = _peak_rows(done.peaks)
     # Of geoms alone: with a mount's stop the error falls as it does without one.
     touches = any(contact.touches and not contact.mount for contact in (done.peaks.contacts or {}).values())

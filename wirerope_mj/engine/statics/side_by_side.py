@@ -1,0 +1,110 @@
+"""Equilibria of many variants of one structure, eight to a vector."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.control import layout as control
+from wirerope_mj.engine.kernel import layout as at
+from wirerope_mj.engine.kernel.equations import Equations
+from wirerope_mj.engine.kernel.rest import SETTINGS, settle
+from wirerope_mj.engine.statics import roots
+from wirerope_mj.engine.statics.loading import ACCEPTED, FARTHEST, LOAD_STEPS, MOST, TOLERANCE
+from wirerope_mj.engine.statics.result import History
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.lanes import WIDTH
+
+HELD = 1e-12
+"""Ratio of the squared singular values of the deflections' rates above which every motion is resisted for certain."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rests:
+    """Equilibria of variants.
+
+    Attributes:
+        found: whether it was found here, (n,): what was not is for `equilibrium`, which says why if there is none.
+        states: qpos, qvel and act, (n, n_state).
+        mounts: deflection and force of every mount, (n, n_mounts, 2, 3).
+        residual: largest acceleration left [m/s^2 or rad/s^2], (n,).
+    """
+
+    found: npt.NDArray[np.bool_]
+    states: Array
+    mounts: Array
+    residual: Array
+
+
+class Rester:
+    """Finds equilibria of variants that share a structure with `system`, whose own equations those are."""
+
+    def __init__(self, system: System, equations: Equations) -> None:
+        """Prepare what all variants share."""
+        tables, model = system.assembly.tables, system.model
+        isolators = [mount.isolator for mount in system.mounts.values()]
+        self._equations, self._gravity = equations, model.opt.gravity.copy()
+        self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs).astype(np.int64)
+        laws = [law for isolator in isolators for law in isolator.axes.values()]
+        coupled = [axis in isolator.coupled_axes for isolator in isolators for axis in range(3)]
+        # What depends on the rate has no memory of a slow path: its states stay zero.
+        self._follows = np.array(
+            [
+                law is not None and law.remembers_slow_paths and law.n_states > 0 and not with_another
+                for law, with_another in zip(laws, coupled, strict=True)
+            ],
+            dtype=np.bool_,
+        )
+        axes = int(tables.layout[control.AXES])
+        firsts = tables.layout[axes : axes + control.AXIS_COLUMNS * len(laws)].reshape(-1, control.AXIS_COLUMNS)[:, 1]
+        self._sizes = np.diff(np.append(firsts, tables.parameters.size)).astype(np.int64)
+        self._start = np.concatenate([model.qpos0, np.zeros(model.nv + tables.user.n_states)])
+
+    def rests(self, numbers: Array, history: History) -> Rests:
+        """Return the equilibria of variants with these numbers, (n, n_num)."""
+        n, lay = len(numbers), self._equations.lay
+        states, residual = np.empty((n, self._start.size)), np.empty(n)
+        records = np.empty((n, int(lay[at.N_MOUNTS]) * at.RECORD_SIZE))
+        grams = np.empty((n, self._free.size, self._free.size))
+        for first in range(0, n, WIDTH):
+            some = slice(first, min(first + WIDTH, n))
+            size = some.stop - first
+            states[some], records[some], residual[some], grams[some] = (
+                one[:size] for one in self._eight(numbers[some], history)
+            )
+        mounts = records.reshape(n, -1, 4, 3)[:, :, :2].copy()
+        found = np.isfinite(residual) & (np.abs(mounts[:, :, 0]).max(axis=(1, 2), initial=0.0) < FARTHEST)
+        sizes = np.linalg.eigvalsh(np.where(found[:, np.newaxis, np.newaxis], grams, 0.0))
+        found &= sizes[:, 0] > HELD * sizes[:, -1] if self._free.size else True
+        return Rests(found=found, states=states, mounts=mounts, residual=residual)
+
+    def _eight(self, numbers: Array, history: History) -> tuple[Array, Array, Array, Array]:
+        e, lay = self._equations, self._equations.lay
+        lanes = np.minimum(np.arange(WIDTH), len(numbers) - 1)
+        memory = np.zeros((int(lay[at.N_WORK]), WIDTH))
+        memory[lay[at.KIN] : lay[at.KIN] + e.rest.size] = e.rest[:, np.newaxis]
+        states = np.tile(self._start[:, np.newaxis], WIDTH)
+        residual, grams = np.zeros(WIDTH), np.zeros((WIDTH, self._free.size, self._free.size))
+        follows = self._follows if history == "virgin" else np.zeros(0, dtype=np.bool_)
+        settle(
+            lay, e.fix.copy(), np.ascontiguousarray(numbers[lanes].T), states, memory, self._free, self._loads,
+            follows, self._sizes, self._settings, residual, grams,
+        )  # fmt: skip
+        record = int(lay[at.RECORD])
+        return states.T, memory[record : record + int(lay[at.N_MOUNTS]) * at.RECORD_SIZE].T, residual, grams
+
+    @property
+    def _loads(self) -> Array:
+        # Without gravity all steps are one.
+        return np.minimum(np.cumsum(np.full(LOAD_STEPS, 1.0 / LOAD_STEPS)), 1.0) if self._gravity.any() else np.ones(1)
+
+    @property
+    def _settings(self) -> Array:
+        scale = max(float(np.linalg.norm(self._gravity)), 1.0)
+        settings = np.array([
+            TOLERANCE * scale, ACCEPTED * scale, roots.DIFFERENCE, roots.LONGEST, roots.SLOW, roots.ITERATIONS,
+            roots.HALVINGS, MOST,
+        ])  # fmt: skip
+        assert settings.size == SETTINGS
+        return settings
