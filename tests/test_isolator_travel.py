@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 
 from wirerope_mj.mounts.isolator import AXES, Travel
-from wirerope_mj.mounts.isolator.travel import RATINGS, SIDES, travel_in, travel_reached, travel_utilisation
+from wirerope_mj.mounts.isolator.travel import (
+    RATINGS,
+    SIDES,
+    largest_utilisation,
+    travel_in,
+    travel_reached,
+    travel_utilisation,
+)
 
 # roll, shear, axial: pressed by 30 mm at most, pulled by 10 mm
 LOWEST, HIGHEST = np.array([-0.002, -0.004, -0.030]), np.array([0.005, 0.001, 0.010])
@@ -32,6 +39,19 @@ def test_utilisations_are_of_the_stated_ratings_only():
     used = travel_utilisation(travel_reached(LOWEST, HIGHEST), rated)
     assert used == pytest.approx({"compression": 0.75, "shear": 2.0}, rel=1e-15)  # one division
     assert travel_utilisation(travel_reached(LOWEST, HIGHEST), Travel().stated) == {}
+
+
+def test_the_largest_utilisation_of_each_mount_is_that_of_its_ratings():
+    ratings = [Travel(compression=0.04, shear=0.002), Travel(roll=0.01), Travel()]
+    reached = np.array([[0.03, 0.01, 0.004, 0.005]] * 3)
+    rated = np.array([[travel.stated.get(rating, np.nan) for rating in RATINGS] for travel in ratings])
+    used = largest_utilisation(reached, rated)
+    each = [
+        travel_utilisation(dict(zip(RATINGS, row, strict=True)), t.stated)
+        for row, t in zip(reached, ratings, strict=True)
+    ]
+    np.testing.assert_array_equal(used, [max(one.values(), default=np.nan) for one in each])
+    assert np.isnan(used).tolist() == [False, False, True]
 
 
 def test_every_rating_is_a_side_of_one_axis_and_a_field_of_travel():

@@ -149,7 +149,7 @@ def _power_lanes(x, n):  # type: ignore[no-untyped-def]
         if some(other):
             # Below the normal numbers x^n is taken for that of the least: 1e-308^n, or 0 at 0.
             grown = _exp_lanes(n * _log_lanes(max(x, 2.2250738585072014e-308)))
-            result = where(other, where(x > 0.0, grown, 0.0), result)
+            result = where(other, where(x > 0.0, grown, 0.0 * x), result)  # NaN stays NaN
     return result
 
 
@@ -170,7 +170,7 @@ def _overload_power(x, n):  # type: ignore[no-untyped-def]
 
 
 def raised(x: Any, n: Any) -> Any:
-    """Return x^n of x >= 0 as `power` does, but of a scalar by the library's function for n = 2, too."""
+    """Return x^n of x >= 0 as `power` does, but of a scalar by the library's function for n = 2, too: x x has other bits."""
     return x**n
 
 

@@ -104,6 +104,7 @@ def constant(value: float) -> ir.Constant:
 @lower_cast(types.Float, LanesType)
 @lower_cast(types.Integer, LanesType)
 def spread_out(context: Any, builder: Any, source: Any, target: Any, value: Any) -> Any:
+    """Build a vector with one number in every lane."""
     number = context.cast(builder, value, source, types.float64)
     one = builder.insert_element(ir.Constant(VECTOR, ir.Undefined), number, ir.Constant(INDEX, 0))
     zeros = ir.Constant(ir.VectorType(INDEX, WIDTH), [0] * WIDTH)

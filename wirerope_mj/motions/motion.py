@@ -18,6 +18,10 @@ SAME_TIME = 1e-10
 """Corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours."""
 
 
+_FEW = 200
+"""Instants below which a product with three components costs least at once; of thousands it costs a quarter one by one."""
+
+
 class BaseMotion(ABC):
     """Translation of the driven base as a function of time, in the world frame.
 
@@ -132,8 +136,10 @@ class StraightMotion(BaseMotion):
 
     def _derivative(self, t: Array, order: int) -> Array:
         along = self._along(t, order)
+        if along.size < _FEW:
+            return along[:, np.newaxis] * self.unit
         vectors = np.empty((along.size, 3))
-        for axis, component in enumerate(self.unit):  # four times as fast as np.outer where there are many
+        for axis, component in enumerate(self.unit):
             np.multiply(along, component, out=vectors[:, axis])
         return vectors
 
@@ -182,7 +188,7 @@ class SumOfMotions(BaseMotion):
         object.__setattr__(self, "duration", max(term.end for term in self.terms))
 
     def _derivative(self, t: Array, order: int) -> Array:
-        return sum((term._derivative(t, order) for term in self.terms), np.zeros(3))
+        return np.asarray(sum(term._derivative(t, order) for term in self.terms))
 
     @cached_property
     def corners(self) -> Array:

@@ -1,6 +1,7 @@
 """The equations of a system, read from its compiled model: structure, numbers that variants share, numbers of one variant."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -8,12 +9,13 @@ import numpy.typing as npt
 
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.kernel import layout as at
+from wirerope_mj.engine.kernel.bodies import HERE, Bodies, Writer, inertia_of, modelled
+from wirerope_mj.engine.kernel.touching import pair_rows
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.tables import Tables
 from wirerope_mj.foundation.arrays import Array
-
-FARTHEST = 1e3
-"""Clearance that is as good as any larger one [m]."""
+from wirerope_mj.mounts.laws.kernels import PARALLEL, STOP
+from wirerope_mj.mounts.laws.stop_kernels import LOSS
 
 Integers = npt.NDArray[np.int64]
 _FREE, _SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_SLIDE
@@ -51,96 +53,10 @@ class Equations:
         return self.lay.tobytes() + self.fix.tobytes() + self.rest.tobytes()
 
 
-@dataclass
-class _Writer:
-    """Numbers that are put one behind the other, and where each begins."""
-
-    numbers: list[float]
-
-    def put(self, *values: object) -> int:
-        first = len(self.numbers)
-        for value in values:
-            self.numbers.extend(np.ravel(np.asarray(value, dtype=np.float64)).tolist())
-        return first
-
-
-@dataclass(frozen=True, kw_only=True)
-class Pose:
-    """A frame in another one: origin (3,) and unit quaternion (4,)."""
-
-    origin: Array
-    quaternion: Array
-
-    def then(self, origin: Array, quaternion: Array) -> "Pose":
-        """Return the pose of a frame whose pose in this one is given."""
-        turned, product = np.empty(3), np.empty(4)
-        mujoco.mju_rotVecQuat(turned, np.asarray(origin, dtype=np.float64), self.quaternion)
-        mujoco.mju_mulQuat(product, self.quaternion, np.asarray(quaternion, dtype=np.float64))
-        return Pose(origin=self.origin + turned, quaternion=product / np.linalg.norm(product))
-
-    @property
-    def axes(self) -> Array:
-        """Axes as columns, (3, 3)."""
-        matrix = np.empty(9)
-        mujoco.mju_quat2Mat(matrix, self.quaternion)
-        return matrix.reshape(3, 3)
-
-
-HERE = Pose(origin=np.zeros(3), quaternion=np.array([1.0, 0.0, 0.0, 0.0]))
-
-
-class Bodies:
-    """Bodies of a model as links, and where each body is in its link."""
-
-    def __init__(self, model: mujoco.MjModel) -> None:
-        self.model = model
-        moving = (model.body_weldid == np.arange(model.nbody)) & (model.body_dofnum > 0)
-        self.links = np.flatnonzero(moving).tolist()
-        numbers = {body: number for number, body in enumerate(self.links)}
-        self.link = [numbers.get(int(body), len(self.links)) for body in model.body_weldid]
-        self.pose: list[Pose] = []
-        for body in range(model.nbody):
-            over = HERE if moving[body] or not body else self.pose[int(model.body_parentid[body])]
-            self.pose.append(
-                HERE if moving[body] or not body else over.then(model.body_pos[body], model.body_quat[body])
-            )
-
-    def on_parent(self, body: int) -> tuple[int, Pose]:
-        """Return the link that a link's body hangs on, and its pose there."""
-        parent = int(self.model.body_parentid[body])
-        return self.link[parent], self.pose[parent].then(self.model.body_pos[body], self.model.body_quat[body])
-
-    def site(self, site: int) -> tuple[int, Pose]:
-        """Return the link of a site, and its pose there."""
-        body = int(self.model.site_bodyid[site])
-        return self.link[body], self.pose[body].then(self.model.site_pos[site], self.model.site_quat[site])
-
-
-def inertia_of(bodies: Bodies, number: int) -> Array:
-    """Return mass, centre, inertia and its inverse of a link with everything welded to it, (INERTIA_SIZE,)."""
-    model = bodies.model
-    own = [body for body in range(1, model.nbody) if bodies.link[body] == number]
-    masses = model.body_mass[own]
-    poses = [bodies.pose[body].then(model.body_ipos[body], model.body_iquat[body]) for body in own]
-    total = float(masses.sum())
-    centre = sum(m * pose.origin for m, pose in zip(masses, poses, strict=True)) / total if total else np.zeros(3)
-    about = np.zeros((3, 3))
-    for body, mass, pose in zip(own, masses, poses, strict=True):
-        arm = pose.origin - centre
-        about += pose.axes @ np.diag(model.body_inertia[body]) @ pose.axes.T
-        about += mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    inverse = np.linalg.inv(about) if np.linalg.det(about) > 0.0 else np.zeros((3, 3))
-    return np.concatenate([[total], centre, _six(about), _six(inverse)])
-
-
-def _six(matrix: Array) -> Array:
-    return matrix[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]]
-
-
 def equations_of(system: System) -> Equations:
     """Return the equations of a system that `fits` (`wirerope_mj.engine.kernel.judge`) lets pass."""
     model, tables, bodies = system.model, system.assembly.tables, Bodies(system.model)
-    fix, num, lay = _Writer([]), _Writer([]), np.zeros(at.HEADER, dtype=np.int64)
+    fix, num, lay = Writer([]), Writer([]), np.zeros(at.HEADER, dtype=np.int64)
     links, kinds = _links(bodies, fix, num)
     dofs = _dofs(system, bodies, kinds, fix)
     mounts, runs = _mounts(system, bodies, kinds, fix, num)
@@ -152,8 +68,7 @@ def equations_of(system: System) -> Equations:
     lay[at.PARAMETERS] = num.put(tables.parameters)
     axes = _axes(tables)
     stops = _stops(tables, axes)
-    tracked = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
-    parts = [
+    parts: list[Any] = [
         links,
         _trees(model, bodies, kinds, dofs, num),
         dofs,
@@ -161,7 +76,7 @@ def equations_of(system: System) -> Equations:
         mounts,
         axes,
         frames,
-        tables.channels[tracked],
+        tables.channels[tables.tracked],
         stops,
     ]
     pairs = pair_rows(model, bodies, fix)
@@ -172,7 +87,7 @@ def equations_of(system: System) -> Equations:
     n_values += control.MOUNT_VALUES * len(mounts) + n_states
     counts = {
         at.N_LINKS: n_links, at.N_TREES: len(parts[1]), at.NQ: model.nq, at.NV: model.nv, at.N_STATES: n_states,
-        at.N_MOUNTS: len(mounts), at.N_FRAMES: len(frames), at.N_CHANNELS: tracked.size, at.N_STOPS: len(stops),
+        at.N_MOUNTS: len(mounts), at.N_FRAMES: len(frames), at.N_CHANNELS: tables.tracked.size, at.N_STOPS: len(stops),
         at.N_SLIPPING: int(tables.layout[control.N_SLIPPING]), at.N_DRIVEN: len(tables.drive), at.N_VALUES: n_values,
         at.N_RUNS: len(runs),
     }  # fmt: skip
@@ -195,9 +110,9 @@ def _sections(lay: Integers, *, largest: int) -> None:
     sizes = {
         at.KIN: at.KIN_SIZE * (lay[at.N_LINKS] + 1), at.WRENCH: 6 * (lay[at.N_LINKS] + 1), at.SUB: 6 * lay[at.NV],
         at.MASS: largest**2, at.RHS: lay[at.NV], at.RATES: lay[at.N_STATES], at.COMPOSITE: at.COM_SIZE * lay[at.N_LINKS],
-        at.START: states, at.SLOPE: tangents, at.SUM: tangents, at.RECORD: at.RECORD_SIZE * lay[at.N_MOUNTS], at.VALUES: lay[at.N_VALUES],
-        at.RECENT: at.RECENT_SIZE * lay[at.N_CHANNELS], at.MEMORY: control.CHANNEL_MEMORY * lay[at.N_CHANNELS],
-         at.TOUCHED: control.CONTACT_MEMORY * lay[at.N_STOPS],
+        at.START: states, at.SLOPE: tangents, at.SUM: tangents, at.RECORD: at.RECORD_SIZE * lay[at.N_MOUNTS],
+        at.VALUES: lay[at.N_VALUES], at.RECENT: at.RECENT_SIZE * lay[at.N_CHANNELS],
+        at.MEMORY: control.CHANNEL_MEMORY * lay[at.N_CHANNELS], at.TOUCHED: control.CONTACT_MEMORY * lay[at.N_STOPS],
         at.FAILED: 1,
     }  # fmt: skip
     total = 0
@@ -218,9 +133,11 @@ def _drive_masses(tables: Tables) -> list[float]:
     return [float(tables.layout[first + control.DRIVEN_COLUMNS * i + 1]) for i in range(len(tables.drive))]
 
 
-def _links(bodies: Bodies, fix: _Writer, num: _Writer) -> tuple[list[list[int]], list[int]]:
+def _links(bodies: Bodies, fix: Writer, num: Writer) -> tuple[list[list[int]], list[int]]:
     """Return the rows of the links, the world's behind them, and their kinds."""
-    model, rows, kinds = bodies.model, [], []
+    model = bodies.model
+    rows: list[list[int]] = []
+    kinds: list[int] = []
     for number, body in enumerate(bodies.links):
         joints = range(int(model.body_jntadr[body]), int(model.body_jntadr[body] + model.body_jntnum[body]))
         parent, pose = bodies.on_parent(body)
@@ -233,7 +150,7 @@ def _links(bodies: Bodies, fix: _Writer, num: _Writer) -> tuple[list[list[int]],
             kind = at.TURNING
         origin = pose.origin
         if kind == at.STRAIGHT and parent >= 0:
-            origin = _modelled(bodies, parent).axes @ origin
+            origin = modelled(bodies, parent).axes @ origin
         kinds.append(kind)
         first, n_dofs, tree = int(model.body_dofadr[body]), int(model.body_dofnum[body]), int(model.body_treeid[body])
         frame, inertia = fix.put(origin, pose.quaternion), num.put(inertia_of(bodies, number))
@@ -242,83 +159,18 @@ def _links(bodies: Bodies, fix: _Writer, num: _Writer) -> tuple[list[list[int]],
     return rows, kinds
 
 
-def _modelled(bodies: Bodies, number: int) -> Pose:
-    """Return the pose of a link that never turns, as modelled."""
-    parent, pose = bodies.on_parent(bodies.links[number])
-    if parent == len(bodies.links):
-        return pose
-    return _modelled(bodies, parent).then(pose.origin, pose.quaternion)
-
-
-def pair_rows(model: mujoco.MjModel, bodies: Bodies, fix: _Writer) -> list[list[int]]:
-    """Return the rows of the pairs of links with geoms that may touch, with the least clearance of any two of them."""
-    data = mujoco.MjData(model)
-    mujoco.mj_kinematics(model, data)
-    least: dict[tuple[int, int], tuple[float, float]] = {}
-    for one, other, margin in may_touch(model):
-        plane = model.geom_type[other] == mujoco.mjtGeom.mjGEOM_PLANE
-        first, second = (other, one) if plane else (one, other)
-        links = (bodies.link[int(model.geom_bodyid[first])], bodies.link[int(model.geom_bodyid[second])])
-        clearance = mujoco.mj_geomDistance(model, data, first, second, FARTHEST, np.zeros(6)) - margin
-        body = int(model.geom_bodyid[second])
-        centre = bodies.pose[body].then(model.geom_pos[second], model.geom_quat[second]).origin
-        reach = float(np.linalg.norm(centre)) + float(model.geom_rbound[second])
-        known = least.get(links, (np.inf, 0.0))
-        least[links] = (min(known[0], clearance), max(known[1], reach))
-    rows = []
-    for (first, second), (clearance, reach) in least.items():
-        here, there = _place(model, data, bodies, first), _place(model, data, bodies, second)
-        place, turn = here.axes.T @ (there.origin - here.origin), here.axes.T @ there.axes
-        rows.append([first, second, fix.put(place, turn, clearance, reach)])
-    return rows
-
-
-def _place(model: mujoco.MjModel, data: mujoco.MjData, bodies: Bodies, link: int) -> Pose:
-    if link == len(bodies.links):
-        return HERE
-    body = bodies.links[link]
-    return Pose(origin=data.xpos[body].copy(), quaternion=data.xquat[body].copy())
-
-
-def may_touch(model: mujoco.MjModel) -> list[tuple[int, int, float]]:
-    """Return the pairs of geoms that MuJoCo lets touch when they move, and the distance from which on they do [m]."""
-    off = mujoco.mjtDisableBit
-    if model.opt.disableflags & (off.mjDSBL_CONTACT | off.mjDSBL_CONSTRAINT):
-        return []
-    weld, parent = model.body_weldid, model.body_weldid[model.body_parentid[model.body_weldid]]
-    bodies = weld[model.geom_bodyid]
-    declared = list(zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), model.pair_margin.tolist(), strict=True))
-    known = {frozenset(pair[:2]) for pair in declared}
-    excluded = set(model.exclude_signature.tolist())
-    types, affinities, found = model.geom_contype, model.geom_conaffinity, declared
-    active = np.flatnonzero(types | affinities)
-    for i, one in enumerate(active.tolist()):
-        for other in active[i + 1 :].tolist():
-            a, b = int(bodies[one]), int(bodies[other])
-            related = a and b and (parent[a] == b or parent[b] == a)
-            if a == b or not (types[one] & affinities[other] or types[other] & affinities[one]):
-                continue
-            if related and not model.opt.disableflags & off.mjDSBL_FILTERPARENT:
-                continue
-            low, high = sorted((int(model.geom_bodyid[one]), int(model.geom_bodyid[other])))
-            if (low << 16) + high in excluded or frozenset((one, other)) in known:
-                continue
-            found.append((one, other, float(model.geom_margin[one] + model.geom_margin[other])))
-    return [pair for pair in found if bodies[pair[0]] != bodies[pair[1]]]
-
-
 def _rest(bodies: Bodies, kinds: list[int]) -> Array:
     """Return the motion of all links and of the world before the first step: nothing but the axes of what never turns."""
     rows = np.zeros((len(kinds) + 1, at.KIN_SIZE))
     for number, kind in enumerate([*kinds, at.STRAIGHT]):
         if kind == at.STRAIGHT:
-            pose = HERE if number == len(kinds) else _modelled(bodies, number)
+            pose = HERE if number == len(kinds) else modelled(bodies, number)
             rows[number, at.KIN_R : at.KIN_R + 9] = pose.axes.ravel()
             rows[number, at.KIN_Q : at.KIN_Q + 4] = pose.quaternion
     return rows.ravel()
 
 
-def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: _Writer) -> list[list[int]]:
+def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: Writer) -> list[list[int]]:
     model, driven = system.model, system.assembly.driven_dofs
     rows = []
     for dof in range(model.nv):
@@ -328,7 +180,7 @@ def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: _Writer) -> lis
         kind = (at.ALONG if along else at.FLOATING) if free else at.SLIDE if slide else at.HINGE
         axis = model.jnt_axis[joint]
         if kinds[link] == at.STRAIGHT:
-            axis = _modelled(bodies, link).axes @ axis
+            axis = modelled(bodies, link).axes @ axis
         constants = fix.put(
             axis, model.jnt_pos[joint], model.dof_armature[dof], model.dof_damping[dof], model.jnt_stiffness[joint],
             model.qpos_spring[q], model.qpos0[q], _limits(model, joint),
@@ -346,7 +198,7 @@ def _limits(model: mujoco.MjModel, joint: int) -> Array:
 
 
 def _trees(
-    model: mujoco.MjModel, bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: _Writer
+    model: mujoco.MjModel, bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: Writer
 ) -> list[list[int]]:
     trees = model.body_treeid[bodies.links]
     rows = []
@@ -375,10 +227,12 @@ def _inverse_mass(bodies: Bodies, link: int, dofs: Integers) -> Array:
 
 
 def _mounts(
-    system: System, bodies: Bodies, kinds: list[int], fix: _Writer, num: _Writer
+    system: System, bodies: Bodies, kinds: list[int], fix: Writer, num: Writer
 ) -> tuple[list[list[int]], list[list[int]]]:
     """Return the rows of the mounts, and their runs."""
-    tables, rows, runs = system.assembly.tables, [], []
+    tables = system.assembly.tables
+    rows: list[list[int]] = []
+    runs: list[list[int]] = []
     first = int(tables.layout[control.MOUNTS])
     for number in range(tables.user.n_mounts):
         row = tables.layout[first + control.MOUNT_COLUMNS * number :][: control.MOUNT_COLUMNS]
@@ -409,7 +263,7 @@ def _mounts(
 
 def _seen(bodies: Bodies, kinds: list[int], link: int) -> Array:
     """Return the matrix that turns a vector in a link to the axes in which the equations have it."""
-    return _modelled(bodies, link).axes if link < len(kinds) and kinds[link] == at.STRAIGHT else np.eye(3)
+    return modelled(bodies, link).axes if link < len(kinds) and kinds[link] == at.STRAIGHT else np.eye(3)
 
 
 def _axes(tables: Tables) -> list[list[int]]:
@@ -420,9 +274,6 @@ def _axes(tables: Tables) -> list[list[int]]:
 
 def _stops(tables: Tables, axes: list[list[int]]) -> list[list[int]]:
     """Return of every stop: record of its deflection, first parameter, state, and whether it has one."""
-    from wirerope_mj.mounts.laws.kernels import PARALLEL, STOP
-    from wirerope_mj.mounts.laws.stop_kernels import LOSS
-
     rows, par = [], tables.parameters
     for number, (law, first, state, _) in enumerate(axes):
         record = at.RECORD_SIZE * (number // 3) + number % 3
@@ -435,7 +286,7 @@ def _stops(tables: Tables, axes: list[list[int]]) -> list[list[int]]:
     return rows
 
 
-def _frames(system: System, bodies: Bodies, fix: _Writer, num: _Writer) -> list[list[int]]:
+def _frames(system: System, bodies: Bodies, fix: Writer, num: Writer) -> list[list[int]]:
     """Return the rows of the bodies and points that are observed."""
     model, assembly = system.model, system.assembly
     tables, rows = assembly.tables, []
@@ -451,8 +302,7 @@ def _frames(system: System, bodies: Bodies, fix: _Writer, num: _Writer) -> list[
     first = int(tables.layout[control.POINTS])
     for number, site in enumerate(assembly.subjects.points):
         link, pose = bodies.site(site)
-        modelled = tables.layout[first + control.POINT_COLUMNS * number :][4:7]
-        rows.append(
-            [link, num.put(pose.origin), fix.put(pose.quaternion), 1, bodies.link[base], num.put(base_centre), fix.put(modelled), 1]
-        )  # fmt: skip
+        offset = tables.layout[first + control.POINT_COLUMNS * number :][4:7]
+        there = [bodies.link[base], num.put(base_centre), fix.put(offset)]
+        rows.append([link, num.put(pose.origin), fix.put(pose.quaternion), 1, *there, 1])
     return rows

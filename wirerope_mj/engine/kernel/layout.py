@@ -2,24 +2,23 @@
 
 `lay` (int64) begins with a header; its tables follow. Rows refer to entries of `fix` (float64, shared: frames, axes, armatures)
 and of `num` (one lane for each variant: masses, centres, inertias, points of mounts, parameters of laws). A link is a body that
-moves, with everything welded to it; behind the last stands the world. Frames of links are those of their bodies; a vector "in the link" is in these axes from this
-origin.
+moves, with everything welded to it; behind the last stands the world. Frames of links are those of their bodies; a vector "in
+the link" is in these axes from this origin.
 """
 
-# header
+# header: counts, addresses of the tables, addresses of the sections of the working memory, in rows
 N_LINKS, N_TREES, NQ, NV, N_STATES, N_MOUNTS, N_FRAMES, N_CHANNELS, N_STOPS, N_SLIPPING, N_DRIVEN = range(11)
 LINKS, TREES, DOFS, RUNS, MOUNTS, AXES, FRAMES, CHANNELS, STOPS, DRIVEN = range(11, 21)
 PARAMETERS = 21  # of the laws in `num`
-N_VALUES, N_RUNS, N_PAIRS, PAIRS = 22, 23, 42, 43  # sensor values of an instant
-# sections of the working memory, in rows
-KIN, WRENCH, SUB, MASS, RHS, RATES, COMPOSITE, START, SLOPE, SUM, RECORD, VALUES, RECENT, MEMORY, TOUCHED, FAILED = (
-    range(24, 40)
-)
+N_VALUES, N_RUNS, N_PAIRS, PAIRS = 22, 23, 42, 43
+KIN, WRENCH, SUB, MASS, RHS, RATES, COMPOSITE, START = range(24, 32)
+SLOPE, SUM, RECORD, VALUES, RECENT, MEMORY, TOUCHED, FAILED = range(32, 40)
 N_WORK = 40
 GRAVITY = 41  # address in `fix`
 HEADER = 44
 
-# parent (-1: the world), first dof, dofs, kind, tree, frame in the parent link in `fix` (position 3, quaternion 4), inertia in `num`
+# parent (-1: the world), first dof, number of dofs, kind, tree, frame in the parent link in `fix` (position 3, quaternion 4),
+# inertia in `num`
 LINK_COLUMNS = 7
 PARENT, FIRST_DOF, DOFS_OF, KIND, TREE, FRAME, INERTIA = range(7)
 STRAIGHT, FREE, TURNING = 0, 1, 2  # never turns; floats; all others
@@ -61,16 +60,17 @@ RECORD_SIZE = 12
 # law number (-1), first parameter in `num`, first state, number of states; three rows per mount
 AXIS_COLUMNS = 4
 
-# link, point in the link in `num` (3), orientation in the link in `fix` (4), whether it is a point, base's link and its point in
-# `num` (3), displacement from there as modelled in `fix` (3), whether its peaks are tracked
+# link, point in the link in `num` (3), orientation in the link in `fix` (4), whether it is a point, base's link and its point
+# in `num` (3), displacement from there as modelled in `fix` (3), whether its peaks are tracked
 FRAME_COLUMNS = 8
 
 # of a channel: its last three vectors with their norms, in turn
 RECENT_SIZE = 12
 
-# of the motion of a link: origin, axes, quaternion, velocities, accelerations without those of its tree's coordinates, with them
+# of the motion of a link: origin, axes, quaternion, angular velocity, velocity, angular acceleration and acceleration without
+# those of the coordinates, the same with them
 KIN_O, KIN_R, KIN_Q, KIN_W, KIN_V, KIN_A0, KIN_L0, KIN_A, KIN_L, KIN_SIZE = 0, 3, 12, 16, 19, 22, 25, 28, 31, 34
 
-# of a link with all that hangs on it, about its tree's first origin: mass, first moments (3), inertia (6), forces of mounts (6),
-# of inertia and weight (6)
+# of a link with all that hangs on it, about its tree's first origin: mass, first moments (3), inertia (6), forces of mounts
+# (6), of inertia and weight (6)
 COM_M, COM_H, COM_I, COM_E, COM_B, COM_SIZE = 0, 1, 4, 10, 16, 22

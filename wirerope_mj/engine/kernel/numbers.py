@@ -146,7 +146,7 @@ class Numbers:
                 axes = self._axes[int(model.site_bodyid[site])]
                 arrays["site_pos"][site] += np.asarray(np.array(changes.positions[name]) @ axes, dtype=np.float64)
         bodies = copy.copy(self._bodies)
-        bodies.model = _Changed(model, arrays)  # type: ignore[assignment]
+        bodies.model = _Changed(model, arrays)
         for body in touched:
             self._write_body(numbers, bodies, bodies.link[body])
         for name in moved:

@@ -1,8 +1,9 @@
 """Accelerations of the coordinates from the forces on the links, tree by tree.
 
-A driven tree follows the base; a floating link alone obeys Newton and Euler in its own axes. Any other tree has the mass matrix
-of its composite bodies, M_jk = S_k . I_j S_j over the dofs k from j to the root, factored from the leaves on (Featherstone 2008,
-6.2 and 6.5). A driven dof there has the drive's inertia and force, as MuJoCo's has, so that both push back on it alike.
+A driven tree follows the base; a floating link alone obeys Newton and Euler in its own axes, and one that only slides has a
+mass matrix that never changes. Any other tree has that of its composite bodies, M_jk = S_k . I_j S_j over the dofs k from j to
+the root, factored from the leaves on (Featherstone 2008, 6.2 and 6.5). A driven dof there has the drive's inertia and force, as
+MuJoCo's has, so that both push back on it alike.
 """
 
 from wirerope_mj.engine.kernel import layout as at

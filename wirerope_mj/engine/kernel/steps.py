@@ -193,12 +193,16 @@ def advance(
     """Step all lanes through the segments of a grid and return the number of samples so far.
 
     Args:
-        structure, shared: `lay` and `fix` of the equations.
-        numbers, states, memory: of the lanes, (n, WIDTH), see `wirerope_mj.engine.kernel.layout`.
+        structure: `lay` of the equations.
+        shared: `fix` of the equations.
+        numbers: `num` of the lanes, (n_num, WIDTH).
+        states: qpos, qvel and act of the lanes, (n_state, WIDTH).
+        memory: working memory of the lanes, (n_work, WIDTH).
         clock: (CLOCK_SIZE,), see `observe`.
         which: motion of every lane, (WIDTH,).
         grid: starts, stops, numbers of steps, whether sampled, and events of the segments, (5, n_segments).
-        positions, rates: of the driven slides at the starts, (n_motions, n_segments, n_driven).
+        positions: of the driven slides at the starts, (n_motions, n_segments, n_driven).
+        rates: of the driven slides there, (n_motions, n_segments, n_driven).
         motion: accelerations of the base at all half steps, (n_motions, n_points, 3).
         ends: where a segment's accelerations end among them, (n_segments,).
         out: takes the samples of the first lanes, (n_kept, n_samples, n_values).

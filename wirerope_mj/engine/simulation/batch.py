@@ -300,8 +300,8 @@ def _result(
     response = None
     if recorder is not None:
         numerics = Numerics(
-            engine=engine, why=why, timestep=timestep, accuracy=math.nan, error_estimate=math.nan, steps=steps, callback=callback,
-            versions=dict(versions()), limited_by=limit_of_given(grid.timestep, grid.sample_rate),
+            timestep=timestep, accuracy=math.nan, error_estimate=math.nan, steps=steps, callback=callback,
+            versions=dict(versions()), limited_by=limit_of_given(grid.timestep, grid.sample_rate), engine=engine, why=why,
         )  # fmt: skip
         response = recorder.finish(variant.start, final, peaks, numerics)
     return BatchResult(

@@ -10,7 +10,7 @@ from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.group import Group
 from wirerope_mj.engine.simulation.grid import TimeGrid
-from wirerope_mj.engine.simulation.in_lanes import final_state, go_in_lanes, moving
+from wirerope_mj.engine.simulation.in_lanes import InLanes, final_state, go_in_lanes, moving
 from wirerope_mj.engine.simulation.judge import equations, unfit
 from wirerope_mj.engine.simulation.run import RunResult, peaks_of, run
 from wirerope_mj.engine.simulation.stepper import riding_dofs
@@ -90,8 +90,7 @@ def memory_of(system: System, group: Group, number: int) -> Array:
     """Return the memory of one variant's peaks and stops as the system's userdata has it, (n_userdata,)."""
     user = np.zeros(system.assembly.tables.user.size)
     tables = system.assembly.tables
-    tracked = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
-    tables.user.channel_rows(user)[tracked] = group.channels(number)
+    tables.user.channel_rows(user)[tables.tracked] = group.channels(number)
     tables.user.stop_rows(user)[: len(group.stops(number))] = group.stops(number)
     return user
 
@@ -108,9 +107,16 @@ def _by_kernel(
     group = done.groups[0][0]
     if why := failure(group, 0):
         return why
+    return result_of(system, start, grid, done, group, 0, 0)
+
+
+def result_of(
+    system: System, start: State, grid: TimeGrid, done: InLanes, group: Group, lane: int, variant: int
+) -> RunResult:
+    """Return what came of one variant, in a lane of its group."""
     return RunResult(
-        final_state=final_state(system, start, group.states[:, 0], grid.stop),
-        peaks=peaks_of(system, memory_of(system, group, 0), done.base_peaks[0]),
+        final_state=final_state(system, start, group.states[:, lane], grid.stop),
+        peaks=peaks_of(system, memory_of(system, group, lane), done.base_peaks[done.which[variant]]),
         callback="native",
         steps=done.steps,
         largest_step=done.largest_step,

@@ -194,11 +194,12 @@ def _cut(at: _Breaks, timestep: float, motion: BaseMotion) -> Grid:
     stop = np.where(
         is_last, breaks[interval + 1], breaks[interval] + length[interval] * ((number + 1) / segments[interval])
     )
+    event = _events(motion, np.append(start, stop[-1:]))  # each but the last ends where the next one starts
     return Grid(
         start=start,
         stop=stop,
         steps=steps_per_segment[interval],
         sampled=sampled[interval] & is_first,
-        event=_events(motion, start),
-        corner_after=_events(motion, stop) != SMOOTH,
+        event=event[:-1],
+        corner_after=event[1:] != SMOOTH,
     )

@@ -46,14 +46,13 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State) -> S
 def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:
     """Return `state` with the base where the motion has it at the state's instant, the whole system carried along."""
     assembly, model = system.assembly, system.model
-    if not assembly.driven_dofs:
+    joints = list(assembly.subjects.driven)
+    if not joints:
         return state
     now = np.array([state.time])
     displacement, velocity = motion.displacement(now)[0], motion.velocity(now)[0]
     velocity = velocity - velocity_jump(motion, state.time)  # the simulation itself applies a jump at its start
-    dofs = list(assembly.driven_dofs)
-    joints = [int(model.dof_jntid[dof]) for dof in dofs]
-    addresses = model.jnt_qposadr[joints]
+    dofs, addresses = model.jnt_dofadr[joints], model.jnt_qposadr[joints]
     qpos, qvel = np.empty(model.nq), np.empty(model.nv)
     mujoco.mj_extractState(model, state.values, STATE, qpos, mujoco.mjtState.mjSTATE_QPOS)
     mujoco.mj_extractState(model, state.values, STATE, qvel, mujoco.mjtState.mjSTATE_QVEL)

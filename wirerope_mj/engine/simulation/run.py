@@ -50,10 +50,11 @@ def run(
     sink: Callable[[int, Array], None],
     progress: Callable[[float], None] | None = None,
 ) -> RunResult:
-    """Step `system` through `grid` from `initial` and hand every sample to `sink`.
+    """Step `system` through `grid` from `initial` by MuJoCo and hand every sample to `sink`.
 
-    The system's model is copied, so that one system serves several threads. `sink` takes the number of the first of some samples
-    and the system's sensor values, (n_samples, n_values), which it must copy; `progress` takes the simulated time [s] now and then.
+    The system's model is copied, so that one system serves several threads. `sink` takes the number of the first of some
+    samples and the system's sensor values, (n_samples, n_values), which it must copy; `progress` takes the simulated time [s]
+    now and then.
 
     Raises:
         SimulationError: MuJoCo warned that the state is not valid any more.

@@ -55,7 +55,9 @@ def eigenvalues(system: System, *, closed: bool = False) -> npt.NDArray[np.compl
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fullM(model, data, mass)
         matrices = _mount_matrices(system, data, closed)
-    free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
+    moves = np.ones(model.nv, dtype=bool)
+    moves[system.assembly.driven_dofs] = False
+    free = np.flatnonzero(moves)
     stiffness, damping = (matrix[np.ix_(free, free)] for matrix in matrices)
     inverse, n = np.linalg.inv(mass[np.ix_(free, free)]), free.size
     rates = np.zeros((2 * n, 2 * n))  # of displacements and velocities

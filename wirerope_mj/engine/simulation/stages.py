@@ -106,6 +106,10 @@ class StageTables:
 
 def _half_steps(start: Array, stop: Array, points: npt.NDArray[np.int64], low: Array, high: Array) -> Array:
     """Return the half steps of segments, one segment after the other, those at its ends within `low` and `high`."""
+    if (points == points[0]).all():  # as in most blocks: the same with rows for segments, and four times as fast
+        fraction = np.arange(float(points[0])) / (points[0] - 1)
+        rows = start[:, np.newaxis] + (stop - start)[:, np.newaxis] * fraction
+        return np.minimum(np.maximum(rows, low[:, np.newaxis]), high[:, np.newaxis]).ravel()
     number = np.arange(float(points.sum())) - np.repeat(np.cumsum(points) - points, points)
     begin, length, last, least, most = (
         values.repeat(points) for values in (start, stop - start, points - 1, low, high)

@@ -119,8 +119,7 @@ class Stepper:
 
 def velocity_jump(motion: BaseMotion, time: float) -> Array:
     """Return the jump of the base's velocity at an instant [m/s], (3,); `motion.velocity` already contains it."""
-    jumps = [jump for instant, jump in motion.velocity_jumps if abs(instant - time) <= SAME_TIME]
-    return np.sum([np.zeros(3), *jumps], axis=0)
+    return sum((jump for instant, jump in motion.velocity_jumps if abs(instant - time) <= SAME_TIME), np.zeros(3))
 
 
 def base_before(motion: BaseMotion, drive: Array, time: float) -> tuple[Array, Array]:

@@ -1,15 +1,19 @@
 """Choosing the step before the run: pilots of the same system and motion, halved until samples and peaks agree."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.simulation.engines import Engine, compute
+from wirerope_mj.engine.simulation.engines import Engine, compute, failure, leap, result_of
 from wirerope_mj.engine.simulation.grid import time_grid
+from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.initial import moving_with_base
+from wirerope_mj.engine.simulation.judge import equations, unfit
+from wirerope_mj.engine.simulation.later import Later
+from wirerope_mj.engine.simulation.run import RunResult
 from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
@@ -38,11 +42,18 @@ CONTACTS = "contacts, where finer steps bring too little"
 RICHARDSON = 4.0 / 3.0
 """Error of the coarser of two runs from their difference at order 2, the order that reversals of the mounts leave to RK4."""
 
+FINER = 2.0
+"""Difference of two runs, the step of one half that of the other, over the finer one's error: 3 at order 2, and at the lower
+order 1.6 that is sometimes seen between two steps."""
+
 SMALL = 1e-3
 """Quantities smaller than this fraction of the largest of their kind are judged against that fraction."""
 
 STILL = {"acceleration": 1e-6}
 """Peaks below which a quantity rests [m/s^2]: what an equilibrium's rounding leaves is 1e-10, and no step makes it smaller."""
+
+KEPT = 20_000_000
+"""Numbers that a pilot may have to be kept as the run's answer: 160 MB."""
 
 PILOT_PERIODS = 6.0
 """Slowest periods after the motion's last corner that a pilot covers: the largest peaks lie within them."""
@@ -56,11 +67,15 @@ WINDOWED = 0.5
 
 @dataclass(frozen=True, kw_only=True)
 class ChosenStep:
-    """A step [s], the error estimated for it, relative to the peaks, and what keeps it from being longer."""
+    """A step [s], the error estimated for it, relative to the peaks, and what keeps it from being longer.
+
+    `done` is what came of the run with this step and its samples, where a pilot was the whole run.
+    """
 
     timestep: float
     error: float
     limited_by: str
+    done: tuple[RunResult, Array] | None = field(default=None, compare=False, repr=False)
 
 
 def limit_of_given(timestep: float, sample_rate: float) -> str:
@@ -81,30 +96,38 @@ def choose_timestep(
     """Return the largest step of a halving series whose pilots keep samples and refined peaks within `accuracy`.
 
     The series starts at the sample interval or the stability limit, whichever is shorter. A pilot is the run itself if that
-    is short, else windows of it that start from `start`. Where bodies touch, `accuracy` may not be reached: refining ends as
-    soon as that shows, and the error says what was reached.
+    is short, else windows of it that start from `start`. Of two pilots that differ by d the error of the finer is at most
+    d / `FINER`, and it is taken where that is enough. Where bodies touch, `accuracy` may not be reached: refining ends as soon
+    as that shows, and the error says what was reached.
     """
-    windows = _windows(system, motion, start, duration)
+    windows = _windows(system, motion, start, duration, sample_rate)
     step, limit = min((1.0 / sample_rate, SAMPLES), (stable_step(system), STABILITY), (duration, DURATION))
     between = _step_between_corners(motion, windows, sample_rate, step)
     step, limit = (between, CORNERS) if between < step else (step, limit)
 
     failures: list[str] = []
     pilots = partial(_pilots, system, motion, start, windows, sample_rate, engine, failures)
+    whole = windows == [(start.time, duration)]
     wanted = accuracy if len(windows) == 1 else WINDOWED * accuracy
     coarse = pilots(step)
     in_contact: list[ChosenStep] = []
     for halving in range(HALVINGS):
         fine = pilots(step / 2.0)
-        error = RICHARDSON * _difference(coarse, fine)
+        difference = _difference(coarse, fine)
+        error = RICHARDSON * difference
         touches = fine is not None and any(pilot.touches for pilot in fine)
         if error <= wanted:
-            longer = _longer(pilots, fine, step, error, wanted) if halving else None
-            return longer or ChosenStep(timestep=step, error=error, limited_by=ACCURACY if halving else limit)
+            longer = _longer(pilots, fine, step, error, wanted, 0.5) if halving and not whole else None
+            found = ChosenStep(timestep=step, error=error, limited_by=ACCURACY if halving else limit)
+            return longer or _done(found, coarse, whole)
         if touches:
-            in_contact.append(ChosenStep(timestep=step, error=error, limited_by=CONTACTS))
+            in_contact.append(_done(ChosenStep(timestep=step, error=error, limited_by=CONTACTS), coarse, whole))
             if halving >= LUCK and not _pays(error, halving, wanted):
                 return _best(in_contact)
+        elif difference <= FINER * wanted:
+            found = ChosenStep(timestep=step / 2.0, error=difference / FINER, limited_by=ACCURACY)
+            longer = None if whole else _longer(pilots, fine, step / 2.0, found.error, wanted)
+            return longer or _done(found, fine, whole)
         step, coarse = step / 2.0, fine
     if coarse is None:
         raise SimulationError(f"the run fails at every step down to {step:.3g} s: {failures[-1]}")
@@ -120,13 +143,23 @@ def _longer(
     step: float,
     error: float,
     wanted: float,
+    finer: float = 1.0,
 ) -> ChosenStep | None:
-    """Return a step between `step` and its double, which failed, if it is accurate enough: order 2 says where to look."""
+    """Return a step between `step` and its double, which failed, if it is accurate enough: order 2 says where to look.
+
+    `fine` are pilots with `finer` times the step.
+    """
     factor = min(1.9, 0.9 * np.sqrt(wanted / error)) if error > 0.0 else 1.0
     if factor <= 1.15:
         return None
-    longer = _difference(pilots(factor * step), fine) * factor**2 / (factor**2 - 0.25)
+    longer = _difference(pilots(factor * step), fine) * factor**2 / (factor**2 - finer**2)
     return ChosenStep(timestep=factor * step, error=longer, limited_by=ACCURACY) if longer <= wanted else None
+
+
+def _done(step: ChosenStep, pilots: "list[_Pilot] | None", whole: bool) -> ChosenStep:
+    """Return a step together with its pilot, if that was the whole run and is not too large to be kept."""
+    kept = whole and pilots is not None and pilots[0].rows.size <= KEPT
+    return replace(step, done=(pilots[0].run, pilots[0].rows)) if kept and pilots else step
 
 
 def _pays(error: float, halving: int, wanted: float) -> bool:
@@ -164,8 +197,10 @@ def _step_between_corners(
     return min(step, float(np.median(steps)) * (1.0 + 1e-6)) if 2 * corners > steps.size else step
 
 
-def _windows(system: System, motion: BaseMotion, start: State, duration: float) -> list[tuple[float, float]]:
-    """Return starts and lengths [s] of the pilots."""
+def _windows(
+    system: System, motion: BaseMotion, start: State, duration: float, sample_rate: float
+) -> list[tuple[float, float]]:
+    """Return starts and lengths [s] of the pilots; several begin whole sample intervals after the first."""
     rates = np.abs(eigenvalues(system))
     slowest = 2.0 * np.pi / max(float(rates[rates > 1.0].min(initial=60.0)), 6.0)  # from 1 Hz up: no pilot of minutes
     length = PILOT_PERIODS * slowest
@@ -174,13 +209,16 @@ def _windows(system: System, motion: BaseMotion, start: State, duration: float) 
     if over - begin <= (WINDOWS - 1) * length:
         return [(begin, min(over + length, end) - begin)]
     # Geometric spacing follows a logarithmic sweep; the last window ends with the motion.
-    starts = begin + (over - length - begin) * np.geomspace(1.0, 2.0**WINDOWS, WINDOWS) / 2.0**WINDOWS
+    starts = (over - length - begin) * np.geomspace(1.0, 2.0**WINDOWS, WINDOWS) / 2.0**WINDOWS
+    starts = begin + np.floor(starts * sample_rate) / sample_rate
     starts[0] = begin
     return [(float(instant), length) for instant in starts]
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Pilot:
+    run: RunResult
+    rows: Array  # sensor values at the samples, (n_t, n_values)
     vectors: Array  # accelerations, displacements, deflections and forces over time, (n_t, n_channels, 3)
     peaks: Array  # value, minimum and maximum of every channel, (n_channels, 7)
     kinds: list[str]
@@ -193,10 +231,49 @@ def _pilots(
 ) -> list[_Pilot] | None:  # fmt: skip
     """Return the pilots of all windows with one step; None, and the reason in `failures`, where it was too large."""
     try:
+        if len(windows) > 1 and engine != "mujoco" and not (unfit(system) or leap(system, motion)):
+            together = _side_by_side(system, motion, start, windows, sample_rate, step)
+            if together is not None:
+                return together
         return [_pilot(system, motion, start, window, sample_rate, engine, step) for window in windows]
     except SimulationError as failure:
         failures.append(str(failure))
         return None
+
+
+def _side_by_side(
+    system: System,
+    motion: BaseMotion,
+    start: State,
+    windows: list[tuple[float, float]],
+    sample_rate: float,
+    step: float,
+) -> list[_Pilot] | None:
+    """Return the pilots of windows of one length, which begin at samples, by the kernel in lanes; None if it gave one up."""
+    motions = [Later(motion, begin) for begin, _ in windows]
+    grid = time_grid(
+        start=0.0, duration=windows[0][1], sample_rate=sample_rate, timestep=step, motion=motions[0],
+        corners=np.concatenate([one.corners for one in motions]),
+    )  # fmt: skip
+    starts = [moving_with_base(system, motion, State(values=start.values.copy(), time=begin)) for begin, _ in windows]
+    rows = [np.empty((grid.sample_times.size, system.model.nsensordata - system.assembly.sensor)) for _ in windows]
+
+    def sink(window: int, first: int, values: Array) -> None:
+        rows[window][first : first + len(values)] = values
+
+    states = np.array([one.values[moving(system)] for one in starts])
+    done = go_in_lanes(
+        [equations(system)] * len(windows), system.assembly.tables.drive, motions, states, grid, sink=sink
+    )
+    pilots: dict[int, _Pilot] = {}
+    for group, members in done.groups:
+        for lane, window in enumerate(members):
+            if failure(group, lane):
+                return None
+            pilots[window] = _pilot_of(
+                system, result_of(system, starts[window], grid, done, group, lane, window), rows[window]
+            )
+    return [pilots[window] for window in range(len(windows))]
 
 
 def _pilot(
@@ -205,22 +282,28 @@ def _pilot(
 ) -> _Pilot:  # fmt: skip
     begin, length = window
     grid = time_grid(start=begin, duration=length, sample_rate=sample_rate, timestep=step, motion=motion)
-    # What is fixed to the base follows the motion, whatever the step.
-    judged = np.setdiff1d(np.arange(system.assembly.tables.channels.size), system.assembly.tables.base_channels)
-    channels = system.assembly.tables.channels[judged]
-    history = np.empty((grid.sample_times.size, channels.size, 3))
+    rows = np.empty((grid.sample_times.size, system.model.nsensordata - system.assembly.sensor))
 
     def sink(first: int, values: Array) -> None:
-        history[first : first + len(values)] = values[:, channels[:, None] + np.arange(3)]
+        rows[first : first + len(values)] = values
 
     at_begin = State(values=start.values.copy(), time=begin)
     if begin != start.time:
         at_begin = moving_with_base(system, motion, at_begin)
     done = compute(system, motion, grid, at_begin, engine=engine, callback="native", sink=sink)
-    names, rows = _peak_rows(done.peaks)
+    return _pilot_of(system, done, rows)
+
+
+def _pilot_of(system: System, done: RunResult, rows: Array) -> _Pilot:
+    tables = system.assembly.tables
+    judged = tables.tracked  # what is fixed to the base follows the motion, whatever the step
+    names, peaks = _peak_rows(done.peaks)
     # Of geoms alone: with a mount's stop the error falls as it does without one.
     touches = any(contact.touches and not contact.mount for contact in (done.peaks.contacts or {}).values())
-    return _Pilot(vectors=history, peaks=rows[judged], kinds=[names[i] for i in judged], touches=touches)
+    return _Pilot(
+        run=done, rows=rows, vectors=rows[:, tables.channels[judged, np.newaxis] + np.arange(3)], peaks=peaks[judged],
+        kinds=[names[i] for i in judged], touches=touches,
+    )  # fmt: skip
 
 
 def _peak_rows(peaks: Peaks) -> tuple[list[str], Array]:

@@ -44,6 +44,7 @@ class Tables:
         drive: slide accelerations from base acceleration, (n_driven, 3).
         channels: indices of the tracked 3-vectors among the system's sensor values, (n_channels,).
         base_channels: numbers of the channels with the acceleration of what is fixed to the driven base.
+        tracked: numbers of the others, (n_channels - n_base_channels,).
         states: per mount where the states of roll, shear and axial stand among the internal states.
     """
 
@@ -53,6 +54,7 @@ class Tables:
     drive: Array
     channels: npt.NDArray[np.int64]
     base_channels: tuple[int, ...]
+    tracked: npt.NDArray[np.int64]
     states: dict[str, tuple[slice, slice, slice]]
 
     @property
@@ -129,7 +131,8 @@ def make_tables(
         user=user,
         drive=drive,
         channels=np.array(channels, dtype=np.int64),
-        base_channels=_base_channels(model, on),
+        base_channels=(base_channels := _base_channels(model, on)),
+        tracked=np.setdiff1d(np.arange(len(channels)), base_channels),
         states=states,
     )
 

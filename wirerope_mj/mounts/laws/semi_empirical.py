@@ -183,11 +183,11 @@ def _mid_line(loop: Loop) -> Array:
 def tinker_cutchins(p, i, x, v, z, j, zdot, k):
     """Return k1 x + k2 x^2 + k3 x^3 + c |v|^n sgn(v) + Fc(x) tanh(v/s) [N]; p = k1, k2, k3, c, n, f0, f1, f2, s."""
     n, s = p[i + 4], p[i + 8]
-    damping = p[i + 3] * v
+    size = 1.0
     if some(n != 1.0):
         above = n > 1.0
         # |v|^n has an infinite slope at rest if n < 1: smoothed over the same velocity as the friction
         size = raised(where(above, abs(v), v * v + s * s), where(above, 1.0, 0.5) * (n - 1.0))
-        damping = p[i + 3] * size * v
+    damping = p[i + 3] * size * v
     friction = (p[i + 5] + p[i + 6] * abs(x) + p[i + 7] * x * x) * math.tanh(v / s)
     return x * (p[i] + x * (p[i + 1] + x * p[i + 2])) + damping + friction

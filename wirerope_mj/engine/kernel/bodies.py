@@ -1,0 +1,104 @@
+"""Bodies of a model as links: poses, and masses of what is welded together."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from wirerope_mj.foundation.arrays import Array
+
+
+@dataclass
+class Writer:
+    """Numbers that are put one behind the other, and where each begins."""
+
+    numbers: list[float]
+
+    def put(self, *values: object) -> int:
+        """Append arrays of numbers and return where the first begins."""
+        first = len(self.numbers)
+        for value in values:
+            self.numbers.extend(np.ravel(np.asarray(value, dtype=np.float64)).tolist())
+        return first
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pose:
+    """A frame in another one: origin (3,) and unit quaternion (4,)."""
+
+    origin: Array
+    quaternion: Array
+
+    def then(self, origin: Array, quaternion: Array) -> "Pose":
+        """Return the pose of a frame whose pose in this one is given."""
+        turned, product = np.empty(3), np.empty(4)
+        mujoco.mju_rotVecQuat(turned, np.asarray(origin, dtype=np.float64), self.quaternion)
+        mujoco.mju_mulQuat(product, self.quaternion, np.asarray(quaternion, dtype=np.float64))
+        return Pose(origin=self.origin + turned, quaternion=product / np.linalg.norm(product))
+
+    @property
+    def axes(self) -> Array:
+        """Axes as columns, (3, 3)."""
+        matrix = np.empty(9)
+        mujoco.mju_quat2Mat(matrix, self.quaternion)
+        return matrix.reshape(3, 3)
+
+
+HERE = Pose(origin=np.zeros(3), quaternion=np.array([1.0, 0.0, 0.0, 0.0]))
+
+
+class Bodies:
+    """Bodies of a model as links, and where each body is in its link."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self.model = model
+        moving = (model.body_weldid == np.arange(model.nbody)) & (model.body_dofnum > 0)
+        self.links = np.flatnonzero(moving).tolist()
+        numbers = {body: number for number, body in enumerate(self.links)}
+        self.link = [numbers.get(int(body), len(self.links)) for body in model.body_weldid]
+        self.pose: list[Pose] = []
+        for body in range(model.nbody):
+            over = HERE if moving[body] or not body else self.pose[int(model.body_parentid[body])]
+            self.pose.append(
+                HERE if moving[body] or not body else over.then(model.body_pos[body], model.body_quat[body])
+            )
+
+    def on_parent(self, body: int) -> tuple[int, Pose]:
+        """Return the link that a link's body hangs on, and its pose there."""
+        parent = int(self.model.body_parentid[body])
+        return self.link[parent], self.pose[parent].then(self.model.body_pos[body], self.model.body_quat[body])
+
+    def site(self, site: int) -> tuple[int, Pose]:
+        """Return the link of a site, and its pose there."""
+        body = int(self.model.site_bodyid[site])
+        return self.link[body], self.pose[body].then(self.model.site_pos[site], self.model.site_quat[site])
+
+
+def modelled(bodies: Bodies, number: int) -> Pose:
+    """Return the pose of a link that never turns, as modelled."""
+    parent, pose = bodies.on_parent(bodies.links[number])
+    if parent == len(bodies.links):
+        return pose
+    return modelled(bodies, parent).then(pose.origin, pose.quaternion)
+
+
+def inertia_of(bodies: Bodies, number: int) -> Array:
+    """Return mass, centre, inertia and its inverse of a link with everything welded to it, (INERTIA_SIZE,)."""
+    model = bodies.model
+    own = [body for body in range(1, model.nbody) if bodies.link[body] == number]
+    masses = model.body_mass[own]
+    poses = [bodies.pose[body].then(model.body_ipos[body], model.body_iquat[body]) for body in own]
+    total = float(masses.sum())
+    centre = sum(m * pose.origin for m, pose in zip(masses, poses, strict=True)) / total if total else np.zeros(3)
+    about = np.zeros((3, 3))
+    for body, mass, pose in zip(own, masses, poses, strict=True):
+        arm = pose.origin - centre
+        about += pose.axes @ np.diag(model.body_inertia[body]) @ pose.axes.T
+        about += mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    inverse = np.linalg.inv(about) if np.linalg.det(about) > 0.0 else np.zeros((3, 3))
+    return np.concatenate([[total], centre, _six(about), _six(inverse)])
+
+
+def _six(matrix: Any) -> Array:
+    return np.asarray(matrix[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]], dtype=np.float64)
