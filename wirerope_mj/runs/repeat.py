@@ -98,6 +98,7 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
             summary_differences(read_summary(folder), computed, texts=same_version and altered is not None)
         )
         arguments = {key: value for key, value in content["simulate"].items() if key != "accuracy"}
+        arguments.setdefault("engine", "mujoco")  # older runs knew no other
         long = is_streamed(arguments)
         with tempfile.TemporaryDirectory() as out:
             again = simulate(system, motion, **arguments, out=out if long else None, progress=progress)
