@@ -46,9 +46,10 @@ def search_of(system):
     return OrbitSearch(system, direction="z", history="relaxed", accuracy=1e-4)
 
 
-def test_the_kernel_steps_a_floor_as_mujoco_does(by_both):
+@pytest.mark.parametrize("model", ["floating_floor", "cabinet"])  # 72 unknowns, which fill their lanes, and 42
+def test_the_kernel_steps_a_model_as_mujoco_does(by_both, model):
     def computed():
-        search = search_of(wr.load_system("models/floating_floor.xml"))
+        search = search_of(wr.load_system(f"models/{model}.xml"))
         flow = search.flow
         with flow.ready():
             drive = search.drive(8.0, 1.0)
@@ -67,9 +68,9 @@ def test_the_kernel_steps_a_floor_as_mujoco_does(by_both):
     for name in ("qpos", "qvel", "act", "sensors"):
         one, two = getattr(track.track, name), getattr(other.track, name)
         assert np.abs(one - two).max() < (1e-8 if name == "qvel" else 1e-9) * np.abs(two).max()
-    # Difference quotients of 1e-5 make rounding 1e5 times as large.
+    # Difference quotients of 1e-5 make of rounding, 1e-11 at the end of the cabinet's period, 1e-6.
     for one, two in zip(matrices, other_matrices, strict=True):
-        assert np.abs(one - two).max() < 1e-7 * np.abs(two).max()
+        assert np.abs(one - two).max() < 2e-6 * np.abs(two).max()
 
 
 def test_orbits_are_the_same_by_either(by_both):

@@ -227,7 +227,7 @@ def _integrate(derivative: Array, step: float) -> Array:
     Most of A is zero: a mount's states do not depend on those of the others.
     """
     _, n, width = derivative.shape
-    rows, columns = np.nonzero((derivative != 0.0).any(axis=0))
+    rows, columns = np.nonzero((derivative[:, :, :n] != 0.0).any(axis=0))
     begin = np.searchsorted(rows, np.arange(n + 1))
     phi = np.ascontiguousarray(np.eye(n, width).reshape(n, -1, WIDTH).swapaxes(0, 1))
     go_along(begin, np.ascontiguousarray(columns), derivative, step, phi, np.empty((4 * n, WIDTH)))
