@@ -203,7 +203,7 @@ def test_interpreted_callbacks_take_the_variants_one_by_one(monkeypatch):
     keywords = {**STEPS, "duration": 0.02}
     monkeypatch.setattr("wirerope_mj.engine.control.install.disagreement", lambda model, data: "qvel")
     with pytest.warns(RuntimeWarning, match="slower Python callback"):
-        (result,) = wr.simulate_batch(system, half_sine(10.0), **keywords)
+        (result,) = wr.simulate_batch(system, half_sine(10.0), engine="mujoco", **keywords)
     assert_same(result, wr.simulate(system, half_sine(10.0), callback="python", **keywords))
 
 

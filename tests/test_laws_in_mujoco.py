@@ -70,7 +70,8 @@ def test_every_law_draws_in_mujoco_the_loop_of_its_trace(name):
     law = example(name)
     settings = {"duration": 0.3, "timestep": 1e-4, "sample_rate": 10_000.0, "initial": "unloaded"}
     native, python = (
-        wr.simulate(sdof(law, mass=MASS), SHAKING, callback=callback, **settings) for callback in ("native", "python")
+        wr.simulate(sdof(law, mass=MASS), SHAKING, callback=callback, engine="mujoco", **settings)
+        for callback in ("native", "python")
     )
     m = native.mounts["m1"]
     x, force = m.deflection[:, 2], m.force[:, 2]
@@ -239,7 +240,9 @@ def test_coupled_mounts_draw_in_mujoco_what_their_law_draws():
     shock = wr.HalfSine(peak=12 * G, duration=0.011, direction=(2.0, 1.0, 0.5), start=0.0075)
     system = platform(20.0, "biaxial", shear=law)
     native, python = (
-        wr.simulate(system, shock, duration=0.2, timestep=1e-4, sample_rate=10_000.0, callback=callback)
+        wr.simulate(
+            system, shock, duration=0.2, timestep=1e-4, sample_rate=10_000.0, callback=callback, engine="mujoco"
+        )
         for callback in ("native", "python")
     )
     for name, m in native.mounts.items():

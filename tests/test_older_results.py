@@ -51,7 +51,8 @@ def test_an_identification_gives_the_same_law(tmp_path):
         tomllib.loads(path.read_text(encoding="utf-8")) for path in (OLD / "identification" / "identified.toml", out)
     )
     assert after["axial"].pop("law") == before["axial"].pop("law")
-    assert after["axial"] == pytest.approx(before["axial"], rel=1e-9)
+    # The loops hardly determine k2 and gamma: another processor's last bits are 4e-9 of them.
+    assert after["axial"] == pytest.approx(before["axial"], rel=1e-7)
     assert wr.load_isolator(out).axial == wr.AsymmetricBoucWen(**after["axial"])
     old, new = (
         (path / "report.md").read_text(encoding="utf-8") for path in (OLD / "identification", tmp_path / "again-report")

@@ -77,7 +77,7 @@ def seen(time, deflection, force):
 @pytest.mark.parametrize("callback", ["native", "python"])
 def test_a_stop_is_seen_at_every_step(system, response, callback):
     r = response if callback == "native" else wr.simulate(
-        system, SHOCK, duration=0.2, timestep=STEP, sample_rate=1.0 / STEP, callback=callback
+        system, SHOCK, duration=0.2, timestep=STEP, sample_rate=1.0 / STEP, callback=callback, engine="mujoco"
     )  # fmt: skip
     contact = r.peaks.contacts["s3"]
     assert (contact.struck, contact.from_start, contact.mount, contact.bodies) == (True, False, "s3", ("mass", "deck"))
@@ -99,7 +99,9 @@ def test_a_stop_inside_an_isolator_is_seen(callback):
     viscous = wr.Stop(gap_below=BELOW, k=1e6, rounding=2e-3, c=3e3)
     system = mass_on_stop(inside=bumper, beside=wr.Parallel(laws=[viscous, bumper]))
     assert [mount.isolator.is_stop for mount in system.mounts.values()] == [False, True]
-    r = wr.simulate(system, SHOCK, duration=0.2, timestep=STEP, sample_rate=1.0 / STEP, callback=callback)
+    r = wr.simulate(
+        system, SHOCK, duration=0.2, timestep=STEP, sample_rate=1.0 / STEP, callback=callback, engine="mujoco"
+    )
     assert list(r.peaks.contacts) == ["m1", "s3 axial 1", "s3 axial 2"]
     inside, second = r.peaks.contacts["m1"], r.peaks.contacts["s3 axial 2"]
     assert inside.mount == "m1"

@@ -146,7 +146,9 @@ def _used(utilisation: float | None) -> Mark:
 def _numerics(response: Response) -> str:
     numerics = response.numerics
     limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
-    text = f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}, {numerics.callback} callback"
+    text = (
+        f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}, by {numerics.computed_by}"
+    )
     if math.isfinite(numerics.error_estimate):
         missed = (
             "" if numerics.error_estimate <= numerics.accuracy else f", above the {numerics.accuracy:.0e} asked for"

@@ -15,7 +15,7 @@ from numba.core.typeconv import Conversion
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import models, register_model
 
-WIDTH = 8
+WIDTH = 4
 """Lanes of a vector: one register of AVX-512, two of AVX2. Fixed, because results must not depend on the machine's choice."""
 
 DOUBLE, LONG, INDEX = ir.DoubleType(), ir.IntType(64), ir.IntType(32)

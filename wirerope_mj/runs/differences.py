@@ -1,10 +1,11 @@
 """Differences between the numbers that a run's folder holds and those that are computed again."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import scene_to_dict
@@ -17,7 +18,12 @@ NEGLIGIBLE = 1e-9
 """Next to the largest number of its vector: what is smaller is rounding, as along an axis in which nothing moves."""
 
 _BLOCK = 64  # columns that are compared at once
-_OF_THIS_TIME = ("numerics.seconds", "numerics.versions")  # of summary.json: not the same when it is computed again
+_OF_THIS_TIME = ("numerics.seconds", "numerics.versions", "numerics.engine", "numerics.why_not_kernel")
+"""Entries of summary.json that are not the same when it is computed again, or that older ones lack."""
+
+_SMALLEST = 1e-3
+"""Scale of positions [m, rad], rates [m/s, rad/s] and internal states [N] that are smaller."""
+
 _LABELS = ("criterion", "subject", "name")
 
 
@@ -42,7 +48,7 @@ def peak_differences(stored: Response, again: Response) -> Iterator[Difference]:
     """Yield the differences of peaks: values relative to the largest of their peak, instants to the end of the run.
 
     The instant of a component that is rounding, as along an axis in which nothing moves, says nothing unless the component
-    has the same bits: its difference is `NEGLIGIBLE` then.
+    has the same bits, and neither does that of a value that is reached twice: their difference is `NEGLIGIBLE` then.
     """
     end = max(float(stored.time[-1]), again.timestep)
     mine, other = stored.peaks.to_dict(), again.peaks.to_dict()
@@ -55,16 +61,22 @@ def peak_differences(stored: Response, again: Response) -> Iterator[Difference]:
         largest = max(abs(mine[f"{peak}.0"]), abs(other[f"{peak}.0"]), np.finfo(float).tiny)
         ratio = abs(mine[where] - other[where]) / (end if int(index) in _INSTANTS else largest)
         reached = f"{peak}.{_INSTANTS.get(int(index), 0)}"
-        rounding = max(abs(mine[reached]), abs(other[reached])) <= NEGLIGIBLE * largest
-        yield NEGLIGIBLE if rounding and mine[reached] != other[reached] else ratio, f"peaks.{peak}"
+        same = abs(mine[reached] - other[reached]) <= NEGLIGIBLE * largest
+        yield NEGLIGIBLE if same and mine[reached] != other[reached] else ratio, f"peaks.{peak}"
 
 
 _INSTANTS = {1: 0, **{8 + axis: 5 + axis for axis in range(3)}, **{14 + axis: 11 + axis for axis in range(3)}}
 """Positions of the instants in `Peak.to_list`, and of the values that are reached then."""
 
 
-def other_differences(stored: Response, again: Response) -> Iterator[Difference]:
-    """Yield the differences of states, scene, events and step, relative to themselves; of states at least to `NEGLIGIBLE`."""
+def other_differences(
+    stored: Response, again: Response, parts: Sequence[npt.NDArray[np.int64]]
+) -> Iterator[Difference]:
+    """Yield the differences of states, scene, events and step, relative to themselves.
+
+    Of states each of the `parts`, positions, rates and internal states by their indices, is compared with its largest number.
+    What else a state holds is the engine's own, and follows from them: if it is not identical, its difference is `NEGLIGIBLE`.
+    """
     for name in ("initial_state", "final_state"):
         a, b = getattr(stored, name), getattr(again, name)
         mine, other = a.values, b.values
@@ -73,9 +85,12 @@ def other_differences(stored: Response, again: Response) -> Iterator[Difference]
         if mine.shape != other.shape or a.time != b.time:
             yield np.inf, name
             continue
-        floor = max(NEGLIGIBLE * float(np.abs(other).max(initial=0.0)), np.finfo(float).tiny)
-        ratio = np.abs(mine - other) / np.maximum(np.maximum(np.abs(mine), np.abs(other)), floor)
-        yield float(ratio.max(initial=0.0)), name
+        if not np.array_equal(mine, other):
+            ratios = [
+                np.abs(mine[i] - other[i]).max(initial=0.0) / max(float(np.abs(mine[i]).max(initial=0.0)), _SMALLEST)
+                for i in parts
+            ]
+            yield max(NEGLIGIBLE, *map(float, ratios)), name
     pairs = {
         "scene": (scene_to_dict(stored.scene), scene_to_dict(again.scene)),
         "events": ([list(event) for event in stored.events], [list(event) for event in again.events]),

@@ -95,6 +95,11 @@ def _carried(scenario: Scenario) -> dict[str, Any]:
             f"scenario {scenario.name!r} asks for the {callback!r} callback, and variants are simulated with the native one; "
             "leave it out."
         )
+    engine = arguments.pop("engine", "auto")
+    if engine != "auto":
+        raise ModelError(
+            f"scenario {scenario.name!r} asks for the engine {engine!r}, and of variants each has its own; leave it out."
+        )
     other = [key for key in arguments if key not in _CARRIED]
     if other:
         raise ModelError(

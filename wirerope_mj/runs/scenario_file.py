@@ -12,7 +12,7 @@ from wirerope_mj.runs.folder import FORMAT, SCENARIO
 
 _TABLES = {
     "model": ("file", "changes"),
-    "simulate": ("duration", "initial", "timestep", "sample_rate", "callback", "accuracy", "corners"),
+    "simulate": ("duration", "initial", "timestep", "sample_rate", "callback", "accuracy", "corners", "engine"),
 }
 """Tables of which every key counts, and their keys."""
 
@@ -24,7 +24,11 @@ _NEEDED = {
     "versions": (),
 }
 _REMEDY = "Put it right, or take the file from another copy of the folder."
-_CHOICES = {"initial": ("settled", "relaxed", "unloaded"), "callback": ("native", "python")}
+_CHOICES = {
+    "initial": ("settled", "relaxed", "unloaded"),
+    "callback": ("native", "python"),
+    "engine": ("mujoco", "kernel"),
+}
 
 
 def scenario_content(folder: Path) -> dict[str, Any]:
@@ -85,7 +89,7 @@ def _check_simulate(simulate: dict[str, Any]) -> None:
         if name in simulate and not (_is_finite(simulate[name]) and simulate[name] > 0.0):
             raise ValueError(f"`simulate.{name}` must be a number > 0, got {simulate[name]!r}.")
     for name, choices in _CHOICES.items():
-        if simulate[name] not in choices:
+        if name in simulate and simulate[name] not in choices:
             raise ValueError(f"`simulate.{name}` must be one of {', '.join(choices)}, got {simulate[name]!r}.")
     corners = simulate.get("corners", [])
     if not isinstance(corners, list) or not all(_is_finite(corner) for corner in corners):

@@ -69,6 +69,8 @@ def check_one_run(folder: Path, content: Mapping[str, Any], system: System, resp
         ("simulate.callback", simulate["callback"], numerics.callback),
         *_motion_pairs(content["motion"], response.motion, "motion"),
     ]
+    if "engine" in simulate:
+        pairs.append(("simulate.engine", simulate["engine"], numerics.engine))
     if "accuracy" in simulate:
         pairs.append(("simulate.accuracy", simulate["accuracy"], numerics.accuracy))
     for name, here, there in pairs:

@@ -34,6 +34,8 @@ def summary_content(
             "steps": numerics.steps,
             "samples": int(response.time.size),
             "callback": numerics.callback,
+            "engine": numerics.engine,
+            "why_not_kernel": numerics.why,
             "accuracy": json_values(numerics.accuracy),
             "estimated_error": json_values(numerics.error_estimate),
             "limited_by": numerics.limited_by,

@@ -39,7 +39,7 @@ SAMPLE_RATE = 1000.0
 """Sampling rate of `simulate` where the scenario gives none [Hz]."""
 
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk")
-_ARGUMENTS = ("duration", "initial", "timestep", "accuracy", "sample_rate", "corners", "callback")
+_ARGUMENTS = ("duration", "initial", "timestep", "accuracy", "sample_rate", "corners", "callback", "engine")
 
 
 def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False, progress: bool = False) -> Response:
@@ -119,6 +119,7 @@ def _scenario_text(
         "timestep": numerics.timestep,
         "sample_rate": float(arguments.get("sample_rate", SAMPLE_RATE)),
         "callback": numerics.callback,
+        "engine": numerics.engine,
     }
     if not math.isnan(numerics.accuracy):
         resolved["accuracy"] = numerics.accuracy

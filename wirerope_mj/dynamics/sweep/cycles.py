@@ -1,21 +1,22 @@
 """Stepping a system through complete cycles of its excitation, keeping nothing but the extremes of every cycle."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 
-import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.dynamics.sweep.by_kernel import ByKernel
+from wirerope_mj.dynamics.sweep.by_mujoco import ByMujoco
 from wirerope_mj.dynamics.sweep.channels import Channels
 from wirerope_mj.dynamics.sweep.travel import Lawful
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.simulation.engines import leap
 from wirerope_mj.engine.simulation.grid import Grid
 from wirerope_mj.engine.simulation.initial import moving_with_base
-from wirerope_mj.engine.simulation.stages import StageTables
-from wirerope_mj.engine.simulation.stepper import Stepper
+from wirerope_mj.engine.simulation.judge import unfit
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
@@ -50,15 +51,16 @@ class Cycles:
     Attributes:
         steps: number of steps so far.
         largest_step: largest of them [s].
+        why: why it is not the kernel that steps, "" as long as it is.
     """
 
-    def __init__(self, system: System, motion: Sine | Sweep, start: State, timestep: float) -> None:
+    def __init__(self, system: System, motion: Sine | Sweep, start: State, timestep: float, engines: ExitStack) -> None:
         self.steps, self.largest_step = 0, 0.0
-        self._motion, self._timestep = motion, timestep
+        self._motion, self._timestep, self._engines = motion, timestep, engines
         self._lawful, self._mounts = Lawful(system), Channels.of(system).mounts
-        self._stepper = Stepper(system, motion, start)
-        self._tables = StageTables(motion, system.assembly.tables.drive)
-        self._memory = system.assembly.tables.user.channel_rows(self._stepper.user)  # a view: the tracker writes it
+        self._n_channels = system.assembly.tables.channels.size
+        self.why = unfit(system) or leap(system, motion)
+        self._by = self._stepped(ByMujoco(system, motion, start)) if self.why else ByKernel(system, motion, start)
 
     def run(self, instants: Array) -> Extremes:
         """Step through the cycles that begin and end at `instants` [s], (n + 1,), and return their extremes.
@@ -67,51 +69,41 @@ class Cycles:
             SimulationError: a mount went beyond the finite travel of its law, or the engine reported that the state is not
                 valid any more; says at which frequency.
         """
-        stepper = self._stepper
         grid, ends = cycle_grid(instants, self._timestep)
-        stepper.enter(grid)
-        minimum, maximum = np.empty((2, ends.size, self._memory.shape[0], 3))
-        cycle, user = 0, stepper.user
-        for base in self._tables.segments(grid):
-            stepper.begin(base)
-            steps = int(grid.steps[base.number])
-            if not user[at.OBSERVING]:  # this instant was seen as the last of the cycle before
-                mujoco.mj_step(stepper.model, stepper.data)
-                user[at.OBSERVING], steps = 1.0, steps - 1
-            mujoco.mj_step(stepper.model, stepper.data, nstep=steps)
-            if base.number == ends[cycle]:
-                mujoco.mj_forward(stepper.model, stepper.data)
-                low, high = (self._memory[:, first : first + 3] for first in (at.LOW, at.HIGH))
-                minimum[cycle], maximum[cycle] = low, high
-                low[:], high[:], user[at.OBSERVING] = np.inf, -np.inf, 0.0
-                cycle += 1
-        extremes = Extremes(minimum=minimum, maximum=maximum)
-        middles = (instants[:-1] + instants[1:]) / 2.0
-        on = self._mounts
-        self._lawful.require(frequencies_at(self._motion, middles), extremes.minimum[:, on], extremes.maximum[:, on])
+        minimum, maximum = np.empty((2, ends.size, self._n_channels, 3))
+        if not self._by.go(grid, ends, minimum, maximum) and isinstance(self._by, ByKernel):
+            self.why = self._by.failure
+            self._by = self._stepped(self._by.handed_over())
+            self._by.go(grid, ends, minimum, maximum)
+        frequencies = frequencies_at(self._motion, (instants[:-1] + instants[1:]) / 2.0)
+        self._lawful.require(frequencies, minimum[:, self._mounts], maximum[:, self._mounts])
         self._check()
         self.steps += int(grid.steps.sum())
         self.largest_step = max(self.largest_step, grid.largest_step)
-        return extremes
+        return Extremes(minimum=minimum, maximum=maximum)
 
     def finish(self) -> State:
         """Return the state at the end of the last cycle."""
-        return self._stepper.finish()
+        return self._by.finish()
+
+    def _stepped(self, by: ByMujoco) -> ByMujoco:
+        """Return MuJoCo's stepping with its callbacks installed."""
+        self._engines.enter_context(installed(by.stepper.model, by.stepper.data))
+        return by
 
     def _check(self) -> None:
         try:
-            self._stepper.check()
+            self._by.check()
         except SimulationError as error:
-            frequency = frequencies_at(self._motion, np.array([self._stepper.data.time]))[0]
+            frequency = frequencies_at(self._motion, np.array([self._by.time]))[0]
             raise SimulationError(f"at {frequency:.5g} Hz: {error}") from None
 
 
 @contextmanager
 def stepping(system: System, motion: Sine | Sweep, start: State, timestep: float) -> Iterator[Cycles]:
     """Prepare for the cycles of `motion` from a state at its start, in steps of at most `timestep` [s]."""
-    cycles = Cycles(system, motion, start, timestep)
-    with installed(cycles._stepper.model, cycles._stepper.data):
-        yield cycles
+    with ExitStack() as engines:
+        yield Cycles(system, motion, start, timestep, engines)
 
 
 def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, npt.NDArray[np.int64]]:

@@ -68,7 +68,6 @@ def equations_of(system: System) -> Equations:
     lay[at.PARAMETERS] = num.put(tables.parameters)
     axes = _axes(tables)
     stops = _stops(tables, axes)
-    tracked = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
     parts: list[Any] = [
         links,
         _trees(model, bodies, kinds, dofs, num),
@@ -77,7 +76,7 @@ def equations_of(system: System) -> Equations:
         mounts,
         axes,
         frames,
-        tables.channels[tracked],
+        tables.channels[tables.tracked],
         stops,
     ]
     pairs = pair_rows(model, bodies, fix)
@@ -88,7 +87,7 @@ def equations_of(system: System) -> Equations:
     n_values += control.MOUNT_VALUES * len(mounts) + n_states
     counts = {
         at.N_LINKS: n_links, at.N_TREES: len(parts[1]), at.NQ: model.nq, at.NV: model.nv, at.N_STATES: n_states,
-        at.N_MOUNTS: len(mounts), at.N_FRAMES: len(frames), at.N_CHANNELS: tracked.size, at.N_STOPS: len(stops),
+        at.N_MOUNTS: len(mounts), at.N_FRAMES: len(frames), at.N_CHANNELS: tables.tracked.size, at.N_STOPS: len(stops),
         at.N_SLIPPING: int(tables.layout[control.N_SLIPPING]), at.N_DRIVEN: len(tables.drive), at.N_VALUES: n_values,
         at.N_RUNS: len(runs),
     }  # fmt: skip

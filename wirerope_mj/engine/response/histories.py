@@ -142,3 +142,8 @@ class Numerics:
     limited_by: str = ""
     engine: str = "mujoco"
     why: str = ""
+
+    @property
+    def computed_by(self) -> str:
+        """Text on what computed the response, "the kernel" or "MuJoCo, native callback"."""
+        return "the kernel" if self.engine == "kernel" else f"MuJoCo, {self.callback} callback"

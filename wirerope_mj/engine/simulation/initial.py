@@ -14,7 +14,7 @@ from wirerope_mj.motions import BaseMotion
 SAME_MOTION = 1e-6
 """Relative difference of base positions and velocities that is integration error and not another motion."""
 
-_HISTORIES: dict[str, History] = {"settled": "virgin", "relaxed": "relaxed"}
+HISTORIES: dict[str, History] = {"settled": "virgin", "relaxed": "relaxed"}
 
 
 def initial_state(system: System, motion: BaseMotion, initial: str | State) -> State:
@@ -33,8 +33,8 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State) -> S
         if initial.values.shape != (size,):
             raise ValueError(f"`initial` has {initial.values.size} values; a state of this system has {size}.")
         state = initial
-    elif isinstance(initial, str) and initial in _HISTORIES:
-        state = equilibrium(system, history=_HISTORIES[initial]).state
+    elif isinstance(initial, str) and initial in HISTORIES:
+        state = equilibrium(system, history=HISTORIES[initial]).state
     elif initial == "unloaded":
         with system.assembly.scratch.data(system.model) as data:
             state = state_of(system.model, data)

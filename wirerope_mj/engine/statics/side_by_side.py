@@ -2,19 +2,24 @@
 
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as control
+from wirerope_mj.engine.control.state import state_of
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.equations import Equations
+from wirerope_mj.engine.kernel.held import equations, not_held
 from wirerope_mj.engine.kernel.rest import SETTINGS, settle
 from wirerope_mj.engine.statics import roots
 from wirerope_mj.engine.statics.loading import ACCEPTED, FARTHEST, LOAD_STEPS, MOST, TOLERANCE
-from wirerope_mj.engine.statics.result import History
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.statics.result import Equilibrium, History, MountLoad
+from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
+from wirerope_mj.mounts.isolator.travel import beyond_law
 
 HELD = 1e-12
 """Ratio of the squared singular values of the deflections' rates above which every motion is resisted for certain."""
@@ -108,3 +113,40 @@ class Rester:
         ])  # fmt: skip
         assert settings.size == SETTINGS
         return settings
+
+
+@once_per_system
+def rester(system: System) -> Rester:
+    """Return what finds equilibria of a system and of variants of its structure."""
+    return Rester(system, equations(system))
+
+
+def found_in_lanes(system: System, history: History, data: mujoco.MjData) -> Equilibrium | None:
+    """Return the equilibrium of one system if it is found here, and MuJoCo's own accelerations vanish there; else None."""
+    if not_held(system):
+        return None
+    rests = rester(system).rests(equations(system).num[np.newaxis], history)
+    if not rests.found[0]:
+        return None
+    model = system.model
+    with installed(model, data):
+        mujoco.mj_resetData(model, data)
+        data.qpos[:], data.act[:] = rests.states[0, : model.nq], rests.states[0, model.nq + model.nv :]
+        mujoco.mj_forward(model, data)
+    free = np.delete(data.qacc, system.assembly.driven_dofs)
+    residual = float(np.abs(free).max(initial=0.0))
+    # A study's variants have these forces too, whose rounding is another one than that of the callback's.
+    rows = rests.mounts[0]
+    system.assembly.tables.user.mount_rows(system.assembly.user(data.userdata))[:] = rows
+    lawful = not any(
+        beyond_law(mount.isolator.axes, deflection, deflection)
+        for mount, deflection in zip(system.mounts.values(), rows[:, 0], strict=True)
+    )
+    if not (lawful and residual <= ACCEPTED * max(float(np.linalg.norm(model.opt.gravity)), 1.0)):
+        return None
+    return Equilibrium(
+        state=state_of(model, data),
+        mounts={name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(system.mounts, rows, strict=True)},
+        history=history,
+        residual=residual,
+    )

@@ -1,14 +1,16 @@
 """The computation of every engine: the rows of some variants, from what all variants share and their own inputs."""
 
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.studies.engines.together import NONE, Together, together
 from wirerope_mj.studies.inputs.variants import Maker, Work
 from wirerope_mj.studies.measures import NAN, measure_names, measures
 from wirerope_mj.studies.responses import packed
@@ -74,14 +76,29 @@ def schema(work: Work) -> pa.Schema:
 def compute(work: Work, chunk: Chunk) -> Part:
     """Return what comes of a chunk, the same in any process; variants that fail have rows, too."""
     responses: dict[int, bytes] = {}
-    outcomes = _outcomes(work, chunk.rows, responses if chunk.responses else None)
+    done = _together(work, chunk)
+    rest = np.setdiff1d(np.arange(len(chunk.rows)), done.indices).tolist()
+    outcomes = _outcomes(work, [chunk.rows[i] for i in rest], responses if chunk.responses else None) if rest else []
     accident = any(isinstance(outcome, Accident) for outcome in outcomes)
-    return Part(number=chunk.number, table=_table(work, chunk, outcomes), responses=responses, died=accident)
+    table = _table(work, chunk, dict(zip(rest, outcomes, strict=True)), done)
+    return Part(number=chunk.number, table=table, responses=responses, died=accident)
+
+
+def _together(work: Work, chunk: Chunk) -> Together:
+    """Return what could be computed side by side; responses are those of single systems."""
+    if chunk.responses:
+        return NONE
+    try:
+        return together(work, chunk.rows)
+    except Exception:  # whatever one variant does must not cost the others their results: each says alone what it is
+        return NONE
 
 
 def died(work: Work, chunk: Chunk, message: str) -> Part:
     """Return what there is of a chunk whose process died each time."""
-    return Part(number=chunk.number, table=_table(work, chunk, [message] * len(chunk.rows)), died=True)
+    return Part(
+        number=chunk.number, table=_table(work, chunk, dict.fromkeys(range(len(chunk.rows)), message)), died=True
+    )
 
 
 class Accident(str):
@@ -145,12 +162,20 @@ def _outcome(work: Work, system: System, result: BatchResult | BatchFailure) -> 
     return measures(system, result.peaks, None if work.initial == UNLOADED else result.initial_state)
 
 
-def _table(work: Work, chunk: Chunk, outcomes: Sequence[Outcome]) -> pa.Table:
-    nothing = dict.fromkeys(measure_names(work.system), NAN)
-    rows = [
-        {**row, **nothing, "status": FAILED, "message": outcome}
-        if isinstance(outcome, str)
-        else {**row, **outcome, "status": DONE, "message": ""}
-        for row, outcome in zip(chunk.rows, outcomes, strict=True)
-    ]
-    return pa.Table.from_pylist(rows, schema=schema(work))
+def _table(work: Work, chunk: Chunk, outcomes: Mapping[int, Outcome], done: Together = NONE) -> pa.Table:
+    """Return the rows of a chunk: of some outcomes by their index, and of those that were computed side by side."""
+    names, n = measure_names(work.system), len(chunk.rows)
+    values = {name: np.full(n, NAN) for name in names}
+    for name, column in done.columns.items():
+        values[name][done.indices] = column
+    messages = [""] * n
+    status = [DONE] * n
+    for index, outcome in outcomes.items():
+        if isinstance(outcome, str):
+            messages[index], status[index] = outcome, FAILED
+            continue
+        for name, value in outcome.items():
+            values[name][index] = value
+    inputs = ["variant", *(column.name for column in work.columns)]
+    columns = {name: [row[name] for row in chunk.rows] for name in inputs} | values
+    return pa.table(columns | {"status": status, "message": messages}, schema=schema(work))

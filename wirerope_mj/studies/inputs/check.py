@@ -43,7 +43,7 @@ def check_variants(
 
     for first in range(0, inputs.num_rows, BLOCK):
         block = inputs.slice(first, BLOCK)
-        checks: list[Check] = [] if _systems_valid(system, columns, block) else [maker.changes]
+        checks: list[Check] = [] if systems_valid(system, columns, block) else [maker.changes]
         checks += [] if _motions_valid(system, columns, block, check_motion) else [check_motion]
         for row in block.to_pylist() if checks else []:
             try:
@@ -62,7 +62,7 @@ def _certainly_valid(draft: Draft, columns: Sequence[InputColumn], block: pa.Tab
     return all(column.certainly_valid(draft, block[column.name].to_numpy()) for column in columns)
 
 
-def _systems_valid(system: System, columns: Sequence[InputColumn], block: pa.Table) -> bool:
+def systems_valid(system: System, columns: Sequence[InputColumn], block: pa.Table) -> bool:
     """Return whether all systems are certainly valid; False says nothing."""
     draft = Draft(system=system)
     if not _certainly_valid(draft, [column for column in columns if column.targets], block):

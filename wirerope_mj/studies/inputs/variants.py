@@ -70,14 +70,22 @@ class Maker:
 
     def changes(self, row: Row) -> Changes:
         """Return the changes that make a variant's system of the base system."""
+        draft = self.draft(row)
+        edited = dict.fromkeys([*draft.parameters, *sorted(draft.failed | draft.absent)])
+        return self.moves(draft, {mount: self._isolator(mount, draft) for mount in edited})
+
+    def draft(self, row: Row) -> Draft:
+        """Return what the columns say of a variant's system."""
         draft = Draft(system=self._system)
         for column in self._of_system:
             column.apply(draft, row[column.name])
-        edited = dict.fromkeys([*draft.parameters, *sorted(draft.failed | draft.absent)])
+        return draft
+
+    def moves(self, draft: Draft, isolators: Mapping[str, Isolator]) -> Changes:
+        """Return the changes of masses, centres of mass and positions, and isolators."""
         moved = draft.centre_shifts | {body: self._shift_to(body, centre) for body, centre in draft.centres.items()}
         return Changes(
-            isolators={mount: self._isolator(mount, draft) for mount in edited}, masses=draft.masses,
-            centres=moved, positions=draft.position_shifts,  # type: ignore[arg-type]
+            isolators=isolators, masses=draft.masses, centres=moved, positions=draft.position_shifts,  # type: ignore[arg-type]
         )  # fmt: skip
 
     def forget(self) -> None:

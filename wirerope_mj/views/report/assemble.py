@@ -60,7 +60,7 @@ def _numerics_section(run: FinishedRun) -> Section:
         ("step limited by", numerics.limited_by or "not recorded"),
         ("estimated error", _error(run)),
         ("samples", f"{run.response.time.size} at {run.sample_rate:g} Hz; peaks are those of every step"),
-        ("mount forces by", f"{numerics.callback} callback"),
+        ("computed by", f"{numerics.computed_by}{f': {numerics.why}' if numerics.why else ''}"),
     ]
     rows += [(f"option {name}", str(value)) for name, value in run.options.items()]
     rows += [(f"version of {name}", version) for name, version in run.versions.items()]

@@ -1,0 +1,277 @@
+"""Variants of a study side by side in the kernel's lanes, without systems of their own."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+
+from wirerope_mj.engine.control.state import state_of
+from wirerope_mj.engine.kernel.equations import Equations
+from wirerope_mj.engine.kernel.held import equations
+from wirerope_mj.engine.kernel.numbers import Numbers
+from wirerope_mj.engine.simulation.engines import leap
+from wirerope_mj.engine.simulation.grid import joined, time_grid
+from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
+from wirerope_mj.engine.simulation.initial import HISTORIES, moving_with_base
+from wirerope_mj.engine.simulation.judge import unfit
+from wirerope_mj.engine.simulation.simulate import MOST_STEPS, check_direction, checked_corners
+from wirerope_mj.engine.simulation.stability import stable_step
+from wirerope_mj.engine.simulation.step_bound import rates_of, step_bound
+from wirerope_mj.engine.statics.side_by_side import rester
+from wirerope_mj.engine.system import System, once_per_system
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.foundation.state import State
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.mounts.laws.law import ROUNDING, Law
+from wirerope_mj.mounts.laws.plane import form_of
+from wirerope_mj.studies.inputs.check import systems_valid
+from wirerope_mj.studies.inputs.column import Draft
+from wirerope_mj.studies.inputs.variants import Maker, Work
+from wirerope_mj.studies.measures_together import Extremes, measures_together
+
+Flags = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Together:
+    """Measures of variants that were computed side by side.
+
+    Attributes:
+        indices: which of the rows they are of, (n,).
+        columns: by the measure's name, (n,) each.
+    """
+
+    indices: npt.NDArray[np.int64]
+    columns: Mapping[str, Array]
+
+
+NONE = Together(indices=np.zeros(0, dtype=np.int64), columns={})
+
+
+def together(work: Work, rows: Sequence[dict[str, Any]]) -> Together:
+    """Return the measures of those variants that can be computed side by side; the others are for `simulate_batch`.
+
+    Which they are, and what comes of each, does not depend on the variants that share a call. Their systems are the same to the
+    last bit as those that `wirerope_mj.studies.inputs.variants.Maker` makes, and are not made.
+    """
+    system = work.system
+    if not rows or work.duration / work.timestep > MOST_STEPS or unfit(system):
+        return NONE
+    variants = _variants(work, rows)
+    if not variants.indices:
+        return NONE
+    states, forces, good = _starts(work, variants)
+    good &= _steps_hold(work, variants, rows)
+    chosen = np.flatnonzero(good)
+    if not chosen.size:
+        return NONE
+    motions = [variants.motions[i] for i in chosen]
+    grid = time_grid(
+        start=0.0, duration=work.duration, sample_rate=work.sample_rate, timestep=work.timestep, motion=motions[0],
+        corners=joined(checked_corners(work.corners), *{id(one): one.corners for one in motions}.values()),
+    )  # fmt: skip
+    own = equations(system)
+    done = go_in_lanes(
+        [Equations(lay=own.lay, fix=own.fix, num=variants.numbers[i], rest=own.rest) for i in chosen],
+        system.assembly.tables.drive, motions, states[chosen], grid,
+    )  # fmt: skip
+    extremes = Extremes.of(system, done)
+    columns = measures_together(system, extremes, None if forces is None else forces[chosen])
+    deflections = len(system.assembly.subjects.bodies) + 2 * len(system.assembly.subjects.points)
+    low, high = (one[:, deflections::2] for one in (extremes.lowest, extremes.highest))
+    good = ~extremes.failed & _lawful(system, low, high)
+    return Together(
+        indices=np.array(variants.indices)[chosen[good]], columns={name: one[good] for name, one in columns.items()}
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Variants:
+    """Variants by what their equations differ in.
+
+    Attributes:
+        indices: which of the rows they are.
+        motions: of their bases.
+        numbers: of their equations, (n, n_num).
+        rates: stiffness, damping and decay of their laws, (n, 3, 3 n_mounts).
+        moved: whether mounts stand elsewhere, (n,).
+    """
+
+    indices: list[int]
+    motions: list[BaseMotion]
+    numbers: Array
+    rates: Array
+    moved: list[bool]
+
+
+@once_per_system
+def _numbers(system: System) -> Numbers:
+    """Return what writes the numbers of a system's variants; made once."""
+    return Numbers(system, equations(system))
+
+
+def _variants(work: Work, rows: Sequence[dict[str, Any]]) -> _Variants:
+    """Return the variants that have the structure of the study's system and are valid."""
+    system, make = work.system, Maker(work.system, work.motions, work.columns)
+    table = pa.table({column.name: [row[column.name] for row in rows] for column in work.columns})
+    valid = systems_valid(system, work.columns, table)
+    bound = step_bound(system)
+    own_rates = np.array([bound.stiffness, bound.damping, bound.decay])
+    laws: _Laws = {}
+    indices, motions, numbers, rates, moved = [], [], [], [], []
+    for index, row in enumerate(rows):
+        try:
+            draft, motion = make.draft(row), make.motion(row)
+            if draft.failed or draft.absent or leap(system, motion):
+                continue
+            check_direction(system, motion)
+            own = equations(system).num.copy(), own_rates.copy()
+            if valid and _plain(draft):
+                _write_laws(draft, *own, laws)
+                changes = make.moves(draft, {})
+            else:
+                changes = make.changes(row)
+                for mount, isolator in changes.isolators.items():
+                    conditioned = isolator.conditioned
+                    if not _numbers(system).write_isolator(own[0], mount, conditioned) or not _endless(conditioned):
+                        break
+                    first = 3 * list(system.mounts).index(mount)
+                    own[1][:, first : first + 3] = np.array([rates_of(law) for law in conditioned.axes.values()]).T
+                else:
+                    changes = make.moves(draft, {})
+                if changes.isolators:
+                    continue
+            if not _numbers(system).write_geometry(own[0], changes):
+                continue
+        except (ValueError, WireRopeError):
+            continue  # says so where it is made alone
+        indices.append(index)
+        motions.append(motion)
+        numbers.append(own[0])
+        rates.append(own[1])
+        moved.append(any(map(any, changes.positions.values())))
+    return _Variants(
+        indices=indices, motions=motions, numbers=np.array(numbers), rates=np.array(rates), moved=moved
+    )  # fmt: skip
+
+
+_Laws = dict[Any, tuple[Array, tuple[float, float, float], tuple[float, float, float, float] | None]]
+"""By law and parameters: its kernel's parameters, its rates, and its form if it is coupled."""
+
+
+def _plain(draft: Draft) -> bool:
+    """Return whether only parameters of laws vary, of isolators that act as written."""
+    mounts = draft.system.mounts
+    return all(
+        mounts[mount].written.stiffening is None and all(part in AXES for part, _ in parameters)
+        for mount, parameters in draft.parameters.items()
+    )
+
+
+def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None:
+    """Write other parameters of laws, known to be valid, to the numbers of the equations and to the laws' rates."""
+    system, writer = draft.system, _numbers(draft.system)
+    for number, (mount, written) in enumerate(system.mounts.items()):
+        if mount not in draft.parameters:
+            continue
+        own: dict[str, dict[str, Any]] = {}
+        for (axis, name), value in draft.parameters[mount].items():
+            own.setdefault(axis, {})[name] = value
+        isolator, forms = written.isolator, {}
+        for axis, values in own.items():
+            law, place = isolator.axes[axis], AXES.index(axis)
+            assert law is not None  # the column has seen to it
+            key = (id(law), tuple(sorted(values.items())))
+            if key not in laws:
+                varied = _unchecked(law, values)
+                form = form_of(varied) if place in isolator.coupled_axes else None
+                laws[key] = varied.kernel_parameters(), rates_of(varied), form
+            parameters, rates[:, 3 * number + place], forms[place] = laws[key]
+            writer.write_law(numbers, mount, place, parameters)
+        if isolator.coupled_axes and any(place in isolator.coupled_axes for place in forms):
+            one, other = (
+                forms.get(place) or _form(isolator.axes[AXES[place]], laws) for place in isolator.coupled_axes
+            )
+            writer.write_coupling(numbers, mount, np.array([one[0], one[1], one[2], other[2], one[3], other[3]]))
+
+
+def _unchecked(law: Law, values: Mapping[str, Any]) -> Law:
+    """Return a law with other parameters, whole columns of which are known to be valid."""
+    varied: Law = object.__new__(type(law))
+    vars(varied).update(vars(law), **law.completed(values))
+    return varied
+
+
+def _form(law: Law | None, laws: _Laws) -> tuple[float, float, float, float]:
+    """Return the form of a law that does not vary."""
+    assert law is not None  # it is coupled
+    key = (id(law), ())
+    if key not in laws:
+        laws[key] = law.kernel_parameters(), rates_of(law), form_of(law)
+    form = laws[key][2]
+    assert form is not None
+    return form
+
+
+def _endless(isolator: Any) -> bool:
+    """Return whether all laws hold everywhere."""
+    return all(law is None or np.isinf(law.travel_ends).all() for law in isolator.axes.values())
+
+
+def _starts(work: Work, variants: _Variants) -> tuple[Array, Array | None, Flags]:
+    """Return qpos, qvel and act at the start, forces of the mounts at rest if they start there, and whether these are found."""
+    system, n = work.system, len(variants.indices)
+    unloaded, where = _unloaded(system), moving(system)
+    forces, found = None, np.ones(n, dtype=bool)
+    if work.initial in HISTORIES:
+        rests = rester(system).rests(variants.numbers, HISTORIES[work.initial])
+        states, forces, found = rests.states, rests.mounts[:, :, 1], rests.found
+        found &= _lawful(system, rests.mounts[:, :, 0], rests.mounts[:, :, 0])
+    else:
+        states = np.tile(unloaded.values[where], (n, 1))
+    moves: dict[int, bool] = {}
+    for number, motion in enumerate(variants.motions):
+        if id(motion) not in moves:
+            moves[id(motion)] = moving_with_base(system, motion, unloaded) is not unloaded
+        if moves[id(motion)]:
+            values = unloaded.values.copy()
+            values[where] = states[number]
+            states[number] = moving_with_base(system, motion, State(values=values, time=0.0)).values[where]
+    return states, forces, found
+
+
+@once_per_system
+def _unloaded(system: System) -> State:
+    """Return the state of the modelled geometry at rest."""
+    with system.assembly.scratch.data(system.model) as data:
+        return state_of(system.model, data)
+
+
+def _steps_hold(work: Work, variants: _Variants, rows: Sequence[dict[str, Any]]) -> Flags:
+    """Return for which variants the step is stable."""
+    stiffness, damping, decay = variants.rates.swapaxes(0, 1)
+    holds = step_bound(work.system).certainly_stable(work.timestep, variants.numbers, stiffness, damping, decay)
+    holds &= ~np.array(variants.moved)
+    make = Maker(work.system, work.motions, work.columns)
+    for number in np.flatnonzero(~holds):
+        holds[number] = work.timestep <= stable_step(make.system(rows[variants.indices[number]]))
+    return holds
+
+
+@once_per_system
+def _ends(system: System) -> Array:
+    """Return the deflections below and above zero up to which laws hold [m], (n_mounts, 3, 2)."""
+    laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
+    return np.array([(np.inf, np.inf) if law is None else law.travel_ends for law in laws]).reshape(-1, 3, 2)
+
+
+def _lawful(system: System, lowest: Array, highest: Array) -> Flags:
+    """Return which variants' mounts stayed where the laws hold, as `beyond_law` has it; deflections (n, n_mounts, 3) [m]."""
+    below, above = _ends(system)[:, :, 0], _ends(system)[:, :, 1]
+    beyond = (-lowest > below + ROUNDING) | (highest > above + ROUNDING)
+    return np.asarray(~beyond.any(axis=(1, 2)))
