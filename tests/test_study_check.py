@@ -92,7 +92,7 @@ def test_a_rule_about_two_parameters_is_kept_and_names_the_first_variant(monkeyp
         rf"variant {first} of study 'study' cannot be: mount 'm1': \[axial\] `beta` \+ `gamma` must be > 0, got -",
         message,
     )
-    monkeypatch.setattr(check, "_systems_valid", lambda *_: False)
+    monkeypatch.setattr(check, "systems_valid", lambda *_: False)
     assert refused(pinched_study(variants=4000)) == message
 
 

@@ -16,6 +16,7 @@ from wirerope_mj.engine.kernel.rest import SETTINGS, settle
 from wirerope_mj.engine.statics import roots
 from wirerope_mj.engine.statics.loading import ACCEPTED, FARTHEST, LOAD_STEPS, MOST, TOLERANCE
 from wirerope_mj.engine.statics.result import Equilibrium, History, MountLoad
+from wirerope_mj.engine.statics.unresisted import unresisted
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
@@ -31,12 +32,14 @@ class Rests:
 
     Attributes:
         found: whether it was found here, (n,): what was not is for `equilibrium`, which says why if there is none.
+        held: whether the mounts certainly resist every motion, (n,).
         states: qpos, qvel and act, (n, n_state).
         mounts: deflection and force of every mount, (n, n_mounts, 2, 3).
         residual: largest acceleration left [m/s^2 or rad/s^2], (n,).
     """
 
     found: npt.NDArray[np.bool_]
+    held: npt.NDArray[np.bool_]
     states: Array
     mounts: Array
     residual: Array
@@ -81,8 +84,8 @@ class Rester:
         mounts = records.reshape(n, -1, 4, 3)[:, :, :2].copy()
         found = np.isfinite(residual) & (np.abs(mounts[:, :, 0]).max(axis=(1, 2), initial=0.0) < FARTHEST)
         sizes = np.linalg.eigvalsh(np.where(found[:, np.newaxis, np.newaxis], grams, 0.0))
-        found &= sizes[:, 0] > HELD * sizes[:, -1] if self._free.size else True
-        return Rests(found=found, states=states, mounts=mounts, residual=residual)
+        held = sizes[:, 0] > HELD * sizes[:, -1] if self._free.size else found
+        return Rests(found=found, held=held, states=states, mounts=mounts, residual=residual)
 
     def _eight(self, numbers: Array, history: History) -> tuple[Array, Array, Array, Array]:
         e, lay = self._equations, self._equations.lay
@@ -128,13 +131,24 @@ def found_in_lanes(system: System, history: History, data: mujoco.MjData) -> Equ
     rests = rester(system).rests(equations(system).num[np.newaxis], history)
     if not rests.found[0]:
         return None
-    model = system.model
-    with installed(model, data):
+    model, qpos = system.model, rests.states[0, : system.model.nq]
+    free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
+
+    def accelerations(step: Array) -> Array:
         mujoco.mj_resetData(model, data)
-        data.qpos[:], data.act[:] = rests.states[0, : model.nq], rests.states[0, model.nq + model.nv :]
+        data.qpos[:], data.act[:] = qpos, rests.states[0, model.nq + model.nv :]
+        if step.any():  # else the state keeps its bits
+            whole = np.zeros(model.nv)
+            whole[free] = step
+            mujoco.mj_integratePos(model, data.qpos, whole, 1.0)
         mujoco.mj_forward(model, data)
-    free = np.delete(data.qacc, system.assembly.driven_dofs)
-    residual = float(np.abs(free).max(initial=0.0))
+        return np.asarray(data.qacc[free])
+
+    with installed(model, data):
+        residual = float(np.abs(accelerations(np.zeros(free.size))).max(initial=0.0))
+        # What mounts do not resist does not deflect them: their states stay as they are.
+        unheld = () if rests.held[0] else unresisted(system, data, free, accelerations)
+        accelerations(np.zeros(free.size))
     # A study's variants have these forces too, whose rounding is another one than that of the callback's.
     rows = rests.mounts[0]
     system.assembly.tables.user.mount_rows(system.assembly.user(data.userdata))[:] = rows
@@ -149,4 +163,5 @@ def found_in_lanes(system: System, history: History, data: mujoco.MjData) -> Equ
         mounts={name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(system.mounts, rows, strict=True)},
         history=history,
         residual=residual,
+        free=unheld,
     )

@@ -230,7 +230,7 @@ def _starts(work: Work, variants: _Variants) -> tuple[Array, Array | None, Flags
     forces, found = None, np.ones(n, dtype=bool)
     if work.initial in HISTORIES:
         rests = rester(system).rests(variants.numbers, HISTORIES[work.initial])
-        states, forces, found = rests.states, rests.mounts[:, :, 1], rests.found
+        states, forces, found = rests.states, rests.mounts[:, :, 1], rests.found & rests.held
         found &= _lawful(system, rests.mounts[:, :, 0], rests.mounts[:, :, 0])
     else:
         states = np.tile(unloaded.values[where], (n, 1))

@@ -1,0 +1,97 @@
+"""Variants computed side by side, without systems of their own, against the same variants in a batch of systems."""
+
+import numpy as np
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.studies.engines import compute as engine
+from wirerope_mj.studies.engines.together import NONE, together
+
+SHOCK = wr.HalfSine(peak=60.0, duration=0.011, direction="z", start=0.005)
+STUDIES = {
+    "laws of coupled mounts": {
+        "mount/m*/axial/alpha": wr.Normal(1.0, 0.1, relative=True, each=True),
+        "mount/m*/roll/k1": wr.Normal(1.0, 0.1, relative=True, each=True),
+    },
+    "one law of two that are coupled, checked one by one": {
+        "mount/m01/axial/beta": wr.Normal(1.0, 1e-12, relative=True)
+    },
+    "b and c, whose product alone acts": {"mount/m*/axial/c": wr.Normal(1.0, 0.1, relative=True)},
+    "body": {
+        "body/floor/mass": wr.Normal(1.0, 0.05, relative=True),
+        "body/floor/centre_shift/x": wr.Normal(0.0, 0.02),
+        "body/floor/centre_shift/z": wr.Normal(0.0, 0.02),
+    },
+    "places": {"mount/m01,m02/position_shift/x": wr.Normal(0.0, 0.01)},
+    "level": {"motion/level": wr.Normal(1.0, 0.1)},
+}
+
+
+def study_of(vary, **more):
+    settings = {"motion": SHOCK, "duration": 0.03, "timestep": 1e-3, "variants": 11, "sampling": "random", "seed": 4}
+    return wr.Study(model="floating_floor", vary=vary, **{**settings, **more})
+
+
+def table(study, rows, *, side_by_side=True):
+    """Return the table of some rows, in lanes without systems, or as a batch of systems."""
+    with pytest.MonkeyPatch.context() as patch:
+        if not side_by_side:
+            patch.setattr(engine, "together", lambda *_: NONE)
+        return engine.compute(study.work, engine.Chunk(number=0, rows=rows)).table
+
+
+def require_equal(one, other):
+    assert one.schema == other.schema
+    for name in one.column_names:
+        first, second = (part[name].to_numpy(zero_copy_only=False) for part in (one, other))
+        np.testing.assert_array_equal(first, second, err_msg=name)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_variants_have_the_bits_that_a_batch_of_their_systems_has(name):
+    study = study_of(STUDIES[name])
+    rows = study.table().to_pylist()
+    assert together(study.work, rows).indices.tolist() == list(range(11))
+    require_equal(table(study, rows), table(study, rows, side_by_side=False))
+
+
+@pytest.mark.parametrize("initial", ["relaxed", "unloaded"])
+def test_variants_begin_where_the_batch_begins(initial):
+    study = study_of(STUDIES["body"], initial=initial, variants=3)
+    rows = study.table().to_pylist()
+    assert together(study.work, rows).indices.size == 3
+    require_equal(table(study, rows), table(study, rows, side_by_side=False))
+
+
+def test_a_base_that_moves_from_the_start_carries_all_along():
+    motion = wr.Sine(frequency=20.0, acceleration=10.0, direction="z")
+    study = study_of(STUDIES["body"], motion=motion, variants=3)
+    rows = study.table().to_pylist()
+    assert together(study.work, rows).indices.size == 3
+    require_equal(table(study, rows), table(study, rows, side_by_side=False))
+
+
+def test_company_does_not_matter():
+    study = study_of({key: value for vary in STUDIES.values() for key, value in vary.items() if "beta" not in key})
+    rows = study.table().to_pylist()
+    every = table(study, rows)
+    for some in ([5], [9, 1, 2], list(range(10, -1, -1))):
+        require_equal(table(study, [rows[i] for i in some]), every.take(some))
+
+
+def test_mounts_that_failed_are_left_to_systems_of_their_own():
+    study = study_of({"mount/m*/failed": wr.Choice(["", "m01", "m02"])}, variants=8)
+    rows = study.table().to_pylist()
+    failed = [row["mount/m*/failed"] for row in rows]
+    assert together(study.work, rows).indices.tolist() == [i for i, mount in enumerate(failed) if not mount]
+    require_equal(table(study, rows), table(study, rows, side_by_side=False))
+
+
+def test_what_is_too_heavy_says_so_and_leaves_the_others_as_they_are():
+    study = study_of({"body/floor/mass": wr.Uniform(0.9, 1.1, relative=True)}, variants=3)
+    rows = study.table().to_pylist()
+    rows[1]["body/floor/mass"] = 1e7
+    found = table(study, rows)
+    assert found["status"].to_pylist() == ["done", "failed", "done"]
+    assert found["message"][1].as_py()
+    require_equal(found.take([0, 2]), table(study, [rows[0], rows[2]]))
