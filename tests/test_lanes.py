@@ -1,4 +1,4 @@
-"""Eight systems side by side: the functions of lanes, and every law's kernel in them against the same kernel of one system."""
+"""Systems side by side: the functions of lanes, and every law's kernel in them against the same kernel of one system."""
 
 import math
 import operator
@@ -21,7 +21,7 @@ pytestmark = [
 
 EPS = np.finfo(np.float64).eps
 N = 400
-"""Samples of eight lanes."""
+"""Samples of all lanes."""
 
 
 def in_lanes(function, n_arguments):
@@ -193,7 +193,7 @@ WITHOUT = {"stop": ("rounding", "c"), "bouc-wen-baber-noori": ("zeta", "q", "p",
 
 
 def varied(law):
-    """Return eight laws of the same structure as `law` with different parameters."""
+    """Return laws for all lanes of the same structure as `law` with different parameters."""
     rng = np.random.default_rng(len(law.name))
     laws = []
     for number in range(WIDTH):

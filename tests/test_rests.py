@@ -61,8 +61,10 @@ def floor_on(law, mass=80.0, coupling=None):
         for i in range(len(sites))
     )
     text = f"""<mujoco><option gravity="0.6 -0.3 -9.8" integrator="RK4" timestep="0.001" tolerance="1e-15"/><worldbody>
-      <body name="deck"><joint type="slide" axis="0 0 1" armature="1e10"/><geom type="box" size="1 1 .02" contype="0" conaffinity="0"/>{base}</body>
-      <body name="floor" pos="0 0 0.1"><freejoint/><inertial pos="0.03 -0.02 0.1" mass="{mass}" diaginertia="9 12 15"/>{payload}</body>
+      <body name="deck"><joint type="slide" axis="0 0 1" armature="1e10"/>
+        <geom type="box" size="1 1 .02" contype="0" conaffinity="0"/>{base}</body>
+      <body name="floor" pos="0 0 0.1"><freejoint/>
+        <inertial pos="0.03 -0.02 0.1" mass="{mass}" diaginertia="9 12 15"/>{payload}</body>
       </worldbody><custom><text name="isolator/one" data="one.toml"/>{tuples}</custom></mujoco>"""
     isolator = wr.Isolator(name="one", roll=law, shear=law, axial=law, coupling=coupling, limits=limits_for(law))
     return wr.load_system(text, isolators={"one": isolator})

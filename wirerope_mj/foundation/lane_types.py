@@ -20,7 +20,7 @@ WIDTH = 4
 
 DOUBLE, LONG, INDEX = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
 VECTOR, LONGS = ir.VectorType(DOUBLE, WIDTH), ir.VectorType(LONG, WIDTH)
-"""LLVM's types of a float, of integers and of eight of them."""
+"""LLVM's types of a float, of integers and of vectors of them."""
 
 INLINED = {"forceinline": True, "error_model": "numpy"}
 """How functions of lanes are compiled: into their callers, divisions by zero as in NumPy."""

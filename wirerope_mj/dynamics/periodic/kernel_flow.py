@@ -1,4 +1,4 @@
-"""Many copies of a system through whole periods of its base's sine, by the kernel, eight to a vector."""
+"""Many copies of a system through whole periods of its base's sine, by the kernel, one to a lane."""
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
