@@ -16,7 +16,7 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import models, register_model
 
 WIDTH = 4
-"""Lanes of a vector: one register of AVX-512, two of AVX2. Fixed, because results must not depend on the machine's choice."""
+"""Lanes of a vector: a register of AVX2, half of one of AVX-512. Fixed, for results must not depend on a machine's choice."""
 
 DOUBLE, LONG, INDEX = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
 VECTOR, LONGS = ir.VectorType(DOUBLE, WIDTH), ir.VectorType(LONG, WIDTH)
