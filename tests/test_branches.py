@@ -12,7 +12,7 @@ from wirerope_mj.dynamics.periodic.continuation import Continuation
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.growing import GrowingBranch
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
-from wirerope_mj.dynamics.periodic.variational import Variational
+from wirerope_mj.dynamics.periodic.variational import variational_of
 
 HARDENING = wr.SymmetricBoucWen(alpha=1.0, beta=0.5, gamma=0.5, n=1.0, k1=0.5, k2=0.0, k3=0.3)
 ALONG = {"direction": "z", "payload": "mass"}
@@ -170,9 +170,9 @@ def test_the_variational_equation_gives_the_columns_integrated_one_by_one():
         before = search.flow.steps
         columns = monodromy(search.flow, found)
         middle = search.flow.steps
-        quick = Variational(search.flow).matrix(found)
+        quick = variational_of(search.flow).matrix(found)
         after = search.flow.steps
-    assert after - middle < (middle - before) / 15
+    assert after - middle < (middle - before) / 3.5  # a forward pass for each column where that takes four
     exact, ours = (np.linalg.eigvals(matrix) for matrix in (columns, quick))
     distance = [np.abs(ours - value).min() for value in exact]
     # Both miss where a reversal stands within a step, differently: 4.2e-3 with 128 steps, 1.4e-3 with 512, 6e-4 with 1024;

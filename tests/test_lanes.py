@@ -1,4 +1,4 @@
-"""Eight systems side by side: the functions of lanes, and every law's kernel in them against the same kernel of one system."""
+"""Systems side by side: the functions of lanes, and every law's kernel in them against the same kernel of one system."""
 
 import math
 import operator
@@ -21,7 +21,7 @@ pytestmark = [
 
 EPS = np.finfo(np.float64).eps
 N = 400
-"""Samples of eight lanes."""
+"""Samples of all lanes."""
 
 
 def in_lanes(function, n_arguments):
@@ -87,10 +87,10 @@ def test_elementary_functions_are_good_to_a_few_ulp(function, reference, x, ulp)
 
 
 def test_the_exponential_stays_where_floats_end():
-    x = np.array([[-np.inf, -1e300, -709.0, -708.0, 709.0, 710.0, 1e300, np.inf]])
+    x = np.array([-np.inf, -1e300, -709.0, -708.0, 709.0, 710.0, 1e300, np.inf]).reshape(-1, WIDTH)
     # Between them no law has an argument; what counts is that nothing wraps round to the other end.
     np.testing.assert_allclose(
-        in_lanes(math.exp, 1)(x), [[math.exp(-708.0)] * 4 + [math.exp(709.0)] * 4], rtol=3.0 * EPS
+        in_lanes(math.exp, 1)(x).ravel(), [math.exp(-708.0)] * 4 + [math.exp(709.0)] * 4, rtol=3.0 * EPS
     )
 
 
@@ -109,7 +109,8 @@ def test_powers_of_common_exponents_need_no_logarithm():
     with np.errstate(over="ignore", under="ignore"):
         expected = np.select([n == 1.0, n == 2.0], [x, x * x], x * np.sqrt(x))
     np.testing.assert_array_equal(in_lanes(power, 2)(x, n), expected)
-    np.testing.assert_array_equal(in_lanes(power, 2)(0.0, [1.0, 2.0, 1.5, 0.3, 1.2, 3.0, 100.0, 7.0]), [[0.0] * WIDTH])
+    for n in ([1.0, 2.0, 1.5, 0.3], [1.2, 3.0, 100.0, 7.0]):
+        np.testing.assert_array_equal(in_lanes(power, 2)(0.0, n), [[0.0] * WIDTH])
 
 
 @pytest.mark.parametrize("function", [math.exp, math.expm1, math.tanh, math.sqrt, power], ids=lambda f: f.__name__)
@@ -169,7 +170,7 @@ def test_entries_are_reached_one_by_one_and_in_different_rows():
             place = ranked(a, 1, count(a, 0), b[n])
             r[3 * n] = place
             r[3 * n + 1] = picked(a, 1, max(place - 1, 0))
-            r[3 * n + 2] = with_lane(b[n], 5, lane(b[n], 2))
+            r[3 * n + 2] = with_lane(b[n], 3, lane(b[n], 2))
 
     rng = np.random.default_rng(2)
     p = np.vstack([np.full(WIDTH, 6.0), np.sort(rng.normal(size=(6, WIDTH)), axis=0)])
@@ -178,13 +179,13 @@ def test_entries_are_reached_one_by_one_and_in_different_rows():
     reach(p, x, result)
     for number, one in enumerate(x):
         place = ranked(p, 1, count(p, 0), one)  # the same functions of NumPy's rows
-        expected = [place, picked(p, 1, np.maximum(place - 1, 0)), with_lane(one, 5, lane(one, 2))]
+        expected = [place, picked(p, 1, np.maximum(place - 1, 0)), with_lane(one, 3, lane(one, 2))]
         np.testing.assert_array_equal(result[3 * number : 3 * number + 3], expected)
 
 
 GAPS = {"gap_below": 2e-3, "gap_above": 4e-3}
 POINTS = {"depths": (1e-3, 3e-3, 6e-3), "forces": (100.0, 700.0, 4000.0)}
-EXPONENTS = (1.0, 2.0, 1.5, 1.2, 0.6, 3.0, 1.0, 2.5)
+EXPONENTS = (1.0, 2.0, 1.2, 0.6)
 """One for each lane: those that have code of their own, and others, beside each other."""
 
 WITHOUT = {"stop": ("rounding", "c"), "bouc-wen-baber-noori": ("zeta", "q", "p", "psi", "delta_psi", "lam")}
@@ -192,7 +193,7 @@ WITHOUT = {"stop": ("rounding", "c"), "bouc-wen-baber-noori": ("zeta", "q", "p",
 
 
 def varied(law):
-    """Return eight laws of the same structure as `law` with different parameters."""
+    """Return laws for all lanes of the same structure as `law` with different parameters."""
     rng = np.random.default_rng(len(law.name))
     laws = []
     for number in range(WIDTH):

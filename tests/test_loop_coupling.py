@@ -17,7 +17,7 @@ from wirerope_mj.cli import main
 from wirerope_mj.dynamics.modes.plane import loop_cycle, plane_cycle, plane_tangents
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
-from wirerope_mj.dynamics.periodic.variational import Variational
+from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts import laws
 from wirerope_mj.mounts.laws.plane_kernels import loop_force
@@ -398,7 +398,7 @@ def test_the_variational_equation_knows_that_roll_and_axial_are_coupled():
         drive = search.drive(8.0, 5.0)
         x = search._settled(search.coordinates.rest(), drive, 20)
         found = close(search.flow, shot(search.flow, x, drive), tolerance=1e-6, iterations=10)
-        columns, quick = monodromy(search.flow, found), Variational(search.flow).matrix(found)
+        columns, quick = monodromy(search.flow, found), variational_of(search.flow).matrix(found)
     error = np.abs(columns - quick).max() / np.abs(columns).max()
     print("variational against columns", error)
     # Both miss where a reversal stands within a step, differently: 1.9e-2, 9.7e-3, 3.9e-3, 1.5e-3 with 128 to 1024 steps.

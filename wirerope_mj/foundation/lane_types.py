@@ -15,12 +15,12 @@ from numba.core.typeconv import Conversion
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import models, register_model
 
-WIDTH = 8
-"""Lanes of a vector: one register of AVX-512, two of AVX2. Fixed, because results must not depend on the machine's choice."""
+WIDTH = 4
+"""Lanes of a vector: a register of AVX2, half of one of AVX-512. Fixed, for results must not depend on a machine's choice."""
 
 DOUBLE, LONG, INDEX = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
 VECTOR, LONGS = ir.VectorType(DOUBLE, WIDTH), ir.VectorType(LONG, WIDTH)
-"""LLVM's types of a float, of integers and of eight of them."""
+"""LLVM's types of a float, of integers and of vectors of them."""
 
 INLINED = {"forceinline": True, "error_model": "numpy"}
 """How functions of lanes are compiled: into their callers, divisions by zero as in NumPy."""

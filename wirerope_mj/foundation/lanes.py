@@ -1,7 +1,7 @@
-"""Numbers side by side: one source for one system and for eight, each in a lane of the processor's vector registers.
+"""Numbers side by side: one source for one system and for several, each in a lane of the processor's vector registers.
 
-A `Lanes` value is a vector of `WIDTH` floats that Numba lowers to LLVM's `<8 x double>`; `Rows` is an array of them in memory,
-made by `rows` from an array of the shape (n, WIDTH). Jitted functions use both as they would use a float and an array of
+A `Lanes` value is a vector of `WIDTH` floats that Numba lowers to LLVM's vectors; `Rows` is an array of them in memory, made
+by `rows` from an array of the shape (n, WIDTH). Jitted functions use both as they would use a float and an array of
 floats, so that one source serves scalars and lanes. Branches are what differs: a comparison of lanes gives a mask, and
 `where` chooses with it. With JIT disabled lanes are NumPy's rows, and the same sources are the plain reference.
 

@@ -21,7 +21,7 @@ from wirerope_mj.dynamics.periodic.multipliers import FloquetStability, stabilit
 from wirerope_mj.dynamics.periodic.observe import ranges
 from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot, least_solution, monodromy, shot
 from wirerope_mj.dynamics.periodic.track import Drive
-from wirerope_mj.dynamics.periodic.variational import Variational
+from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.foundation.arrays import Array
 
 CHANGE = 0.25
@@ -72,7 +72,7 @@ class Continuation:
         """Prepare to follow `parameter` with the `other` one fixed; `unit` of ln p counts as one unit of arclength."""
         self.search, self.flow, self.parameter = search, search.flow, parameter
         self.other, self.periods, self.unit, self.tolerance = other, periods, unit, tolerance
-        self._variational = Variational(search.flow) if search.coordinates.size >= MANY else None
+        self._variational = variational_of(search.flow) if search.coordinates.size >= MANY else None
 
     def drive(self, value: float, steps: int | None = None) -> Drive:
         """Return the base's sine at a value of the parameter."""
@@ -103,7 +103,7 @@ class Continuation:
         if phi is None:
             phi = monodromy(self.flow, motion)
         moved = self.drive(value * math.exp(DIFFERENCE * self.unit), motion.track.drive.steps)
-        end = self.flow.ends(motion.x[np.newaxis], [moved])[0]
+        end = self.flow.ends(motion.x[np.newaxis], moved)[0]
         return np.column_stack([phi - np.eye(phi.shape[0]), (end - motion.track.end) / motion.scale / DIFFERENCE])
 
     def _to_arc(self, n: int) -> Array:

@@ -1,6 +1,7 @@
 """The unknowns of a periodic motion, and their conversion to and from a state of the engine."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -30,6 +31,9 @@ class Coordinates:
         self.system, self.direction = system, direction
         self.model = system.model
         self._rest = equilibrium(system, history=history).state
+        slow = Sine(frequency=1.0, acceleration=1.0, direction=direction)
+        rest = State(values=self._rest.values.copy(), time=0.0)
+        self._carry = moving_with_base(system, slow, rest).values - self._rest.values
         self.free = np.setdiff1d(np.arange(self.model.nv), system.assembly.driven_dofs)
         self.size = 2 * self.free.size + self.model.na
         parts = (mujoco.mjtState.mjSTATE_TIME, mujoco.mjtState.mjSTATE_QPOS, mujoco.mjtState.mjSTATE_QVEL)
@@ -58,10 +62,27 @@ class Coordinates:
         x[self.internal] = self._rest.values[self._act]
         return x
 
+    @property
+    def moving(self) -> slice:
+        """Indices of qpos, qvel and act among the values of an engine's state."""
+        return slice(self._qpos.start, self._act.stop)
+
     def carried(self, frequency: float, acceleration: float) -> Array:
-        """Return the engine's state of the equilibrium moving with the base at phase 0 of the sine, (n_state,)."""
-        motion = Sine(frequency=frequency, acceleration=acceleration, direction=self.direction)
-        return moving_with_base(self.system, motion, State(values=self._rest.values.copy(), time=0.0)).values
+        """Return the engine's state of the equilibrium moving with the base at phase 0 of the sine, (n_state,).
+
+        The base then stands where it is modelled and moves with its largest velocity, -acceleration / (2 pi frequency).
+        """
+        return np.asarray(self._rest.values + acceleration / frequency * self._carry)
+
+    @cached_property
+    def ratios(self) -> Array:
+        """sqrt(M / M_ii) of the free coordinates, (n_free,), see `scales`; M the mass of the heaviest payload."""
+        mass = np.zeros((self.model.nv, self.model.nv))
+        data = mujoco.MjData(self.model)
+        mujoco.mj_fwdPosition(self.model, data)
+        mujoco.mj_fullM(self.model, data, mass)
+        payloads = [self.model.body(name).id for name in self.system.payloads]
+        return np.asarray(np.sqrt(self.model.body_subtreemass[payloads].max() / np.diag(mass)[self.free]))
 
     def to_state(self, x: Array, carried: Array) -> Array:
         """Return the engine's state for the unknowns, (n_state,)."""
@@ -98,13 +119,7 @@ def scales(coordinates: Coordinates, ranges: Ranges) -> Array:
     Lengths and speeds are those of the mounts. A coordinate with the inertia M_ii has sqrt(M / M_ii) of them, M
     the mass of the heaviest payload: so an angle counts as the length that it moves at the radius of gyration.
     """
-    model, free = coordinates.model, coordinates.free
-    data = mujoco.MjData(model)
-    mujoco.mj_fwdPosition(model, data)
-    mass = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, mass)
-    payloads = [model.body(name).id for name in coordinates.system.payloads]
-    ratio = np.sqrt(model.body_subtreemass[payloads].max() / np.diag(mass)[free])
+    ratio = coordinates.ratios
     internal = np.maximum(ranges.internal, SMALLEST_STATE * ranges.internal.max(initial=0.0))
     internal = np.where(internal > 0.0, internal, 1.0)
     return np.concatenate([ranges.deflection * ratio, ranges.rate * ratio, internal])

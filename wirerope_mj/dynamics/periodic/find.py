@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.dynamics.periodic.coordinates import Coordinates
-from wirerope_mj.dynamics.periodic.flow import Flow
+from wirerope_mj.dynamics.periodic.kernel_flow import flow_of
 from wirerope_mj.dynamics.periodic.multipliers import FloquetStability, stability, wide_monodromy
 from wirerope_mj.dynamics.periodic.observe import ranges, travel_exceeded
 from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
@@ -37,9 +37,6 @@ WIDTHS = 4
 
 SAME_WIDTH = 0.01
 """Relative change of that width that no longer matters: the motion depends on its square."""
-
-COPIES = 8
-"""Copies that a flow has at least: Newton's trial steps need them."""
 
 
 def periodic_orbit(
@@ -116,8 +113,8 @@ class OrbitSearch:
         self.system, self._steps = system, Steps(system, accuracy)
         self.coordinates = Coordinates(system, direction=direction, history=history)
         self.smoothing = None if smoothing is None else positive("smoothing", smoothing)
-        stepped = None if smoothing is None else smoothed(system, 1.0)  # the width follows the motion, see `adapt`
-        self.flow = Flow(self.coordinates, copies=max(self.coordinates.size + 2, COPIES), system=stepped)
+        stepped = system if smoothing is None else smoothed(system, 1.0)  # the width follows the motion, see `adapt`
+        self.flow = flow_of(self.coordinates, stepped)
 
     def adapt(self, motion: Shot) -> bool:
         """Smooth the laws over their fraction of this motion's velocity; return whether the width changed much."""
@@ -171,7 +168,7 @@ class OrbitSearch:
         long = Drive(
             frequency=drive.frequency, acceleration=drive.acceleration, periods=number, steps=number * per_period
         )
-        end = self.flow.ends(x[np.newaxis], [long])[0]
+        end = self.flow.ends(x[np.newaxis], long)[0]
         if not np.isfinite(end).all():
             self._explain(x, long)
         return end
@@ -179,7 +176,7 @@ class OrbitSearch:
     def _explain(self, x: Array, drive: Drive) -> None:
         """Raise the error of a simulation over the same steps, which names the reason."""
         carried = self.coordinates.carried(drive.frequency, drive.acceleration)
-        sine = Sine(frequency=drive.frequency, acceleration=drive.acceleration, direction=self.coordinates.direction)
+        sine = drive.sine(self.coordinates.direction)
         state, step = State(values=self.coordinates.to_state(x, carried), time=0.0), drive.duration / drive.steps
         try:
             simulate(

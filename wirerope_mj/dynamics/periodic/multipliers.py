@@ -51,7 +51,7 @@ def wide_monodromy(flow: Flow, at: Shot) -> Array:
     """Return the scaled monodromy matrix of the motion between the steps, (n_x, n_x): right where one matters for itself."""
     drive = at.track.drive
     width = float(np.clip(STEPS_MOVED * drive.periods / drive.steps, NARROWEST, WIDEST))
-    ahead, behind = (flow.ends(at.x + side * width * np.diag(at.scale), [drive] * at.x.size) for side in (1.0, -1.0))
+    ahead, behind = (flow.ends(at.x + side * width * np.diag(at.scale), drive) for side in (1.0, -1.0))
     return np.asarray(((ahead - behind) / at.scale).T / (2.0 * width))
 
 
@@ -63,12 +63,19 @@ def stability(flow: Flow, at: Shot, phi: Array) -> FloquetStability:
     value may stand on either side of it. It is told from a fold, where a multiplier passes 1 too, by a finite shift, after
     which a neutral motion still repeats itself.
     """
-    values, vectors = np.linalg.eig(phi)
-    near = np.flatnonzero((np.abs(values - 1.0) < NEAR_ONE) & (np.abs(values.imag) < NEAR_ONE))
-    neutral = [int(i) for i, is_neutral in zip(near, _repeats(flow, at, vectors[:, near]), strict=True) if is_neutral]
+    values, neutral = np.linalg.eigvals(phi).astype(np.complex128), []
+    if _near_one(values).size:  # only their vectors are needed, which cost more than the values
+        values, vectors = (one.astype(np.complex128) for one in np.linalg.eig(phi))
+        near = _near_one(values)
+        repeats = _repeats(flow, at, vectors[:, near])
+        neutral = [int(i) for i, is_neutral in zip(near, repeats, strict=True) if is_neutral]
     kept = np.delete(values, neutral)
     order = np.argsort(-np.abs(kept), kind="stable")
-    return FloquetStability(multipliers=kept[order].astype(np.complex128), neutral=len(neutral))
+    return FloquetStability(multipliers=kept[order], neutral=len(neutral))
+
+
+def _near_one(values: Multipliers) -> npt.NDArray[np.int64]:
+    return np.flatnonzero((np.abs(values - 1.0) < NEAR_ONE) & (np.abs(values.imag) < NEAR_ONE))
 
 
 def _repeats(flow: Flow, at: Shot, vectors: npt.NDArray[np.complex128]) -> list[bool]:
@@ -80,6 +87,6 @@ def _repeats(flow: Flow, at: Shot, vectors: npt.NDArray[np.complex128]) -> list[
     )
     directions = directions / np.abs(directions).max(axis=0)
     starts = at.x + SHIFT * at.scale * directions.T
-    ends = flow.ends(starts, [at.track.drive] * starts.shape[0])
+    ends = flow.ends(starts, at.track.drive)
     gaps = np.abs((ends - starts) / at.scale - at.gap).max(axis=1)
     return [bool(gap < UNCHANGED * SHIFT) for gap in gaps]

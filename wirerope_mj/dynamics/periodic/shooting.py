@@ -72,12 +72,18 @@ def monodromy(flow: Flow, at: Shot) -> Array:
     It is that of the map as it is stepped, on which Newton's method and the folds of a branch depend.
     """
     starts = at.x + DIFFERENCE * np.diag(at.scale)
-    ends = flow.ends(starts, [at.track.drive] * starts.shape[0])
+    ends = flow.ends(starts, at.track.drive)
     return np.asarray(((ends - at.track.end) / at.scale).T / DIFFERENCE)
 
 
 def least_solution(matrix: Array, right: Array) -> Array:
     """Return the solution of matrix @ step = right that is least in the directions in which the motion is neutral."""
+    try:
+        inverse = np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        inverse = np.full_like(matrix, np.inf)
+    if np.linalg.norm(inverse) < 1.0 / NEUTRAL:  # no singular value is below it: this costs a tenth of them
+        return np.asarray(inverse @ right)
     u, values, v = np.linalg.svd(matrix, full_matrices=False)
     kept = values > NEUTRAL
     return np.asarray(v[kept].T @ ((u[:, kept].T @ right) / values[kept]))
@@ -109,7 +115,7 @@ def _trial(flow: Flow, now: Shot, step: Array) -> Shot | None:
         return whole
     lengths = 0.5 ** np.arange(1, TRIALS + 1)
     starts = now.x + np.outer(lengths, now.scale * step)
-    ends = flow.ends(starts, [now.track.drive] * TRIALS)
+    ends = flow.ends(starts, now.track.drive)
     residuals = np.abs((ends - starts) / now.scale).max(axis=1)
     for start, residual in zip(starts, residuals, strict=True):
         if residual < now.residual:

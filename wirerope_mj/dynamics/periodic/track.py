@@ -8,6 +8,7 @@ import numpy as np
 from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.motions import Sine
 
 STEPS = 128
 """Steps per period of the base for an error of 1e-4 of accelerations and deflections: measured on one mass from a seventh of
@@ -54,6 +55,10 @@ class Drive:
     def duration(self) -> float:
         """Length [s]."""
         return self.periods / self.frequency
+
+    def sine(self, direction: str | tuple[float, float, float]) -> Sine:
+        """Return the motion of a base along a direction."""
+        return Sine(frequency=self.frequency, acceleration=self.acceleration, direction=direction)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,13 +6,16 @@ linear equation
 
     d/dt delta x = A(t) delta x
 
-needs forward passes only: two for each free coordinate and a few for all states together, at the start of every step. A state's
-effect on the accelerations follows from the force it adds and the mount's deflection gradient, which is force and motion of the
-same virtual work. The equation is integrated by RK4 over pairs of steps, so that its three instants are sampled ones.
+needs forward passes only, at the start of every step. The kernel makes one for each unknown. MuJoCo makes two for each free
+coordinate and a few for all states together: a state's effect on the accelerations follows from the force it adds and the
+mount's deflection gradient, which is force and motion of the same virtual work. The equation is integrated by RK4 over pairs of
+steps, so that its three instants are sampled ones.
 """
 
 import os
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from typing import cast
 
 import mujoco
 import numpy as np
@@ -20,12 +23,15 @@ import numpy.typing as npt
 from mujoco.batch import Batch
 
 from wirerope_mj.dynamics.periodic.flow import Flow
+from wirerope_mj.dynamics.periodic.kernel_flow import KernelFlow
+from wirerope_mj.dynamics.periodic.mujoco_flow import MujocoFlow
 from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot
 from wirerope_mj.dynamics.periodic.smoothing import set_width
+from wirerope_mj.dynamics.periodic.stepping import go_along
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.motions import Sine
+from wirerope_mj.foundation.lanes import WIDTH
 
 Instants = npt.NDArray[np.int64]
 
@@ -53,12 +59,54 @@ def _groups(system: System) -> list[_Group]:
     return groups
 
 
-class Variational:
-    """Forward passes around the instants of a motion, and the matrix A(t) they give."""
+class Variational(ABC):
+    """The matrix A(t) along a motion, and the monodromy matrix it gives."""
 
     def __init__(self, flow: Flow) -> None:
+        self._free, self._model = flow.coordinates.free, flow.model
+
+    def matrix(self, at_shot: Shot) -> Array | None:
+        """Return the scaled monodromy matrix, (n_x, n_x); None where it does not serve.
+
+        It does not where a constraint is active along the motion, and where an actuator of the model itself has activations.
+        """
+        track, scale, nf = at_shot.track, at_shot.scale, self._free.size
+        q, v = slice(0, nf), slice(nf, 2 * nf)
+        a = np.zeros((track.drive.steps, scale.size, -(-scale.size // WIDTH) * WIDTH))
+        if not self._fill(at_shot, a):
+            return None
+        a[:, q, v] = np.diag(scale[v] / scale[q])
+        turning = _turning(self._model, track.qvel)[:, self._free[:, np.newaxis], self._free]
+        a[:, q, q] = turning * (scale[q] / scale[q, np.newaxis])
+        return _integrate(a, track.drive.duration / track.drive.steps)
+
+    @abstractmethod
+    def _fill(self, at_shot: Shot, out: Array) -> bool:
+        """Write the rows of velocities and states into the scaled A, (n_steps, n_x, n_x or more), unless it does not serve."""
+
+
+class KernelVariational(Variational):
+    """A(t) by the kernel: a lane for each unknown."""
+
+    def __init__(self, flow: KernelFlow) -> None:
+        super().__init__(flow)
+        self.flow = flow
+
+    def _fill(self, at_shot: Shot, out: Array) -> bool:
+        nv, scale = self._model.nv, at_shot.scale
+        wanted = np.concatenate([self._free, nv + np.arange(self._model.na)])
+        moves = np.zeros((scale.size, 2 * nv + self._model.na))
+        moves[np.arange(scale.size), np.concatenate([self._free, nv + wanted])] = DIFFERENCE * scale
+        factors = 1.0 / (DIFFERENCE * scale[self._free.size :])
+        return self.flow.look_around(at_shot.track, moves, wanted, factors, out)
+
+
+class MujocoVariational(Variational):
+    """A(t) by MuJoCo's forward passes around the instants of a motion, many at once."""
+
+    def __init__(self, flow: MujocoFlow) -> None:
+        super().__init__(flow)
         self.flow, self.system, self.model = flow, flow.system, flow.model
-        self._free = flow.coordinates.free
         self._groups = _groups(self.system)
         self._colours = max((len(group.states) for group in self._groups), default=0)
         self.passes = 1 + 2 * self._free.size + self._colours
@@ -67,29 +115,16 @@ class Variational:
         self._data = mujoco.MjData(self.model)
         self._out = {name: self._batch.bind(name) for name in ("qacc", "act_dot", "nefc", "userdata")}
 
-    def matrix(self, at_shot: Shot) -> Array | None:
-        """Return the scaled monodromy matrix, (n_x, n_x); None where it does not serve.
-
-        It does not where a constraint is active along the motion, and where an actuator of the model itself has activations.
-        """
+    def _fill(self, at_shot: Shot, out: Array) -> bool:
         if self.model.na != self.system.assembly.tables.user.n_states:
-            return None
+            return False
         if self.flow.width:
             set_width(self._batch, self.flow.width_indices, self.flow.width)
-        track, n = at_shot.track, at_shot.x.size
-        steps = track.drive.steps
-        motion = Sine(
-            frequency=track.drive.frequency,
-            acceleration=track.drive.acceleration,
-            direction=self.flow.coordinates.direction,
-        )
-        base = motion.acceleration(track.drive.duration * np.arange(steps) / steps)
-        derivative = np.empty((steps, n, n))
-        for first in range(0, steps, self._instants):
-            instants = np.arange(first, min(first + self._instants, steps))
-            if not self._around(at_shot, instants, base, derivative):
-                return None
-        return _integrate(derivative, track.drive.duration / steps)
+        drive = at_shot.track.drive
+        instants = drive.duration * np.arange(drive.steps) / drive.steps
+        base = drive.sine(self.flow.coordinates.direction).acceleration(instants)
+        parts = (np.arange(k, min(k + self._instants, drive.steps)) for k in range(0, drive.steps, self._instants))
+        return all(self._around(at_shot, part, base, out) for part in parts)
 
     def _around(self, at_shot: Shot, instants: Instants, base: Array, derivative: Array) -> bool:
         """Fill A at some instants; False where a constraint is active."""
@@ -104,7 +139,7 @@ class Variational:
         rates = self._out["act_dot"][:count].reshape(*shape, -1)
         assembly = self.system.assembly
         record = assembly.tables.user.mount_rows(assembly.user(self._out["userdata"][:count].reshape(*shape, -1)))
-        self._fill(at_shot, instants, qacc, rates, record, derivative)
+        self._write(at_shot, instants, qacc, rates, record, derivative)
         return True
 
     def _place(self, at_shot: Shot, instants: Instants, base: Array) -> None:
@@ -136,7 +171,7 @@ class Variational:
         user[:, :, at.STAGE_POINTS] = 1.0
         user[:, :, at.STAGES : at.STAGES + 3] = base[instants, np.newaxis]
 
-    def _fill(self, at_shot: Shot, instants: Instants, qacc: Array, rates: Array, record: Array, out: Array) -> None:
+    def _write(self, at_shot: Shot, instants: Instants, qacc: Array, rates: Array, record: Array, out: Array) -> None:
         scale, nf = at_shot.scale, self._free.size
         q, v, z = slice(0, nf), slice(nf, 2 * nf), slice(2 * nf, scale.size)
         step = DIFFERENCE * scale
@@ -144,8 +179,6 @@ class Variational:
         moved = slice(1, 1 + 2 * nf)
         a[:, v, : 2 * nf] = (qacc[:, moved] - qacc[:, :1]).swapaxes(1, 2) / step[: 2 * nf]
         a[:, z, : 2 * nf] = (rates[:, moved] - rates[:, :1]).swapaxes(1, 2) / step[: 2 * nf]
-        a[:, q, v] = np.eye(nf)
-        a[:, q, q] = np.stack([_turning(self.model, self._free, at_shot.track.qvel[i]) for i in instants])
         inverse = np.stack([self._inverse_mass(at_shot.track.qpos[i]) for i in instants])
         # how a mount's deflection follows the free coordinates, (n_instants, n_mounts, 3, nf)
         gradient = (record[:, 1 : 1 + nf, :, 0] - record[:, :1, :, 0]).transpose(0, 2, 3, 1) / step[q]
@@ -158,7 +191,7 @@ class Variational:
                 a[:, 2 * nf + np.array(group.states), 2 * nf + j] = (rates[:, row] - rates[:, 0])[
                     :, group.states
                 ] / unit
-        out[instants] = a * scale / scale[:, np.newaxis]
+        out[instants, :, : scale.size] = a * (scale / scale[:, np.newaxis])
 
     def _inverse_mass(self, qpos: Array) -> Array:
         data = self._data
@@ -171,26 +204,31 @@ class Variational:
         return np.asarray(np.linalg.inv(mass[np.ix_(self._free, self._free)]))
 
 
-def _turning(model: mujoco.MjModel, free: Instants, qvel: Array) -> Array:
-    """Return how a small rotation of a turning body changes in its own axes: d/dt theta = omega' - omega x theta."""
-    turning = np.zeros((model.nv, model.nv))
+def variational_of(flow: Flow) -> Variational:
+    """Return what computes A(t) with the engine that steps a flow."""
+    return KernelVariational(flow) if isinstance(flow, KernelFlow) else MujocoVariational(cast(MujocoFlow, flow))
+
+
+def _turning(model: mujoco.MjModel, qvel: Array) -> Array:
+    """Return how small rotations change in a body's own axes: d/dt theta = omega' - omega x theta, (n, nv, nv)."""
+    turning = np.zeros((len(qvel), model.nv, model.nv))
     for joint in range(model.njnt):
         first = int(model.jnt_dofadr[joint]) + 3 * (model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE)
         if model.jnt_type[joint] in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL):
-            x, y, z = qvel[first : first + 3]
-            turning[first : first + 3, first : first + 3] = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]]
-    return turning[np.ix_(free, free)]
+            x, y, z = qvel[:, first : first + 3].T
+            for i, j, rate in ((0, 1, z), (0, 2, -y), (1, 2, x)):
+                turning[:, first + i, first + j], turning[:, first + j, first + i] = rate, -rate
+    return turning
 
 
 def _integrate(derivative: Array, step: float) -> Array:
-    """Return the solution of d/dt phi = A phi over the samples of A, from the unit matrix; their number is even."""
-    n_steps, n, _ = derivative.shape
-    phi, h = np.eye(n), 2.0 * step
-    for k in range(0, n_steps, 2):
-        a, b, c = derivative[k], derivative[k + 1], derivative[(k + 2) % n_steps]
-        k1 = a @ phi
-        k2 = b @ (phi + 0.5 * h * k1)
-        k3 = b @ (phi + 0.5 * h * k2)
-        k4 = c @ (phi + h * k3)
-        phi = phi + h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
-    return phi
+    """Return the solution of d/dt phi = A phi from the unit matrix, over samples of A, (n_t, n, n or more), n_t even.
+
+    Most of A is zero: a mount's states do not depend on those of the others.
+    """
+    _, n, width = derivative.shape
+    rows, columns = np.nonzero((derivative[:, :, :n] != 0.0).any(axis=0))
+    begin = np.searchsorted(rows, np.arange(n + 1))
+    phi = np.ascontiguousarray(np.eye(n, width).reshape(n, -1, WIDTH).swapaxes(0, 1))
+    go_along(begin, np.ascontiguousarray(columns), derivative, step, phi, np.empty((4 * n, WIDTH)))
+    return phi.swapaxes(0, 1).reshape(n, -1)[:, :n]

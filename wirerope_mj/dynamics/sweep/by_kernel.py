@@ -36,10 +36,9 @@ class ByKernel:
         self._tables = StageTables(motion, tables.drive)
         self._group = group_of([equations(system)], start.values[moving(system)][np.newaxis], [0])
         self._base = np.zeros(control.CHANNEL_MEMORY)
-        n = tables.channels.size
-        tracked = np.setdiff1d(np.arange(n), tables.base_channels)
-        self._rows = np.full(n, tracked.size)  # of every channel among those that are followed, the base's last
-        self._rows[tracked] = np.arange(tracked.size)
+        n = tables.tracked.size
+        self._rows = np.full(tables.channels.size, n)  # of every channel among those that are followed, the base's last
+        self._rows[tables.tracked] = np.arange(n)
         self._before = self._moment()
 
     def go(self, grid: Grid, ends: npt.NDArray[np.int64], minimum: Array, maximum: Array) -> bool:

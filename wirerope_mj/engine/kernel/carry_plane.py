@@ -1,4 +1,4 @@
-"""Coupled hysteretic states of eight variants on straight lines in the plane of two deflections, infinitely slowly.
+"""Coupled hysteretic states of all lanes on straight lines in the plane of two deflections, infinitely slowly.
 
 With w = z / z_m and a line of the length S in deflections over x_y, e its direction there and n across it, w = a e + b n
 follows

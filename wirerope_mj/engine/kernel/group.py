@@ -1,4 +1,4 @@
-"""Eight variants side by side: their states and memory, taken through a grid and read at its end."""
+"""Variants side by side, one to a lane: their states and memory, taken through a grid and read at its end."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Positions of rest of eight variants at once: each lane goes its own way, and all are evaluated together.
+"""Positions of rest of the variants in all lanes at once: each lane goes its own way, and all are evaluated together.
 
 The lanes' searches are those of `wirerope_mj.engine.statics.roots`, one for each load step, and their hysteretic states are
 carried on straight lines from where the last load step ended. A lane that is done, or that found no root, waits for the others;

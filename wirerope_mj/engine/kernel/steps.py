@@ -1,4 +1,4 @@
-"""Runge and Kutta's steps of eight variants at once, segment by segment, as MuJoCo takes them of one."""
+"""Runge and Kutta's steps of the variants in all lanes at once, segment by segment, as MuJoCo takes them of one."""
 
 import math
 

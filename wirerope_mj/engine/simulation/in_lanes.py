@@ -1,4 +1,4 @@
-"""Systems through one time grid by the kernel, eight to a vector, on several threads."""
+"""Systems through one time grid by the kernel, one to a lane, on several threads."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor

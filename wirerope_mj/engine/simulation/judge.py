@@ -28,7 +28,7 @@ from wirerope_mj.motions import Sine
 AGREEMENT = 1e-9
 """Largest difference from MuJoCo, relative to the scale of what is compared: far above the rounding of either, 1e-12."""
 
-STATES = 13 * WIDTH
+STATES = 104
 """Random states in which accelerations are compared: a hundred, and what fills the last lanes."""
 
 PLACE, TURN, SPEED = 2e-3, 0.02, 0.2

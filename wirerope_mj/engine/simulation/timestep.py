@@ -2,10 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
+from wirerope_mj.engine.kernel.layout import WILD
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.simulation.engines import Engine, compute, failure, leap, result_of
 from wirerope_mj.engine.simulation.grid import time_grid
@@ -106,7 +107,8 @@ def choose_timestep(
     step, limit = (between, CORNERS) if between < step else (step, limit)
 
     failures: list[str] = []
-    pilots = partial(_pilots, system, motion, start, windows, sample_rate, engine, failures)
+    starts = cache(lambda: [_start(system, motion, start, begin) for begin, _ in windows])
+    pilots = partial(_pilots, system, motion, starts, windows, sample_rate, engine, failures)
     whole = windows == [(start.time, duration)]
     wanted = accuracy if len(windows) == 1 else WINDOWED * accuracy
     coarse = pilots(step)
@@ -226,25 +228,34 @@ class _Pilot:
 
 
 def _pilots(
-    system: System, motion: BaseMotion, start: State, windows: list[tuple[float, float]], sample_rate: float,
-    engine: Engine, failures: list[str], step: float,
+    system: System, motion: BaseMotion, starts: Callable[[], list[State]], windows: list[tuple[float, float]],
+    sample_rate: float, engine: Engine, failures: list[str], step: float,
 ) -> list[_Pilot] | None:  # fmt: skip
     """Return the pilots of all windows with one step; None, and the reason in `failures`, where it was too large."""
     try:
         if len(windows) > 1 and engine != "mujoco" and not (unfit(system) or leap(system, motion)):
-            together = _side_by_side(system, motion, start, windows, sample_rate, step)
+            together = _side_by_side(system, motion, starts(), windows, sample_rate, step)
             if together is not None:
                 return together
-        return [_pilot(system, motion, start, window, sample_rate, engine, step) for window in windows]
+        return [
+            _pilot(system, motion, start, window, sample_rate, engine, step)
+            for start, window in zip(starts(), windows, strict=True)
+        ]
     except SimulationError as failure:
         failures.append(str(failure))
         return None
 
 
+def _start(system: System, motion: BaseMotion, start: State, begin: float) -> State:
+    """Return the state at the start of a window: that of the run, carried along by the base."""
+    at_begin = State(values=start.values.copy(), time=begin)
+    return at_begin if begin == start.time else moving_with_base(system, motion, at_begin)
+
+
 def _side_by_side(
     system: System,
     motion: BaseMotion,
-    start: State,
+    starts: list[State],
     windows: list[tuple[float, float]],
     sample_rate: float,
     step: float,
@@ -255,7 +266,6 @@ def _side_by_side(
         start=0.0, duration=windows[0][1], sample_rate=sample_rate, timestep=step, motion=motions[0],
         corners=np.concatenate([one.corners for one in motions]),
     )  # fmt: skip
-    starts = [moving_with_base(system, motion, State(values=start.values.copy(), time=begin)) for begin, _ in windows]
     rows = [np.empty((grid.sample_times.size, system.model.nsensordata - system.assembly.sensor)) for _ in windows]
 
     def sink(window: int, first: int, values: Array) -> None:
@@ -268,7 +278,9 @@ def _side_by_side(
     pilots: dict[int, _Pilot] = {}
     for group, members in done.groups:
         for lane, window in enumerate(members):
-            if failure(group, lane):
+            if why := failure(group, lane):
+                if group.failed[lane] == WILD:
+                    raise SimulationError(why)
                 return None
             pilots[window] = _pilot_of(
                 system, result_of(system, starts[window], grid, done, group, lane, window), rows[window]
@@ -287,10 +299,7 @@ def _pilot(
     def sink(first: int, values: Array) -> None:
         rows[first : first + len(values)] = values
 
-    at_begin = State(values=start.values.copy(), time=begin)
-    if begin != start.time:
-        at_begin = moving_with_base(system, motion, at_begin)
-    done = compute(system, motion, grid, at_begin, engine=engine, callback="native", sink=sink)
+    done = compute(system, motion, grid, start, engine=engine, callback="native", sink=sink)
     return _pilot_of(system, done, rows)
 
 

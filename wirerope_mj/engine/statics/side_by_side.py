@@ -1,4 +1,4 @@
-"""Equilibria of many variants of one structure, eight to a vector."""
+"""Equilibria of many variants of one structure, one to a lane."""
 
 from dataclasses import dataclass
 
@@ -79,7 +79,7 @@ class Rester:
             some = slice(first, min(first + WIDTH, n))
             size = some.stop - first
             states[some], records[some], residual[some], grams[some] = (
-                one[:size] for one in self._eight(numbers[some], history)
+                one[:size] for one in self._in_lanes(numbers[some], history)
             )
         mounts = records.reshape(n, -1, 4, 3)[:, :, :2].copy()
         found = np.isfinite(residual) & (np.abs(mounts[:, :, 0]).max(axis=(1, 2), initial=0.0) < FARTHEST)
@@ -87,7 +87,7 @@ class Rester:
         held = sizes[:, 0] > HELD * sizes[:, -1] if self._free.size else found
         return Rests(found=found, held=held, states=states, mounts=mounts, residual=residual)
 
-    def _eight(self, numbers: Array, history: History) -> tuple[Array, Array, Array, Array]:
+    def _in_lanes(self, numbers: Array, history: History) -> tuple[Array, Array, Array, Array]:
         e, lay = self._equations, self._equations.lay
         lanes = np.minimum(np.arange(WIDTH), len(numbers) - 1)
         memory = np.zeros((int(lay[at.N_WORK]), WIDTH))

@@ -6,7 +6,7 @@ Every law's file holds its kernel beside its class. All of them have the same si
 
 with the parameters in `p[i:]`, deflection `x` [m], deflection rate `v` [m/s] and internal states in `z[j:]`; it writes the
 states' rates to `zdot[k:]` and returns the force [N]. With JIT disabled the kernels are plain Python. Each serves one system
-and eight side by side, see `wirerope_mj.foundation.lanes`: no branch may depend on a number that lanes can differ in, and
+and several side by side, see `wirerope_mj.foundation.lanes`: no branch may depend on a number that lanes can differ in, and
 integers among the parameters, in which they cannot, are read by `count`.
 
 A law of its own kernel needs a number that no other has, and a line in `evaluate_rarer`; one that depends on the rate is named

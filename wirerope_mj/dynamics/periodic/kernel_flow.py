@@ -1,0 +1,137 @@
+"""Many copies of a system through whole periods of its base's sine, by the kernel, one to a lane."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import replace
+
+import numpy as np
+
+from wirerope_mj.dynamics.periodic.coordinates import Coordinates
+from wirerope_mj.dynamics.periodic.flow import Flow
+from wirerope_mj.dynamics.periodic.mujoco_flow import MujocoFlow
+from wirerope_mj.dynamics.periodic.stepping import go, look_around
+from wirerope_mj.dynamics.periodic.track import Drive, Track
+from wirerope_mj.engine.control.layout import MAX_STEPS
+from wirerope_mj.engine.kernel import layout as at
+from wirerope_mj.engine.kernel.equations import Equations, Integers
+from wirerope_mj.engine.kernel.group import group_of
+from wirerope_mj.engine.simulation.judge import equations, unfit
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.lanes import WIDTH
+from wirerope_mj.mounts.laws.kernels import SMOOTHED
+
+
+def flow_of(coordinates: Coordinates, system: System) -> Flow:
+    """Return a flow of the kernel if it can compute the system, one of MuJoCo else."""
+    return MujocoFlow(coordinates, system) if unfit(system) else KernelFlow(coordinates, system)
+
+
+class KernelFlow(Flow):
+    """The map as the kernel steps it; a copy that touches something or comes to a limit is MuJoCo's."""
+
+    def __init__(self, coordinates: Coordinates, system: System) -> None:
+        super().__init__(coordinates, system)
+        self._equations: Equations = equations(system)
+        self._beyond: MujocoFlow | None = None
+        self._within = ExitStack()
+        self._nowhere = np.zeros((0, coordinates.carried(1.0, 1.0)[coordinates.moving].size))
+
+    @property
+    def steps(self) -> int:
+        """Model steps taken so far, also by MuJoCo, forward passes counted as quarters."""
+        return super().steps + (self._beyond.steps if self._beyond is not None else 0)
+
+    def smooth(self, width: float) -> None:
+        """Smooth the laws over a velocity [m/s]."""
+        super().smooth(width)
+        lay, num = self._equations.lay, self._equations.num.copy()
+        axes = lay[lay[at.AXES] :][: 3 * at.AXIS_COLUMNS * lay[at.N_MOUNTS]].reshape(-1, at.AXIS_COLUMNS)
+        num[lay[at.PARAMETERS] + axes[axes[:, 0] == SMOOTHED, 1]] = width
+        self._equations = replace(self._equations, num=num)
+        if self._beyond is not None:
+            self._beyond.smooth(width)
+
+    @contextmanager
+    def ready(self) -> Iterator[None]:
+        """Let MuJoCo take over within, should it have to."""
+        with self._within:
+            if self._beyond is not None:
+                self._within.enter_context(self._beyond.ready())
+            yield
+
+    def ends(self, starts: Array, drive: Drive) -> Array:
+        """Return the unknowns at the end of each copy's periods, (n, n_x)."""
+        ends, why = np.empty_like(starts), np.empty(len(starts))
+        for first in range(0, len(starts), WIDTH):
+            own = slice(first, first + WIDTH)
+            ends[own], why[own] = self._go(starts[own], drive, self._nowhere, self._nowhere)
+        beyond = why > at.WILD
+        if beyond.any():
+            ends[beyond] = self._by_mujoco().ends(starts[beyond], drive)
+        return ends
+
+    def follow(self, start: Array, drive: Drive) -> Track:
+        """Return the track of one copy from `start`, (n_x,)."""
+        values = np.empty((drive.steps, self._equations.n_values))
+        track = np.empty((drive.steps, self._nowhere.shape[1]))
+        ends, why = self._go(start[np.newaxis], drive, track, values)
+        if why[0] > at.WILD:
+            return self._by_mujoco().follow(start, drive)
+        qpos, qvel, act = np.split(track, [self.model.nq, self.model.nq + self.model.nv], axis=1)
+        return Track(end=ends[0], sensors=values, qpos=qpos, qvel=qvel, act=act, drive=drive)
+
+    def look_around(self, track: Track, moves: Array, wanted: Integers, factors: Array, out: Array) -> bool:
+        """Write how accelerations and rates change beside a motion at the start of every step.
+
+        False if some of these states touch something or stand at a limit.
+
+        Args:
+            track: the motion.
+            moves: displacements in the tangent space of configuration, velocities and internal states, (n, 2 nv + n_a).
+            wanted: accelerations and rates that are, counted one behind the other, (n_wanted,).
+            factors: of their changes, (n_wanted,).
+            out: takes the changes in its last rows and first columns, (n_t, n_rows, n or more).
+        """
+        places = np.column_stack([track.qpos, track.qvel, track.act])
+        lanes = np.zeros((out.shape[2], moves.shape[1]))
+        lanes[: len(moves)] = moves
+        lanes = np.ascontiguousarray(lanes.reshape(-1, WIDTH, moves.shape[1]).swapaxes(1, 2))
+        instants = track.drive.duration / track.drive.steps * np.arange(track.drive.steps)
+        motion = track.drive.sine(self.coordinates.direction).acceleration(instants)[np.newaxis]
+        e, group = self._equations, group_of([self._equations] * WIDTH, places[[0] * WIDTH], [0] * WIDTH)
+        look_around(
+            e.lay, e.fix, group.numbers, group.states, group.memory, places, lanes, motion, wanted, factors,
+            out.reshape(*out.shape[:2], -1, WIDTH),
+        )  # fmt: skip
+        self.passes += (1 + len(moves)) * len(places)
+        return not group.memory[e.lay[at.FAILED]].any()
+
+    def _go(self, starts: Array, drive: Drive, track: Array, values: Array) -> tuple[Array, Array]:
+        """Return the ends of at most WIDTH copies, NaN where one went astray, and why it did, 0 if it did not."""
+        part = self.coordinates
+        carried = part.carried(drive.frequency, drive.acceleration)
+        full = np.array([part.to_state(start, carried) for start in starts])
+        e, group = self._equations, group_of([self._equations] * len(starts), full[:, part.moving], [0] * len(starts))
+        h, motion = drive.duration / drive.steps, drive.sine(part.direction)
+        half = h * (0.5 * np.arange(2 * drive.steps + 1))
+        begins, slides = half[: -1 : 2 * MAX_STEPS], self.system.assembly.tables.drive.T
+        positions, rates = motion.displacement(begins) @ slides, motion.velocity(begins) @ slides
+        go(
+            e.lay, e.fix, group.numbers, group.states, group.memory, positions[np.newaxis], rates[np.newaxis],
+            motion.acceleration(half)[np.newaxis], h, track, values,
+        )  # fmt: skip
+        self.taken += drive.steps * len(starts)
+        full[:, part.moving] = group.states[:, : len(starts)].T
+        why = group.memory[e.lay[at.FAILED], : len(starts)]
+        ends = np.array([part.from_state(one, carried) for one in full])
+        ends[why != 0.0] = np.nan
+        return ends, why
+
+    def _by_mujoco(self) -> MujocoFlow:
+        if self._beyond is None:
+            self._beyond = MujocoFlow(self.coordinates, self.system)
+            self._within.enter_context(self._beyond.ready())
+            if self.width:
+                self._beyond.smooth(self.width)
+        return self._beyond
