@@ -8,14 +8,18 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.control import layout as control
+from wirerope_mj.engine.control.mounts import AXIAL
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.bodies import HERE, Bodies, Writer, inertia_of, modelled
 from wirerope_mj.engine.kernel.touching import pair_rows
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.tables import Tables
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws.kernels import PARALLEL, STOP
-from wirerope_mj.mounts.laws.stop_kernels import LOSS
+from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, SMOOTHED, STOP, TABULATED
+from wirerope_mj.mounts.laws.stop_kernels import LOSS, N_POINTS
+
+KNOTS, LOOP = 4, 6
+"""Places of a table's number of knots among its parameters, and of a loop's energy among those of coupled axes."""
 
 Integers = npt.NDArray[np.int64]
 _FREE, _SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_SLIDE
@@ -29,6 +33,7 @@ class Equations:
         lay: structure, (n_lay,).
         fix: numbers that systems of one structure must share to be computed side by side, (n_fix,).
         num: numbers of the system, (n_num,).
+        counts: integers among the parameters, of which all lanes have the same: elements, knots, laws in parallel.
         rest: the links' rows of working memory that no step changes: axes of what never turns, (n_rows,) from KIN on.
     """
 
@@ -36,6 +41,7 @@ class Equations:
     fix: Array
     num: Array
     rest: Array
+    counts: tuple[int, ...] = ()
 
     @property
     def n_values(self) -> int:
@@ -50,7 +56,7 @@ class Equations:
     @property
     def key(self) -> bytes:
         """Bytes that systems have in common which may share lanes."""
-        return self.lay.tobytes() + self.fix.tobytes() + self.rest.tobytes()
+        return self.lay.tobytes() + self.fix.tobytes() + self.rest.tobytes() + repr(self.counts).encode()
 
 
 def equations_of(system: System) -> Equations:
@@ -101,6 +107,7 @@ def equations_of(system: System) -> Equations:
         fix=np.array(fix.numbers),
         num=np.array(num.numbers),
         rest=_rest(bodies, kinds),
+        counts=_counts(tables, axes),
     )
 
 
@@ -213,12 +220,12 @@ def _trees(
             kind = at.SLIDING_TREE
         else:
             kind = at.ANY_TREE
-        inverse = num.put(_inverse_mass(bodies, int(links[0]), own)) if kind == at.SLIDING_TREE else 0
+        inverse = num.put(inverse_mass(bodies, int(links[0]), own)) if kind == at.SLIDING_TREE else 0
         rows.append([kind, int(own[0]), own.size, int(links[0]), links.size, inverse])
     return rows
 
 
-def _inverse_mass(bodies: Bodies, link: int, dofs: Integers) -> Array:
+def inverse_mass(bodies: Bodies, link: int, dofs: Integers) -> Array:
     """Return the inverse of the mass matrix of a link that only slides, (n, n)."""
     model = bodies.model
     axes = model.jnt_axis[model.dof_jntid[dofs]]
@@ -239,9 +246,9 @@ def _mounts(
         (payload, site), (base, base_site) = (bodies.site(int(row[c])) for c in (0, 1))
         turning = row[control.TURNING : control.TURNING + 3]
         points = num.put(
-            _seen(bodies, kinds, payload) @ site.origin, _seen(bodies, kinds, base) @ base_site.origin, turning
+            seen(bodies, kinds, payload) @ site.origin, seen(bodies, kinds, base) @ base_site.origin, turning
         )
-        axes = _seen(bodies, kinds, base) @ base_site.axes
+        axes = seen(bodies, kinds, base) @ base_site.axes
         frame = fix.put(axes.T, base_site.quaternion, site.quaternion, row[control.MODELLED : control.MODELLED + 4])
         rows.append(
             [
@@ -261,7 +268,7 @@ def _mounts(
     return rows, runs
 
 
-def _seen(bodies: Bodies, kinds: list[int], link: int) -> Array:
+def seen(bodies: Bodies, kinds: list[int], link: int) -> Array:
     """Return the matrix that turns a vector in a link to the axes in which the equations have it."""
     return modelled(bodies, link).axes if link < len(kinds) and kinds[link] == at.STRAIGHT else np.eye(3)
 
@@ -270,6 +277,30 @@ def _axes(tables: Tables) -> list[list[int]]:
     first = int(tables.layout[control.AXES])
     size = 3 * control.AXIS_COLUMNS * tables.user.n_mounts
     return tables.layout[first : first + size].reshape(-1, control.AXIS_COLUMNS).astype(np.int64).tolist()
+
+
+def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
+    """Return the integers among the parameters, which say how the numbers behind them are read."""
+    par, found = tables.parameters, []
+
+    def law_counts(law: int, p: int) -> None:
+        at_law = {MASING: [p + 1], SMOOTHED: [p + 1], TABULATED: [p + KNOTS], STOP: [p + N_POINTS], PARALLEL: [p]}
+        found.extend(int(par[entry]) for entry in at_law.get(law, []))
+        if law == SMOOTHED:
+            law_counts(int(par[p + 1]), p + 2)
+        for part in range(int(par[p]) if law == PARALLEL else 0):
+            kind, first, state = (int(one) for one in par[p + 1 + 3 * part : p + 4 + 3 * part])
+            found.extend([kind, first, state])
+            law_counts(kind, p + first)
+
+    for law, first, _, _ in axes:
+        law_counts(law, first)
+    rows = tables.layout[int(tables.layout[control.MOUNTS]) : int(tables.layout[control.AXES])]
+    for row in rows.reshape(-1, control.MOUNT_COLUMNS):
+        if row[control.COUPLING] >= 0.0 and row[control.PARTNER] == AXIAL:  # the grid of a loop's energy
+            first = int(row[control.COUPLING]) + LOOP
+            found.extend(int(par[first + entry]) for entry in (4, 5))
+    return tuple(found)
 
 
 def _stops(tables: Tables, axes: list[list[int]]) -> list[list[int]]:

@@ -153,7 +153,7 @@ class Numbers:
             first = self._points[name]
             for part, site in enumerate(numbered[name]):
                 link, pose = bodies.site(site)
-                numbers[first + 3 * part : first + 3 * part + 3] = made._seen(bodies, self._kinds, link) @ pose.origin
+                numbers[first + 3 * part : first + 3 * part + 3] = made.seen(bodies, self._kinds, link) @ pose.origin
         frames = lay[lay[at.FRAMES] :][: at.FRAME_COLUMNS * lay[at.N_FRAMES]].reshape(-1, at.FRAME_COLUMNS).tolist()
         for row, body in zip(frames, system.assembly.subjects.bodies, strict=False):
             if body in touched:
@@ -170,7 +170,7 @@ class Numbers:
         for number, (kind, _, size, first_link, _, inverse) in enumerate(trees):
             if kind == at.SLIDING_TREE and first_link == link:
                 own = np.flatnonzero(model.dof_treeid == number)
-                numbers[inverse : inverse + size * size] = made._inverse_mass(bodies, link, own).ravel()
+                numbers[inverse : inverse + size * size] = made.inverse_mass(bodies, link, own).ravel()
 
 
 def same_structure(law: Law | None, other: Law | None) -> bool:

@@ -77,7 +77,7 @@ def together(work: Work, rows: Sequence[dict[str, Any]]) -> Together:
     )  # fmt: skip
     own = equations(system)
     done = go_in_lanes(
-        [Equations(lay=own.lay, fix=own.fix, num=variants.numbers[i], rest=own.rest) for i in chosen],
+        [Equations(lay=own.lay, fix=own.fix, num=variants.numbers[i], rest=own.rest, counts=own.counts) for i in chosen],
         system.assembly.tables.drive, motions, states[chosen], grid,
     )  # fmt: skip
     extremes = Extremes.of(system, done)
