@@ -1,6 +1,5 @@
 """An isolator that has failed: laws with as many states and hardly any force."""
 
-import math
 from dataclasses import replace
 
 from wirerope_mj.mounts.isolator import Isolator
@@ -29,9 +28,8 @@ def _faint(law: Law) -> Law:
         return replace(law, alpha=FAINT, k=0.0)
     if isinstance(law, Parallel):
         return Parallel(laws=tuple(_faint(part) for part in law.laws))
-    if law.n_states and 0.0 < law.initial_stiffness < math.inf:
-        # The same law in a smaller unit of force: a variant without a mount has the structure of those that have it.
-        return law if law.initial_stiffness <= 2.0 * FAINT else law.scaled(FAINT / law.initial_stiffness)
+    if law.n_states > 1:
+        return law.scaled(FAINT / law.initial_stiffness)
     return _FAINT_WITH_STATE if law.n_states == 1 else _FAINT_WITHOUT_STATE
 
 
