@@ -281,7 +281,8 @@ def _axes(tables: Tables) -> list[list[int]]:
 
 def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
     """Return the integers among the parameters, which say how the numbers behind them are read."""
-    par, found = tables.parameters, []
+    par = tables.parameters
+    found: list[int] = []
 
     def law_counts(law: int, p: int) -> None:
         at_law = {MASING: [p + 1], SMOOTHED: [p + 1], TABULATED: [p + KNOTS], STOP: [p + N_POINTS], PARALLEL: [p]}
