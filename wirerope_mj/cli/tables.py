@@ -147,7 +147,7 @@ def _numerics(response: Response) -> str:
     numerics = response.numerics
     limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
     text = (
-        f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}, by {numerics.computed_by}"
+        f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}, computed by {numerics.computed_by}"
     )
     if math.isfinite(numerics.error_estimate):
         missed = (

@@ -36,7 +36,7 @@ def scenario_markdown(response: Response, title: str, text: str) -> str:
     numerics = response.numerics
     limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
     how = (
-        f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}, by {numerics.computed_by}"
+        f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}, computed by {numerics.computed_by}"
     )
     if np.isfinite(numerics.error_estimate):
         how += f", estimated error {numerics.error_estimate:.1e} of the peaks"
