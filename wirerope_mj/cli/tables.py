@@ -146,9 +146,8 @@ def _used(utilisation: float | None) -> Mark:
 def _numerics(response: Response) -> str:
     numerics = response.numerics
     limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
-    text = (
-        f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}, computed by {numerics.computed_by}"
-    )
+    text = f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}"
+    text += f", computed by {numerics.computed_by}"
     if math.isfinite(numerics.error_estimate):
         missed = (
             "" if numerics.error_estimate <= numerics.accuracy else f", above the {numerics.accuracy:.0e} asked for"

@@ -35,9 +35,8 @@ def scenario_markdown(response: Response, title: str, text: str) -> str:
     body = _fenced(text) if _is_toml(text) else text.strip()
     numerics = response.numerics
     limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
-    how = (
-        f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}, computed by {numerics.computed_by}"
-    )
+    how = f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}"
+    how += f", computed by {numerics.computed_by}"
     if np.isfinite(numerics.error_estimate):
         how += f", estimated error {numerics.error_estimate:.1e} of the peaks"
     return "\n\n".join(part for part in (f"### {markdown(title or response.scene.name)}", body, f"*{how}*") if part)
