@@ -1,8 +1,10 @@
 """MJCF texts and systems that several tests use."""
 
 import textwrap
+from functools import partial
 
 import numpy as np
+import pytest
 
 import wirerope_mj as wr
 
@@ -93,3 +95,15 @@ def rotation(quaternion):
         [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
     ]
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def both_engines():
+    """Return a fixture that lets all tests of a module simulate by the kernel where it holds, and again by MuJoCo."""
+
+    @pytest.fixture(autouse=True, scope="module", params=["auto", "mujoco"])
+    def engine(request):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(wr, "simulate", partial(wr.simulate, engine=request.param))
+            yield request.param
+
+    return engine

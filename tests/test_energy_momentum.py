@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
-from house import deck, hysteresis, mjcf, quiet, rotation, sdof
+from house import both_engines, deck, hysteresis, mjcf, quiet, rotation, sdof
 from scipy.integrate import cumulative_simpson
 
 import wirerope_mj as wr
@@ -18,6 +18,9 @@ LAWS = {
     "shear": {**hysteresis(alpha=8e4, z_max=350.0, n=1.5), "k": 4e4},
     "axial": {**hysteresis(alpha=2e5, z_max=600.0, n=1.2), "k": 1e5},
 }
+
+
+engine = both_engines()
 
 
 def platform():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from house import deck, hysteresis, mjcf, quiet, sdof
+from house import both_engines, deck, hysteresis, mjcf, quiet, sdof
 from references import Pulse, RigidFloor, damped_step, matrix, oscillator
 
 import wirerope_mj as wr
@@ -12,6 +12,9 @@ MASS = 3.5
 LAW = {**hysteresis(alpha=1e5, z_max=300.0), "k1": 2e4, "k3": 5e6}
 DURATION = 0.25
 MOTIONS = {"half-sine": wr.HalfSine, "sawtooth": wr.Sawtooth}
+
+
+engine = both_engines()
 
 
 def shaken(shape, timestep, *, sample_rate=1000.0):
