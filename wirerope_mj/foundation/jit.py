@@ -40,7 +40,7 @@ def cache_folder() -> str:
 
 
 def njit(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return `function` compiled on its first call; divisions by zero give inf and NaN as in NumPy."""
+    """Return `function` compiled on its first call, which lets other threads go on; x / 0 gives inf and NaN as in NumPy."""
     return _compiled(function, forceinline=False)
 
 
@@ -53,6 +53,6 @@ def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Callable[..
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder()  # read when the function is decorated, and only then
     try:
-        return numba.njit(cache=True, error_model="numpy", forceinline=forceinline)(function)
+        return numba.njit(cache=True, error_model="numpy", forceinline=forceinline, nogil=True)(function)
     finally:
         numba.config.CACHE_DIR = before
