@@ -1,42 +1,20 @@
-"""Compiling kernels, with a disk cache that no change of any kernel can outlive.
+"""Compiling kernels: on their first call, unless `kernel_files` finds them compiled."""
 
-Numba's cache watches only the file of the function it compiled. Kernels here call kernels of other files, so that a change of
-one would leave the others with its old code. The cache folder therefore carries a digest of all files that hold kernels, or
-teach Numba new types.
-"""
-
-import hashlib
-import os
-import sys
 from collections.abc import Callable
-from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numba
 import numpy as np
+from numba.core import event
+from numba.core.ccallback import CFunc
+
+from wirerope_mj.foundation.compiling import Watch
+from wirerope_mj.foundation.kernel_files import KernelFiles, cache_folder
+
+event.register("numba:compile", Watch(str(cache_folder())))
 
 index = np.uint32
 """A table's entry as an index: unsigned, so that no code is compiled for indices from an array's end."""
-
-_PACKAGE = Path(__file__).resolve().parents[1]
-
-
-@cache
-def cache_folder() -> str:
-    """Return the folder of the compiled kernels: below NUMBA_CACHE_DIR if that is set, else in the user's cache."""
-    digest = hashlib.sha256()
-    for path in sorted(_PACKAGE.rglob("*.py")):
-        source = path.read_bytes()
-        if b"from wirerope_mj.foundation.jit import" in source or b"from numba.extending import" in source:
-            digest.update(source)
-    if numba.config.CACHE_DIR:
-        root = Path(numba.config.CACHE_DIR)
-    elif sys.platform == "win32":
-        root = Path(os.environ.get("LOCALAPPDATA", Path.home())) / "wirerope_mj"
-    else:
-        root = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "wirerope_mj"
-    return str(root / digest.hexdigest()[:16])
 
 
 def njit(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -49,10 +27,21 @@ def inlined(function: Callable[..., Any]) -> Callable[..., Any]:
     return _compiled(function, forceinline=True)
 
 
+def address(function: Callable[..., Any], signature: Any) -> int:
+    """Return the address of `function` compiled as a C function of `signature`, a Numba type, for the life of the process."""
+    callback: Any = CFunc(function, (signature.args, signature.return_type), {}, {"nopython": True})
+    callback._cache = KernelFiles(function)
+    callback.compile()
+    _KEPT.append(callback)
+    return int(callback.address)
+
+
+_KEPT: list[Any] = []
+"""Compiled callbacks: their code goes with them."""
+
+
 def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Callable[..., Any]:
-    before = numba.config.CACHE_DIR
-    numba.config.CACHE_DIR = cache_folder()  # read when the function is decorated, and only then
-    try:
-        return numba.njit(cache=True, error_model="numpy", forceinline=forceinline, nogil=True)(function)
-    finally:
-        numba.config.CACHE_DIR = before
+    options = {"error_model": "numpy", "forceinline": forceinline, "nogil": True}
+    compiled: Any = numba.njit(**options)(function)
+    compiled._cache = KernelFiles(function, **options)
+    return compiled

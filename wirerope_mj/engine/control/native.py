@@ -4,7 +4,6 @@ import ctypes
 from functools import cache
 from typing import NamedTuple
 
-import numba
 from numba import types
 
 from wirerope_mj.engine.control import layout as at
@@ -14,7 +13,7 @@ from wirerope_mj.engine.control.observer import observe
 from wirerope_mj.engine.control.pointers import float64_array, int32_array, int32_member, int64_array, member
 from wirerope_mj.engine.control.stops import track_stops
 from wirerope_mj.engine.control.structs import DATA_FIELDS, offsets, size_of
-from wirerope_mj.foundation.jit import inlined, njit
+from wirerope_mj.foundation.jit import address, inlined, njit
 
 ACCELERATION_STAGE = 3
 """mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last."""
@@ -139,11 +138,7 @@ SENSOR_FIELDS = (
 
 @cache
 def native_callbacks() -> Callbacks:
-    """Return the compiled callbacks, compiled once per process around kernels that are cached on disk.
-
-    The offsets are constants of these thin functions, which is why they themselves are not cached: a cache would outlive a
-    change of MuJoCo.
-    """
+    """Return the compiled callbacks; the offsets in the structs of this MuJoCo are constants of their code."""
     model, data = offsets("mjModel"), offsets("mjData")
     assert set(CONTROL_FIELDS + SENSOR_FIELDS) <= set(DATA_FIELDS)
     system = (model["nu"], model["actuator_dynprm"], model["numeric_data"])
@@ -154,22 +149,22 @@ def native_callbacks() -> Callbacks:
     contact = offsets("mjContact")
     in_contact = (*(contact[name] for name in ("dist", "geom", "dim", "efc_address")), size_of("mjContact"))
 
-    @numba.cfunc(types.void(types.intp, types.intp))
     def control(m, d):  # type: ignore[no-untyped-def]
         _control(m, d, system, control_fields, time)
 
-    @numba.cfunc(types.float64(types.intp, types.intp, types.int32))
     def act_dyn(m, d, actuator):  # type: ignore[no-untyped-def]
         return _act_dyn(m, d, actuator, system, userdata, act_dot)
 
-    @numba.cfunc(types.void(types.intp, types.intp, types.int32))
     def sensor(m, d, stage):  # type: ignore[no-untyped-def]
         if stage == ACCELERATION_STAGE:
             _sensor(m, d, system, sensor_fields, time, in_data, in_contact)
 
     pointer, integer = ctypes.c_void_p, ctypes.c_int
+    structs = (types.intp, types.intp)
     return Callbacks(
-        control=ctypes.CFUNCTYPE(None, pointer, pointer)(control.address),
-        act_dyn=ctypes.CFUNCTYPE(ctypes.c_double, pointer, pointer, integer)(act_dyn.address),
-        sensor=ctypes.CFUNCTYPE(None, pointer, pointer, integer)(sensor.address),
+        control=ctypes.CFUNCTYPE(None, pointer, pointer)(address(control, types.void(*structs))),
+        act_dyn=ctypes.CFUNCTYPE(ctypes.c_double, pointer, pointer, integer)(
+            address(act_dyn, types.float64(*structs, types.int32))
+        ),
+        sensor=ctypes.CFUNCTYPE(None, pointer, pointer, integer)(address(sensor, types.void(*structs, types.int32))),
     )

@@ -1,0 +1,170 @@
+"""Compiled kernels on disk: right code or a compilation, whatever was changed, cut off, forbidden, or done at the same time."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from wirerope_mj.foundation import cpu_level, kernel_files
+
+pytestmark = pytest.mark.quick
+
+KERNELS = """
+from wirerope_mj.foundation.jit import inlined, njit
+import constants as at
+
+FACTOR = 3.0
+
+@njit
+def apart(x):
+    return x + 0.5
+
+@{decorator}
+def inner(x):
+    return {inner}
+
+@njit
+def outer(x):
+    return inner(x) + at.OFFSET
+"""
+
+USE = """
+import sys
+from numba.core import event
+compiled = []
+class Count(event.Listener):
+    def on_start(self, event):
+        compiled.append(event.data["dispatcher"].py_func.__name__)
+    def on_end(self, event):
+        pass
+event.register("numba:compile", Count())
+{before}
+import kernels
+print(kernels.outer(2.0), kernels.apart(2.0), *compiled)
+"""
+
+
+@pytest.fixture
+def use(tmp_path):
+    """Return a function that calls two kernels in a new process: it returns their results, and which were compiled."""
+
+    def run(*, inner="FACTOR * x", offset=1, decorator="njit", before="", wait=True, **environment):
+        (tmp_path / "kernels.py").write_text(KERNELS.format(inner=inner, decorator=decorator))
+        (tmp_path / "constants.py").write_text(f"OFFSET = {offset}\n")
+        process = subprocess.Popen(
+            [sys.executable, "-B", "-c", USE.format(before=before)],
+            cwd=tmp_path,
+            env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), **environment},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        if not wait:
+            return process
+        return outcome(process)
+
+    return run
+
+
+def outcome(process):
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 0, err
+    outer, apart, *compiled = out.split()
+    return float(outer), float(apart), compiled
+
+
+ALL = ["outer", "inner", "apart"]
+
+
+def files(tmp_path):
+    return sorted((tmp_path / "cache").iterdir())
+
+
+def test_a_second_process_compiles_nothing(use):
+    assert use() == (7.0, 2.5, ALL)
+    assert use() == (7.0, 2.5, [])
+
+
+def test_a_changed_kernel_is_compiled_again_with_those_that_call_it_and_no_other(use):
+    use()
+    assert use(inner="FACTOR * x + 1.0") == (8.0, 2.5, ["outer", "inner"])
+    assert use() == (7.0, 2.5, [])  # what was there before is still right
+
+
+def test_a_comment_changes_nothing(use):
+    use()
+    assert use(inner="FACTOR * x  # [N]") == (7.0, 2.5, [])
+
+
+def test_a_constant_of_another_module_counts(use):
+    """So do the addresses of tables, which are such constants."""
+    use()
+    assert use(offset=2) == (8.0, 2.5, ["outer"])
+
+
+def test_how_a_kernel_is_compiled_counts(use):
+    use()
+    assert use(decorator="inlined")[2] == ["outer", "inner"]
+
+
+def test_another_numba_another_python_and_another_processor_compile(use):
+    use()
+    assert use(before="import numba; numba.__version__ = '0.1'") == (7.0, 2.5, ALL)
+    assert use(before="import llvmlite; llvmlite.__version__ = '0.1'") == (7.0, 2.5, ALL)
+    assert use(before="sys.implementation.cache_tag = 'cpython-399'") == (7.0, 2.5, ALL)
+    assert use(NUMBA_CPU_NAME="x86-64-v2", NUMBA_CPU_FEATURES="") == (7.0, 2.5, ALL)
+    assert use(NUMBA_OPT="1") == (7.0, 2.5, ALL)
+
+
+@pytest.mark.skipif(cpu_level.level() is None, reason="no code is shipped for this machine's processor")
+def test_code_for_a_level_of_processors_is_used_by_those_that_have_its_features_and_no_others(use):
+    assert cpu_level.level() == "x86-64-v3"  # the machine of these tests has it
+    use(NUMBA_CPU_NAME="x86-64-v3", NUMBA_CPU_FEATURES="")
+    lacking = (
+        "import llvmlite.binding as llvm; features = llvm.get_host_cpu_features();"
+        "llvm.get_host_cpu_features = lambda: type(features)({**features, '%s': False})"
+    )
+    assert use() == (7.0, 2.5, [])
+    assert use(before=lacking % "fma") == (7.0, 2.5, ALL)
+    use(NUMBA_CPU_NAME="x86-64-v2", NUMBA_CPU_FEATURES="")
+    assert use(before=lacking % "avx2") == (7.0, 2.5, [])
+    assert use(before=lacking % "popcnt") == (7.0, 2.5, ALL)
+
+
+def test_a_file_that_was_cut_off_is_compiled_anew_and_replaced(use, tmp_path):
+    use()
+    for path in files(tmp_path):
+        path.write_bytes(path.read_bytes()[:-100])
+    assert use() == (7.0, 2.5, ALL)
+    assert use() == (7.0, 2.5, [])
+
+
+@pytest.mark.parametrize("content", [b"", b"short", b"no code at all"])
+def test_a_file_of_anything_else_is_compiled_anew(use, tmp_path, content):
+    use()
+    checksum = kernel_files.hashlib.sha256(content).digest()
+    for path in files(tmp_path):
+        path.write_bytes(checksum + content if content else b"")
+    assert use() == (7.0, 2.5, ALL)
+
+
+def test_a_folder_that_cannot_be_written_hinders_nothing(use, tmp_path):
+    (tmp_path / "file").write_text("")
+    assert use(NUMBA_CACHE_DIR=str(tmp_path / "file" / "cache")) == (7.0, 2.5, ALL)
+
+
+def test_two_processes_at_once_leave_whole_files(use, tmp_path):
+    both = [use(wait=False), use(wait=False)]
+    for process in both:
+        assert outcome(process)[:2] == (7.0, 2.5)
+    assert use() == (7.0, 2.5, [])
+    assert [path.suffix for path in files(tmp_path)] == [".kernel"] * 3
+
+
+def test_what_a_package_brings_along_is_found_with_no_cache_at_all(use, tmp_path):
+    use(NUMBA_CPU_NAME="x86-64-v3", NUMBA_CPU_FEATURES="")
+    (tmp_path / "cache").rename(tmp_path / "shipped")
+    shipped = "import pathlib; from wirerope_mj.foundation import kernel_files; kernel_files.SHIPPED = pathlib.Path('shipped')"
+    assert use(before=shipped) == (7.0, 2.5, [])
+    assert not (tmp_path / "cache").exists()

@@ -1,0 +1,110 @@
+"""Digest of what a kernel's compiled code depends on: its own code, and the kernels and constants that it reaches."""
+
+import hashlib
+from collections.abc import Callable, Iterator
+from enum import Enum
+from functools import cache
+from pathlib import Path
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from typing import Any
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba.core.dispatcher import Dispatcher
+from numba.extending import _Intrinsic as Intrinsic
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+_SHARED = ("jit.py", "lane_types.py", "lane_choices.py", "lane_math.py", "lanes.py")
+"""Files of this folder that say how every kernel is compiled, or teach Numba types and functions."""
+
+
+@cache
+def digest(function: Callable[..., Any]) -> str:
+    """Return the digest of `function`, which is not compiled for it.
+
+    Its code object counts, not its text: comments and lines that move change nothing. Constants count by their value, among
+    them the addresses of tables, and offsets in MuJoCo's structs.
+
+    Raises:
+        TypeError: a kernel reaches something of which it is not known how it is compiled.
+    """
+    reached: dict[int, str] = {}
+    waiting = [function]
+    while waiting:
+        kernel = waiting.pop()
+        if id(kernel) not in reached:
+            reached[id(kernel)], others = _own(kernel)
+            waiting += others
+    return hashlib.sha256("\n".join([_shared(), _own(function)[0], *sorted(reached.values())]).encode()).hexdigest()
+
+
+@cache
+def _own(kernel: FunctionType) -> tuple[str, tuple[FunctionType, ...]]:
+    """Return the text that a kernel itself adds, and the functions that it calls."""
+    others: list[FunctionType] = []
+    parts = [f"{kernel.__module__}.{kernel.__qualname__}", repr(kernel.__defaults__), *_code(kernel.__code__)]
+    for name, value in _used(kernel):
+        parts.append(f"{name} = {_text(name, value, others)}")
+    return "\n".join(parts), tuple(others)
+
+
+def _code(code: CodeType) -> Iterator[str]:
+    yield code.co_code.hex()
+    yield repr((code.co_names, code.co_varnames, code.co_freevars, code.co_argcount))
+    for constant in code.co_consts:
+        if isinstance(constant, CodeType):
+            yield from _code(constant)
+        else:
+            yield repr(sorted(constant, key=repr) if isinstance(constant, frozenset) else constant)
+
+
+def _names(code: CodeType) -> set[str]:
+    nested = (_names(constant) for constant in code.co_consts if isinstance(constant, CodeType))
+    return set(code.co_names).union(*nested)
+
+
+def _used(kernel: FunctionType) -> Iterator[tuple[str, object]]:
+    """Yield what a kernel reaches by a global name, by its closure, and as a member of a module; of libraries their numbers."""
+    names = sorted(_names(kernel.__code__))
+    for name in names:
+        value = kernel.__globals__.get(name)
+        if isinstance(value, ModuleType):
+            ours = value.__name__.startswith("wirerope_mj")
+            members = ((f"{name}.{member}", getattr(value, member)) for member in names if hasattr(value, member))
+            yield from (pair for pair in members if ours or isinstance(pair[1], int | float))
+        elif name in kernel.__globals__:
+            yield name, value
+    for name, cell in zip(kernel.__code__.co_freevars, kernel.__closure__ or (), strict=True):
+        yield name, cell.cell_contents
+
+
+def _text(name: str, value: Any, others: list[FunctionType]) -> str:
+    """Return what a value is known by; functions that are compiled along with the kernel are added to `others`."""
+    if isinstance(value, Dispatcher):
+        others.append(value.py_func)
+        return repr(sorted(value.targetoptions.items()))
+    if isinstance(value, Intrinsic):
+        others.append(value._defn)
+        return "an intrinsic"
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype} {value.shape} {value.tobytes().hex()}"
+    if value is None or isinstance(
+        value, bool | int | float | str | tuple | np.generic | Enum | numba.types.Type | ir.Type
+    ):
+        return repr(value)
+    if isinstance(value, FunctionType) and value.__module__.startswith("wirerope_mj"):
+        return f"{value.__module__}.{value.__qualname__} {_file(value.__code__.co_filename)}"
+    if isinstance(value, FunctionType | BuiltinFunctionType | type | np.ufunc):
+        return f"{getattr(value, '__module__', '')}.{value.__name__}"
+    raise TypeError(f"{name}: a kernel cannot be kept, because it is not known how {type(value).__name__} is compiled")
+
+
+@cache
+def _file(path: str) -> str:
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
+
+
+@cache
+def _shared() -> str:
+    return " ".join(_file(str(_PACKAGE / "foundation" / name)) for name in _SHARED)
