@@ -29,6 +29,9 @@ from wirerope_mj.foundation.kernel_digest import digest
 SHIPPED = Path(__file__).resolve().parents[1] / "_kernels"
 """Folder of the kernels that a built package brings along."""
 
+LOADED: list[Path] = []
+"""Files whose code this process uses."""
+
 _CHECKSUM = hashlib.sha256().digest_size
 
 
@@ -64,9 +67,11 @@ class KernelFiles(_Cache):
                 payload = _read(folder / name)
                 if payload is not None:
                     try:
-                        return CompileResult._rebuild(target_context, *pickle.loads(payload))
+                        code = CompileResult._rebuild(target_context, *pickle.loads(payload))
                     except Exception:  # whatever a foreign file leads to: it is not used, and replaced
                         continue
+                    LOADED.append(folder / name)
+                    return code
         return None
 
     def save_overload(self, sig: Any, data: CompileResult) -> None:

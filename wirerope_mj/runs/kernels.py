@@ -1,0 +1,59 @@
+"""All kernels, called once each by short computations, so that they are compiled before somebody waits for them."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+
+from wirerope_mj.dynamics.modes import modes
+from wirerope_mj.dynamics.periodic import follow_branch
+from wirerope_mj.dynamics.single_mass import equivalent_linear
+from wirerope_mj.dynamics.sweep import frequency_sweep
+from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.system import load_system
+from wirerope_mj.foundation.kernel_files import LOADED, cache_folder
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions import HalfSine, Sweep
+from wirerope_mj.motions.spectra import shock_response_spectrum
+from wirerope_mj.mounts.identification.identify import identify
+from wirerope_mj.mounts.isolator import load_isolator
+from wirerope_mj.mounts.laws import BoucWen
+from wirerope_mj.mounts.test_rig import steady_loops
+
+
+def use_all_kernels() -> None:
+    """Simulate, sweep, shoot, identify and take spectra, each as briefly as calls every kernel of its room."""
+    law = load_isolator("enidine_wr16_400").axial
+    deflection = np.repeat([0.005, 0.01], 800) * np.sin(np.linspace(0.0, 8.0 * np.pi, 1600))
+    identify(steady_loops(deflection, law.trace(deflection).force), law=BoucWen)
+    equivalent_linear(law, mass=100.0, frequencies=[5.0, 6.0], acceleration=1.0)
+
+    system = load_system("sdof_shaker")
+    shock = HalfSine(peak=STANDARD_GRAVITY, duration=0.011, direction="z")
+    for engine in ("mujoco", "kernel"):
+        response = simulate(system, shock, duration=0.02, timestep=1e-3, engine=engine)
+    acceleration = response.bodies["mass"].acceleration[:, 2]
+    shock_response_spectrum(response.time, acceleration, frequencies=[5.0, 10.0])
+    modes(system, amplitude=0.001)
+    upwards = Sweep(start=20.0, stop=20.5, rate=10.0, direction="z", acceleration=1.0)
+    frequency_sweep(system, upwards, payload="mass", timestep=1e-3)
+    follow_branch(
+        load_system("cabinet"), start=60.0, stop=60.5, acceleration=0.1, direction="z", payload="rack", accuracy=1e-2
+    )  # of enough unknowns for the variational equation
+
+
+def copy_kernels(folder: Path) -> None:
+    """Copy the files of all kernels that Python calls into `folder`: what these call among themselves is part of their code.
+
+    Raises:
+        RuntimeError: one was not at hand, so that this process compiled it with others that are not called from Python.
+    """
+    before = set(cache_folder().iterdir())
+    use_all_kernels()
+    if set(cache_folder().iterdir()) != before:
+        raise RuntimeError(
+            f"kernels were compiled: call `use_all_kernels` in another process first, with {cache_folder()}"
+        )
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in LOADED:
+        shutil.copyfile(path, folder / path.name)
