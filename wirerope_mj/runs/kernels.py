@@ -24,6 +24,7 @@ from wirerope_mj.mounts.test_rig import steady_loops
 def use_all_kernels() -> None:
     """Simulate, sweep, shoot, identify and take spectra, each as briefly as calls every kernel of its room."""
     law = load_isolator("enidine_wr16_400").axial
+    assert law is not None
     deflection = np.repeat([0.005, 0.01], 800) * np.sin(np.linspace(0.0, 8.0 * np.pi, 1600))
     identify(steady_loops(deflection, law.trace(deflection).force), law=BoucWen)
     equivalent_linear(law, mass=100.0, frequencies=[5.0, 6.0], acceleration=1.0)
