@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Literal, get_args
 
 import numpy as np
-from scipy.fft import irfft, next_fast_len
+import scipy
 
 from wirerope_mj.foundation.arguments import finite, integer, one_of, positive
 from wirerope_mj.foundation.arrays import Array
@@ -158,7 +158,7 @@ class RandomVibration(StartedMotion):
     @cached_property
     def _spline(self) -> UniformSpline:
         h, knots = self._spacing, self._intervals + 1
-        period = next_fast_len(knots, real=True)
+        period = scipy.fft.next_fast_len(knots, real=True)
         width = 1 / (period * h)  # of the band of one line [Hz]
         first, last = (round(frequency / width) for frequency in (self.psd[0][0], self.psd[-1][0]))
         frequency = width * np.arange(first, last + 1)
@@ -170,7 +170,7 @@ class RandomVibration(StartedMotion):
         amplitude /= (2 * np.pi * frequency) ** 2 * np.sinc(frequency * h) ** 4
         lines = np.zeros(period // 2 + 1, dtype=complex)
         lines[first : last + 1] = period / 2 * amplitude * np.exp(1j * random_phases(self.seed, amplitude.size))
-        coefficients = irfft(lines, period, overwrite_x=True)[:knots]
+        coefficients = scipy.fft.irfft(lines, period, overwrite_x=True)[:knots]
         # One knot inside start and end, so that the two outermost coefficients at either end are zero.
         inner = Envelope(start=h, stop=self.duration - h, rise=self.rise, fall=self.fall)
         rising, falling = math.ceil(self.rise / h) + 2, knots - math.ceil(self.fall / h) - 2

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import lfilter
+import scipy
 
 from wirerope_mj.foundation.arguments import finite, integer, positive
 from wirerope_mj.foundation.arrays import Array
@@ -177,7 +177,7 @@ class _Matching:
         impulse[0] = 1.0
         reach = -math.log(FORGOTTEN) / (2 * np.pi * frequencies * damping * step)
         self.impulses = [
-            lfilter(*coefficients, impulse[: math.ceil(length) + 1])
+            scipy.signal.lfilter(*coefficients, impulse[: math.ceil(length) + 1])
             for coefficients, length in zip(self.filters, reach, strict=True)
         ]
 
@@ -220,7 +220,7 @@ class _Matching:
         acceleration = self.acceleration(q)
         instants, values = [], []
         for coefficients in self.filters:
-            response = lfilter(*coefficients, acceleration)
+            response = scipy.signal.lfilter(*coefficients, acceleration)
             instant = int(np.argmax(np.abs(response)))
             value = response[instant]
             if 0 < instant < response.size - 1:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import signal
+import scipy
 
 from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
@@ -91,7 +91,7 @@ def _filtered(time: Array, acceleration: Array, cutoff: float) -> Peak:
     half = 0.5 * (time.size - 1) / float(time[-1] - time[0])
     if not (math.isfinite(cutoff) and 0.0 < cutoff < half):
         raise ValueError(f"`cutoff` must be between 0 and half the sampling rate, {half:.6g} Hz, got {cutoff!r}.")
-    smooth = signal.sosfiltfilt(signal.butter(2, cutoff / half, output="sos"), acceleration, axis=0)
+    smooth = scipy.signal.sosfiltfilt(scipy.signal.butter(2, cutoff / half, output="sos"), acceleration, axis=0)
     value, when = sampled_peak(time, np.linalg.norm(smooth, axis=1))
     highest = [sampled_peak(time, smooth[:, axis]) for axis in range(3)]
     lowest = [sampled_peak(time, -smooth[:, axis]) for axis in range(3)]

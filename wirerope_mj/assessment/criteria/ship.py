@@ -8,9 +8,7 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
-from scipy.integrate import cumulative_trapezoid
-from scipy.ndimage import maximum_filter1d
+import scipy
 
 from wirerope_mj.assessment.criteria.points import check_rows
 from wirerope_mj.assessment.criteria.verdict import Verdict
@@ -178,7 +176,9 @@ def velocity_lines(
     instants, values = np.asarray(time, dtype=np.float64), np.asarray(acceleration, dtype=np.float64)
     rate = (instants.size - 1) / float(instants[-1] - instants[0])
     size, kept = round(rate / checked.resolution), round(checked.duration * rate)
-    velocity = cumulative_trapezoid(signal.detrend(values[-kept:], type="constant"), dx=1.0 / rate, initial=0.0)
+    velocity = scipy.integrate.cumulative_trapezoid(
+        scipy.signal.detrend(values[-kept:], type="constant"), dx=1.0 / rate, initial=0.0
+    )
     frequency = np.arange(size // 2 + 1) * rate / size
     shown = (frequency > _LEAST_SHOWN * checked.resolution) & (frequency < 0.45 * rate)
     if not shown.any():
@@ -187,13 +187,13 @@ def velocity_lines(
             f"{0.45 * rate / _LEAST_SHOWN:.6g} Hz, got {resolution:.6g}."
         )
     # Cut off, at half, four resolutions from the line; 6 lets 0.07 % through beyond the sixth.
-    window = signal.firwin(size, 4.0 / size, window=("kaiser", 6.0), fs=1.0)
-    hann = signal.windows.hann(size, sym=False)
+    window = scipy.signal.firwin(size, 4.0 / size, window=("kaiser", 6.0), fs=1.0)
+    hann = scipy.signal.windows.hann(size, sym=False)
     windows, peaks = np.stack([window, hann / hann.sum()]), np.zeros((2, frequency.size))
     for first in range(0, velocity.size - size + 1, max(size // _HOPS, 1)):
-        segment = signal.detrend(velocity[first : first + size])
+        segment = scipy.signal.detrend(velocity[first : first + size])
         np.maximum(peaks, 2.0 * np.abs(np.fft.rfft(windows * segment)), out=peaks)
-    largest: Array = np.where(peaks[1] == maximum_filter1d(peaks[1], 5), peaks[0], peaks[1])[shown]
+    largest: Array = np.where(peaks[1] == scipy.ndimage.maximum_filter1d(peaks[1], 5), peaks[0], peaks[1])[shown]
     # The trapezoidal rule integrates a sine to (w T / 2) / tan(w T / 2) of its integral.
     half = math.pi * frequency[shown] / rate
     return frequency[shown], largest * np.tan(half) / half

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import Akima1DInterpolator
+import scipy
 
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.foundation.arrays import Array
@@ -67,8 +67,8 @@ def curve_of(branch: Branch) -> BranchCurve:
     position = np.interp(fine, along, point)
     stable = branch.stable[np.floor(position).astype(int)] & branch.stable[np.ceil(position).astype(int)]
     return BranchCurve(
-        frequency=np.exp(Akima1DInterpolator(along, f)(fine)),
-        amplitude=np.exp(Akima1DInterpolator(along, a)(fine)),
+        frequency=np.exp(scipy.interpolate.Akima1DInterpolator(along, f)(fine)),
+        amplitude=np.exp(scipy.interpolate.Akima1DInterpolator(along, a)(fine)),
         stable=stable,
         point=position,
     )

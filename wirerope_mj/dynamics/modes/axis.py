@@ -1,7 +1,7 @@
 """Stiffness of one mount axis about its deflection at rest: tangents, closed cycles, and their limit of small amplitude."""
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from wirerope_mj.dynamics.single_mass.cycle import cycle_force, require_steady
 from wirerope_mj.foundation.arrays import Array
@@ -159,7 +159,7 @@ def _balanced_force(law: Law, deflection: float, states: Array, index: int) -> f
     for _ in range(100):
         other = reach if at_zero > 0.0 else -reach
         if gain(other) * at_zero <= 0.0:
-            return float(brentq(gain, 0.0, other, xtol=1e-14 * reach, rtol=1e-14))
+            return float(scipy.optimize.brentq(gain, 0.0, other, xtol=1e-14 * reach, rtol=1e-14))
         reach *= 2.0
     return 0.0
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
+import scipy
 
 from wirerope_mj.dynamics.modes.axis import closed_cycle, mean_force
 from wirerope_mj.dynamics.modes.plane import SMALL
@@ -107,6 +107,6 @@ def _carrying(law: Law, rest: float, force: float, amplitude: float, frequency: 
         if not math.isfinite(there):
             return math.nan
         if there * here <= 0.0:
-            return float(brentq(excess, before, beyond, xtol=1e-6 * abs(beyond - rest)))
+            return float(scipy.optimize.brentq(excess, before, beyond, xtol=1e-6 * abs(beyond - rest)))
         before, step = beyond, 1.5 * step
     return math.nan

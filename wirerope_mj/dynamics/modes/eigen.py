@@ -4,8 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import eigh
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 
@@ -26,7 +25,7 @@ FREE = 1e-9
 
 def solve(stiffness: Array, mass: Array) -> tuple[Array, Array]:
     """Return the eigenvalues [(rad/s)^2], (n,), from the lowest on, and the shapes, phi^T M phi = 1, as columns (n, n)."""
-    values, shapes = eigh(stiffness, mass)
+    values, shapes = scipy.linalg.eigh(stiffness, mass)
     values[np.abs(values) < FREE * np.abs(values).max(initial=0.0)] = 0.0
     return values, shapes
 
@@ -44,7 +43,7 @@ def follow(values: Array, shapes: Array, mass: Array, known: Array, mode: int) -
     frequencies come close do not become the same one. Modes of one frequency are turned to be as like it as they can be.
     """
     likeness = shapes.T @ mass @ known
-    indices, owners = linear_sum_assignment(-(likeness**2))
+    indices, owners = scipy.optimize.linear_sum_assignment(-(likeness**2))
     best = int(indices[owners == mode][0])
     close = np.abs(values - values[best]) <= CLOSE * np.abs(values).max()
     shape = shapes[:, close] @ likeness[close, mode]

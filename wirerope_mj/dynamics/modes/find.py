@@ -5,7 +5,7 @@ from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from wirerope_mj.dynamics.modes.eigen import frequency_of, iterate, solve
 from wirerope_mj.dynamics.modes.motion import descriptions_of, participation_of, payload_shapes
@@ -158,7 +158,7 @@ def _matched(rest: AtRest, shapes: Array, stiffness: Array) -> Array:
     """Return the frequencies of another stiffness [Hz], each for the shape that its own is most like, (n_modes,)."""
     values, others = solve(stiffness, rest.mass)
     likeness = (shapes.T @ rest.mass @ others) ** 2
-    _, matched = linear_sum_assignment(-likeness)
+    _, matched = scipy.optimize.linear_sum_assignment(-likeness)
     return frequency_of(values[matched])
 
 

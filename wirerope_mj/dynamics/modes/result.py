@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import linear_sum_assignment
+import scipy
 
 from wirerope_mj.dynamics.modes.tipping import TippingStability
 from wirerope_mj.engine.statics import Equilibrium, History
@@ -94,7 +94,7 @@ class Modes(Summarised):
     def indices_in(self, other: "Modes") -> list[int]:
         """Return for each of these modes the index of the one that it is in `other`: all of the same system."""
         ours, theirs = (_unit(modes.shapes[self.free], self.mass) for modes in (self, other))
-        _, indices = linear_sum_assignment(-((ours.T @ self.mass @ theirs) ** 2))
+        _, indices = scipy.optimize.linear_sum_assignment(-((ours.T @ self.mass @ theirs) ** 2))
         return [int(index) for index in indices]
 
     def to_dict(self) -> dict[str, Any]:

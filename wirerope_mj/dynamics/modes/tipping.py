@@ -6,7 +6,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
-from scipy.linalg import eigvalsh
+import scipy
 
 from wirerope_mj.dynamics.modes.eigen import FREE, solve
 from wirerope_mj.dynamics.modes.rest import AtRest
@@ -106,7 +106,7 @@ def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -
 def _critical(stiffness: Array, load: Array) -> float:
     """Return the smallest factor > 0 at which stiffness - factor * load is no longer positive definite."""
     try:
-        grows = eigvalsh(load, stiffness)  # load v = (1 / factor) stiffness v
+        grows = scipy.linalg.eigvalsh(load, stiffness)  # load v = (1 / factor) stiffness v
     except np.linalg.LinAlgError:
         return 0.0  # not positive definite without any load
     largest = float(grows.max(initial=0.0))

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy
 
 from wirerope_mj.dynamics.periodic.branch import Kind
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
@@ -74,7 +74,9 @@ def _extreme(path: Continuation, a: Point, b: Point, length: float) -> tuple[Poi
         return -sign * math.log(point.parameter)
 
     bounds = (-WIDER * length, (1.0 + WIDER) * length)
-    minimize_scalar(depth, bounds=bounds, method="bounded", options={"xatol": 1e-3 * length, "maxiter": LOCATIONS})
+    scipy.optimize.minimize_scalar(
+        depth, bounds=bounds, method="bounded", options={"xatol": 1e-3 * length, "maxiter": LOCATIONS}
+    )
     arclength = max(seen, key=lambda s: sign * seen[s].parameter)
     return seen[arclength], arclength
 

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from wirerope_mj.dynamics.single_mass.cycle import cycle_force, is_neutral, largest, require_steady
 from wirerope_mj.foundation.arguments import finite, positive
@@ -118,6 +118,6 @@ def _offset(excess: Callable[[float], float], law: Law, amplitude: float, weight
         if not np.isfinite(there):
             return float("nan")
         if there * here <= 0.0:
-            return float(brentq(excess, before, step, xtol=1e-14 * abs(step), rtol=1e-14))
+            return float(scipy.optimize.brentq(excess, before, step, xtol=1e-14 * abs(step), rtol=1e-14))
         before, step = step, 1.5 * step
     return float("nan")

@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq, minimize_scalar
+import scipy
 
 from wirerope_mj.dynamics.single_mass.cycle import steady_cycle
 from wirerope_mj.dynamics.single_mass.equivalent import SAMPLES, EquivalentOscillator, oscillator_at, require_oscillator
@@ -163,14 +163,14 @@ def _roots(function: Callable[[float], float], grid: Array) -> Iterator[float]:
     values = np.array([function(at) for at in grid])
     for i in range(grid.size - 1):
         if values[i] * values[i + 1] <= 0.0 and np.isfinite(values[i + 1]):
-            yield float(brentq(function, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-14))
+            yield float(scipy.optimize.brentq(function, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-14))
         if i > 0 and np.ptp(np.sign(values[i - 1 : i + 2])) == 0.0 and np.argmin(np.abs(values[i - 1 : i + 2])) == 1:
             yield from _pair(function, grid[i - 1], grid[i + 1], np.sign(values[i]))
 
 
 def _pair(function: Callable[[float], float], low: float, high: float, side: float) -> Iterator[float]:
     """Yield the two roots of a function that has the sign `side` at both ends and comes nearest to zero between them."""
-    nearest = minimize_scalar(lambda at: side * function(at), bounds=(low, high), method="bounded").x
+    nearest = scipy.optimize.minimize_scalar(lambda at: side * function(at), bounds=(low, high), method="bounded").x
     if side * function(nearest) < 0.0:
-        yield float(brentq(function, low, nearest, rtol=1e-14))
-        yield float(brentq(function, nearest, high, rtol=1e-14))
+        yield float(scipy.optimize.brentq(function, low, nearest, rtol=1e-14))
+        yield float(scipy.optimize.brentq(function, nearest, high, rtol=1e-14))

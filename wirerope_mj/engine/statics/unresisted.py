@@ -5,7 +5,7 @@ from collections.abc import Callable
 import mujoco
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import eigh, null_space
+import scipy
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
@@ -27,7 +27,7 @@ def unresisted(
     """
     model = data.model
     jacobians = [_deflections(model, data, sites)[:, free] for sites in system.assembly.tables.sites]
-    motions = null_space(np.concatenate(jacobians), rcond=1e-9)  # columns
+    motions = scipy.linalg.null_space(np.concatenate(jacobians), rcond=1e-9)  # columns
     if not motions.size:
         return ()
     mass = np.zeros((model.nv, model.nv))
@@ -37,7 +37,7 @@ def unresisted(
     stiffness = motions.T @ mass @ returns
     if not np.isfinite(stiffness).all():
         return ()
-    rates, shapes = eigh(0.5 * (stiffness + stiffness.T), motions.T @ mass @ motions)
+    rates, shapes = scipy.linalg.eigh(0.5 * (stiffness + stiffness.T), motions.T @ mass @ motions)
     motions_of: dict[tuple[int, bool], list[str]] = {}
     for rate, shape in zip(rates, shapes.T, strict=True):
         if rate < SLOW:

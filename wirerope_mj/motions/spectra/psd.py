@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
+import scipy
 
 from wirerope_mj.foundation.arguments import not_negative, positive
 from wirerope_mj.foundation.arrays import Array
@@ -140,10 +140,10 @@ def power_spectral_density(
             f"`time` is too short for a density{wanted}: {left:.6g} s are left of {length:.6g} s after the first "
             f"{discard:.6g} s; at least {least:.6g} s are needed, and several times that to be certain of anything."
         )
-    window = signal.windows.hann(size, sym=False)
+    window = scipy.signal.windows.hann(size, sym=False)
     hop = size - size // 2
     segments = (kept.shape[0] - size) // hop + 1
-    frequency, density = signal.welch(
+    frequency, density = scipy.signal.welch(
         kept, fs=1.0 / step, window=window, noverlap=size // 2, detrend="constant", scaling="density", axis=0
     )
     return PowerSpectralDensity(

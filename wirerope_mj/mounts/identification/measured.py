@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import isotonic_regression
+import scipy
 
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
@@ -209,7 +209,7 @@ def _monotone(x: Array) -> Array:
     start = int(np.argmin(x))
     cyclic = np.roll(x[:-1], -start)
     top = int(np.argmax(cyclic))
-    up = isotonic_regression(cyclic[: top + 1]).x
-    down = isotonic_regression(np.append(cyclic[top:], cyclic[0]), increasing=False).x
+    up = scipy.optimize.isotonic_regression(cyclic[: top + 1]).x
+    down = scipy.optimize.isotonic_regression(np.append(cyclic[top:], cyclic[0]), increasing=False).x
     joined = np.roll(np.concatenate([up, down[1:-1]]), start)
     return np.append(joined, joined[0])

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
@@ -167,7 +167,7 @@ def run_search(
     begin = unknowns.numbers(start)
     residuals = _Residuals(unknowns, residual, begin)
     try:
-        result = least_squares(
+        result = scipy.optimize.least_squares(
             residuals.residual, begin, jac=residuals.jacobian, bounds=unknowns.bounds, x_scale="jac", max_nfev=most,
             ftol=GAIN / residuals.freedom, xtol=TOLERANCE, gtol=TOLERANCE,
         )  # fmt: skip

@@ -9,7 +9,7 @@ import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.optimize import lsq_linear
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
@@ -108,7 +108,7 @@ def _stretched(
     norms[norms == 0.0] = 1.0
     low = np.array([(c.lower - base[c.name]) for c in linear]) * norms
     high = np.array([(c.upper - base[c.name]) for c in linear]) * norms
-    best = lsq_linear(matrix / norms, measured - zero, (low - 1e-12 * np.abs(low), high))
+    best = scipy.optimize.lsq_linear(matrix / norms, measured - zero, (low - 1e-12 * np.abs(low), high))
     values = {c.name: float(base[c.name] + step) for c, step in zip(linear, best.x / norms, strict=True)}
     return base | values, 2.0 * float(best.cost) / measured.size
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.optimize import lsq_linear
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import Coordinate, Family, Scales
@@ -104,7 +104,7 @@ def _closed(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[bool, boo
 
     def cost(*sides: Array) -> tuple[float, Array]:
         matrix = np.hstack(sides)
-        springs = lsq_linear(matrix, force, (0.0, np.inf)).x
+        springs = scipy.optimize.lsq_linear(matrix, force, (0.0, np.inf)).x
         return float(np.sum((matrix @ springs - force) ** 2)), springs
 
     both, stiffness = cost(below, above)

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from scipy.interpolate import PPoly
-from scipy.optimize import brentq
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
@@ -113,7 +112,7 @@ class Stop(Law):
         return np.array([*own, 0.0, 1.0, *table, *depths])
 
     @property
-    def _curve(self) -> PPoly:
+    def _curve(self) -> "scipy.interpolate.PPoly":
         """Force over what counts of the depth; a point before the origin makes it leave that flat."""
         return monotone(np.array([-1.0, 0.0, *self.depths]), np.array([0.0, 0.0, *self.forces]))
 
@@ -121,7 +120,11 @@ class Stop(Law):
         """Return the depth of which so much counts [m]; what lies before the touch stays there."""
         if not 0.0 <= counted < 0.5 * self.rounding:
             return counted + 0.5 * self.rounding
-        return float(brentq(lambda depth: seated(depth, self.rounding)[0] - counted, 0.0, self.rounding, xtol=1e-300))
+        return float(
+            scipy.optimize.brentq(
+                lambda depth: seated(depth, self.rounding)[0] - counted, 0.0, self.rounding, xtol=1e-300
+            )
+        )
 
     def pressed(self, depth: float) -> float:
         """Return the elastic force at a depth behind the gap [N]."""

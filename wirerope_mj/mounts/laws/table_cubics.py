@@ -4,33 +4,35 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.interpolate import BPoly, PchipInterpolator, PPoly
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.table_kernels import advance_table
 
 
-def monotone(x: Array, values: Array) -> PPoly:
+def monotone(x: Array, values: Array) -> "scipy.interpolate.PPoly":
     """Return the monotone cubics through points."""
     with np.errstate(over="ignore"):  # a mean of slopes of which one is as good as zero
-        return PchipInterpolator(x, values)
+        return scipy.interpolate.PchipInterpolator(x, values)
 
 
-def level_cubics(knots: Sequence[float], values: Sequence[float] | Array, scale: float) -> PPoly:
+def level_cubics(knots: Sequence[float], values: Sequence[float] | Array, scale: float) -> "scipy.interpolate.PPoly":
     """Return values over a scale as a function of |x|, joined by cubics that are level at its knots; constant without any."""
     if len(values) == 0 or scale == 0.0:
-        return PPoly(np.zeros((1, 1)), np.array([-1.0, 1.0]))
+        return scipy.interpolate.PPoly(np.zeros((1, 1)), np.array([-1.0, 1.0]))
     ends = np.concatenate([-np.array(knots)[::-1], knots])
     scaled = np.concatenate([np.array(values)[::-1], values]) / scale
-    return PPoly.from_bernstein_basis(BPoly.from_derivatives(ends, np.column_stack([scaled, np.zeros_like(scaled)])))
+    return scipy.interpolate.PPoly.from_bernstein_basis(
+        scipy.interpolate.BPoly.from_derivatives(ends, np.column_stack([scaled, np.zeros_like(scaled)]))
+    )
 
 
-def held(x: Array, curve: PPoly) -> Array:
+def held(x: Array, curve: "scipy.interpolate.PPoly") -> Array:
     """Return deflections, those beyond the ends of a curve moved there."""
     return np.clip(x, curve.x[0], curve.x[-1])
 
 
-def packed(curve: PPoly, fraction: PPoly, z_max: float, x_y: float) -> Array:
+def packed(curve: "scipy.interpolate.PPoly", fraction: "scipy.interpolate.PPoly", z_max: float, x_y: float) -> Array:
     """Return the kernel's parameters of a law with M and g, `curve` and `fraction`."""
     knots = np.union1d(curve.x, fraction.x)
     rows = np.zeros((knots.size + 1, 8))
@@ -53,7 +55,7 @@ def packed(curve: PPoly, fraction: PPoly, z_max: float, x_y: float) -> Array:
 
 def cycle_area(knots: Sequence[float], widths: Array, amplitude: float, x_y: float) -> float:
     """Return the area of a closed cycle about zero with half widths [N] at knots of |x| [J]."""
-    elastic = PPoly(np.zeros((1, 1)), np.array([-1.0, 1.0]))
+    elastic = scipy.interpolate.PPoly(np.zeros((1, 1)), np.array([-1.0, 1.0]))
     # Unit bound of z: g takes the widths themselves.
     p = packed(elastic, level_cubics(knots, widths, 1.0), 1.0, x_y)
     z, work = np.array([-math.tanh(amplitude / x_y)]), 0.0

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.interpolate import PPoly
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
@@ -128,7 +128,7 @@ class Tabulated(Law):
             )
 
     @cached_property
-    def _curves(self) -> tuple[PPoly, PPoly, float]:
+    def _curves(self) -> "tuple[scipy.interpolate.PPoly, scipy.interpolate.PPoly, float]":
         """M [N], g [-] and z_max [N]."""
         x = self._mirrored(np.array(self.deflection), odd=True)
         if self.upper:

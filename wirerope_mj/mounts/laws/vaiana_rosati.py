@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
@@ -147,7 +147,9 @@ class VaianaRosati(Law):
             if (gaps <= 0.0).any():
                 first = int(np.argmax(gaps <= 0.0))
                 inside = steps[first - 1] if first else 0.0
-                crossings.append(float(brentq(lambda x, s=sign: self._gap(s * x), inside, steps[first], xtol=1e-15)))
+                crossings.append(
+                    float(scipy.optimize.brentq(lambda x, s=sign: self._gap(s * x), inside, steps[first], xtol=1e-15))
+                )
         return min(crossings, default=math.inf)
 
     def check_path(self, path: Array) -> None:

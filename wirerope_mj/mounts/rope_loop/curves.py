@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import least_squares
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.rope_loop.coupling_energy import ELEMENTS
@@ -81,7 +81,7 @@ def _axial(loop: RopeLoop, compression: float) -> tuple[float, float, float]:
     def misses(parameters: Array) -> Array:
         return np.exp(parameters[0] * x) * (1.0 + parameters[1] * x**2) / secant - 1.0
 
-    fit = least_squares(misses, [0.3, 0.1])
+    fit = scipy.optimize.least_squares(misses, [0.3, 0.1])
     exponent, cubic = fit.x.tolist()
     return exponent / compression, cubic / compression**2, float(np.abs(fit.fun).max())
 

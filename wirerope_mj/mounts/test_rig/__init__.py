@@ -10,3 +10,6 @@ from wirerope_mj.mounts.test_rig.measures import softening_to_hardening as softe
 from wirerope_mj.mounts.test_rig.reading import load_cyclic_test as load_cyclic_test
 from wirerope_mj.mounts.test_rig.rig import CLOSURE as CLOSURE
 from wirerope_mj.mounts.test_rig.rig import cyclic_test as cyclic_test
+
+read_cyclic_test = load_cyclic_test
+"""Earlier name of it."""

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from wirerope_mj.foundation.arguments import not_negative
 from wirerope_mj.mounts.laws import Loop
@@ -114,7 +114,7 @@ def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Tran
     falls, rises = bool((stiffness[:least] > enough).any()), bool((stiffness[least + 1 :] > enough).any())
     first, last = f"{1e3 * amplitude[0]:.4g} mm", f"{1e3 * amplitude[-1]:.4g} mm"
     if falls and rises:
-        spline = CubicSpline(np.log(amplitude), stiffness)
+        spline = scipy.interpolate.CubicSpline(np.log(amplitude), stiffness)
         log_amplitude = _least_of(spline, math.log(amplitude[least - 1]), math.log(amplitude[least + 1]))
         size, value = math.exp(log_amplitude), float(spline(log_amplitude))
         message = f"softens up to an amplitude of {1e3 * size:.4g} mm (secant stiffness {value / 1e3:.4g} kN/m), hardens beyond"
@@ -128,7 +128,7 @@ def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Tran
     return Transition(exists=False, amplitude=math.nan, stiffness=math.nan, message=message)
 
 
-def _least_of(spline: CubicSpline, low: float, high: float) -> float:
+def _least_of(spline: "scipy.interpolate.CubicSpline", low: float, high: float) -> float:
     """Return where a spline is least between two abscissae; at an end if it falls towards it."""
     turns = spline.derivative().roots(extrapolate=False)
     candidates = np.array([low, high, *turns[(turns > low) & (turns < high)]])

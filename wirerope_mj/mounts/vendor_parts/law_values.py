@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import Law, LoopBoucWen
@@ -74,7 +74,7 @@ def sag(force: Callable[[float], float], load: float, travel: float) -> float:
             f"the load of {load:.6g} N is not carried within {travel:.6g} m, where the force is {force(travel):.6g} N: "
             "check load and travel of the data sheet."
         )
-    return float(brentq(lambda x: force(x) - load, 0.0, travel, xtol=1e-14, rtol=1e-14))
+    return float(scipy.optimize.brentq(lambda x: force(x) - load, 0.0, travel, xtol=1e-14, rtol=1e-14))
 
 
 def compression_sag(law: Law, load: float, travel: float, *, relaxed: bool = False) -> float:

@@ -12,7 +12,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq, linprog
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
@@ -92,7 +92,7 @@ def fit_damped(secants: tuple[Secant, ...], curve: ElasticShape, *, damping: flo
     for index in range(len(tried) - 1):
         if reached[index] >= 0.0 > reached[index + 1]:
             # To 1e-13 of a yield deflection of millimetres.
-            yielding = float(brentq(surplus, tried[index], tried[index + 1], xtol=1e-16, rtol=1e-13))
+            yielding = float(scipy.optimize.brentq(surplus, tried[index], tried[index + 1], xtol=1e-16, rtol=1e-13))
             return fit_secants(secants, curve, yielding)
     known = [damping + value for value in reached if math.isfinite(value)]
     if not known:
@@ -112,7 +112,7 @@ def _nearest(rows: Array) -> tuple[float, float]:
     distance = -np.ones((len(rows), 1))
     sides = np.block([[rows / sizes, distance], [-rows / sizes, distance]])
     bounds = np.concatenate([np.ones(len(rows)), -np.ones(len(rows))])
-    best = linprog([0.0, 0.0, 1.0], A_ub=sides, b_ub=bounds, bounds=[(None, None)] * 3)
+    best = scipy.optimize.linprog([0.0, 0.0, 1.0], A_ub=sides, b_ub=bounds, bounds=[(None, None)] * 3)
     friction, spring = (best.x[:2] / sizes).tolist()
     return friction, spring
 

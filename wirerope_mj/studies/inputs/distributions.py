@@ -7,7 +7,7 @@ from typing import Any, ClassVar, get_args
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import ndtr, ndtri
+import scipy
 
 from wirerope_mj.foundation.arguments import finite, integer, positive
 from wirerope_mj.foundation.arrays import Array
@@ -67,10 +67,10 @@ class Normal:
         sign = 1.0
         if low > 0.0:  # of the upper tail a number near 1 says nothing: its mirror image is the lower one
             low, high, probabilities, sign = -high, -low, 1.0 - probabilities, -1.0
-        first, last = ndtr(np.array([low, high]))
+        first, last = scipy.special.ndtr(np.array([low, high]))
         inside = np.clip(first + probabilities * (last - first), SMALLEST * last, LARGEST)
         lowest, highest = -math.inf if self.low is None else self.low, math.inf if self.high is None else self.high
-        return np.clip(self.mean + sign * self.deviation * ndtri(inside), lowest, highest)
+        return np.clip(self.mean + sign * self.deviation * scipy.special.ndtri(inside), lowest, highest)
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
-from scipy.special import ndtri
-from scipy.stats import qmc
+import scipy
 
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
@@ -61,14 +60,16 @@ def _points(sampling: str, variants: int, dimensions: int, seed: int) -> Array:
     if sampling == "random":
         return generator.random((variants, dimensions))
     if sampling == "latin-hypercube":
-        return np.asarray(qmc.LatinHypercube(dimensions, rng=generator).random(variants))
-    if dimensions > qmc.Sobol.MAXDIM:
+        return np.asarray(scipy.stats.qmc.LatinHypercube(dimensions, rng=generator).random(variants))
+    if dimensions > scipy.stats.qmc.Sobol.MAXDIM:
         raise ValueError(
-            f"Sobol's sequence has {qmc.Sobol.MAXDIM} dimensions, and {dimensions} numbers vary; use `sampling` "
+            f"Sobol's sequence has {scipy.stats.qmc.Sobol.MAXDIM} dimensions, and {dimensions} numbers vary; use `sampling` "
             '"latin-hypercube" or "random".'
         )
     # Sobol points are balanced in powers of two, and every shorter series is the beginning of them.
-    points = qmc.Sobol(dimensions, scramble=True, rng=generator).random_base2(max(variants - 1, 0).bit_length())
+    points = scipy.stats.qmc.Sobol(dimensions, scramble=True, rng=generator).random_base2(
+        max(variants - 1, 0).bit_length()
+    )
     return np.asarray(points[:variants])
 
 
@@ -80,7 +81,7 @@ def _values(quantity: Quantity, points: Array) -> list[npt.NDArray[Any]]:
     values: list[npt.NDArray[Any]] = []
     for isolator in quantity.isolators:
         size = len(isolator.spread.parameters) if isolator.spread else 0
-        own = ndtri(np.clip(points[:, len(values) : len(values) + size], SMALLEST, LARGEST))
+        own = scipy.special.ndtri(np.clip(points[:, len(values) : len(values) + size], SMALLEST, LARGEST))
         values += list(sampled(isolator, own).T)
     return values
 

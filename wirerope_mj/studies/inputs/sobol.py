@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import qmc
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs.column import Quantity
@@ -64,9 +64,11 @@ def points(groups: Sequence[Sequence[int]], variants: int, seed: int) -> Array:
     """
     rows = base_rows(variants, len(groups))
     columns = sum(map(len, groups))
-    if 2 * columns > qmc.Sobol.MAXDIM:
-        raise ValueError(f"Sobol's sequence has {qmc.Sobol.MAXDIM} dimensions, and {columns} numbers vary, each twice.")
-    sequence = qmc.Sobol(2 * columns, scramble=True, rng=np.random.default_rng(seed)).random(rows)
+    if 2 * columns > scipy.stats.qmc.Sobol.MAXDIM:
+        raise ValueError(
+            f"Sobol's sequence has {scipy.stats.qmc.Sobol.MAXDIM} dimensions, and {columns} numbers vary, each twice."
+        )
+    sequence = scipy.stats.qmc.Sobol(2 * columns, scramble=True, rng=np.random.default_rng(seed)).random(rows)
     # Sobol's first dimensions fill the space best, even in pairs: they go to factors of few columns, for each of which much
     # hangs on one number.
     order = [column for group in sorted(groups, key=len) for column in group]

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import chi2
+import scipy
 
 from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.mounts.isolator import Isolator, Spread
@@ -36,7 +36,7 @@ def deviation_bounds(specimens: int, *, confidence: float = 0.95) -> tuple[float
     """
     specimens = integer("specimens", specimens, least=2)
     tail = (1.0 - confidence) / 2.0
-    low, high = chi2.ppf([tail, 1.0 - tail], specimens - 1)
+    low, high = scipy.stats.chi2.ppf([tail, 1.0 - tail], specimens - 1)
     return math.sqrt((specimens - 1) / high), math.sqrt((specimens - 1) / low)
 
 

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
-from scipy.stats import f as f_distribution
-from scipy.stats import rankdata
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.engines.compute import DONE
@@ -89,7 +88,7 @@ def _effect(classes: npt.NDArray[np.int64], values: Array) -> tuple[float, float
     if inside <= 1e-24 * whole or whole == 0.0:
         return whole, float(whole == 0.0)
     ratio = (whole - inside) / (m - 1) / (inside / (n - m))
-    return whole - inside * (n - 1) / (n - m), float(f_distribution.sf(ratio, m - 1, n - m))
+    return whole - inside * (n - 1) / (n - m), float(scipy.stats.f.sf(ratio, m - 1, n - m))
 
 
 def _class_means(classes: npt.NDArray[np.int64], values: Array) -> Array:
@@ -106,7 +105,7 @@ def _classes(column: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
     distinct = int(classes.max()) + 1
     if distinct <= 4 * wanted:
         return np.asarray(classes, dtype=np.int64)
-    ranks = rankdata(classes, method="min") - 1
+    ranks = scipy.stats.rankdata(classes, method="min") - 1
     _, classes = np.unique((ranks * wanted) // column.size, return_inverse=True)
     return np.asarray(classes, dtype=np.int64)
 
@@ -115,7 +114,7 @@ def _rank(column: npt.NDArray[Any], values: Array) -> float:
     """Return Spearman's correlation: Pearson's of the ranks."""
     if column.dtype.kind not in "fiub":
         return math.nan
-    a, b = rankdata(column.astype(np.float64)), rankdata(values)
+    a, b = scipy.stats.rankdata(column.astype(np.float64)), scipy.stats.rankdata(values)
     a, b = a - a.mean(), b - b.mean()
     size = math.sqrt(float(a @ a) * float(b @ b))
     return float(a @ b) / size if size > 0.0 else math.nan

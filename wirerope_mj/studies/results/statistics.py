@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from scipy.stats import beta
+import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.engines.compute import DONE
@@ -67,8 +67,8 @@ def exceedance(values: Array, limit: float, *, failed: int = 0) -> Exceedance:
     """Return the exceedance of a limit by values; `failed` more variants have none."""
     known = finite(values)
     k, n, tail = int((known > limit).sum()), known.size, (1.0 - CONFIDENCE) / 2.0
-    low = float(beta.ppf(tail, k, n - k + 1)) if k else 0.0
-    high = float(beta.ppf(1.0 - tail, k + 1, n - k)) if k < n else 1.0
+    low = float(scipy.stats.beta.ppf(tail, k, n - k + 1)) if k else 0.0
+    high = float(scipy.stats.beta.ppf(1.0 - tail, k + 1, n - k)) if k < n else 1.0
     return Exceedance(count=k, n=n, low=low, high=high, failed=failed)
 
 

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import scipy
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
-from scipy.spatial import ConvexHull, QhullError
 
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
@@ -226,6 +226,6 @@ def _ring(radius: float, height: float) -> Array:
 def _outline(points: Array) -> Array:
     """Return the corners of the convex hull in the plane, in order; of what is flat, the points themselves."""
     try:
-        return np.asarray(points[ConvexHull(points).vertices])
-    except QhullError:
+        return np.asarray(points[scipy.spatial.ConvexHull(points).vertices])
+    except scipy.spatial.QhullError:
         return points

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
@@ -86,7 +86,7 @@ def multiply(a: Array, b: Array) -> Array:
 
 def quaternion_of(matrix: Array) -> Array:
     """Return the quaternion (4,), w first, of a rotation matrix (3, 3)."""
-    quaternion: Array = Rotation.from_matrix(matrix).as_quat(scalar_first=True)
+    quaternion: Array = scipy.spatial.transform.Rotation.from_matrix(matrix).as_quat(scalar_first=True)
     return quaternion
 
 
