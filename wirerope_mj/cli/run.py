@@ -6,8 +6,11 @@ from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Annotated, Any
 
+from cyclopts import App, Parameter
+
+from wirerope_mj.cli.exit_codes import BAD_INPUT
 from wirerope_mj.cli.function_options import own_option, run_with_options
 from wirerope_mj.cli.numerics_options import NUMERICS, with_numerics
 from wirerope_mj.cli.tables import print_questions, print_run
@@ -17,6 +20,34 @@ _OWN = (
     own_option("out", Path | None, None, "folder of the run; runs/NAME-DATE-TIME if it is not given"),
     own_option("force", bool, False, "replace a run that is there", negative=()),
 )
+
+
+# The scenario's own options are not known before its file is read: everything behind its name is handed on as it is.
+run_app = App(name="run", help_flags=[], version_flags=[], suppress_keyboard_interrupt=False)
+
+
+@run_app.default
+def run(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
+    """Simulate a scenario into one folder and print its peaks against the limits.
+
+    wirerope run SCENARIO [OPTIONS] [--accuracy A | --timestep SECONDS] [--out FOLDER] [--force]
+
+    SCENARIO is the path of a scenario file or the name of one that ships with the package; `wirerope run --list` shows
+    those, and `wirerope run SCENARIO --help` the options of one. The folder is runs/NAME-DATE-TIME unless --out names
+    another; a run that is there is replaced only with --force.
+    """
+    if not tokens or tokens[0] in ("--help", "-h"):
+        from wirerope_mj.cli.app import app
+
+        app.help_print(["run"])
+        return 0 if tokens else BAD_INPUT
+    if tokens[0] == "--list":
+        list_scenarios()
+        return 0
+    if tokens[0].startswith("-"):
+        raise ValueError(f"the scenario comes first: wirerope run SCENARIO {' '.join(tokens)}")
+    run_command(tokens[0], tokens[1:])
+    return 0
 
 
 def list_scenarios() -> None:

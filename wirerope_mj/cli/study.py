@@ -3,8 +3,11 @@
 import inspect
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
+from cyclopts import App, Parameter
+
+from wirerope_mj.cli.exit_codes import BAD_INPUT
 from wirerope_mj.cli.function_options import own_option, run_with_options
 from wirerope_mj.cli.screen import console
 from wirerope_mj.cli.study_run import compute_and_print
@@ -52,6 +55,36 @@ _VARY = (
 
 _OTHER_NAME = "study_{}"
 """Name of such an option if the scenario has one of its name."""
+
+
+study_app = App(name="study", help_flags=[], version_flags=[], suppress_keyboard_interrupt=False)
+
+
+@study_app.default
+def study(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
+    """Compute many variants of one system into one folder: what is likely, which inputs matter, which variants are worst.
+
+    wirerope study STUDY [OPTIONS] [--out FOLDER] [--resume] [--force] [--workers N] [--by MEASURE] [--open-worst K]
+
+    STUDY is the path of a study file or the name of one that ships with the package; `wirerope study --list` shows those,
+    and `wirerope study STUDY --help` the options of one. A study that was interrupted is resumed with --resume --out FOLDER.
+
+    wirerope study SCENARIO --vary "NAME = DISTRIBUTION" [--vary ...] [--variants N] [--sampling S] [OPTIONS]
+
+    A scenario that `wirerope run` takes becomes a study by what varies of it; without --vary, all that can vary is listed.
+    """
+    if not tokens or tokens[0] in ("--help", "-h"):
+        from wirerope_mj.cli.app import app
+
+        app.help_print(["study"])
+        return 0 if tokens else BAD_INPUT
+    if tokens[0] == "--list":
+        list_studies()
+        return 0
+    if tokens[0].startswith("-"):
+        raise ValueError(f"the study comes first: wirerope study STUDY {' '.join(tokens)}")
+    study_command(tokens[0], tokens[1:])
+    return 0
 
 
 def list_studies() -> None:

@@ -1,0 +1,39 @@
+"""`wirerope replay`: a run computed again from its folder alone."""
+
+import math
+import sys
+from pathlib import Path
+
+from wirerope_mj.cli.exit_codes import DIFFERENT
+from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.runs.repeat import Replay
+
+
+def replay(folder: Path) -> int:
+    """Simulate a run again from its folder alone and say whether the numbers agree and which files were altered.
+
+    Compared are all stored numbers: samples, peaks, states, and those of summary.json. The exit code is 0, or 1 if they do not
+    agree or a file was altered or removed since the run was written.
+
+    Args:
+        folder: folder of a run.
+    """
+    from wirerope_mj.runs import replay as replay_run
+
+    result = replay_run(folder, progress=sys.stderr.isatty())
+    print(plain(f"{folder}: {_replayed(result)}"))
+    if result.alterations is None:
+        print("There is no checksums.txt here: what else was altered since the run was written is not known.")
+    else:
+        print(plain(result.alterations.text or "No file was altered since the run was written."))
+    return 0 if result.agrees and result.intact else DIFFERENT
+
+
+def _replayed(result: Replay) -> str:
+    """Return a sentence on whether the numbers are the same."""
+    if result.identical:
+        return "every stored number is bit-identical: samples, peaks, states and summary."
+    if math.isinf(result.largest_difference):
+        return f"{result.column} is not what is computed from the folder; the numbers do not agree."
+    cause = "rounding, as of another processor" if result.agrees else "the numbers do not agree"
+    return f"largest difference {result.largest_difference:.3g}, relative to the peak, in {result.column}; {cause}."

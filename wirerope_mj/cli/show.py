@@ -1,0 +1,21 @@
+"""`wirerope show`: a recording in the viewer."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+
+def show(folder: Path, *, web: Annotated[bool, Parameter(negative=())] = False) -> int:
+    """Open a run, or the worst variants of a study, in the rerun viewer.
+
+    Args:
+        folder: folder of a run, or of a study whose worst variants --open-worst wrote, or a .rrd file.
+        web: show it in a browser of this machine instead of a window.
+    """
+    from wirerope_mj.runs.checksums import warn_of_alterations
+    from wirerope_mj.views.recording import show as show_recording
+
+    warn_of_alterations(folder)
+    show_recording(folder, web=web)
+    return 0
