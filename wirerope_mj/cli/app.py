@@ -69,7 +69,7 @@ COMMANDS = {
     ),
     "modes": (
         "modes:modes",
-        "Print the modes of a model about its sagged position: frequencies, damping, what moves, and how far it is from tipping.",
+        "Print the modes of a model where it rests: frequencies, damping, what moves, and how far from tipping over.",
     ),
     "statics": (
         "statics:statics",

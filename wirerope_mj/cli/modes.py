@@ -14,7 +14,7 @@ def modes(
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Print the modes of a model about its sagged position: frequencies, damping, what moves, and how far it is from tipping.
+    """Print the modes of a model where it rests: frequencies, damping, what moves, and how far from tipping over.
 
     Frequencies of small cycles stand first, the limit as their amplitude vanishes; then those of the tangents at rest on
     further loading and on unloading from the chosen history; then, for every amplitude, those of cycles of that size with their

@@ -1,11 +1,5 @@
 """Reports: a finished run as one page that can be handed over, and as a PDF of it."""
 
-from wirerope_mj.views.report.assemble import report_content as report_content
-from wirerope_mj.views.report.content import ReportContent as ReportContent
-from wirerope_mj.views.report.page import report_html as report_html
-from wirerope_mj.views.report.pdf import check_pdf as check_pdf
-from wirerope_mj.views.report.pdf import write_pdf as write_pdf
-from wirerope_mj.views.report.run import BASE as BASE
-from wirerope_mj.views.report.run import Absent as Absent
-from wirerope_mj.views.report.run import FinishedRun as FinishedRun
-from wirerope_mj.views.report.run import worst_names as worst_names
+from lazy_loader import attach_stub
+
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)
