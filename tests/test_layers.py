@@ -93,11 +93,8 @@ def room_of(module):
 
 
 def test_every_folder_is_a_wing_or_a_room():
-    assert {entry.name for entry in PACKAGE.iterdir()} - {"__pycache__", "_data", "_kernels", "py.typed"} == {
-        "__init__.py",
-        "__init__.pyi",
-        *HOUSE,
-    }
+    beside = {"__pycache__", "_data", "_kernels", "py.typed"}
+    assert {entry.name for entry in PACKAGE.iterdir()} - beside == {"__init__.py", "__init__.pyi", *HOUSE}
     for wing in WINGS:
         folders = {entry.name for entry in (PACKAGE / wing).iterdir() if entry.is_dir()} - {"__pycache__"}
         assert folders == FLOORS[wing].keys(), f"give the rooms of {wing} an order"

@@ -2,8 +2,9 @@
 
 import hashlib
 from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+
+from wirerope_mj.foundation.versions import version_of
 
 PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba")
 """Packages on which the last bit of a number may depend."""
@@ -18,14 +19,7 @@ def versions() -> dict[str, str]:
 
     The digest tells a checkout that was changed from one that was not, which have the same version.
     """
-    return {**{name: _version(name) for name in PACKAGES}, "code": _code()}
-
-
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:  # a checkout that is on the path, but not installed
-        return "of a checkout"
+    return {**{name: version_of(name) for name in PACKAGES}, "code": _code()}
 
 
 def _code() -> str:

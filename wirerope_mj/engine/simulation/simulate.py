@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 from functools import cache
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +23,7 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, RecordError, SimulationError
 from wirerope_mj.foundation.state import State
+from wirerope_mj.foundation.versions import version_of
 from wirerope_mj.motions import BaseMotion
 
 
@@ -124,7 +124,7 @@ def simulate(
 @cache
 def versions() -> dict[str, str]:
     """Return the versions of the packages that compute a response; reading them takes half as long as a short one."""
-    return {name: version(name) for name in ("wirerope-mj", "mujoco", "numpy", "numba")}
+    return {name: version_of(name) for name in ("wirerope-mj", "mujoco", "numpy", "numba")}
 
 
 def check_arguments(**named: float | None) -> None:
