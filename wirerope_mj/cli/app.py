@@ -1,7 +1,6 @@
 """Commands of `wirerope`, and how their errors become one message and an exit code."""
 
 import math
-import os
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
@@ -25,6 +24,7 @@ from wirerope_mj.cli.modes import modes
 from wirerope_mj.cli.option_errors import option_message
 from wirerope_mj.cli.report import report
 from wirerope_mj.cli.run import list_scenarios, run_command
+from wirerope_mj.cli.screen import without_reader
 from wirerope_mj.cli.select_options import select
 from wirerope_mj.cli.shock import shock
 from wirerope_mj.cli.statics import statics
@@ -259,6 +259,12 @@ def _say(message: str) -> None:
     print(f"wirerope: {plain_lines(message)}", file=sys.stderr)
 
 
+def _say_notes(error: BaseException) -> None:
+    """Print what was added to an error on its way: what holds all the same."""
+    for note in getattr(error, "__notes__", ()):
+        _say(note)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; an error is one message on standard error."""
     if current_thread() is main_thread():  # a batch system ends a job as Ctrl-C does: nothing may be left behind
@@ -269,17 +275,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
             code = app(given, exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
         return code if isinstance(code, int) else 0
-    except BrokenPipeError:  # the reader, such as `head`, has seen enough; the interpreter must not flush into it again
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except BrokenPipeError:  # the interpreter must not flush into it again
+        without_reader()
         return 0
     except KeyboardInterrupt as error:
         _say("interrupted; no half-written result was left behind.")
         for remedy in error.args:  # how it is resumed
             _say(remedy)
+        _say_notes(error)
         return INTERRUPTED
     except CycloptsError as error:
         _say(option_message(error, given))
         return BAD_INPUT
     except (WireRopeError, ValueError, OSError) as error:
         _say(str(error))
+        _say_notes(error)
         return BAD_INPUT

@@ -9,8 +9,8 @@ from wirerope_mj.assessment.criteria import Verdict, headline, judge
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable, static_table
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.errors import WireRopeError
-from wirerope_mj.views.report import Absent
 
 Result = TypeVar("Result")
 

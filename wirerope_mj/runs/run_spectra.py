@@ -7,6 +7,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria.steady import steady_interval
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion, RandomVibration
 from wirerope_mj.motions.spectra import (
@@ -19,7 +20,7 @@ from wirerope_mj.motions.spectra.arguments import octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD
 from wirerope_mj.views.plots.report_motion import moving_axes
 from wirerope_mj.views.plots.report_response import acceleration_along
-from wirerope_mj.views.report import BASE, Absent
+from wirerope_mj.views.report import BASE
 
 Q = 10.0
 """Amplification of the oscillators: the convention where nothing else is agreed."""

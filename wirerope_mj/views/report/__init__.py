@@ -6,6 +6,5 @@ from wirerope_mj.views.report.page import report_html as report_html
 from wirerope_mj.views.report.pdf import check_pdf as check_pdf
 from wirerope_mj.views.report.pdf import write_pdf as write_pdf
 from wirerope_mj.views.report.run import BASE as BASE
-from wirerope_mj.views.report.run import Absent as Absent
 from wirerope_mj.views.report.run import FinishedRun as FinishedRun
 from wirerope_mj.views.report.run import worst_names as worst_names

@@ -6,6 +6,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria import MountPeak, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.steady import steady_interval
+from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator import AXES
@@ -24,7 +25,7 @@ from wirerope_mj.views.plots.report_spectra import base_spectrum_figure, densiti
 from wirerope_mj.views.report.content import Block, Paragraph, Picture, Section
 from wirerope_mj.views.report.display import fixed, listed, several
 from wirerope_mj.views.report.record import record_blocks
-from wirerope_mj.views.report.run import BASE, Absent, FinishedRun, worst_names
+from wirerope_mj.views.report.run import BASE, FinishedRun, worst_names
 
 _COASTING = 1e-3  # [m/s] at the end, from which the base is said to coast
 _STILL = 1e-6  # [m/s^2]: an rms that is rounding

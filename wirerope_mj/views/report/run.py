@@ -10,6 +10,7 @@ from wirerope_mj.assessment.criteria import Verdict, acceleration_verdicts, body
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable
+from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.mounts.isolator import Isolator
@@ -18,13 +19,6 @@ from wirerope_mj.views.report.display import title_of
 
 BASE = "base"
 """Name of the base among the spectra."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Absent:
-    """A result that this run does not have, and a sentence that says why."""
-
-    reason: str
 
 
 @dataclass(frozen=True, kw_only=True)
