@@ -34,8 +34,8 @@ def record(tmp_path, monkeypatch):
 def asked(monkeypatch):
     """Makes the command hand over its scenario in place of simulating it, and returns how to run it."""
     scenarios = []
-    monkeypatch.setattr("wirerope_mj.runs.run_scenario", lambda made, folder, **_: scenarios.append(made))
-    monkeypatch.setattr("wirerope_mj.cli.tables.print_run", lambda *_, **__: None)
+    monkeypatch.setattr("wirerope_mj.runs.write_run", lambda made, folder, **_: scenarios.append(made))
+    monkeypatch.setattr("wirerope_mj.cli.tables.print_written", lambda *_, **__: None)
 
     def run(*arguments):
         assert main(["shock", *arguments]) == 0

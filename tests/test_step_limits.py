@@ -108,9 +108,8 @@ def test_every_step_says_what_limits_it(table, tmp_path):
 def made(monkeypatch):
     """Scenarios that the commands hand over in place of simulating them."""
     found: list[Scenario] = []
-    monkeypatch.setattr("wirerope_mj.runs.run_scenario", lambda scenario, folder, **_: found.append(scenario))
-    monkeypatch.setattr("wirerope_mj.cli.run.print_run", lambda *_, **__: None)
-    monkeypatch.setattr("wirerope_mj.cli.tables.print_run", lambda *_, **__: None)
+    monkeypatch.setattr("wirerope_mj.runs.write_run", lambda scenario, folder, **_: found.append(scenario))
+    monkeypatch.setattr("wirerope_mj.cli.tables.print_written", lambda *_, **__: None)
     return found
 
 

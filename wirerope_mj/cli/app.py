@@ -1,6 +1,5 @@
 """Commands of `wirerope`, and how their errors become one message and an exit code."""
 
-import os
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
@@ -122,6 +121,12 @@ def _say(message: str) -> None:
     print(f"wirerope: {plain_lines(message)}", file=sys.stderr)
 
 
+def _say_notes(error: BaseException) -> None:
+    """Print what was added to an error on its way: what holds all the same."""
+    for note in getattr(error, "__notes__", ()):
+        _say(note)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; an error is one message on standard error."""
     if current_thread() is main_thread():  # a batch system ends a job as Ctrl-C does: nothing may be left behind
@@ -132,13 +137,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
             code = app(given, exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
         return code if isinstance(code, int) else 0
-    except BrokenPipeError:  # the reader, such as `head`, has seen enough; the interpreter must not flush into it again
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    except BrokenPipeError:  # the interpreter must not flush into it again
+        from wirerope_mj.cli.screen import without_reader
+
+        without_reader()
         return 0
     except KeyboardInterrupt as error:
         _say("interrupted; no half-written result was left behind.")
         for remedy in error.args:  # how it is resumed
             _say(remedy)
+        _say_notes(error)
         return INTERRUPTED
     except CycloptsError as error:
         from wirerope_mj.cli.option_errors import option_message
@@ -147,4 +155,5 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return BAD_INPUT
     except (WireRopeError, ValueError, OSError) as error:
         _say(str(error))
+        _say_notes(error)
         return BAD_INPUT

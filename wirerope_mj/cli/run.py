@@ -1,11 +1,9 @@
 """`wirerope run`: the options of a scenario become those of the command."""
 
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from time import perf_counter
 from typing import Annotated, Any
 
 from cyclopts import App, Parameter
@@ -13,7 +11,8 @@ from cyclopts import App, Parameter
 from wirerope_mj.cli.exit_codes import BAD_INPUT
 from wirerope_mj.cli.function_options import own_option, run_with_options
 from wirerope_mj.cli.numerics_options import NUMERICS, with_numerics
-from wirerope_mj.cli.tables import print_questions, print_run
+from wirerope_mj.cli.printed_run import run_and_print
+from wirerope_mj.cli.tables import print_questions
 from wirerope_mj.runs.scenario import load_scenario, shipped_scenarios
 
 _OWN = (
@@ -62,14 +61,10 @@ def run_command(name: str, tokens: Sequence[str]) -> None:
     numerics = [option for option in NUMERICS if option.name not in scenario.defaults]
 
     def action(options: dict[str, Any], own: dict[str, Any]) -> None:
-        from wirerope_mj.runs import run_scenario
-
         folder = own["out"] or Path("runs") / f"{scenario.name}-{datetime.now():%Y%m%d-%H%M%S}"
         made = scenario.make(**options)
         asked = {option.name: own.get(option.name) for option in NUMERICS}
         made = replace(made, simulate=with_numerics(made.simulate, **asked))
-        started = perf_counter()
-        response = run_scenario(made, folder, force=own["force"], progress=sys.stderr.isatty())
-        print_run(made, response, folder, seconds=perf_counter() - started)
+        run_and_print(made, folder, force=own["force"])
 
     run_with_options(f"wirerope run {scenario.name}", scenario.function, [*numerics, *_OWN], action, tokens)

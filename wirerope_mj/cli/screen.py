@@ -1,5 +1,7 @@
 """The screen: a console on which control characters and emoji codes in texts are harmless, and tables on it."""
 
+import os
+import sys
 from collections.abc import Iterable
 from typing import Any
 
@@ -35,6 +37,11 @@ def console() -> Console:
     """Return the console for tables: as wide as the terminal, or as `WIDTH`."""
     screen = _Screen(highlight=False, emoji=False)
     return screen if screen.is_terminal else _Screen(highlight=False, emoji=False, width=WIDTH)
+
+
+def without_reader() -> None:
+    """Send to nowhere what is still printed: the reader, such as `head`, has seen enough."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def print_table(table: Table) -> None:

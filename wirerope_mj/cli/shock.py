@@ -1,12 +1,10 @@
 """`wirerope shock`: a measured record played into a model."""
 
 import math
-import sys
 from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
@@ -68,11 +66,10 @@ def shock(
         out: folder of the run; runs/shock-MODEL-RECORD-DATE-TIME by default.
         force: replace a run that is there.
     """
-    from wirerope_mj.cli.tables import print_run
+    from wirerope_mj.cli.printed_run import run_and_print
     from wirerope_mj.engine.simulation.stability import slowest_period
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.motions import load_record
-    from wirerope_mj.runs import run_scenario
     from wirerope_mj.runs.scenario import Scenario
 
     numerics = with_numerics({}, accuracy=accuracy, timestep=timestep)
@@ -93,9 +90,7 @@ def shock(
         duration = _rounded_up(motion.end + RING_DOWN * slowest_period(load_system(made.model_source())))
     made = replace(made, simulate={"duration": duration, "sample_rate": sample_rate} | numerics)
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
-    began = perf_counter()
-    response = run_scenario(made, folder, force=force, progress=sys.stderr.isatty())
-    print_run(made, response, folder, seconds=perf_counter() - began)
+    run_and_print(made, folder, force=force)
     return 0
 
 

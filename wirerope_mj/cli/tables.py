@@ -16,7 +16,6 @@ from wirerope_mj.assessment.criteria import (
     Verdict,
     body_peaks,
     contact_verdicts,
-    judge,
     mount_peaks,
     verdict_lines,
 )
@@ -26,8 +25,8 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator.travel import RATINGS
+from wirerope_mj.runs.judged import JudgedRun
 from wirerope_mj.runs.scenario import Scenario
-from wirerope_mj.runs.summary import read_headline
 
 _NEAR = 0.9  # utilisation from which it is coloured as a warning
 
@@ -38,9 +37,9 @@ def print_questions(kind: str, questions: Mapping[str, str]) -> None:
     print_table(Table(title="", columns=columns, rows=list(questions.items())))
 
 
-def print_run(scenario: Scenario, response: Response, folder: Path, *, seconds: float) -> None:
-    """Print peaks against limits, how they were computed, and where the files are."""
-    out, verdicts = console(), judge(response)
+def print_verdict(scenario: Scenario, response: Response, judged: JudgedRun, *, seconds: float) -> None:
+    """Print peaks against limits, how they were computed, and how long that took [s]."""
+    out, verdicts = console(), judged.verdicts
     out.print(f"\n[bold]{escape(scenario.name)}[/]  {escape(scenario.motion.description)}")
     print_table(_accelerations(scenario, response, verdicts))
     if response.scene.isolating:
@@ -51,13 +50,18 @@ def print_run(scenario: Scenario, response: Response, folder: Path, *, seconds: 
     if contacts is not None:
         print_table(contacts)
         out.print()
-    out.print(f"  [bold]{escape(read_headline(folder))}[/]", soft_wrap=True)
+    out.print(f"  [bold]{escape(judged.headline)}[/]", soft_wrap=True)
     for line in verdict_lines(response, verdicts):
         out.print(f"  {escape(line)}")
-    out.print(f"\n  {_numerics(response)}; {seconds:.1f} s in all")
+    out.print(f"\n  {_numerics(response)}; verdict after {seconds:.1f} s")
+
+
+def print_written(folder: Path, *, seconds: float) -> None:
+    """Print where the files of a run are, how long all of it took [s], and how they are shown."""
+    out = console()
     files = sorted(path for path in folder.iterdir() if path.is_file())
     shown = escape(str(folder))
-    out.print(f"  written to {shown}/", soft_wrap=True)
+    out.print(f"  written to {shown}/, {seconds:.1f} s in all", soft_wrap=True)
     out.print(f"  {', '.join(path.name for path in files)}, {_folders(folder)}", soft_wrap=True)
     out.print(f"  [bold]wirerope show {shown}[/] opens the view", soft_wrap=True)
 

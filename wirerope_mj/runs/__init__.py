@@ -16,3 +16,4 @@ checksums.txt      SHA-256 of every other file, as sha256sum writes them: what s
 from wirerope_mj.runs.repeat import Replay as Replay
 from wirerope_mj.runs.repeat import replay as replay
 from wirerope_mj.runs.write import run_scenario as run_scenario
+from wirerope_mj.runs.write import write_run as write_run

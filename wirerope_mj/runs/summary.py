@@ -2,7 +2,7 @@
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from wirerope_mj.assessment.criteria import summary
 from wirerope_mj.engine.response import Response
@@ -11,15 +11,13 @@ from wirerope_mj.foundation.json_values import json_values
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.record import record_warnings
 from wirerope_mj.runs.folder import FORMAT, SUMMARY
-
-if TYPE_CHECKING:
-    from wirerope_mj.runs.judged import JudgedRun
+from wirerope_mj.runs.judged import JudgedRun
 
 _REMEDY = "Take the file from another copy of the folder, or repeat the run."
 
 
 def summary_content(
-    name: str, motion: BaseMotion, response: Response, judged: "JudgedRun", *, seconds: float
+    name: str, motion: BaseMotion, response: Response, judged: JudgedRun, *, seconds: float
 ) -> dict[str, Any]:
     """Return the content of summary.json; `seconds` is how long the simulation took."""
     numerics = response.numerics

@@ -4,12 +4,12 @@ import json
 import math
 import sys
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import tomli_w
 
@@ -26,11 +26,10 @@ from wirerope_mj.motions.copies import copy_records
 from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.runs.checksums import write_checksums
 from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target
+from wirerope_mj.runs.judged import JudgedRun, judged_run
+from wirerope_mj.runs.progress_line import progress_line
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.summary import summary_content
-
-if TYPE_CHECKING:
-    from wirerope_mj.runs.judged import JudgedRun
 
 STREAM_SAMPLES = 10_000
 """Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
@@ -49,12 +48,37 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
         scenario: what to simulate.
         folder: the run's folder; it must not exist, or be empty, or be a run that `force` replaces.
         force: whether a run that is there is replaced.
-        progress: whether a progress bar is shown on standard error.
+        progress: whether it is shown on standard error how far the run is.
 
     Raises:
         RecordError: the folder exists and must not be replaced.
         ModelError: the scenario's model or its arguments are not what they must be.
         SimulationError, ConvergenceError: the simulation cannot start, or ended before its time.
+    """
+    write_run(scenario, folder, force=force, progress=progress)
+    return load_response(folder)
+
+
+def write_run(
+    scenario: Scenario,
+    folder: str | Path,
+    *,
+    force: bool = False,
+    progress: bool = False,
+    when_judged: Callable[[Response, JudgedRun], None] = lambda response, judged: None,
+) -> None:
+    """Do what `run_scenario` does without reading the response back.
+
+    Args:
+        scenario: as `run_scenario` takes it.
+        folder: so, too.
+        force: so, too.
+        progress: so, too.
+        when_judged: called with the response and its verdicts before anything is made of them; what it raises ends the run,
+            whose folder is not written then.
+
+    Raises:
+        WireRopeError: as `run_scenario`.
     """
     target = Path(folder)
     check_target(target, force=force)
@@ -66,20 +90,20 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
         long = is_streamed(arguments)
         response = simulate(system, scenario.motion, **arguments, out=beside if long else None, progress=progress)
         seconds = perf_counter() - started
-        if not long:
-            response.save(beside)
-        text = _scenario_text(scenario, response, beside, model=model_table(system, model), arguments=arguments)
-        (beside / SCENARIO).write_text(text, encoding="utf-8")
-        from wirerope_mj.runs.judged import judged_run  # late, as the pictures
-
         judged = judged_run(system, response)
-        content = summary_content(scenario.name, scenario.motion, response, judged, seconds=round(seconds, 3))
-        (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-        _write_pictures(scenario, response, judged, beside)
-        _write_report(text, system, scenario.motion, response, judged, beside)
-        write_checksums(beside)
-        del response  # a streamed response reads a file that is about to be renamed
-    return load_response(target)
+        when_judged(response, judged)
+        with progress_line(enabled=progress) as writing:
+            writing("the response")
+            if not long:
+                response.save(beside)
+            text = _scenario_text(scenario, response, beside, model=model_table(system, model), arguments=arguments)
+            (beside / SCENARIO).write_text(text, encoding="utf-8")
+            content = summary_content(scenario.name, scenario.motion, response, judged, seconds=round(seconds, 3))
+            (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+            _write_views(scenario, response, judged, beside, writing)
+            writing("the report")
+            _write_report(text, system, scenario.motion, response, judged, beside)
+            write_checksums(beside)
 
 
 def is_streamed(arguments: Mapping[str, Any]) -> bool:
@@ -140,7 +164,9 @@ def _scenario_text(
     return tomli_w.dumps(content, multiline_strings=True)
 
 
-def _write_pictures(scenario: Scenario, response: Response, judged: "JudgedRun", folder: Path) -> None:
+def _write_views(
+    scenario: Scenario, response: Response, judged: JudgedRun, folder: Path, writing: Callable[[str], None]
+) -> None:
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
     from wirerope_mj.views.plots.histories import save_histories, save_mount_loops
     from wirerope_mj.views.plots.record_baseline import save_record_baseline
@@ -149,7 +175,9 @@ def _write_pictures(scenario: Scenario, response: Response, judged: "JudgedRun",
 
     title, text = title_of(scenario.name), _scenario_markdown(scenario)
     verdicts = [judged.headline, *verdict_lines(response, judged.verdicts)]
+    writing("the recording")
     record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=verdicts)
+    writing("the pictures")
     save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
     if response.scene.isolating:
         save_mount_loops(response, folder / "loops.png", title=title)
@@ -159,7 +187,7 @@ def _write_pictures(scenario: Scenario, response: Response, judged: "JudgedRun",
 
 
 def _write_report(
-    text: str, system: System, motion: BaseMotion, response: Response, judged: "JudgedRun", folder: Path
+    text: str, system: System, motion: BaseMotion, response: Response, judged: JudgedRun, folder: Path
 ) -> None:
     from wirerope_mj.runs.page import REPORT  # late, as the pictures
     from wirerope_mj.runs.report import report_page
