@@ -1,6 +1,8 @@
-"""Figures that show every text as it is."""
+"""Figures that show every text as it is, laid out once and drawn once."""
 
 import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -12,11 +14,30 @@ from wirerope_mj.foundation.plain_text import plain_lines
 class PlainFigure(Figure):
     """A figure in which no text is a formula: a name may hold a dollar sign, or a letter that the font does not have."""
 
+    def savefig(self, *args: Any, **kwargs: Any) -> None:
+        """Write the figure; it is laid out first, without the drawing that `Figure` lays it out by."""
+        engine = self.get_layout_engine()
+        if engine is not None:
+            self._make_plain()
+            with _missing_letters_allowed():
+                engine.execute(self)
+            self.set_layout_engine("none")
+        super().savefig(*args, **kwargs)
+
     def draw(self, renderer: Any) -> None:
         """Draw the figure; whatever it is written to passes here."""
+        self._make_plain()
+        with _missing_letters_allowed():
+            super().draw(renderer)
+
+    def _make_plain(self) -> None:
         for text in self.findobj(Text):
             text.set_parse_math(False)
             text.set_text(plain_lines(text.get_text()))
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", message="Glyph .* missing from font")  # it draws a box instead
-            super().draw(renderer)
+
+
+@contextmanager
+def _missing_letters_allowed() -> Iterator[None]:
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")  # a box is drawn instead
+        yield
