@@ -1,5 +1,7 @@
 """Commands of `wirerope`, and how their errors become one message and an exit code."""
 
+import atexit
+import gc
 import math
 import sys
 import warnings
@@ -45,6 +47,9 @@ if TYPE_CHECKING:
 
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
 """Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers."""
+
+atexit.register(gc.freeze)
+"""A process that ends need not look through 300,000 objects for circles three times: that takes 0.6 s after a run."""
 
 app = App(
     name="wirerope",
