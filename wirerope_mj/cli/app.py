@@ -1,5 +1,7 @@
 """Commands of `wirerope`, and how their errors become one message and an exit code."""
 
+import atexit
+import gc
 import sys
 import warnings
 from collections.abc import Iterator, Sequence
@@ -84,6 +86,9 @@ COMMANDS = {
     ),
 }
 """Where each command stands in this folder, imported when it is asked for; and the first line of its help."""
+
+atexit.register(gc.freeze)
+"""A process that ends need not look through 300,000 objects for circles three times: that takes 0.6 s after a run."""
 
 app = App(
     name="wirerope",

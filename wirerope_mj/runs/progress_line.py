@@ -13,11 +13,14 @@ def progress_line(*, enabled: bool) -> Iterator[Callable[[str], None]]:
     Yields:
         What to call with the name of what comes next.
     """
-    from rich.console import Console  # late: it is not needed where nothing is shown
+    from rich.console import Console  # late: nothing of it is needed where nothing is shown
+    from rich.progress import Progress, SpinnerColumn, TextColumn
 
     console = Console(stderr=True) if enabled else None
     if console is None or not console.is_terminal:
         yield lambda name: None
         return
-    with console.status("writing", refresh_per_second=_REFRESH) as status:
-        yield lambda name: status.update(f"writing {name}")
+    columns = SpinnerColumn(), TextColumn("writing {task.description}")
+    with Progress(*columns, console=console, transient=True, refresh_per_second=_REFRESH) as progress:
+        task = progress.add_task("")
+        yield lambda name: progress.update(task, description=name, refresh=True)

@@ -1,0 +1,99 @@
+"""`wirerope run` prints its verdict as soon as it is judged, and then writes the folder."""
+
+import errno
+import io
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from wirerope_mj.cli import main
+from wirerope_mj.runs import judged as judged_module
+
+SHORT = ["run", "shock_table", "--duration", "0.15", "--out"]
+
+
+class Terminal(io.StringIO):
+    """Standard error that says it is a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "said"),
+    [
+        (OSError(errno.ENOSPC, "No space left on device"), 2, "there is no space left for it"),
+        (PermissionError(errno.EACCES, "Permission denied"), 2, "Permission denied"),
+        (KeyboardInterrupt(), 130, "interrupted; no half-written result was left behind."),
+    ],
+)
+def test_the_verdict_is_printed_before_anything_is_written_and_holds_when_writing_fails(
+    tmp_path, monkeypatch, capsys, error, code, said
+):
+    there, printed = [], []
+
+    def fail(*_, **__):
+        there.append((tmp_path / "run").exists())
+        printed.append(" ".join(capsys.readouterr().out.split()))
+        raise error
+
+    monkeypatch.setattr("wirerope_mj.engine.response.Response.save", fail)
+    assert main([*SHORT, str(tmp_path / "run")]) == code
+    assert there == [False]
+    assert "m1 uses most of its rated travel" in printed[0]
+    assert "verdict after" in printed[0]
+    end = capsys.readouterr()
+    assert end.out == ""  # nothing says that a folder was written
+    assert said in end.err
+    assert f"the peaks and verdicts above hold, but the run was not written to {tmp_path / 'run'}." in end.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_error_before_the_verdict_says_nothing_of_one(tmp_path, capsys):
+    assert main([*SHORT, str(tmp_path / "run"), "--timestep", "1"]) == 2
+    assert "above" not in capsys.readouterr().err
+
+
+def test_a_run_is_judged_once_and_printed_as_its_summary_says_it(tmp_path, monkeypatch, capsys):
+    calls = []
+    judge = judged_module.judge
+    monkeypatch.setattr(judged_module, "judge", lambda *given, **named: calls.append(1) or judge(*given, **named))
+    assert main([*SHORT, str(tmp_path / "run")]) == 0
+    assert len(calls) == 1
+    printed = capsys.readouterr()
+    assert printed.err == ""  # where nobody looks on there is no progress line
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))
+    assert f"  {summary['headline']}\n" in printed.out
+    assert summary["headline"] in (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
+    (mount,) = summary["mounts"]
+    (row,) = [line.split() for line in printed.out.splitlines() if line.startswith(mount["name"])]
+    assert row[1:3] == [f"{1e3 * mount[key]['axial']:+.1f}" for key in ("lowest_deflection_m", "highest_deflection_m")]
+    assert f"{100 * mount['share_of_travel']['compression']:.0f}" in row
+    verdict, folder = printed.out.index("estimated error"), printed.out.index(f"written to {tmp_path / 'run'}/,")
+    assert verdict < folder < printed.out.index("s in all")
+
+
+def test_a_terminal_shows_what_is_being_written_and_keeps_nothing_of_it(tmp_path, monkeypatch):
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    assert main([*SHORT, str(tmp_path / "run")]) == 0
+    shown = terminal.getvalue()
+    places = [
+        shown.index(f"writing {name}") for name in ("the response", "the recording", "the pictures", "the report")
+    ]
+    assert places == sorted(places)
+    assert shown.endswith("\x1b[2K")  # the line is erased
+
+
+def test_a_reader_that_leaves_before_the_verdict_does_not_cost_the_folder(tmp_path):
+    command = [sys.executable, "-c", "import sys; from wirerope_mj.cli import main; sys.exit(main())", *SHORT, "run"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, env=dict(os.environ), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    ) as process:
+        process.stdout.close()
+        assert (process.wait(timeout=120), process.stderr.read()) == (0, "")
+    assert (tmp_path / "run" / "checksums.txt").is_file()
