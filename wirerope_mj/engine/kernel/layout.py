@@ -52,8 +52,6 @@ RUN_COLUMNS = 3
 MOUNT_COLUMNS = 7
 MOVED, POINTS, AXES_IN, COUPLING, PARTNER, RESISTS, ALIGNED = range(7)
 # of `fix`: axes of the base site (3, 3), orientation of base and payload site in their links (4, 4), as modelled (4)
-MOUNT_FIX_SIZE = 21
-POINTS_SIZE = 9
 # of the memory: deflection, force, rate of the deflection, arm (3 each)
 RECORD_SIZE = 12
 

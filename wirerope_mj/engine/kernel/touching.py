@@ -49,7 +49,7 @@ def may_touch(model: mujoco.MjModel) -> list[tuple[int, int, float]]:
     declared = list(zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), model.pair_margin.tolist(), strict=True))
     known = {frozenset(pair[:2]) for pair in declared}
     excluded = set(model.exclude_signature.tolist())
-    types, affinities, found = model.geom_contype, model.geom_conaffinity, declared
+    types, affinities, found = model.geom_contype, model.geom_conaffinity, list(declared)
     active = np.flatnonzero(types | affinities)
     for i, one in enumerate(active.tolist()):
         for other in active[i + 1 :].tolist():

@@ -15,15 +15,15 @@ from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
-from wirerope_mj.engine.simulation.engines import Engine, failure, leap, memory_of, refused
+from wirerope_mj.engine.simulation.engines import Engine, failure, leap, refused, result_of
 from wirerope_mj.engine.simulation.finished import require_lawful
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
-from wirerope_mj.engine.simulation.in_lanes import final_state, go_in_lanes, moving
+from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.initial import initial_state
 from wirerope_mj.engine.simulation.judge import equations, unfit
 from wirerope_mj.engine.simulation.lockstep import Lockstep
 from wirerope_mj.engine.simulation.recorder import Recorder
-from wirerope_mj.engine.simulation.run import peaks_of, run
+from wirerope_mj.engine.simulation.run import run
 from wirerope_mj.engine.simulation.same_layout import check_same_layout
 from wirerope_mj.engine.simulation.simulate import (
     check_arguments,
@@ -226,11 +226,10 @@ def _in_lanes(
             if why := failure(group, lane):
                 gave_up[variant.number] = why
                 continue
+            ended = result_of(variant.system, variant.start, grid, done, group, lane, index)
             results[variant.number] = _result(
-                variant, grid, final_state(variant.system, variant.start, group.states[:, lane], grid.stop),
-                peaks_of(variant.system, memory_of(variant.system, group, lane), done.base_peaks[done.which[index]]),
-                recorders[index] if responses else None,
-                timestep=done.largest_step, steps=done.steps, callback="native", engine="kernel", why="",
+                variant, grid, ended.final_state, ended.peaks, recorders[index] if responses else None,
+                timestep=ended.largest_step, steps=ended.steps, callback=ended.callback, engine=ended.engine, why="",
             )  # fmt: skip
     return results, gave_up
 
