@@ -5,6 +5,7 @@ from typing import Any
 
 import numba
 import numpy as np
+from numba import types
 from numba.core import event
 from numba.core.ccallback import CFunc
 
@@ -44,4 +45,9 @@ def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Callable[..
     options = {"error_model": "numpy", "forceinline": forceinline, "nogil": True}
     compiled: Any = numba.njit(**options)(function)
     compiled._cache = KernelFiles(function, **options)
+    template = compiled.get_call_template
+    # Numba would make a function of its own for each number that is written out in a call, and take twice as long for it.
+    compiled.get_call_template = lambda args, kws: template(
+        [types.unliteral(a) for a in args], {name: types.unliteral(a) for name, a in kws.items()}
+    )
     return compiled
