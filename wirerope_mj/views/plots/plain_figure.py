@@ -21,7 +21,7 @@ class PlainFigure(Figure):
             self._make_plain()
             with _missing_letters_allowed():
                 engine.execute(self)
-            self.set_layout_engine("none")
+            self.set_layout_engine(None)  # "none" would leave a placeholder, for which `Figure` draws twice
         super().savefig(*args, **kwargs)
 
     def draw(self, renderer: Any) -> None:
