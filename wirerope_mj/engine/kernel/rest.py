@@ -49,6 +49,13 @@ def moved(lay, position, step, out):
 
 
 @njit
+def put(values, out):
+    """Copy values to `out`: an assignment of arrays would compile the texts of Numba's complaint about their shapes."""
+    for i in range(out.size):
+        out[i] = values[i]
+
+
+@njit
 def largest(values):
     """Return the largest magnitude, NaN if any is."""
     size = 0.0
@@ -153,10 +160,11 @@ def consider(search, number, result, jacobian, settings):
     phase, counts, value, step, inverse, _trial = search
     own, n = phase[number], value.shape[1]
     if own == BEGIN:
-        value[number] = result
+        put(result, value[number])
         propose(search, number, settings)
     elif own == ABOVE:
-        jacobian[number, :, counts[number, 3]] = result
+        for i in range(n):
+            jacobian[number, i, counts[number, 3]] = result[i]
         phase[number] = BELOW
     elif own == BELOW:
         column = counts[number, 3]
@@ -173,7 +181,7 @@ def consider(search, number, result, jacobian, settings):
         if largest(result) < largest(value[number]):
             serves = updated(inverse[number], step[number], value[number], result, settings[SLOW])
             counts[number, 0] = 1 if serves else 0
-            value[number] = result
+            put(result, value[number])
             propose(search, number, settings)
             return True
         counts[number, 2] += 1
@@ -277,7 +285,7 @@ def settle(structure, shared, numbers, states, memory, free, loads, follows, siz
                 if tried > settings[MOST]:
                     phase[number] = LOST
                 elif consider(search, number, result, jacobian, settings):
-                    position[number] = trial[number]
+                    put(trial[number], position[number])
                 waiting += phase[number] < FOUND
         for number in range(WIDTH):
             residual[number] = largest(value[number]) if phase[number] == FOUND else np.inf
@@ -286,9 +294,9 @@ def settle(structure, shared, numbers, states, memory, free, loads, follows, siz
         evaluate_at(structure, shared, numbers, states, memory, before, carried, follows, sizes, scratch)
         for mount in range(structure[at.N_MOUNTS]):
             for c in range(3):
-                before[3 * mount + c] = memory[structure[at.RECORD] + at.RECORD_SIZE * mount + c]
+                put(memory[structure[at.RECORD] + at.RECORD_SIZE * mount + c], before[3 * mount + c])
         for k in range(structure[at.N_STATES]):
-            carried[k] = states[first + k]
+            put(states[first + k], carried[k])
     slopes(structure, shared, numbers, states, memory, free, grams)
 
 
@@ -304,7 +312,7 @@ def slopes(structure, shared, numbers, states, memory, free, grams):
         deflections(lay, fix, num, y, work)
         states[nq + free[i]] = 0.0
         for axis in range(axes):
-            rates[i, axis] = memory[structure[at.RECORD] + at.RECORD_SIZE * (axis // 3) + 6 + axis % 3]
+            put(memory[structure[at.RECORD] + at.RECORD_SIZE * (axis // 3) + 6 + axis % 3], rates[i, axis])
     for i in range(n):
         for j in range(n):
             for number in range(WIDTH):
@@ -312,4 +320,5 @@ def slopes(structure, shared, numbers, states, memory, free, grams):
                 for axis in range(axes):
                     total += rates[i, axis, number] * rates[j, axis, number]
                 grams[number, i, j] = total
-    memory[structure[at.RECORD] : structure[at.RECORD] + structure[at.N_MOUNTS] * at.RECORD_SIZE] = kept
+    for row in range(kept.shape[0]):
+        put(kept[row], memory[structure[at.RECORD] + row])
