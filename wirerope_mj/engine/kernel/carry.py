@@ -2,8 +2,6 @@
 
 import math
 
-import numpy as np
-
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import WIDTH, rows, some, table, where
@@ -49,12 +47,11 @@ def carry_first_power(p, i, x0, x1, z):
 def carry_one(law, numbers, number, first, size, x0, x1, states, carried, state, n_states, target, scratch):
     """Carry the states of one lane's axis by the laws' own closed forms, series and integration."""
     p, slopes, trial, z = scratch[0], scratch[1], scratch[2], scratch[3]
-    begin = np.int64(0)  # no literal, for which all of `advance` would be compiled once more
     for i in range(size):
         p[i] = numbers[first + i, number]
     for k in range(n_states):
         z[k] = carried[state + k, number]
-    advance(law, p, begin, x0, x1, z, begin, n_states, slopes, trial)
+    advance(law, p, 0, x0, x1, z, 0, n_states, slopes, trial)
     for k in range(n_states):
         states[target + k, number] = z[k]
 

@@ -63,11 +63,9 @@ def longest_step(law, p, i, e):
 
 
 @njit
-def slope_at(law, p, i, x, direction, z, j, n, k, row):
-    """Write the slopes of the n states and of the work over the length to `k[row:]`.
-
-    A stage's row is a product, m or 2 m: Numba makes a function of its own for each number that is written out.
-    """
+def slope_at(law, p, i, x, direction, z, j, n, k, stage):
+    """Write the slopes of the n states and of the work over the length to `k[stage * (n + 1):]`."""
+    row = stage * (n + 1)
     # Not `evaluate`: of a few laws the compiler makes one function with the loop, which then takes half the time.
     if law == BABER_NOORI:
         k[row + n] = direction * baber_noori(p, i, x, direction, z, j, k, row)
@@ -85,18 +83,18 @@ def stages(law, p, i, x, direction, h, z, j, n, k, trial):
     s, m = direction * h, n + 1
     for c in range(n):
         trial[c] = z[j + c] + h * (1 / 5 * k[c])
-    slope_at(law, p, i, x + 1 / 5 * s, direction, trial, 0, n, k, m)
+    slope_at(law, p, i, x + 1 / 5 * s, direction, trial, 0, n, k, 1)
     for c in range(n):
         trial[c] = z[j + c] + h * (3 / 40 * k[c] + 9 / 40 * k[m + c])
-    slope_at(law, p, i, x + 3 / 10 * s, direction, trial, 0, n, k, 2 * m)
+    slope_at(law, p, i, x + 3 / 10 * s, direction, trial, 0, n, k, 2)
     for c in range(n):
         trial[c] = z[j + c] + h * (44 / 45 * k[c] - 56 / 15 * k[m + c] + 32 / 9 * k[2 * m + c])
-    slope_at(law, p, i, x + 4 / 5 * s, direction, trial, 0, n, k, 3 * m)
+    slope_at(law, p, i, x + 4 / 5 * s, direction, trial, 0, n, k, 3)
     for c in range(n):
         trial[c] = z[j + c] + h * (
             19372 / 6561 * k[c] - 25360 / 2187 * k[m + c] + 64448 / 6561 * k[2 * m + c] - 212 / 729 * k[3 * m + c]
         )
-    slope_at(law, p, i, x + 8 / 9 * s, direction, trial, 0, n, k, 4 * m)
+    slope_at(law, p, i, x + 8 / 9 * s, direction, trial, 0, n, k, 4)
     for c in range(n):
         trial[c] = z[j + c] + h * (
             9017 / 3168 * k[c]
@@ -105,10 +103,10 @@ def stages(law, p, i, x, direction, h, z, j, n, k, trial):
             + 49 / 176 * k[3 * m + c]
             - 5103 / 18656 * k[4 * m + c]
         )
-    slope_at(law, p, i, x + s, direction, trial, 0, n, k, 5 * m)
+    slope_at(law, p, i, x + s, direction, trial, 0, n, k, 5)
     for c in range(n):
         trial[c] = z[j + c] + h * mean_slope(k, m, c)
-    slope_at(law, p, i, x + s, direction, trial, 0, n, k, 6 * m)
+    slope_at(law, p, i, x + s, direction, trial, 0, n, k, 6)
 
 
 @njit
