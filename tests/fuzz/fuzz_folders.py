@@ -66,7 +66,7 @@ def runs() -> tuple[Path, Path]:
             name=name,
             options={"level": 6.0},
         )
-        with mock.patch("wirerope_mj.runs.write._write_pictures"):  # nothing reads them again
+        with mock.patch("wirerope_mj.runs.write._write_views"):  # nothing reads them again
             run_scenario(scenario, place / name)
     return place / "one", place / "other"
 

@@ -42,6 +42,8 @@ _KEPT: list[Any] = []
 
 
 def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Callable[..., Any]:
+    if numba.config.DISABLE_JIT:
+        return function
     options = {"error_model": "numpy", "forceinline": forceinline, "nogil": True}
     compiled: Any = numba.njit(**options)(function)
     compiled._cache = KernelFiles(function, **options)

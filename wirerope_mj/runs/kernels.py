@@ -7,9 +7,10 @@ import numpy as np
 
 from wirerope_mj.dynamics.modes import modes
 from wirerope_mj.dynamics.periodic import follow_branch
-from wirerope_mj.dynamics.single_mass import equivalent_linear
+from wirerope_mj.dynamics.single_mass import equivalent_linear, harmonic_balance
 from wirerope_mj.dynamics.sweep import frequency_sweep
 from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.statics import equilibrium
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.kernel_files import LOADED, cache_folder
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
@@ -17,18 +18,40 @@ from wirerope_mj.motions import HalfSine, Sweep
 from wirerope_mj.motions.spectra import shock_response_spectrum
 from wirerope_mj.mounts.identification.identify import identify
 from wirerope_mj.mounts.isolator import load_isolator
-from wirerope_mj.mounts.laws import BoucWen
+from wirerope_mj.mounts.laws import BoucWen, Stop, Tabulated, VaianaRosati, Zener
 from wirerope_mj.mounts.test_rig import steady_loops
 
 
 def use_all_kernels() -> None:
-    """Simulate, sweep, shoot, identify and take spectra, each as briefly as calls every kernel of its room."""
-    law = load_isolator("enidine_wr16_400").axial
+    """Call every kernel that Python calls, by computations that are as brief as serves: what is not at hand is compiled."""
+    _use_laws()
+    _use_systems()
+
+
+def _use_laws() -> None:
+    isolator = load_isolator("enidine_wr16_400")
+    law, plane = isolator.axial, isolator.coupled
     assert law is not None
+    assert plane is not None
     deflection = np.repeat([0.005, 0.01], 800) * np.sin(np.linspace(0.0, 8.0 * np.pi, 1600))
     identify(steady_loops(deflection, law.trace(deflection).force), law=BoucWen)
-    equivalent_linear(law, mass=100.0, frequencies=[5.0, 6.0], acceleration=1.0)
+    plane.trace([[0.0, 0.0], [0.001, 0.001]])
+    for one in (law, Zener(k0=2e4, k1=4e4, c=50.0)):
+        equivalent_linear(one, mass=100.0, frequencies=[5.0], acceleration=1.0)
+        harmonic_balance(one, mass=100.0, frequency=5.0, acceleration=1.0)
+    Stop(gap_below=0.005, k=5e5, loss=0.3, reversal=5e-4).pressed(0.01)
+    VaianaRosati(kb=0.2, f0=0.4, alpha=2.0).kernel_parameters()
+    Tabulated(
+        deflection=[0.0, 0.01],
+        force=[0.0, 1000.0],
+        symmetric=True,
+        amplitudes=[0.01],
+        areas=[5.0],
+        yield_deflection=0.001,
+    ).kernel_parameters()
 
+
+def _use_systems() -> None:
     system = load_system("sdof_shaker")
     shock = HalfSine(peak=STANDARD_GRAVITY, duration=0.011, direction="z")
     for engine in ("mujoco", "kernel"):
@@ -38,6 +61,7 @@ def use_all_kernels() -> None:
     modes(system, amplitude=0.001)
     upwards = Sweep(start=20.0, stop=20.5, rate=10.0, direction="z", acceleration=1.0)
     frequency_sweep(system, upwards, payload="mass", timestep=1e-3)
+    equilibrium(load_system("shock_table_contacts"), history="relaxed")  # not by the kernel, which knows no contacts
     follow_branch(
         load_system("cabinet"), start=60.0, stop=60.5, acceleration=0.1, direction="z", payload="rack", accuracy=1e-2
     )  # of enough unknowns for the variational equation
