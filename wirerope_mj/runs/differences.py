@@ -28,20 +28,29 @@ _LABELS = ("criterion", "subject", "name")
 
 
 def sample_differences(stored: Response, again: Response) -> Iterator[Difference]:
-    """Yield the differences of samples, relative to the largest of their column."""
+    """Yield the differences of samples, relative to the largest of their vector: a component may be all but nothing."""
     names = stored.samples.names
     if names != again.samples.names or not np.array_equal(stored.time, again.time):
         yield np.inf, "the columns or the sample instants themselves"
         return
+    largest: dict[str, float] = {}
+    differences: dict[str, float] = {}
     for first in range(0, len(names), _BLOCK):
-        a = stored.samples.columns(first, min(first + _BLOCK, len(names)))
-        b = again.samples.columns(first, min(first + _BLOCK, len(names)))
-        if np.array_equal(a, b):
-            continue
-        scale = np.maximum(np.abs(a).max(axis=0), np.finfo(float).tiny)
-        ratio = np.abs(a - b).max(axis=0) / scale
-        worst = int(ratio.argmax())
-        yield float(ratio[worst]), names[first + worst]
+        block = names[first : first + _BLOCK]
+        a = stored.samples.columns(first, first + len(block))
+        b = again.samples.columns(first, first + len(block))
+        for name, size, difference in zip(block, np.abs(a).max(axis=0), np.abs(a - b).max(axis=0), strict=True):
+            largest[_vector(name)] = max(largest.get(_vector(name), np.finfo(float).tiny), float(size))
+            if difference != 0.0:  # of NaN, too
+                differences[name] = float(difference)
+    for name, difference in differences.items():
+        yield difference / largest[_vector(name)], name
+
+
+def _vector(name: str) -> str:
+    """Return the name of the vector of which a column is a component, or that of the column."""
+    vector, _, component = name.rpartition("/")
+    return vector if component in ("w", "x", "y", "z", "roll", "shear", "axial") else name
 
 
 def peak_differences(stored: Response, again: Response) -> Iterator[Difference]:
