@@ -13,6 +13,7 @@ from house import sdof_text
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN, judge
 from wirerope_mj.engine.response import Peak
+from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.tables import Table
@@ -22,7 +23,7 @@ from wirerope_mj.runs.run_spectra import run_spectra
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.views.plots.report_response import accelerations_figure
 from wirerope_mj.views.plots.report_scene import crowded_label
-from wirerope_mj.views.report import Absent, judged, report_content, report_html, worst_names
+from wirerope_mj.views.report import judged, report_content, report_html, worst_names
 from wirerope_mj.views.report.content import Picture
 from wirerope_mj.views.report.display import ABSENT, MINUS, fixed
 from wirerope_mj.views.report.model import model_section
