@@ -8,8 +8,6 @@ import pytest
 
 from wirerope_mj.foundation import cpu_level, kernel_files
 
-pytestmark = pytest.mark.quick
-
 KERNELS = """
 from wirerope_mj.foundation.jit import inlined, njit
 import constants as at
