@@ -1,4 +1,12 @@
+from . import assessment as assessment
+from . import dynamics as dynamics
+from . import engine as engine
+from . import foundation as foundation
 from . import motions as motions
+from . import mounts as mounts
+from . import runs as runs
+from . import studies as studies
+from . import views as views
 from .assessment.criteria import Verdict as Verdict
 from .assessment.criteria import judge as judge
 from .assessment.criteria import judge_random as judge_random
