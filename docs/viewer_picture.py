@@ -17,6 +17,9 @@ from rerun.experimental import ViewerClient
 
 from wirerope_mj.engine.response import load_response
 from wirerope_mj.runs.inputs import run_inputs
+from wirerope_mj.runs.judged import judged_run
+from wirerope_mj.runs.scenario_file import scenario_content
+from wirerope_mj.runs.sources import system_and_motion
 from wirerope_mj.views.recording import record_overlay, record_rerun
 from wirerope_mj.views.recording.viewer import free_port, viewer_binary
 
@@ -43,8 +46,12 @@ def main() -> None:
 def _one(options: argparse.Namespace, path: Path) -> Path:
     (folder,) = options.folders
     scenario = folder / "scenario.toml"
-    text = scenario.read_text() if scenario.is_file() else ""
-    return record_rerun(load_response(folder), path, title=options.title, scenario_text=text, tab=options.tab)
+    response, text, verdicts = load_response(folder), "", None
+    if scenario.is_file():
+        text = scenario.read_text()
+        system, _ = system_and_motion(folder, scenario_content(folder))
+        verdicts = judged_run(system, response).verdicts
+    return record_rerun(response, path, title=options.title, scenario_text=text, verdicts=verdicts, tab=options.tab)
 
 
 def _several(options: argparse.Namespace, path: Path) -> Path:

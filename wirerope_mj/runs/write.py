@@ -13,7 +13,6 @@ from typing import Any
 
 import tomli_w
 
-from wirerope_mj.assessment.criteria import verdict_lines
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import System, load_system
@@ -174,9 +173,8 @@ def _write_views(
     from wirerope_mj.views.report.display import title_of
 
     title, text = title_of(scenario.name), _scenario_markdown(scenario)
-    verdicts = [judged.headline, *verdict_lines(response, judged.verdicts)]
     writing("the recording")
-    record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=verdicts)
+    record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=judged.verdicts)
     writing("the pictures")
     save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
     if response.scene.isolating:

@@ -67,18 +67,19 @@ def _payload_lines(verdicts: Sequence[Verdict]) -> list[str]:
     rows = [row for row in verdicts if row.criterion.startswith(kinds)]
     judged = sorted((row for row in rows if row.verdict != NOT_JUDGED), key=lambda row: -(row.utilisation or 0.0))
     over = [row for row in judged if row.verdict == EXCEEDED]
-    lines = [f"Exceeded: {_against_limit(row)}." for row in over]
+    lines = [f"Exceeded: {against_limit(row)}." for row in over]
     if judged and not over:
-        lines.append(f"Payload within its limits; nearest is {_against_limit(judged[0])}.")
+        lines.append(f"Payload within its limits; nearest is {against_limit(judged[0])}.")
     unjudged = [kind for kind in kinds if not any(row.criterion.startswith(kind) for row in judged)]
     if unjudged and rows:
         lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")
     return lines
 
 
-def _against_limit(row: Verdict) -> str:
+def against_limit(row: Verdict) -> str:
+    """Return a value beside its limit, "travel in compression of m16, 42.9 of 43.2 mm (99 %)"."""
     unit, factor = shown_in(row.unit)
-    reached = f"{factor * row.value:.3g} of {factor * (row.limit or 0.0):.3g} {unit}"
+    reached = f"{factor * row.value:.3g} of {factor * (row.limit or 0.0):.3g} {unit}".strip()
     return f"{row.criterion} of {row.subject}, {reached} ({100.0 * (row.utilisation or 0.0):.0f} %)"
 
 

@@ -25,7 +25,7 @@ def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
     they stop shows as a deflection that ends there.
 
     No standard and no vendor gives a rule for several axes at once: the ellipsoid through the rated travels, beyond which
-    "travel combined" is exceeded, is this project's own.
+    "travel combined" is exceeded, is this project's own. A model or `wirerope run --no-combined-travel` switches it off.
     """
     verdicts: list[Verdict] = []
     for mount in response.scene.isolating:
@@ -35,7 +35,8 @@ def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
                 beyond = _length(response.time, travel_in(rating, deflection) > mount.travel[rating])
                 verdict = replace(verdict, note=f"beyond it for {beyond}")
             verdicts.append(verdict)
-        verdicts.append(_combined(response.time, mount, deflection))
+        if response.scene.combined_travel:
+            verdicts.append(_combined(response.time, mount, deflection))
     return tuple(verdicts)
 
 
@@ -82,6 +83,20 @@ def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
     return tuple(verdicts)
 
 
+def combined_travel(mount: SceneMount, deflection: Array) -> Array:
+    """Return the utilisation by all rated travels of a mount at once, (n_t,), from its deflection (n_t, 3).
+
+    It is 0 where that is not judged: what is rated is within, and the way along the axis is not rated.
+    """
+    total = np.zeros(len(deflection))
+    for rating, travel in mount.travel.items():
+        total += (travel_in(rating, deflection) / travel) ** 2
+    for rating, (_, way) in RATINGS.items():
+        if way and rating not in mount.travel:
+            total[(travel_in(rating, deflection) > 0.0) & (total <= 1.0)] = 0.0
+    return np.sqrt(total)
+
+
 def _combined(time: Array, mount: SceneMount, deflection: Array) -> Verdict:
     """Return the verdict on all axes at once: the largest sqrt(sum (deflection / rated)^2) against 1.
 
@@ -103,7 +118,7 @@ def _combined(time: Array, mount: SceneMount, deflection: Array) -> Verdict:
                 left_out = f"left out: {_length(time, travel > 0.0)} with up to {1e3 * travel.max():.3g} mm of {rating}"
     bound = not judged.any() or any(RATINGS[rating][1] == 0.0 for rating in missing)
     square, when = sampled_peak(time, total)
-    notes = ["sqrt of the sum of (deflection / rated)^2 at one instant"]
+    notes = ["sqrt of the sum of (deflection / rated)^2 at one instant, this program's own rule"]
     if square <= 1.0 and left_out and judged.any():
         square, when = _peak_among(time, total, judged)
         notes.append(left_out)

@@ -92,6 +92,7 @@ class Scene:
         base: name of the driven base; "" if there is none.
         bodies, mounts: what there is to draw.
         limits: of the payload; empty where the model states none: not judged.
+        combined_travel: whether mounts are judged on the travel along all axes at once, by this project's own rule.
     """
 
     name: str
@@ -99,6 +100,7 @@ class Scene:
     bodies: tuple[SceneBody, ...]
     mounts: tuple[SceneMount, ...]
     limits: tuple[PayloadLimit, ...] = ()
+    combined_travel: bool = True
 
     @property
     def isolating(self) -> tuple[SceneMount, ...]:
@@ -127,7 +129,14 @@ def scene_from_dict(content: dict[str, Any]) -> Scene:
         PayloadLimit(kind=limit["kind"], name=limit["name"], values=tuple(limit["values"]))
         for limit in content.get("limits", ())  # older responses have none
     )
-    return Scene(name=content["name"], base=content["base"], bodies=bodies, mounts=mounts, limits=limits)
+    return Scene(
+        name=content["name"],
+        base=content["base"],
+        bodies=bodies,
+        mounts=mounts,
+        limits=limits,
+        combined_travel=content.get("combined_travel", True),  # older responses do not say it
+    )
 
 
 def _plain(value: Any) -> Any:

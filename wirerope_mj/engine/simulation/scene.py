@@ -27,7 +27,14 @@ def scene_of(system: System) -> Scene:
         mujoco.mj_kinematics(model, data)
         bodies = _bodies(system, data)
         mounts = tuple(_mount(model, data, mount) for mount in system.mounts.values())
-    return Scene(name=system.name, base=system.base, bodies=bodies, mounts=mounts, limits=system.limits)
+    return Scene(
+        name=system.name,
+        base=system.base,
+        bodies=bodies,
+        mounts=mounts,
+        limits=system.limits,
+        combined_travel=system.combined_travel,
+    )
 
 
 def _bodies(system: System, data: mujoco.MjData) -> tuple[SceneBody, ...]:

@@ -6,6 +6,12 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import SIZES, PayloadLimit
 
 LIMIT, POINT = "limit/", "point/"
+COMBINED = LIMIT + "combined_travel"
+
+
+def judges_combined_travel(model: mujoco.MjModel) -> bool:
+    """Return whether mounts are judged on all axes at once: unless the model says 0 for it."""
+    return all(model.numeric(i).data.any() for i in range(model.nnumeric) if model.numeric(i).name.endswith(COMBINED))
 
 
 def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...]:
@@ -24,7 +30,7 @@ def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...
     limits: list[PayloadLimit] = []
     for i in range(model.nnumeric):
         name = model.numeric(i).name
-        if LIMIT not in name:
+        if LIMIT not in name or name.endswith(COMBINED):
             continue
         prefix, _, rest = name.partition(LIMIT)
         kind, _, subject = rest.partition("/")

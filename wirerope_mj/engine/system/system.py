@@ -11,7 +11,7 @@ from wirerope_mj.engine.system.assembly import Assembly, assemble
 from wirerope_mj.engine.system.changes import Changes
 from wirerope_mj.engine.system.declared import DeclaredMount, base_body, check_names, check_visible, declared_mounts
 from wirerope_mj.engine.system.finite import check_joints, check_numbers, check_written
-from wirerope_mj.engine.system.limits import declared_limits
+from wirerope_mj.engine.system.limits import declared_limits, judges_combined_travel
 from wirerope_mj.engine.system.refused import refused
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, why_unread
@@ -70,6 +70,8 @@ class System(Summarised):
         assembly: where the parts of the model stand.
         changes: what a variant differs by from the model as written, in the order in which it was varied; see
             `wirerope_mj.varied`. `mjcf`, `path` and `isolators` say nothing of it, `model` and `mounts` hold it.
+        combined_travel: whether mounts are judged on the travel along all axes at once; a model that says
+            <numeric name="limit/combined_travel" data="0"/> switches that off.
     """
 
     model: mujoco.MjModel
@@ -82,6 +84,7 @@ class System(Summarised):
     limits: tuple[PayloadLimit, ...]
     assembly: Assembly = field(repr=False)
     changes: tuple[Changes, ...] = ()
+    combined_travel: bool = True
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         mass = float(self.model.body_mass.sum())
@@ -152,6 +155,7 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
         isolators={d.isolator_name: d.isolator for d in declared},
         limits=declared_limits(model, base),
         assembly=assembly,
+        combined_travel=judges_combined_travel(model),
     )
 
 

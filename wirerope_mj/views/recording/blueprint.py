@@ -5,13 +5,21 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.recording.camera import whole_scene
+from wirerope_mj.views.recording.cursor import PATH as CURSOR
+from wirerope_mj.views.recording.documents import VERDICT
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
-from wirerope_mj.views.recording.events import lane_paths
 from wirerope_mj.views.recording.graphs import Graphs
-from wirerope_mj.views.recording.histories import DIRECTIONS, TOTAL, UNITS
+from wirerope_mj.views.recording.histories import DIRECTIONS, UNITS, USED, main_direction
+from wirerope_mj.views.recording.lanes import lane_paths
+from wirerope_mj.views.recording.large import ROOT as LARGE
+from wirerope_mj.views.recording.large import large_factor
 from wirerope_mj.views.recording.loops import LoopPlot, grid_shape
 from wirerope_mj.views.recording.mounts import BESIDE, close_up_of
 from wirerope_mj.views.recording.paths import entity
+from wirerope_mj.views.recording.plan import ROOT as PLAN
+from wirerope_mj.views.recording.plan import plan_bounds
 from wirerope_mj.views.recording.selection import Selection
 from wirerope_mj.views.recording.views import (
     event_view,
@@ -34,12 +42,14 @@ def blueprint_of(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], *, ta
     import rerun.blueprint as rrb
 
     top = rrb.Horizontal(_scenes(run), _tabs(run, graphs, plots, tab), column_shares=[5, 6], name="run")
-    below = rrb.Horizontal(
+    banner = rrb.TextDocumentView(origin=entity(VERDICT), name="Verdict")
+    texts = rrb.Tabs(
+        rrb.TextDocumentView(origin=entity(*CURSOR), name="At the time cursor"),
         rrb.TextDocumentView(origin=entity("scenario"), name="Scenario"),
-        event_view(entity("events")),
-        column_shares=[5, 6],
+        active_tab=0,
     )
-    return layout(rrb.Vertical(top, below, row_shares=[41, 9]), run.selection.window)
+    below = rrb.Horizontal(texts, event_view(entity("events")), column_shares=[5, 6])
+    return layout(rrb.Vertical(banner, top, below, row_shares=[7, 74, 19]), run.selection.window)
 
 
 def _scenes(run: DrawnRun) -> Any:
@@ -49,13 +59,24 @@ def _scenes(run: DrawnRun) -> Any:
     base = response.scene.base
     origin = frames[base].path if base in response.bodies else entity("world")
     everything = "+ " + entity("world") + "/**"
-    whole = whole_scene_view(response, frames, f"{response.scene.name}, seen from the base")
+    factor, camera = large_factor(run), whole_scene(response)
+    scenes = [whole_scene_view(response, frames, "True scale")]
+    if factor > 1.0:
+        below = entity(LARGE)
+        scenes.insert(0, scene_view(below + origin, [f"+ {below}/**"], f"Motion drawn {factor:g} times larger", camera))
+    if selection.used and selection.mounts:
+        across, upward = plan_bounds(response)
+        bounds = rrb.VisualBounds2D(x_range=across, y_range=upward)
+        scenes.append(
+            rrb.Spatial2DView(origin=entity(PLAN), name="Mounts from above, % used now", visual_bounds=bounds)
+        )
+    whole = rrb.Tabs(*scenes, active_tab=0, name="Scenes")
     name = selection.governing
     if name is None:
         return whole
     camera = close_up_of(response, name)
-    ratio = selection.utilisation(name, selection.axes[0])
-    used = "" if np.isnan(ratio) else f", {100 * ratio:.0f} % of its rated {selection.axes[0]} travel"
+    worst = next((one for one in selection.used if one.subject == name), None)
+    used = f", {in_unit(worst.largest, '%'):.0f} % of its limit of {worst.governing.criterion}" if worst else ""
     paths = [frames[body].path for body in {mount.base_body for mount in response.scene.mounts}]
     without = [f"- {path}/{beside}" for path in paths for beside in BESIDE]
     near = scene_view(origin, [everything, *without], f"Mount {name}{used}", camera)
@@ -84,18 +105,17 @@ def _overview(run: DrawnRun, graphs: Graphs) -> Any:
     import rerun.blueprint as rrb
 
     selection = run.selection
-    keys = [("acceleration", TOTAL), *((quantity, axis) for axis in selection.axes[:1] for quantity in UNITS)]
+    keys: list[tuple[str, ...]] = [(USED,)] if selection.used else []
+    keys += [("deflection", axis) for axis in selection.axes[:1]]
+    keys.append(("acceleration", main_direction(run.response)))
     views = [graph_view(graphs[key], selection.window) for key in keys]
     lanes = lane_paths(run.response, selection)
     views.append(
         rrb.StateTimelineView(
-            origin=entity("lanes"),
-            contents=lanes,
-            name="Base motion and rated travel",
-            time_view=time_axis(selection.window),
+            origin=entity(), contents=lanes, name="Base, stops and limits", time_view=time_axis(selection.window)
         )
     )
-    return rrb.Vertical(*views, row_shares=[*([4.0] * (len(views) - 1)), 1.5 + 0.8 * len(lanes)], name="Overview")
+    return rrb.Vertical(*views, row_shares=[*([4.0] * (len(views) - 1)), 0.9 + 0.85 * len(lanes)], name="Overview")
 
 
 def _loop_view(selection: Selection, plot: LoopPlot) -> Any:

@@ -1,11 +1,11 @@
 """The two cameras: one sees everything, one sees the governing mount, from where nothing hides it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.scene import Geom, Scene
+from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.poses import conjugate, multiply, rotate
 
@@ -37,7 +37,7 @@ class Camera:
 
 def whole_scene(response: Response, *, aspect: float = _ASPECT) -> Camera:
     """Return a camera that sees everything, as near as its pane, `aspect` times as wide as high, allows."""
-    points = _in_base(response, _corners(response.scene))
+    points = _seen_from_base(response.scene, _corners(response.scene))
     back = _LOOK_FROM / np.linalg.norm(_LOOK_FROM)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
@@ -53,9 +53,9 @@ def whole_scene(response: Response, *, aspect: float = _ASPECT) -> Camera:
     return Camera(eye=target + distance * back, target=target)
 
 
-def close_up(response: Response, mount: str, *, height: float, width: float) -> Camera:
-    """Return a camera that sees a mount of the given size [m] past the bodies around it."""
-    scene = response.scene
+def close_up(response: Response, mount: str, *, height: float, width: float, row: int) -> Camera:
+    """Return a camera that sees a mount of the given size [m] past the bodies around it, as they stand at a sample."""
+    scene = replace(response.scene, bodies=tuple(_posed(response, body, row) for body in response.scene.bodies))
     at = next(entry for entry in scene.mounts if entry.name == mount)
     base = next(body for body in scene.bodies if body.name == at.base_body)
     middle = base.position + rotate(base.orientation, at.base_point)
@@ -71,7 +71,15 @@ def close_up(response: Response, mount: str, *, height: float, width: float) -> 
     along_bars = np.abs(directions @ axes[1])
     worth = -3.0 * hidden - 0.5 * np.abs(along_bars - 0.5) + 0.3 * directions @ outward
     eye = middle + distance * directions[int(worth.argmax())]
-    return Camera(eye=_in_base(response, eye), target=_in_base(response, middle))
+    return Camera(eye=_seen_from_base(scene, eye), target=_seen_from_base(scene, middle))
+
+
+def _posed(response: Response, body: SceneBody, row: int) -> SceneBody:
+    """Return a body where it is at a sample."""
+    if body.name not in response.bodies:
+        return body
+    moved = response.bodies[body.name]
+    return replace(body, position=moved.position[row], orientation=moved.orientation[row])
 
 
 def scene_extent(scene: Scene) -> tuple[Array, float]:
@@ -142,10 +150,7 @@ def _cuts_box(start: Array, stop: Array, half: Array) -> Array:
     return crossing
 
 
-def _in_base(response: Response, point: Array) -> Array:
-    """Return a point of the modelled geometry in the frame of the base, if it has one that moves."""
-    base = response.scene.base
-    if base not in response.bodies:
-        return point
-    body = next(body for body in response.scene.bodies if body.name == base)
-    return rotate(conjugate(body.orientation), point - body.position)
+def _seen_from_base(scene: Scene, point: Array) -> Array:
+    """Return a point in the frame of the base, if it has one that moves."""
+    body = next((body for body in scene.bodies if body.name == scene.base and body.moves), None)
+    return point if body is None else rotate(conjugate(body.orientation), point - body.position)

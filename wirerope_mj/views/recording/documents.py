@@ -3,11 +3,12 @@
 import math
 import re
 import tomllib
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria import headline, verdict_lines
+from wirerope_mj.assessment.criteria.sentences import against_limit
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import markdown, plain_lines
@@ -18,16 +19,29 @@ from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.paths import AXES, entity
 from wirerope_mj.views.recording.selection import Selection
 
+VERDICT = "verdict"
 
-def texts_of(run: DrawnRun, *, title: str, scenario_text: str, verdicts: Sequence[str] | None) -> dict[str, str]:
-    """Return the scenario and the tables of peaks of a run alone as Markdown, by their entities.
 
-    `scenario_text` is Markdown, or TOML, which is set as such; `verdicts` stand above the tables.
+def texts_of(run: DrawnRun, *, title: str, scenario_text: str) -> dict[str, str]:
+    """Return verdict, scenario and tables of peaks of a run alone as Markdown, by their entities.
+
+    `scenario_text` is Markdown, or TOML, which is set as such.
     """
     return {
+        entity(VERDICT): verdict_markdown(run.selection),
         entity("scenario"): scenario_markdown(run.response, title, scenario_text),
-        entity("peaks"): peaks_markdown(run.response, run.selection, verdicts),
+        entity("peaks"): peaks_markdown(run.response, run.selection),
     }
+
+
+def verdict_markdown(selection: Selection) -> str:
+    """Return the headline of the verdicts, and what uses most of its limits, in one line."""
+    worst = (
+        f"Nearest to its limit, or farthest beyond: {against_limit(selection.used[0].governing)}."
+        if selection.used
+        else ""
+    )
+    return f"**{markdown(headline(selection.verdicts))}** {markdown(worst)}"
 
 
 def scenario_markdown(response: Response, title: str, text: str) -> str:
@@ -42,9 +56,10 @@ def scenario_markdown(response: Response, title: str, text: str) -> str:
     return "\n\n".join(part for part in (f"### {markdown(title or response.scene.name)}", body, f"*{how}*") if part)
 
 
-def peaks_markdown(response: Response, selection: Selection, verdicts: Sequence[str] | None) -> str:
+def peaks_markdown(response: Response, selection: Selection) -> str:
     """Return verdicts, peak accelerations, and peaks of the mounts against their rated travel."""
-    parts = ["### Verdicts\n" + "\n".join(f"- {markdown(line)}" for line in verdicts)] if verdicts else []
+    lines = [headline(selection.verdicts), *verdict_lines(response, selection.verdicts)]
+    parts = ["### Verdicts\n" + "\n".join(f"- {markdown(line)}" for line in lines)]
     parts.append(markdown_table(_acceleration_table(response)))
     if selection.mounts:
         parts.append(markdown_table(_mount_table(response, selection)))

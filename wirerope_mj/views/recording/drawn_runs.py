@@ -1,12 +1,13 @@
 """Runs as they are drawn, one alone or several over each other: colours, selections and frames."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, compare_runs
 from wirerope_mj.assessment.comparison.compared import Subject, subjects_of
+from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.frame import Color
 from wirerope_mj.views.recording.paths import AXES, root_of
@@ -66,10 +67,15 @@ class Overlay(Comparison):
         return [run for run in self.runs if subject in subjects_of(run.response)]
 
 
-def run_alone(response: Response) -> DrawnRun:
-    """Return a run that has a recording of its own."""
+def run_alone(response: Response, verdicts: Sequence[Verdict] | None) -> DrawnRun:
+    """Return a run that has a recording of its own; without verdicts it is judged here."""
     return DrawnRun(
-        name="", response=response, moved=0.0, color=ARROW, selection=select(response), frames=frames_of(response)
+        name="",
+        response=response,
+        moved=0.0,
+        color=ARROW,
+        selection=select(response, verdicts),
+        frames=frames_of(response),
     )
 
 
@@ -89,7 +95,7 @@ def overlay_of(responses: Mapping[str, Response], align: Align) -> Overlay:
 
 def _overlaid(run: ComparedRun, color: Color) -> DrawnRun:
     selection = select(run.response)
-    selection = replace(selection, colors=dict.fromkeys(selection.mounts, color))
+    selection = replace(selection, colors=dict.fromkeys(selection.mounts, color), alone=False)
     return DrawnRun(**vars(run), color=color, selection=selection, frames=frames_of(run.response))
 
 

@@ -1,169 +1,152 @@
-"""Events as a log, and lanes that show the phase of the motion and the use of the rated travel."""
+"""Events of a run: what the base does, peaks, limits that are approached and exceeded, stops; as a log, and as a timeline."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria import closing_text
-from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.scene import SceneMount
+from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, closing_text
+from wirerope_mj.assessment.criteria.over_time import utilisation_over_time
+from wirerope_mj.assessment.criteria.sentences import against_limit
+from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
-from wirerope_mj.views.recording.paths import AXES, AXIAL, at, entity
-from wirerope_mj.views.recording.selection import Selection, travel_limits
-from wirerope_mj.views.recording.stops import CLOSED, changes, closed_at
+from wirerope_mj.views.recording.paths import AXES, at, entity
+from wirerope_mj.views.recording.selection import NAMED, Selection
 
 NEAR = 0.8
-"""Fraction of the rated travel from which a mount is reported."""
+"""Utilisation from which a limit is reported."""
 
-_TRAVEL = ("ok", "over 80 %", "exceeded")
-_TRAVEL_COLORS = ((34, 102, 48), (190, 130, 20), (200, 45, 50))
-_PHASES = ("at rest", "base moves", "free")
-_PHASE_COLORS = ((58, 66, 76), (190, 130, 20), (48, 84, 110))
+_UNITS = {"deflection": "mm", "force": "kN"}
 
 
 @dataclass(frozen=True, kw_only=True, order=True)
 class Event:
-    """An event: instant [s], level "INFO", "WARN" or "ERROR", and text."""
+    """An event: instant [s], level "INFO", "WARN" or "ERROR", text, and whether it is one of the few of the run's course."""
 
     time: float
     level: str
     text: str
+    main: bool = False
 
 
 def log_events(rec: Any, run: DrawnRun) -> None:
-    """Log the events of a run, and its lanes if it is alone."""
+    """Log the events of a run."""
     import rerun as rr
 
-    response, selection = run.response, run.selection
-    events = events_of(response, selection)
+    events = events_of(run.response, run.selection)
     if events:
         prefix, color = (f"{run.name}: ", {"color": [run.color] * len(events)}) if run.name else ("", {})
         columns = rr.TextLog.columns(
-            text=[prefix + event.text for event in events], level=[event.level for event in events], **color
+            text=[f"{event.time:.4f} s  {prefix}{event.text}" for event in events],
+            level=[event.level for event in events],
+            **color,
         )
         rec.send_columns(entity("events", *run.names), at([event.time for event in events]), columns)
-    if not run.name:
-        _log_lanes(rec, response, selection)
-
-
-def _log_lanes(rec: Any, response: Response, selection: Selection) -> None:
-    _log_lane(rec, "base", _phases(response), _PHASES, _PHASE_COLORS)
-    if response.scene.stops:
-        closed = closed_at(response, response.scene.stops)
-        states = [(float(response.time[row]), int(closed[row])) for row in changes(closed)]
-        _log_lane(rec, "stops", states, ("open", "closed"), (_PHASE_COLORS[0], CLOSED))
-    for axis in AXES:
-        used = _travel_changes(response, selection, axis)
-        if used:
-            _log_lane(rec, f"travel_{axis}", used, _TRAVEL, _TRAVEL_COLORS)
-
-
-def lane_paths(response: Response, selection: Selection) -> list[str]:
-    """Return the entities of the lanes that say something: stops, axes near their rated travel, or else the nearest one."""
-    rated = [axis for axis in selection.axes if not np.isnan(selection.utilisation(selection.ranked[axis][0], axis))]
-    near = [axis for axis in rated if selection.utilisation(selection.ranked[axis][0], axis) >= NEAR]
-    stops = [entity("lanes", "stops")] if response.scene.stops else []
-    return [entity("lanes", "base"), *stops, *(entity("lanes", f"travel_{axis}") for axis in near or rated[:1])]
 
 
 def events_of(response: Response, selection: Selection) -> list[Event]:
     """Return the events of a run in order of time."""
     # A sum of pulses says the same at the same instant for each of them.
-    events = [Event(time=time, level="INFO", text=text) for time, text in dict.fromkeys(response.events)]
-    for name in selection.bodies:
-        peak = response.peaks.bodies[name].acceleration
-        text = f"{name}: peak acceleration {in_unit(peak.value, 'g'):.2f} g"
-        events.append(Event(time=_short(peak.time), level="INFO", text=text))
-    for mount in response.scene.mounts:
-        events += [event for axis in AXES for event in _travel_events(response, mount, axis)]
+    events = [Event(time=time, level="INFO", text=text, main=True) for time, text in dict.fromkeys(response.events)]
+    events += _acceleration_peaks(response, selection)
+    events += _mount_peaks(response, selection)
+    for used in selection.used:
+        if used.largest >= NEAR:
+            worst = used is selection.used[0]
+            events += _limit_events(response, used.governing, main=worst)
+            events += [
+                event
+                for verdict in used.verdicts[1:]
+                if verdict.verdict == EXCEEDED
+                for event in _limit_events(response, verdict, main=False)
+            ]
     events += _contact_events(response)
+    if selection.window[1] < response.time[-1]:
+        events.append(
+            Event(
+                time=selection.window[1], level="INFO", text="deflections stay below a tenth of the largest", main=True
+            )
+        )
     return sorted(event for event in events if event.time <= response.time[-1])
 
 
-def _contact_events(response: Response) -> list[Event]:
-    """Return when stops are struck first, and how hard at most."""
-    contacts = response.peaks.contacts or {}
-    events = []
-    for name in response.peaks.struck:
-        contact = contacts[name]
-        text = f"{name}: struck, at most {in_unit(contact.force, 'kN'):.3g} kN"
-        text = closing_text(name, contact) if contact.mount else text
-        events.append(Event(time=_short(contact.first_touch or 0.0), level="WARN", text=text))
-    return events
+def main_instants(response: Response, selection: Selection) -> Array:
+    """Return the instants of the few events that a run's course is told by [s], (n,)."""
+    return np.unique([event.time for event in events_of(response, selection) if event.main])
 
 
-def _travel_events(response: Response, mount: SceneMount, axis: str) -> list[Event]:
-    """Return when a mount comes near or beyond its rated travel."""
-    number = AXES.index(axis)
-    peak = response.peaks.mounts[mount.name].deflection
-    deflection = response.mounts[mount.name].deflection[:, number]
-    events = []
-    for side, limit in enumerate(travel_limits(mount, axis)):
-        value = float((peak.minimum, peak.maximum)[side][number])
-        instant = float((peak.minimum_time, peak.maximum_time)[side][number])
-        ratio = value / limit
-        if not ratio >= NEAR:  # also where nothing is rated
-            continue
-        level = 1.0 if ratio > 1.0 else NEAR
-        beyond = np.flatnonzero(deflection / limit >= level)
-        how = (("compression", "tension")[side] if number == AXIAL else axis) + f" {in_unit(abs(value), 'mm'):.1f} mm"
-        events.append(
-            Event(
-                time=_short(float(response.time[beyond[0]]) if beyond.size else instant),
-                level="ERROR" if ratio > 1.0 else "WARN",
-                text=f"{mount.name}: {how} is {in_unit(ratio, '%'):.0f} % of the rated {in_unit(abs(limit), 'mm'):.1f} mm",
-            )
+def _acceleration_peaks(response: Response, selection: Selection) -> Iterator[Event]:
+    """Yield the peaks of the base and of the bodies and points that are named, the largest as one of the main events."""
+    bodies, points = response.peaks.bodies, response.peaks.points
+    peaks: list[tuple[str, Peak]] = [(name, bodies[name].acceleration) for name in selection.bodies[:NAMED]]
+    peaks += [(f"point {name}", points[name].acceleration) for name in selection.points[:NAMED]]
+    largest = max((peak.value for _, peak in peaks), default=0.0)
+    if response.scene.base in bodies:
+        peaks.append(("base", bodies[response.scene.base].acceleration))
+    for name, peak in peaks:
+        text = f"{name}: peak acceleration {in_unit(peak.value, 'g'):.2f} g"
+        yield Event(time=peak.time, level="INFO", text=text, main=peak.value == largest and name != "base")
+
+
+def _mount_peaks(response: Response, selection: Selection) -> Iterator[Event]:
+    """Yield the largest deflection and force along every axis, and how far the mount swings back in the first of them."""
+    for axis in selection.axes:
+        number = AXES.index(axis)
+        for quantity, unit in _UNITS.items():
+            name = selection.leading[quantity, axis][0]
+            peak: Peak = getattr(response.peaks.mounts[name], quantity)
+            ends = [
+                (float(peak.minimum[number]), float(peak.minimum_time[number])),
+                (float(peak.maximum[number]), float(peak.maximum_time[number])),
+            ]
+            ends.sort(key=lambda end: -abs(end[0]))
+            (value, time), (back, after) = ends
+            size = f"{in_unit(value, unit):.4g} {unit}"
+            yield Event(time=time, level="INFO", text=f"{name}: largest {axis} {quantity}, {size}")
+            if quantity == "deflection" and axis == selection.axes[0] and after > time and value * back < 0.0:
+                text = f"{name}: rebounds to {in_unit(back, unit):.4g} {unit} {axis}"
+                yield Event(time=after, level="INFO", text=text, main=True)
+
+
+def _limit_events(response: Response, verdict: Verdict, *, main: bool) -> Iterator[Event]:
+    """Yield when a value passes 80 % of its limit, when all of it, and when it is largest."""
+    if verdict.time is None:
+        return
+    course, over = utilisation_over_time(response, verdict), verdict.verdict == EXCEEDED
+    for level, text in ((NEAR, "80 % of its limit"), (1.0, "its limit"))[: 1 + over]:
+        time = None if course is None else first_above(response.time, course, level)
+        yield Event(
+            time=verdict.time if time is None else time,  # a peak between two samples
+            level="WARN" if level == NEAR else "ERROR",
+            text=f"{verdict.subject}: {verdict.criterion} passes {text}",
+            main=main,
         )
-    return events
+    tone = "ERROR" if over else "WARN"
+    yield Event(time=verdict.time, level=tone, text=f"largest {against_limit(verdict)}", main=main)
 
 
-def _short(time: float) -> float:
-    """Return an instant as the log has room for it: to a millisecond, late ones to a tenth of a second."""
-    return round(time, 3 if time < 10.0 else 1)
+def first_above(time: Array, values: Array, level: float) -> float | None:
+    """Return when `values` (n_t,) first reach a level [s], between samples on a straight line; None if no sample does."""
+    above = np.flatnonzero(values >= level)
+    if not above.size:
+        return None
+    row = int(above[0])
+    if row == 0:
+        return float(time[0])
+    before, after = values[row - 1], values[row]
+    return float(time[row - 1] + (time[row] - time[row - 1]) * (level - before) / (after - before))
 
 
-def _phases(response: Response) -> list[tuple[float, int]]:
-    start = float(response.time[0])
-    if not response.events:
-        return [(start, 1 if response.base.acceleration.any() else 0)]
-    first, last = response.events[0][0], response.events[-1][0]
-    after = response.base.acceleration[response.time > last + 1e-9]
-    phases = [(start, 0)] if first > start else []
-    phases.append((max(first, start), 1))
-    if not after.any():
-        phases.append((last, 2))
-    return [phase for phase in phases if phase[0] <= response.time[-1]]
-
-
-def _travel_changes(response: Response, selection: Selection, axis: str) -> list[tuple[float, int]]:
-    """Return when the mount that uses most of its rated travel passes 80 and 100 %."""
-    used = _used_travel(response, axis)
-    if used is None:
-        return []
-    state = (used >= NEAR).astype(int) + (used > 1.0)
-    return [(float(response.time[row]), int(state[row])) for row in changes(state)]
-
-
-def _used_travel(response: Response, axis: str) -> Array | None:
-    """Return the largest fraction of the rated travel of all mounts, (n_t,); None if nothing is rated."""
-    used = None
-    for mount in response.scene.mounts:
-        deflection = response.mounts[mount.name].deflection[:, AXES.index(axis)]
-        for limit in travel_limits(mount, axis):
-            if np.isfinite(limit):
-                ratio = deflection / limit
-                used = ratio if used is None else np.maximum(used, ratio)
-    return used
-
-
-def _log_lane(
-    rec: Any, name: str, changes: list[tuple[float, int]], states: tuple[str, ...], colors: tuple[Any, ...]
-) -> None:
-    import rerun as rr
-
-    rec.log(entity("lanes", name), rr.StateConfiguration(values=states, colors=colors), static=True)
-    times, numbers = zip(*changes, strict=True)
-    rec.send_columns(entity("lanes", name), at(times), rr.StateChange.columns(state=[states[n] for n in numbers]))
+def _contact_events(response: Response) -> Iterator[Event]:
+    """Yield when stops and pairs are struck first, and when they press hardest."""
+    contacts = response.peaks.contacts or {}
+    for number, name in enumerate(response.peaks.struck):
+        contact = contacts[name]
+        force = f"{in_unit(contact.force, 'kN'):.3g} kN"
+        text = closing_text(name, contact) if contact.mount else f"{name}: struck, at most {force}"
+        yield Event(time=contact.first_touch or 0.0, level="WARN", text=text, main=number == 0)
+        if contact.force_time is not None:
+            yield Event(time=contact.force_time, level="WARN", text=f"{contact.called(name)}: largest force, {force}")

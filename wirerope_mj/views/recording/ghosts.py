@@ -11,7 +11,7 @@ from wirerope_mj.views.recording.camera import scene_extent, whole_scene
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
 from wirerope_mj.views.recording.enlarge import round_down
 from wirerope_mj.views.recording.paths import Below, child, entity
-from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, rotate
+from wirerope_mj.views.recording.poses import Frame, conjugate, grown, multiply, rotate
 from wirerope_mj.views.recording.scene import log_pose, scene_rows
 from wirerope_mj.views.recording.shapes import draw_geoms
 
@@ -53,7 +53,7 @@ def log_ghosts(rec: Any, overlay: Overlay) -> None:
             drawn.append(repr(base.geoms))  # the same base would flicker through itself
         for body, frame in _riding(run):
             pose = frame.position, frame.orientation
-            pose = pose if frame.fixed else _grown(frame, *_modelled(run, body), factor)
+            pose = pose if frame.fixed else grown(*pose, *_modelled(run, body), factor)
             log_pose(below, frame.path, run.response.time, *pose, rows)
             draw_geoms(below, frame.path, _ghostly(body, run), extent)
         _log_name(below, run, number, extent)
@@ -75,15 +75,6 @@ def _modelled(run: DrawnRun, body: SceneBody) -> tuple[Array, Array]:
     carrier = next(other for other in scene.bodies if other.name == name)
     back = conjugate(carrier.orientation)
     return rotate(back, body.position - carrier.position), multiply(back, body.orientation)
-
-
-def _grown(frame: Frame, position: Array, orientation: Array, factor: float) -> tuple[Array, Array]:
-    """Return poses `factor` times as far from the modelled one."""
-    turn = multiply(frame.orientation, conjugate(orientation))
-    turn = turn * np.where(turn[:, :1] < 0.0, -1.0, 1.0)
-    turn[:, 1:] *= factor
-    turn /= np.linalg.norm(turn, axis=1, keepdims=True)
-    return position + factor * (frame.position - position), multiply(turn, orientation)
 
 
 def _ghostly(body: SceneBody, run: DrawnRun) -> list[Any]:

@@ -7,13 +7,25 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.frame import Color
 from wirerope_mj.views.recording.paths import at, child
+from wirerope_mj.views.recording.selection import NAMED
 from wirerope_mj.views.recording.thin import rows_of_line
 
-_PEAK = (255, 92, 92)
-_LIMIT = (230, 70, 70)
+BASE_COLOR = (226, 229, 233)
+"""Of the base, which everything is compared with."""
+
+_PEAK = (255, 255, 255)
+
+_OTHERS = (86, 92, 100)
+"""Darker than a text must be, so that what is named stands in front."""
+
+_DENSE = 4000
+"""Rows of a line above which it would be a blob: its envelope is drawn."""
+
+_INTERVALS = 400
+"""Of an envelope, each a few points of a plot wide."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,14 +55,48 @@ class Lines:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Limit:
+    """A level that should not be exceeded, in the graph's unit; `below` is its entity's path below the graph."""
+
+    below: tuple[str, ...]
+    name: str
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class Graph:
-    """A plot over time; `limits` are rated travels [m] with their entities below the graph and their names."""
+    """A plot over time."""
 
     path: str
     title: str
     lines: Sequence[Lines]
-    limits: Sequence[tuple[tuple[str, ...], str, float]] = ()
+    limits: Sequence[Limit] = ()
 
+    def emptiest_corner(self, window: tuple[float, float]) -> str:
+        """Return the corner in which a legend would hide the least that happens, as rerun calls it."""
+        low = min([float(lines.values.min()) for lines in self.lines] + [limit.value for limit in self.limits])
+        high = max([float(lines.values.max()) for lines in self.lines] + [limit.value for limit in self.limits])
+        across, upward = np.linspace(*window, _COLUMNS), max(high - low, 1e-12)
+        hidden = {}
+        for corner, (right, top) in _CORNERS.items():
+            instants = across[-_COLUMNS // 3 :] if right else across[: _COLUMNS // 3]
+            hidden[corner] = 0.0
+            for lines in self.lines:
+                for column in lines.values.T:
+                    values = np.interp(instants, lines.time, column)
+                    covered = (values - low) / upward > 0.3 if top else (values - low) / upward < 0.7
+                    hidden[corner] += float(np.abs(values - np.median(column))[covered].sum())
+        return min(hidden, key=lambda corner: hidden[corner])
+
+
+_COLUMNS = 90
+_CORNERS = {
+    "RightTop": (True, True),
+    "RightBottom": (True, False),
+    "LeftTop": (False, True),
+    "LeftBottom": (False, False),
+}
 
 Graphs = dict[tuple[str, ...], Graph]
 """Graphs by what stands behind /histories in their paths."""
@@ -63,17 +109,69 @@ def thinned(time: Array, values: Array, tolerance: float, **look: Any) -> Lines:
     return Lines(time=time[rows], values=np.ascontiguousarray(columns[rows]), **look)
 
 
+def drawn(time: Array, values: Array, tolerance: float, **look: Any) -> list[Lines]:
+    """Return series (n_t, k) or one (n_t,) as `thinned` does; what oscillates too often for a line as its envelope."""
+    columns = values.reshape(time.size, -1)
+    if time.size <= _DENSE or rows_of_line(time, columns, tolerance, limit=time.size).size <= _DENSE:
+        return [thinned(time, columns, tolerance, **look)]
+    at, low, high = envelope(time, columns)
+    marker = look.pop("marker", None)
+    below = look.pop("below", ())
+    if (low >= 0.0).all():  # of sizes only the largest are of interest
+        return [Lines(time=at, values=high, marker=marker, below=below, **look)]
+    return [
+        Lines(time=at, values=low, below=(*below, "lowest"), **look),
+        Lines(time=at, values=high, marker=marker, below=(*below, "highest"), **look),
+    ]
+
+
+def envelope(time: Array, values: Array) -> tuple[Array, Array, Array]:
+    """Return instants (m,), and lowest and highest of series (n_t, k) about each of them, (m, k).
+
+    Each is taken over three of the intervals, so that it holds a period of what oscillates three times slower, too.
+    """
+    size = -(-time.size // _INTERVALS)
+    starts = np.arange(0, time.size, size)
+    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+    wide = [np.concatenate([part[:1], part, part[-1:]]) for part in (low, high)]
+    low, high = (
+        np.asarray(extreme([part[:-2], part[1:-1], part[2:]], axis=0))
+        for extreme, part in zip((np.min, np.max), wide, strict=True)
+    )
+    middles = np.minimum(starts + size // 2, time.size - 1)
+    return time[middles], low, high
+
+
+def named_lines(
+    time: Array, values: Array, labels: Sequence[str], colors: Sequence[Color], tolerance: float, marker: Marker | None
+) -> list[Lines]:
+    """Return series (n_t, k), the most important first: some with their colours and labels before the grey others.
+
+    The others have one name, and so one entry in the legend.
+    """
+    if marker is not None:
+        labels = [marker.text, *labels[1:]]  # of the first line: one entry in the legend for both
+    named = drawn(
+        time, values[:, :NAMED], tolerance, below=("2",), names=labels[:NAMED], colors=colors[:NAMED], marker=marker
+    )
+    left = values.shape[1] - NAMED
+    if left <= 0:
+        return named
+    look = {"names": [f"{left} other{'s' if left > 1 else ''}"] * left, "colors": [_OTHERS] * left, "width": 1.0}
+    return [*drawn(time, values[:, NAMED:], tolerance, below=("1",), **look), *named]
+
+
 def log_graphs(rec: Any, graphs: Graphs, ends: tuple[float, float]) -> None:
-    """Log lines, peaks and rated travels of all graphs, these between the instants `ends` [s]."""
+    """Log lines, peaks and limits of all graphs, these between the instants `ends` [s]."""
     import rerun as rr
 
     for graph in graphs.values():
         for lines in graph.lines:
             _log_lines(rec, child(graph.path, *lines.below), lines)
-        for below, name, limit in graph.limits:
-            path, level = child(graph.path, *below), in_unit(limit, "mm")
-            rec.log(path, rr.SeriesLines(names=f"{name} {level:.1f} mm", colors=_LIMIT, widths=1.0), static=True)
-            rec.send_columns(path, at(ends), rr.Scalars.columns(scalars=np.full(2, level)))
+        for limit in graph.limits:
+            path, name = child(graph.path, *limit.below), f"{limit.name} {limit.value:.4g} {limit.unit}"
+            rec.log(path, rr.SeriesLines(names=name, colors=DARK.limit, widths=1.0), static=True)
+            rec.send_columns(path, at(ends), rr.Scalars.columns(scalars=np.full(2, limit.value)))
 
 
 def _log_lines(rec: Any, path: str, lines: Lines) -> None:

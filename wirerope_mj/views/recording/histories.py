@@ -1,4 +1,4 @@
-"""Time histories: accelerations [g], deflections [mm] and forces [kN], with peak markers and rated travel.
+"""Time histories: utilisation of limits [%], accelerations [g], deflections [mm] and forces [kN], with peaks and limits.
 
 One run has a graph for every direction and axis, with all its parts in it; several runs have one for every part, with a line
 for each run, and the differences to the first run besides.
@@ -14,7 +14,17 @@ from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
-from wirerope_mj.views.recording.graphs import Graph, Graphs, Lines, Marker, thinned
+from wirerope_mj.views.recording.graphs import (
+    BASE_COLOR,
+    Graph,
+    Graphs,
+    Limit,
+    Lines,
+    Marker,
+    drawn,
+    named_lines,
+    thinned,
+)
 from wirerope_mj.views.recording.paths import AXES, entity
 from wirerope_mj.views.recording.selection import travel_limits
 
@@ -34,50 +44,91 @@ _SHOWN_LIMIT = 0.5
 _LATE = 10.0
 """From this instant on, times are written in seconds [s]."""
 
-_BASE = (150, 156, 164)
-_LINES = ((255, 190, 60), (90, 200, 250), (255, 105, 130), (130, 220, 130), (200, 150, 255), (240, 160, 90))
+USED = "used"
+"""Graph of the utilisation of limits."""
+
+_ENTIRE = 1.0
+"""Utilisation at which a limit is reached."""
 
 
 def graphs_of_run(run: DrawnRun) -> Graphs:
-    """Return the graphs of a run that is alone."""
-    response, selection = run.response, run.selection
+    """Return the graphs of a run that is alone: in each all parts, the largest with colours and names."""
+    selection = run.selection
     graphs: Graphs = {}
-    parts = [BASE, *(Component(kind="body", name=name) for name in selection.bodies)]
-    parts += [Component(kind="point", name=name) for name in selection.points]
-    values = np.stack([in_unit(part.acceleration(response), "g") for part in parts], axis=1)  # (n_t, n_parts, 3)
-    top = max(float(np.abs(values).max()), 1e-9)
-    names = [f"{part.label} [g]" for part in parts]
-    colors = [_BASE, *(_LINES[n % len(_LINES)] for n in range(len(parts) - 1))]
-    for direction in (*DIRECTIONS, TOTAL):
-        peaks = [_acceleration_marker(part.name, part.peak(response), direction) for part in parts[1:]]
-        marker = max(peaks, key=lambda peak: abs(peak.value), default=None)
-        drawn = _along(values, direction)
-        lines = thinned(response.time, drawn, _FINE * top, names=names, colors=colors, marker=marker)
-        title = f"Acceleration {_label(direction)} [g]" + (f": {marker.text}" if marker else "")
-        _add(graphs, ("acceleration", direction), title, [lines])
+    if selection.used:
+        _add_used(graphs, run)
+    for direction in (TOTAL, *DIRECTIONS):
+        _add_accelerations(graphs, run, direction)
     for axis in selection.axes:
         for quantity in UNITS:
             _add_mounts(graphs, run, quantity, axis)
     return graphs
 
 
+def main_direction(response: Response) -> str:
+    """Return the axis along which the base moves, or `TOTAL` where it moves along several."""
+    moved = [axis for axis in range(3) if response.base.acceleration[:, axis].any()]
+    return DIRECTIONS[moved[0]] if len(moved) == 1 else TOTAL
+
+
+def _add_used(graphs: Graphs, run: DrawnRun) -> None:
+    """Add the utilisation of every subject's limits, the largest over its criteria."""
+    used, response = run.selection.used, run.response
+    values = np.stack([in_unit(one.course, "%") for one in used], axis=1)
+    first = used[0].governing
+    marker = None
+    if first.time is not None:
+        text = f"{first.subject} {in_unit(used[0].largest, '%'):.0f} %"
+        marker = Marker(time=first.time, value=in_unit(used[0].largest, "%"), text=text)
+    labels = [f"{one.subject} {in_unit(one.largest, '%'):.0f} %" for one in used]
+    lines = named_lines(
+        response.time, values, labels, [run.selection.color(one.subject) for one in used], _FINE * 100.0, marker
+    )
+    title = f"Utilisation of limits [%]: {first.subject} {in_unit(used[0].largest, '%'):.0f} % of its limit of "
+    limits = [Limit(below=("limit",), name="limit", value=in_unit(_ENTIRE, "%"), unit="%")]
+    _add(graphs, (USED,), title + first.criterion, lines, limits)
+
+
+def _add_accelerations(graphs: Graphs, run: DrawnRun, direction: str) -> None:
+    """Add the accelerations of bodies and points along a direction, and that of the base."""
+    response, selection = run.response, run.selection
+    parts = [Component(kind="body", name=name) for name in selection.bodies]
+    parts += [Component(kind="point", name=name) for name in selection.points]
+    markers = {part: _acceleration_marker(part.name, part.peak(response), direction) for part in parts}
+    parts.sort(key=lambda part: abs(markers[part].value), reverse=True)
+    base = _along(in_unit(BASE.acceleration(response), "g"), direction)
+    values = [_along(in_unit(part.acceleration(response), "g"), direction) for part in parts]
+    tolerance = _FINE * max(float(np.abs([base, *values]).max()), 1e-9)
+    marker = markers[parts[0]] if parts else None
+    labels = [f"{part.label} {markers[part].value:.2f} g" for part in parts]
+    colors = [selection.color(part.name) for part in parts]
+    lines = [*drawn(response.time, base, tolerance, below=("0",), names=["base"], colors=[BASE_COLOR], width=1.0)]
+    if parts:
+        lines += named_lines(response.time, np.stack(values, axis=1), labels, colors, tolerance, marker)
+    title = f"Acceleration {_label(direction)} [g]" + (f": {marker.text}" if marker else "")
+    _add(graphs, ("acceleration", direction), title, lines)
+
+
 def _add_mounts(graphs: Graphs, run: DrawnRun, quantity: str, axis: str) -> None:
+    """Add a quantity of all mounts that act in an axis."""
     selection, response = run.selection, run.response
-    shown, total = selection.shown(axis), len(selection.ranked[axis])
-    unit = UNITS[quantity][1]
-    values = np.column_stack([_mount_values(response, name, quantity, axis) for name in shown])
-    peaks = [_mount_marker(name, response, name, quantity, axis) for name in shown]
-    marker = max(peaks, key=lambda peak: abs(peak.value))
-    names, colors = [f"{name} [{unit}]" for name in shown], [selection.colors[name] for name in shown]
+    names, unit = selection.leading[quantity, axis], UNITS[quantity][1]
+    values = np.column_stack([_mount_values(response, name, quantity, axis) for name in names])
+    markers = [_mount_marker(name, response, name, quantity, axis) for name in names]
+    labels = [f"{name} {marker.value:.4g} {unit}" for name, marker in zip(names, markers, strict=True)]
     tolerance = _FINE * max(float(np.ptp(values)), 1e-9)
-    lines = thinned(response.time, values, tolerance, names=names, colors=colors, marker=marker)
+    colors = [selection.color(name) for name in names]
+    lines = named_lines(response.time, values, labels, colors, tolerance, markers[0])
     limits = []
     if quantity == "deflection":  # the rated travel of the mount that uses most of it
-        near = _near_limits(response, shown[0], axis)
-        limits = [((f"{side}_rated",), f"rated travel of {shown[0]}", limit) for side, limit in near.items()]
-    some = f", {len(shown)} of {total} mounts" if len(shown) < total else ""
-    title = f"{axis.capitalize()} {quantity} [{unit}]{some}: {marker.text}"
-    _add(graphs, (quantity, axis), title, [lines], limits)
+        worst = selection.ranked[axis][0]
+        near = _near_limits(response, worst, axis)
+        limits = [_travel_limit((f"{side}_rated",), f"rated travel of {worst}", limit) for side, limit in near.items()]
+    _add(graphs, (quantity, axis), f"{axis.capitalize()} {quantity} [{unit}]: {markers[0].text}", lines, limits)
+
+
+def _travel_limit(below: tuple[str, ...], name: str, limit: float) -> Limit:
+    return Limit(below=below, name=name, value=in_unit(limit, "mm"), unit="mm")
 
 
 def graphs_of_overlay(overlay: Overlay) -> Graphs:
@@ -94,7 +145,10 @@ def graphs_of_overlay(overlay: Overlay) -> Graphs:
         for mount in overlay.shared.shown(axis):
             runs = overlay.having(mount)
             near = {limit for run in runs for limit in _near_limits(run.response, mount, axis).values()}
-            limits = [(("rated", f"{in_unit(limit, 'mm'):+.3f}"), "rated travel", limit) for limit in sorted(near)]
+            limits = [
+                _travel_limit(("rated", f"{in_unit(limit, 'mm'):+.3f}"), "rated travel", limit)
+                for limit in sorted(near)
+            ]
             for quantity, (_, unit) in UNITS.items():
                 values = [_mount_values(run.response, mount, quantity, axis) for run in runs]
                 markers = [_mount_marker(run.name, run.response, mount, quantity, axis) for run in runs]

@@ -158,7 +158,7 @@ def log_loops(rec: Any, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: Sequ
         others = [(run, loop) for run, loop in drawn if loop.axis == axis and loop.plot is None]
         if others:
             loops = [loop for _, loop in others]
-            colors = [run.selection.colors[loop.mount] for run, loop in others]
+            colors = [run.selection.color(loop.mount) for run, loop in others]
             rec.log(entity("loops", axis, "others"), _outlines(loops, colors, [o.mount for o in loops]), static=True)
     for entry in plots:
         scenes = [run.response.scene for run, _ in entry.loops]
@@ -167,7 +167,7 @@ def log_loops(rec: Any, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: Sequ
         _log_loop_frame(rec, entry.path, entry.plot, mounts, entry.axis, lift=8.0 if alone else LARGE)
         rec.log(child(entry.path, "data"), entry.plot.transform(), static=True)
         for order, (run, loop) in enumerate(entry.loops):
-            path, color = entry.path_of(run), run.selection.colors[loop.mount]
+            path, color = entry.path_of(run), run.selection.color(loop.mount)
             rec.log(path, _outlines([loop], [color], [run.name or loop.mount]), static=True)
             _log_trail(rec, path, loop, color, cursor=_CURSOR if alone else color, order=order)
 

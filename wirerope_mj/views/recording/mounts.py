@@ -10,6 +10,7 @@ from wirerope_mj.engine.response.scene import SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent
 from wirerope_mj.views.recording.paths import AXIAL, Rows, at, child
+from wirerope_mj.views.recording.plan import heat, used_by
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, quaternion_of, rotate
 from wirerope_mj.views.recording.selection import Selection
 from wirerope_mj.views.recording.shapes import block, coil, drawn_size, quaternion
@@ -48,10 +49,11 @@ def devices_of(response: Response, extent: float) -> list[Device]:
 
 
 def close_up_of(response: Response, mount: str) -> Camera:
-    """Return a camera that sees a mount from near."""
+    """Return a camera that sees a mount from near where it is deflected most."""
     devices = devices_of(response, scene_extent(response.scene)[1])
     device = next(device for device in devices if device.mount.name == mount)
-    return close_up(response, mount, height=device.height, width=device.width)
+    row = int(np.abs(response.mounts[mount].deflection).max(axis=1).argmax())
+    return close_up(response, mount, height=device.height, width=device.width, row=row)
 
 
 def log_mounts(
@@ -61,7 +63,7 @@ def log_mounts(
     devices = devices_of(response, extent)
     _log_bars(rec, response, selection, frames, devices)
     few = len(devices) <= _MOST_LABELS or not selection.axes
-    labelled = selection.mounts if few else selection.shown(selection.axes[0])
+    labelled = selection.mounts if few else tuple(selection.colors)
     for base in dict.fromkeys(device.mount.base_body for device in devices):
         on_base = [device for device in devices if device.mount.base_body == base]
         path = frames[base].path
@@ -104,11 +106,11 @@ def _log_ropes(rec: Any, path: str, response: Response, devices: list[Device], r
 def _log_bars(
     rec: Any, response: Response, selection: Selection, frames: dict[str, Frame], devices: list[Device]
 ) -> None:
-    """Log the two bars of every mount, fixed to the bodies, in the mount's colour."""
+    """Log the two bars of every mount, fixed to the bodies; of a run alone in the colour of what it uses of its limits."""
     import rerun as rr
 
     bodies = {body.name: body for body in response.scene.bodies}
-    bars: dict[str, list[tuple[Array, Array, Array, tuple[int, int, int]]]] = {}
+    bars: dict[str, list[tuple[Array, Array, Array, str]]] = {}
     for device in devices:
         mount, axes = device.mount, device.mount.axes
         thick = 0.05 * device.height
@@ -119,15 +121,21 @@ def _log_bars(
             (mount.base_body, mount.base_point, axes, -1.0),
             (mount.payload_body, mount.payload_point, _seen_from_payload(bodies, mount), 1.0),
         ):
-            bar = (point + side * turn @ up, quaternion_of(turn), half, selection.colors[mount.name])
+            bar = (point + side * turn @ up, quaternion_of(turn), half, mount.name)
             bars.setdefault(body, []).append(bar)
     for body, parts in bars.items():
-        centers, turns, halves, colors = zip(*parts, strict=True)
+        centers, turns, halves, names = zip(*parts, strict=True)
         quaternions = [quaternion(turn) for turn in turns]
-        boxes = rr.Boxes3D(
-            half_sizes=halves, centers=centers, quaternions=quaternions, colors=colors, fill_mode="Solid"
-        )
-        rec.log(child(frames[body].path, "bars"), boxes, static=True)
+        look = {"half_sizes": halves, "centers": centers, "quaternions": quaternions, "fill_mode": "Solid"}
+        path = child(frames[body].path, "bars")
+        if not (selection.alone and selection.used):
+            rec.log(path, rr.Boxes3D(**look, colors=[selection.color(name) for name in names]), static=True)
+            continue
+        rec.log(path, rr.Boxes3D(**look), static=True)
+        colors = heat(used_by(selection, list(names)))
+        rows = np.flatnonzero(np.append(True, (np.diff(colors.astype(int), axis=0) != 0).any(axis=(1, 2))))
+        columns = rr.Boxes3D.columns(colors=colors[rows].reshape(-1, 3)).partition(np.full(rows.size, len(names)))
+        rec.send_columns(path, at(response.time[rows]), columns)
 
 
 def _seen_from_payload(bodies: dict[str, SceneBody], mount: SceneMount) -> Array:
@@ -145,7 +153,7 @@ def _log_labels(rec: Any, path: str, selection: Selection, devices: list[Device]
             rr.Points3D(
                 [device.mount.base_point for device in devices],
                 labels=[device.mount.name for device in devices],
-                colors=[selection.colors[device.mount.name] for device in devices],
+                colors=[selection.color(device.mount.name) for device in devices],
                 radii=rr.Radius.ui_points(0.0),
                 show_labels=True,
             ),
@@ -165,7 +173,7 @@ def _log_forces(
     if largest == 0.0:
         return
     feet = [d.mount.base_point + 0.5 * d.height * d.mount.axes[:, AXIAL] for d in devices]
-    colors = [selection.colors[device.mount.name] for device in devices]
+    colors = [selection.color(device.mount.name) for device in devices]
     rec.log(
         child(path, "forces"), rr.Arrows3D.from_fields(origins=feet, colors=colors, radii=0.0015 * extent), static=True
     )

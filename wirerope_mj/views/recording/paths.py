@@ -11,6 +11,9 @@ Rows = npt.NDArray[np.intp]
 
 APPLICATION = "wirerope_mj"
 TIMELINE = "sim_time"
+EVENT = "event"
+"""Timeline of a few instants alone: the viewer's key for the next event jumps from one to the next."""
+
 FILE = "run.rrd"
 
 AXIAL = AXES.index("axial")
@@ -46,6 +49,42 @@ class Below:
     def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
         """Send rows as the stream does."""
         self._rec.send_columns(self._root + path, index, columns)
+
+
+class AtEvents:
+    """A recording stream that shows everything at a few instants on a timeline of their own, too."""
+
+    def __init__(self, rec: Any, instants: npt.ArrayLike) -> None:
+        self._rec, self._instants = rec, nanoseconds(instants)
+
+    def log(self, path: str, *args: Any, **options: Any) -> None:
+        """Log as the stream does."""
+        self._rec.log(path, *args, **options)
+
+    def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
+        """Send rows as the stream does, and those that hold at the instants."""
+        import rerun as rr
+
+        self._rec.send_columns(path, index, columns)
+        times = index[0].as_arrow_array().cast("int64").to_numpy().view("timedelta64[ns]")
+        rows = np.searchsorted(times, self._instants, side="right") - 1
+        known = rows >= 0
+        if known.any():
+            some = [rr.TimeColumn(EVENT, duration=self._instants[known])]
+            self._rec.send_columns(path, some, [_Rows(column, rows[known]) for column in columns])
+
+
+class _Rows:
+    """Some rows of a component's column, as `send_columns` takes it."""
+
+    def __init__(self, column: Any, rows: Rows) -> None:
+        self._column, self._rows = column, rows
+
+    def component_descriptor(self) -> Any:
+        return self._column.component_descriptor()
+
+    def as_arrow_array(self) -> Any:
+        return self._column.as_arrow_array().take(self._rows)
 
 
 def nanoseconds(time: npt.ArrayLike) -> npt.NDArray[np.timedelta64]:

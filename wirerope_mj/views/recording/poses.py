@@ -84,6 +84,15 @@ def multiply(a: Array, b: Array) -> Array:
     return np.concatenate([real, w * b[..., 1:] + b[..., :1] * u + np.cross(u, b[..., 1:])], axis=-1)
 
 
+def grown(position: Array, orientation: Array, about: Array, turned: Array, factor: float) -> tuple[Array, Array]:
+    """Return poses `factor` times as far from one: positions (n_t, 3) from `about`, quaternions (n_t, 4) from `turned`."""
+    turn = multiply(orientation, conjugate(turned))
+    turn = turn * np.where(turn[:, :1] < 0.0, -1.0, 1.0)
+    turn[:, 1:] *= factor
+    turn /= np.linalg.norm(turn, axis=1, keepdims=True)
+    return about + factor * (position - about), multiply(turn, np.broadcast_to(turned, turn.shape))
+
+
 def quaternion_of(matrix: Array) -> Array:
     """Return the quaternion (4,), w first, of a rotation matrix (3, 3)."""
     quaternion: Array = scipy.spatial.transform.Rotation.from_matrix(matrix).as_quat(scalar_first=True)

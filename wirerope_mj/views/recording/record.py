@@ -4,7 +4,7 @@ The timeline is `sim_time` [s]. The entities of a run alone stand in `wirerope_m
 
 ```text
 /runs/NAME/world/...                          scene of a run, as in a recording of its own; mounts in the run's colour
-/runs/NAME/state/...                          its exact samples; `read_state(path, run=NAME)` reads them
+/runs/NAME/state/...                          its exact samples, if they are kept; `read_state(path, run=NAME)` reads them
 /ghosts/NAME/world/...                        its bodies in the base's frame, transparent in the run's colour
 /histories/acceleration/DIR/KIND/PART         base, bodies and points of several runs [g];  .../RANK/NAME/peak
 /histories/deflection|force/AXIS/MOUNT        mounts of several runs [mm, kN];  .../RANK/NAME/peak  .../rated
@@ -22,19 +22,25 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.assessment.comparison import Align, Inputs
+from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.views.recording.blueprint import blueprint_of
 from wirerope_mj.views.recording.comparison_blueprint import loop_widths, overlay_blueprint
 from wirerope_mj.views.recording.comparison_text import overlay_texts
+from wirerope_mj.views.recording.cursor import log_cursor
 from wirerope_mj.views.recording.documents import texts_of
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay, overlay_of, run_alone
-from wirerope_mj.views.recording.events import log_events
+from wirerope_mj.views.recording.events import log_events, main_instants
 from wirerope_mj.views.recording.ghosts import log_ghosts
 from wirerope_mj.views.recording.graphs import Graphs, log_graphs
 from wirerope_mj.views.recording.histories import graphs_of_overlay, graphs_of_run
+from wirerope_mj.views.recording.lanes import log_lanes
+from wirerope_mj.views.recording.large import large_factor, log_large
 from wirerope_mj.views.recording.loops import drawn_loops, frame_width, log_loops, loop_plots
-from wirerope_mj.views.recording.paths import Below
+from wirerope_mj.views.recording.paths import AtEvents, Below
+from wirerope_mj.views.recording.plan import log_plan
+from wirerope_mj.views.recording.properties import send_properties
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.state import log_state
 from wirerope_mj.views.recording.target import atomic_recording, target_of
@@ -48,8 +54,9 @@ def record_rerun(
     *,
     title: str = "",
     scenario_text: str = "",
-    verdicts: Sequence[str] | None = None,
+    verdicts: Sequence[Verdict] | None = None,
     tab: str = "Overview",
+    state: bool = False,
 ) -> Path:
     """Write a response as a recording that opens in the rerun viewer as it should be read, and return its path.
 
@@ -58,23 +65,35 @@ def record_rerun(
         path: file to write, or a folder, which gets a `run.rrd`; written atomically.
         title: heading; the model's name if it is empty.
         scenario_text: Markdown or TOML that says what was simulated.
-        verdicts: lines of Markdown that are shown above the peaks.
+        verdicts: on the response; without them those that `wirerope_mj.assessment.criteria.judge` returns.
         tab: which tab is in front: "Overview", "Accelerations", "Deflections", "Forces", "Axial loops", ..., "Peaks".
+        state: whether every sample is kept under /state, too, bit for bit as `read_state` returns it: three quarters of a
+            file, which no view shows.
 
     Raises:
         ValueError: there is no such tab.
         RecordError: the environment variable RERUN switches recordings off.
     """
-    run = run_alone(response)
+    run = run_alone(response, verdicts)
     graphs, loops = graphs_of_run(run), drawn_loops([run], run.selection)
     widths = {axis: frame_width(len(run.selection.shown(axis))) for axis in run.selection.axes}
     plots = loop_plots(loops, run.selection, widths)
     layout = blueprint_of(run, graphs, plots, tab=tab)
-    texts = texts_of(run, title=title, scenario_text=scenario_text, verdicts=verdicts)
+    texts = texts_of(run, title=title, scenario_text=scenario_text)
     target = target_of(path)
     with atomic_recording(target) as rec:
-        _write(rec, title or response.scene.name, layout, texts, [run], graphs)
-        log_loops(rec, loops, plots)
+        rec.send_blueprint(layout, make_active=True, make_default=True)
+        send_properties(rec, run, title)
+        shown = AtEvents(rec, main_instants(response, run.selection))
+        _write(shown, texts, [run], graphs)
+        log_lanes(shown, response, run.selection)
+        log_cursor(shown, response, run.selection)
+        log_plan(shown, response, run.selection)
+        if (factor := large_factor(run)) > 1.0:
+            log_large(shown, run, factor)
+        log_loops(shown, loops, plots)
+        if state:
+            log_state(rec, response)
     return target
 
 
@@ -87,6 +106,7 @@ def record_overlay(
     tables: Sequence[Table] = (),
     tab: str = "Overview",
     scene: str = "Side by side",
+    state: bool = False,
 ) -> Path:
     """Write two or more responses as one recording in which they lie over each other, and return its path.
 
@@ -101,6 +121,7 @@ def record_overlay(
         tables: of the study that the runs belong to, which get a tab of their own, "Study".
         tab: which tab is in front: "Overview", "Accelerations", "Mounts", "Axial loops", ..., "Peaks".
         scene: which scene is in front: "Side by side", "Ghosts" or "Worst mount".
+        state: whether the samples of all runs are kept, as `record_rerun` does.
 
     Raises:
         ValueError: there are too few or too many responses, or an argument is none of its choices.
@@ -108,7 +129,7 @@ def record_overlay(
             recordings off.
     """
     overlay = overlay_of(responses, align)
-    return write_overlay(overlay, path, inputs=inputs or {}, tables=tables, tab=tab, scene=scene)
+    return write_overlay(overlay, path, inputs=inputs or {}, tables=tables, tab=tab, scene=scene, state=state)
 
 
 def write_overlay(
@@ -119,6 +140,7 @@ def write_overlay(
     tables: Sequence[Table] = (),
     tab: str = "Overview",
     scene: str = "Side by side",
+    state: bool = False,
 ) -> Path:
     """Write what `overlay_of` made of the runs, and return the path; the rest is as for `record_overlay`."""
     graphs, loops = graphs_of_overlay(overlay), drawn_loops(overlay.runs, overlay.shared)
@@ -126,26 +148,24 @@ def write_overlay(
     layout = overlay_blueprint(overlay, graphs, plots, study=bool(tables), tab=tab, scene=scene)
     target = target_of(path, file=OVERLAY_FILE)
     with atomic_recording(target) as rec:
-        name = " and ".join(run.name for run in overlay.runs)
-        _write(rec, name, layout, overlay_texts(overlay, inputs, tables), overlay.runs, graphs)
+        rec.send_blueprint(layout, make_active=True, make_default=True)
+        rec.send_recording_name(" and ".join(run.name for run in overlay.runs))
+        _write(rec, overlay_texts(overlay, inputs, tables), overlay.runs, graphs)
         log_loops(rec, loops, plots)
         log_ghosts(rec, overlay)
+        if state:
+            for run in overlay.runs:
+                log_state(Below(rec, run.root), run.response)
     return target
 
 
-def _write(
-    rec: Any, name: str, layout: Any, texts: Mapping[str, str], runs: Sequence[DrawnRun], graphs: Graphs
-) -> None:
+def _write(rec: Any, texts: Mapping[str, str], runs: Sequence[DrawnRun], graphs: Graphs) -> None:
     import rerun as rr
 
-    # Before the data: a viewer that streams the file shows the right layout from its first moment.
-    rec.send_blueprint(layout, make_active=True, make_default=True)
-    rec.send_recording_name(name)
     for path, text in texts.items():
         rec.log(path, rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
     for run in runs:
         log_events(rec, run)
         log_scene(Below(rec, run.root), run.response, run.selection, run.frames, arrow=run.color)
-        log_state(Below(rec, run.root), run.response)
     times = [run.response.time for run in runs]
     log_graphs(rec, graphs, (min(time[0] for time in times), max(time[-1] for time in times)))

@@ -1,15 +1,17 @@
 """Selection of what is shown of a response: the event, the mounts and the bodies that matter most."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria import mount_peaks
+from wirerope_mj.assessment.criteria import Verdict, judge, mount_peaks
+from wirerope_mj.assessment.criteria.over_time import Used, used_limits
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import SIDES
+from wirerope_mj.views.colours import DARK, Color, numbered
 from wirerope_mj.views.recording.paths import AXES, AXIAL
 
 MOST_LOOPS = 9
@@ -18,16 +20,14 @@ MOST_LOOPS = 9
 MOST_OTHER_LOOPS = 4
 """The same for the other axes; each costs some 40 kilobytes of the file."""
 
-MOST_BODIES = 3
-MOST_POINTS = 3
+NAMED = 3
+"""Lines of a graph that have colours and names: the largest. The others are grey."""
+
+QUANTITIES = ("deflection", "force")
+"""Of mounts, as `MountResponse` calls them."""
 
 _SETTLED = 0.1
 """The event is over when deflections stay within this fraction of their largest swing."""
-
-_PALETTE = (
-    (78, 155, 230), (255, 159, 64), (76, 194, 107), (242, 84, 91), (176, 140, 240), (205, 145, 110),
-    (242, 140, 208), (190, 200, 80), (60, 200, 216), (150, 170, 190), (240, 200, 90), (120, 220, 180),
-)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,8 +40,12 @@ class Selection:
         utilisations: peak deflection over rated travel, (n_mounts, 3); NaN where nothing is rated.
         mounts: names of the mounts that are no stops, in the order of `utilisations`.
         ranked: per axis the mounts that act in it, largest fraction of the rated travel first.
-        bodies, points: names whose accelerations are shown, largest peak first.
-        colors: of mounts by name.
+        leading: per quantity and axis the mounts that act in it, largest peak of the quantity first.
+        bodies, points: names of what rides on the base, largest peak acceleration first.
+        verdicts: on the run.
+        used: what has limits that it uses more or less of over time, largest utilisation first.
+        colors: of mounts, bodies and points by name.
+        alone: whether mounts may have the colours of what they use of their limits; among several runs they have the run's.
     """
 
     event: float
@@ -49,9 +53,13 @@ class Selection:
     utilisations: Array
     mounts: tuple[str, ...]
     ranked: dict[str, tuple[str, ...]]
+    leading: dict[tuple[str, str], tuple[str, ...]]
     bodies: tuple[str, ...]
     points: tuple[str, ...]
-    colors: dict[str, tuple[int, int, int]]
+    verdicts: tuple[Verdict, ...]
+    used: tuple[Used, ...]
+    colors: dict[str, Color]
+    alone: bool = True
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -60,8 +68,9 @@ class Selection:
 
     @property
     def governing(self) -> str | None:
-        """Mount with the largest fraction of its rated travel in the governing axis; None without mounts."""
-        return self.ranked[self.axes[0]][0] if self.axes else None
+        """Mount that uses most of its limits, or else of its rated travel in the governing axis; None without mounts."""
+        used = [one.subject for one in self.used if one.subject in self.mounts]
+        return used[0] if used else self.ranked[self.axes[0]][0] if self.axes else None
 
     def shown(self, axis: str) -> tuple[str, ...]:
         """Return the mounts whose loop and histories in `axis` are drawn."""
@@ -79,31 +88,45 @@ class Selection:
         """Return peak deflection over rated travel, NaN if nothing is rated."""
         return float(self.utilisations[self.mounts.index(mount), AXES.index(axis)])
 
+    def color(self, name: str) -> Color:
+        """Return the colour of a mount, a body or a point: grey if it is not among those that are named."""
+        return self.colors.get(name, DARK.others)
+
     def _urgency(self, axis: str) -> tuple[float, bool]:
         ratio = self.utilisation(self.ranked[axis][0], axis)
         return (0.0 if np.isnan(ratio) else round(ratio, 1)), axis == AXES[AXIAL]
 
 
-def select(response: Response) -> Selection:
-    """Return what is shown of `response`."""
+def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Selection:
+    """Return what is shown of `response`; without verdicts those that `judge` returns."""
+    verdicts = tuple(judge(response) if verdicts is None else verdicts)
     mounts = tuple(mount.name for mount in response.scene.isolating)
-    used = {row.name: [row.utilisation_along(axis) for axis in AXES] for row in mount_peaks(response)}
-    utilisations = np.array([used[name] for name in mounts], dtype=np.float64).reshape(-1, 3)  # None becomes NaN
+    rows = {row.name: [row.utilisation_along(axis) for axis in AXES] for row in mount_peaks(response)}
+    utilisations = np.array([rows[name] for name in mounts], dtype=np.float64).reshape(-1, 3)  # None becomes NaN
     ranked = {axis: _ranked(response, mounts, utilisations, number) for number, axis in enumerate(AXES)}
     first, last = float(response.time[0]), float(response.time[-1])
     event = min(max(response.events[0][0] if response.events else first, first), last)
     fixed = {body.name for body in response.scene.bodies if body.on_base} | {response.scene.base}
     bodies = {name: peaks.acceleration for name, peaks in response.peaks.bodies.items() if name not in fixed}
     points = {name: peaks.acceleration for name, peaks in response.peaks.points.items()}
+    used = tuple(used_limits(response, verdicts))
+    leading = {
+        (quantity, axis): _leading(response, quantity, axis, ranked[axis]) for axis in AXES for quantity in QUANTITIES
+    }
+    groups = [[one.subject for one in used[:NAMED]], *(names[:NAMED] for names in leading.values())]
+    groups.append(_largest(bodies | points)[:NAMED])
     return Selection(
         event=event,
         window=_window(response, event, last),
         utilisations=utilisations,
         mounts=mounts,
         ranked=ranked,
-        bodies=_largest(bodies, MOST_BODIES),
-        points=_largest(points, MOST_POINTS),
-        colors={name: _PALETTE[number % len(_PALETTE)] for number, name in enumerate(mounts)},
+        leading=leading,
+        bodies=_largest(bodies),
+        points=_largest(points),
+        verdicts=verdicts,
+        used=used,
+        colors={name: DARK.series[number] for name, number in numbered(groups).items()},
     )
 
 
@@ -125,8 +148,18 @@ def _ranked(response: Response, mounts: tuple[str, ...], utilisations: Array, ax
     return tuple(mounts[n] for n in sorted(acting, key=order, reverse=True))
 
 
-def _largest(peaks: dict[str, Peak], most: int) -> tuple[str, ...]:
-    return tuple(sorted(peaks, key=lambda name: peaks[name].value, reverse=True)[:most])
+def _leading(response: Response, quantity: str, axis: str, acting: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the mounts that act in an axis, largest peak of a quantity first."""
+
+    def size(name: str) -> float:
+        peak, number = getattr(response.peaks.mounts[name], quantity), AXES.index(axis)
+        return float(max(-peak.minimum[number], peak.maximum[number]))
+
+    return tuple(sorted(acting, key=size, reverse=True))
+
+
+def _largest(peaks: dict[str, Peak]) -> tuple[str, ...]:
+    return tuple(sorted(peaks, key=lambda name: peaks[name].value, reverse=True))
 
 
 def _window(response: Response, event: float, last: float) -> tuple[float, float]:

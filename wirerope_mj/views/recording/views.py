@@ -95,7 +95,7 @@ def graph_view(graph: Graph, window: tuple[float, float]) -> Any:
         origin=graph.path,
         name=graph.title,
         axis_x=time_axis(window),
-        plot_legend=rrb.PlotLegend(visible=True, corner=rrb.Corner2D.RightTop),
+        plot_legend=rrb.PlotLegend(visible=True, corner=getattr(rrb.Corner2D, graph.emptiest_corner(window))),
     )
 
 
@@ -134,8 +134,10 @@ def event_view(origin: str) -> Any:
     """Return the log of the events below `origin`."""
     import rerun.blueprint as rrb
 
+    # Instants stand in the texts: the viewer writes nanoseconds, and cuts them off.
+    times = [rrb.encodings.TimelineColumn(TIMELINE, visible=False)]
     return rrb.TextLogView(
         origin=origin,
         name="Events",
-        columns=rrb.TextLogColumns(timeline_columns=[TIMELINE], text_log_columns=["loglevel", "body"]),
+        columns=rrb.TextLogColumns(timeline_columns=times, text_log_columns=["loglevel", "body"]),
     )

@@ -1,0 +1,54 @@
+"""The one table of colours: of series, limits and what stands behind, on a dark and on a light ground.
+
+Texts in these colours have a contrast of 4.5 at least. Neighbours in the order of the table are 8 dE (CIEDE2000) apart for who
+sees all colours and for who lacks one kind of cones. Red is for limits alone.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+Color = tuple[int, int, int]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Colours:
+    """Colours on one ground.
+
+    Attributes:
+        ground: on which they are read.
+        series: of lines that are told apart, the most important first: blue, orange, violet, teal, pink, green.
+        limit: of what must not be exceeded, and of what exceeds it.
+        others: of lines that are not named.
+    """
+
+    ground: Color
+    series: tuple[Color, ...]
+    limit: Color
+    others: Color
+
+
+DARK = Colours(
+    ground=(24, 27, 31),
+    series=((63, 167, 245), (254, 182, 74), (165, 128, 186), (122, 236, 228), (214, 155, 206), (124, 188, 141)),
+    limit=(255, 90, 90),
+    others=(138, 144, 153),
+)
+LIGHT = Colours(
+    ground=(255, 255, 255),
+    series=((18, 100, 200), (176, 90, 0), (74, 20, 134), (10, 125, 110), (176, 48, 144), (77, 92, 0)),
+    limit=(192, 0, 0),
+    others=(112, 117, 124),
+)
+
+
+def numbered(groups: Sequence[Sequence[str]]) -> dict[str, int]:
+    """Return a number of a colour for every name, first come, first served; those of one group differ if there are enough."""
+    numbers: dict[str, int] = {}
+    count = len(DARK.series)
+    for group in groups:
+        for name in group:
+            if name not in numbers:
+                here = [numbers[other] for other in group if other in numbers]
+                taken = list(numbers.values())
+                numbers[name] = min(range(count), key=lambda n: (here.count(n), taken.count(n), n))
+    return numbers

@@ -1,0 +1,76 @@
+"""Lanes below the plots: the phase of the base's motion, stops, and what uses most of its limits."""
+
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.engine.response import Response
+from wirerope_mj.views.colours import DARK
+from wirerope_mj.views.recording.events import NEAR
+from wirerope_mj.views.recording.paths import at, entity
+from wirerope_mj.views.recording.selection import Selection
+from wirerope_mj.views.recording.stops import CLOSED, changes, closed_at
+
+_MOST = 3
+"""Lanes of what uses most of its limits: each is 40 points high."""
+
+_QUIET, _MOVING, _NEAR = (58, 66, 76), (48, 84, 110), (150, 100, 10)
+_USED = (("within", (34, 84, 50)), ("80 %", _NEAR), ("100 %", tuple(round(0.75 * part) for part in DARK.limit)))
+_STOPS = (("open", _QUIET), ("stop", CLOSED))
+_PHASES = (("at rest", _QUIET), ("base moves", _NEAR), ("free", _MOVING))
+
+_TAKEN = ("world", "histories", "loops", "events", "peaks", "scenario", "verdict", "cursor", "state", "plan", "large")
+"""Entities at the root of a recording: a mount of such a name has its lane elsewhere."""
+
+
+def lane_paths(response: Response, selection: Selection) -> list[str]:
+    """Return the entities of the lanes in their order; the viewer writes them beside the lanes."""
+    stops = [_path("stops")] if response.scene.stops else []
+    return [_path("base"), *stops, *(_path(name) for name in _subjects(selection))]
+
+
+def log_lanes(rec: Any, response: Response, selection: Selection) -> None:
+    """Log the lanes of a run that is alone."""
+    _log_lane(rec, "base", _phases(response), _PHASES)
+    if response.scene.stops:
+        closed = closed_at(response, response.scene.stops)
+        _log_lane(rec, "stops", [(float(response.time[row]), int(closed[row])) for row in changes(closed)], _STOPS)
+    names = _subjects(selection)
+    for used in selection.used:
+        if used.subject in names:
+            state = (used.course >= NEAR).astype(int) + (used.course > 1.0)
+            _log_lane(
+                rec, used.subject, [(float(response.time[row]), int(state[row])) for row in changes(state)], _USED
+            )
+
+
+def _subjects(selection: Selection) -> list[str]:
+    """Return what comes near its limits, or else what comes nearest."""
+    near = [used.subject for used in selection.used if used.largest >= NEAR]
+    return (near or [used.subject for used in selection.used[:1]])[:_MOST]
+
+
+def _path(name: str) -> str:
+    return entity("lanes", name) if name in _TAKEN else entity(name)
+
+
+def _phases(response: Response) -> list[tuple[float, int]]:
+    start = float(response.time[0])
+    if not response.events:
+        return [(start, 1 if response.base.acceleration.any() else 0)]
+    first, last = response.events[0][0], response.events[-1][0]
+    after = response.base.acceleration[response.time > last + 1e-9]
+    phases = [(start, 0)] if first > start else []
+    phases.append((max(first, start), 1))
+    if not after.any():
+        phases.append((last, 2))
+    return [phase for phase in phases if phase[0] <= response.time[-1]]
+
+
+def _log_lane(rec: Any, name: str, changes: list[tuple[float, int]], states: tuple[tuple[str, Any], ...]) -> None:
+    import rerun as rr
+
+    labels, colors = zip(*states, strict=True)
+    rec.log(_path(name), rr.StateConfiguration(values=labels, colors=colors), static=True)
+    times, numbers = zip(*changes, strict=True)
+    rec.send_columns(_path(name), at(times), rr.StateChange.columns(state=[labels[n] for n in np.array(numbers)]))
