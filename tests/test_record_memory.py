@@ -117,8 +117,8 @@ def test_the_samples_of_a_long_run_are_read_and_recorded_block_by_block(tmp_path
     memory = wr.simulate(system, wr.HalfSine(peak=50.0, duration=0.011, direction="z"), duration=0.3, timestep=1e-3)
     memory.save(tmp_path)
     loaded = wr.load_response(tmp_path)
-    wr.record_rerun(loaded, tmp_path / "file.rrd")
-    wr.record_rerun(memory, tmp_path / "memory.rrd")
+    wr.record_rerun(loaded, tmp_path / "file.rrd", state=True)
+    wr.record_rerun(memory, tmp_path / "memory.rrd", state=True)
     for name in ("file.rrd", "memory.rrd"):
         state = read_state(tmp_path / name)
         assert list(state) == memory.samples.names

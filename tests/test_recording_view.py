@@ -9,11 +9,15 @@ import numpy as np
 import pytest
 from made_up_floor import floor_response
 
+from wirerope_mj.assessment.criteria import EXCEEDED, judge
+from wirerope_mj.assessment.criteria.over_time import used_limits
+from wirerope_mj.assessment.criteria.sentences import against_limit
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.recording import loops, record_rerun, show
 from wirerope_mj.views.recording.documents import peaks_markdown
-from wirerope_mj.views.recording.events import events_of
+from wirerope_mj.views.recording.events import events_of, first_above, main_instants
+from wirerope_mj.views.recording.graphs import drawn
 from wirerope_mj.views.recording.poses import quaternion_of, rotate
 from wirerope_mj.views.recording.selection import select
 from wirerope_mj.views.recording.thin import rows_of_extremes, rows_of_line, rows_of_steps
@@ -85,12 +89,16 @@ def test_mounts_are_ranked_by_their_share_of_the_rated_travel(floor):
 
 def test_exceeded_travel_is_an_error_and_says_which_mount_and_by_how_much():
     response = floor_response(travel={"compression": 0.01, "tension": 0.5})
-    levels = {event.level for event in events_of(response, select(response))}
-    texts = [event.text for event in events_of(response, select(response)) if event.level == "ERROR"]
-    assert levels == {"INFO", "ERROR"}
-    assert len(texts) == 8
-    assert all("of the rated 10.0 mm" in text for text in texts)
-    assert "exceeded" in peaks_markdown(response, select(response), None)
+    selection = select(response)
+    events = events_of(response, selection)
+    failed = [row for row in selection.verdicts if row.verdict == EXCEEDED]
+    assert len(failed) == 16  # compression, and all axes at once
+    for row in failed:
+        (passed,) = [event for event in events if event.text == f"{row.subject}: {row.criterion} passes its limit"]
+        (peak,) = [event for event in events if event.text == f"largest {against_limit(row)}"]
+        assert passed.level == peak.level == "ERROR"
+        assert passed.time <= peak.time == row.time
+    assert "exceeded" in peaks_markdown(response, selection)
 
 
 def test_nothing_is_judged_where_nothing_is_rated():
@@ -98,7 +106,55 @@ def test_nothing_is_judged_where_nothing_is_rated():
     selection = select(response)
     assert {event.level for event in events_of(response, selection)} == {"INFO"}
     assert np.isnan(selection.utilisations).all()
-    assert "not rated" in peaks_markdown(response, selection, ["kept below 10 g"])
+    assert {one.governing.criterion for one in selection.used} == {"bottoming"}  # against the height
+    assert "not rated" in peaks_markdown(response, selection)
+
+
+def test_the_instant_at_which_a_limit_is_passed_lies_between_samples():
+    time = np.linspace(0.0, 1.0, 11)
+    assert first_above(time, 2.0 * time, 0.9) == pytest.approx(0.45, abs=1e-15)
+    assert first_above(time, 2.0 * time, 2.1) is None
+    assert first_above(time, 1.0 + time, 0.9) == 0.0
+
+
+def test_utilisation_over_time_peaks_where_the_verdict_does(floor):
+    used = used_limits(floor, judge(floor))
+    assert used
+    for one in used:
+        assert one.course.max() == pytest.approx(one.largest, rel=2e-3)  # peaks between samples of 1 kHz
+
+
+def test_forces_are_ranked_by_force_over_all_mounts(floor):
+    selection = select(floor)
+    names = selection.leading["force", "axial"]
+    peaks = [np.abs(floor.mounts[name].force[:, 2]).max() for name in names]
+    assert set(names) == set(selection.ranked["axial"])
+    assert peaks == sorted(peaks, reverse=True)
+
+
+def test_what_oscillates_too_often_for_a_line_is_drawn_as_its_envelope():
+    time = np.linspace(0.0, 100.0, 100_001)
+    size = 1.0 + 0.5 * np.sin(2.0 * np.pi * 0.02 * time)
+    low, high = drawn(time, size * np.sin(2.0 * np.pi * 20.0 * time), 0.005, names=["one"], colors=[(1, 2, 3)])
+    # Three intervals last 0.75 s, in which the size changes by up to 2.4 % of its mean to either side.
+    np.testing.assert_allclose(high.values[:, 0], np.interp(high.time, time, size), atol=0.025)
+    np.testing.assert_allclose(low.values, -high.values, rtol=0.02)
+    assert low.names == high.names  # one entry in the legend
+
+
+def test_the_timeline_of_events_has_a_row_at_each_of_the_few_that_matter(floor, tmp_path):
+    from rerun.chunk import RrdReader
+
+    path = record_rerun(floor, tmp_path / "run.rrd")
+    instants = main_instants(floor, select(floor))
+    assert 3 <= instants.size <= 15
+    found: dict[str, set[int]] = {}
+    for chunk in RrdReader(str(path)).stream():
+        batch = chunk.to_record_batch()
+        if "event" in batch.schema.names:
+            assert "sim_time" not in batch.schema.names
+            found.setdefault(str(chunk.entity_path), set()).update(batch["event"].cast("int64").to_pylist())
+    assert found["/world/deck/floor"] == set(np.round(instants * 1e9).astype(int).tolist())
 
 
 def test_axis_numbers_are_round_and_about_as_many_as_asked():

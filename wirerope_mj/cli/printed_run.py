@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from wirerope_mj.runs.judged import JudgedRun
 
 
-def run_and_print(scenario: Scenario, folder: Path, *, force: bool) -> None:
+def run_and_print(scenario: Scenario, folder: Path, *, force: bool, state: bool = False) -> None:
     """Simulate a scenario, print peaks and verdicts, write its folder, and print what lies there.
 
     An error after the verdict carries a note that the verdict holds and that there is no folder.
@@ -33,7 +33,7 @@ def run_and_print(scenario: Scenario, folder: Path, *, force: bool) -> None:
         printed = True
 
     try:
-        write_run(scenario, folder, force=force, progress=sys.stderr.isatty(), when_judged=show)
+        write_run(scenario, folder, force=force, progress=sys.stderr.isatty(), when_judged=show, state=state)
     except BaseException as error:
         if printed:
             error.add_note(f"the peaks and verdicts above hold, but the run was not written to {folder}.")

@@ -18,6 +18,8 @@ from wirerope_mj.runs.scenario import load_scenario, shipped_scenarios
 _OWN = (
     own_option("out", Path | None, None, "folder of the run; runs/NAME-DATE-TIME if it is not given"),
     own_option("force", bool, False, "replace a run that is there", negative=()),
+    own_option("state", bool, False, "keep every sample in the recording, too", negative=()),
+    own_option("combined_travel", bool, True, "judge mounts on all axes at once, by this program's own rule"),
 )
 
 
@@ -29,7 +31,8 @@ run_app = App(name="run", help_flags=[], version_flags=[], suppress_keyboard_int
 def run(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
     """Simulate a scenario into one folder and print its peaks against the limits.
 
-    wirerope run SCENARIO [OPTIONS] [--accuracy A | --timestep SECONDS] [--out FOLDER] [--force]
+    wirerope run SCENARIO [OPTIONS] [--accuracy A | --timestep SECONDS] [--out FOLDER] [--force] [--state]
+        [--no-combined-travel]
 
     SCENARIO is the path of a scenario file or the name of one that ships with the package; `wirerope run --list` shows
     those, and `wirerope run SCENARIO --help` the options of one. The folder is runs/NAME-DATE-TIME unless --out names
@@ -65,6 +68,7 @@ def run_command(name: str, tokens: Sequence[str]) -> None:
         made = scenario.make(**options)
         asked = {option.name: own.get(option.name) for option in NUMERICS}
         made = replace(made, simulate=with_numerics(made.simulate, **asked))
-        run_and_print(made, folder, force=own["force"])
+        made = replace(made, combined_travel=made.combined_travel and own["combined_travel"])
+        run_and_print(made, folder, force=own["force"], state=own["state"])
 
     run_with_options(f"wirerope run {scenario.name}", scenario.function, [*numerics, *_OWN], action, tokens)

@@ -19,6 +19,7 @@ from wirerope_mj.assessment.criteria import (
     mount_peaks,
     verdict_lines,
 )
+from wirerope_mj.assessment.criteria.sentences import rule_lines
 from wirerope_mj.cli.screen import console, print_table
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
@@ -51,7 +52,7 @@ def print_verdict(scenario: Scenario, response: Response, judged: JudgedRun, *, 
         print_table(contacts)
         out.print()
     out.print(f"  [bold]{escape(judged.headline)}[/]", soft_wrap=True)
-    for line in verdict_lines(response, verdicts):
+    for line in [*verdict_lines(response, verdicts), *rule_lines(verdicts)]:
         out.print(f"  {escape(line)}")
     out.print(f"\n  {_numerics(response)}; verdict after {seconds:.1f} s")
 

@@ -27,6 +27,8 @@ class Scenario:
         name: names the run.
         options: values of the options that made it, by name.
         folder: where a relative model path starts.
+        combined_travel: whether mounts are judged on all axes at once, by this project's own rule, if the model does not
+            forbid it.
         changes: what the system differs by from the model, as `changes` of what `wirerope_mj.varied` returns says it.
     """
 
@@ -39,6 +41,7 @@ class Scenario:
     options: Mapping[str, Any] = field(default_factory=dict)
     folder: Path | None = None
     changes: Sequence[Changes] = ()
+    combined_travel: bool = True
 
     def model_source(self) -> str | Path:
         """Return the MJCF text, or the path of the model file; ModelError names where it was looked for."""

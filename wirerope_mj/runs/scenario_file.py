@@ -81,6 +81,9 @@ def _check(content: dict[str, Any]) -> None:
             if not isinstance(content[table].get(key, ""), str):
                 raise ValueError(f"`{table}.{key}` must be a string, got {content[table][key]!r}.")
     _check_simulate(content["simulate"])
+    judge = content.get("judge", {})  # only where it says something
+    if judge not in ({}, {"combined_travel": False}, {"combined_travel": True}):
+        raise ValueError("the table `judge` holds `combined_travel`, true or false, and nothing else.")
     check_motion("motion", content["motion"])
 
 

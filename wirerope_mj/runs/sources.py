@@ -1,6 +1,7 @@
 """System and motion of a run, read from its folder alone, and the check that its response is theirs."""
 
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,8 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
             "folder."
         )
     system = with_changes(system, _changes(folder, content["model"]))
+    if not content.get("judge", {}).get("combined_travel", True):
+        system = replace(system, combined_travel=False)
     try:
         return system, motion_from_dict(motion, folder=folder)
     except (ModelError, ValueError) as error:

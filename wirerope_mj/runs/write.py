@@ -5,6 +5,7 @@ import math
 import sys
 import tomllib
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -65,6 +66,7 @@ def write_run(
     force: bool = False,
     progress: bool = False,
     when_judged: Callable[[Response, JudgedRun], None] = lambda response, judged: None,
+    state: bool = False,
 ) -> None:
     """Do what `run_scenario` does without reading the response back.
 
@@ -75,6 +77,7 @@ def write_run(
         progress: so, too.
         when_judged: called with the response and its verdicts before anything is made of them; what it raises ends the run,
             whose folder is not written then.
+        state: whether the recording keeps every sample, too.
 
     Raises:
         WireRopeError: as `run_scenario`.
@@ -83,6 +86,8 @@ def write_run(
     check_target(target, force=force)
     arguments = _checked_arguments(scenario)
     system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
+    if not scenario.combined_travel:
+        system = replace(system, combined_travel=False)
     with atomic_run(target, force=force) as beside:
         started = perf_counter()
         model = write_model(system, beside / "model")
@@ -99,7 +104,7 @@ def write_run(
             (beside / SCENARIO).write_text(text, encoding="utf-8")
             content = summary_content(scenario.name, scenario.motion, response, judged, seconds=round(seconds, 3))
             (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-            _write_views(scenario, response, judged, beside, writing)
+            _write_views(scenario, response, judged, beside, writing, state=state)
             writing("the report")
             _write_report(text, system, scenario.motion, response, judged, beside)
             write_checksums(beside)
@@ -160,11 +165,19 @@ def _scenario_text(
         | scenario.motion.to_dict(files=copy_records([scenario.motion], folder)),
         "versions": {name: version(name) for name in _PACKAGES},
     }
+    if not scenario.combined_travel:
+        content["judge"] = {"combined_travel": False}
     return tomli_w.dumps(content, multiline_strings=True)
 
 
 def _write_views(
-    scenario: Scenario, response: Response, judged: JudgedRun, folder: Path, writing: Callable[[str], None]
+    scenario: Scenario,
+    response: Response,
+    judged: JudgedRun,
+    folder: Path,
+    writing: Callable[[str], None],
+    *,
+    state: bool,
 ) -> None:
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
     from wirerope_mj.views.plots.histories import save_histories, save_mount_loops
@@ -174,7 +187,7 @@ def _write_views(
 
     title, text = title_of(scenario.name), _scenario_markdown(scenario)
     writing("the recording")
-    record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=judged.verdicts)
+    record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=judged.verdicts, state=state)
     writing("the pictures")
     save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
     if response.scene.isolating:

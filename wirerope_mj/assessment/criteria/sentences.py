@@ -10,6 +10,12 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.mounts.isolator.travel import RATINGS
 
+OWN_RULE = (
+    "The ellipsoid through the rated travels is this program's own rule; `wirerope run --no-combined-travel`, or 0 for "
+    "limit/combined_travel in the model, leaves it out."
+)
+"""Said wherever the rule is why a limit is exceeded."""
+
 _NAMED = 4  # contact pairs that a sentence names
 
 
@@ -21,6 +27,11 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
         verdicts: what `judge` returns of it.
     """
     return _payload_lines(verdicts) + _travel_lines(response, verdicts) + contact_lines(response)
+
+
+def rule_lines(verdicts: Sequence[Verdict]) -> list[str]:
+    """Return whose rule it is that mounts leave, if they leave one that is not a vendor's."""
+    return [OWN_RULE] if any(row.criterion == COMBINED and row.verdict == EXCEEDED for row in verdicts) else []
 
 
 def contact_lines(response: Response) -> list[str]:

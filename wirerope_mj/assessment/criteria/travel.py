@@ -118,7 +118,7 @@ def _combined(time: Array, mount: SceneMount, deflection: Array) -> Verdict:
                 left_out = f"left out: {_length(time, travel > 0.0)} with up to {1e3 * travel.max():.3g} mm of {rating}"
     bound = not judged.any() or any(RATINGS[rating][1] == 0.0 for rating in missing)
     square, when = sampled_peak(time, total)
-    notes = ["sqrt of the sum of (deflection / rated)^2 at one instant, this program's own rule"]
+    notes = ["sqrt of the sum of (deflection / rated)^2 at one instant"]
     if square <= 1.0 and left_out and judged.any():
         square, when = _peak_among(time, total, judged)
         notes.append(left_out)

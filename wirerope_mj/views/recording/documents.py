@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.assessment.criteria import headline, verdict_lines
-from wirerope_mj.assessment.criteria.sentences import against_limit
+from wirerope_mj.assessment.criteria.sentences import against_limit, rule_lines
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import markdown, plain_lines
@@ -58,7 +58,11 @@ def scenario_markdown(response: Response, title: str, text: str) -> str:
 
 def peaks_markdown(response: Response, selection: Selection) -> str:
     """Return verdicts, peak accelerations, and peaks of the mounts against their rated travel."""
-    lines = [headline(selection.verdicts), *verdict_lines(response, selection.verdicts)]
+    lines = [
+        headline(selection.verdicts),
+        *verdict_lines(response, selection.verdicts),
+        *rule_lines(selection.verdicts),
+    ]
     parts = ["### Verdicts\n" + "\n".join(f"- {markdown(line)}" for line in lines)]
     parts.append(markdown_table(_acceleration_table(response)))
     if selection.mounts:

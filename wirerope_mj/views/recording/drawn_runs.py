@@ -124,5 +124,6 @@ def _shared(runs: tuple[DrawnRun, ...], mounts: tuple[str, ...]) -> Selection:
         ranked=ranked,
         bodies=(),
         points=(),
+        used=(),
         colors={},
     )

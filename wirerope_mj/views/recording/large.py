@@ -56,7 +56,7 @@ def log_large(rec: Any, run: DrawnRun, factor: float) -> None:
         log_pose(below, frame.path, response.time, *pose, rows)
         draw_geoms(below, frame.path, _faint(body.geoms, _SEEN_THROUGH), extent)
         if not frame.fixed:
-            ghost = frame.path + " at rest"
+            ghost = child(frame.path + "_at_rest")
             log_pose(below, ghost, response.time, frame.position[:1], frame.orientation[:1], rows)
             draw_geoms(below, ghost, _faint(body.geoms, _GHOST), extent)
     _log_bars(below, response, run.selection, run.frames, factor, extent)

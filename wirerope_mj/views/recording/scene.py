@@ -16,7 +16,7 @@ from wirerope_mj.views.recording.shapes import draw_geoms, quaternion
 from wirerope_mj.views.recording.stops import log_stops
 from wirerope_mj.views.recording.thin import rows_of_steps
 
-_STILL = 1 / 100
+_STILL = 1 / 60
 """Poses are drawn anew when something has moved by this fraction of the largest travel."""
 
 ARROW = (255, 196, 60)
