@@ -64,7 +64,6 @@ def recording(tmp_path_factory):
 
 
 def test_long_loops_are_exact_around_the_largest_deflection(floor, monkeypatch):
-    monkeypatch.setattr(loops, "MOST_ROWS", 60)
     monkeypatch.setattr(loops, "MOST_TRAIL_ROWS", 40)
     monkeypatch.setattr(loops, "_SHORT_TRAIL", 20)
     loop = next(loop for loop in loops.loops_of(floor, select(floor)) if loop.plot is not None and loop.axis == "axial")

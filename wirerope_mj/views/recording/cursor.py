@@ -15,7 +15,7 @@ from wirerope_mj.views.recording.selection import NAMED, Selection
 
 PATH = ("cursor",)
 
-_ROWS = 300
+_ROWS = 200
 """Instants at which the table is written anew: a few milliseconds of a shock apart."""
 
 

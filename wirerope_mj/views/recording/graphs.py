@@ -158,7 +158,7 @@ def named_lines(
     if left <= 0:
         return named
     look = {"names": [f"{left} other{'s' if left > 1 else ''}"] * left, "colors": [_OTHERS] * left, "width": 1.0}
-    return [*drawn(time, values[:, NAMED:], tolerance, below=("1",), **look), *named]
+    return [*drawn(time, values[:, NAMED:], 3.0 * tolerance, below=("1",), **look), *named]  # none is looked at closely
 
 
 def log_graphs(rec: Any, graphs: Graphs, ends: tuple[float, float]) -> None:

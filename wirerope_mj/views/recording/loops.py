@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import MountResponse
@@ -16,16 +17,19 @@ from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.frame import LARGE, Color, Plot, fitting_width, log_frame
 from wirerope_mj.views.recording.paths import AXES, Rows, at, child, entity
 from wirerope_mj.views.recording.selection import Selection, travel_limits
-from wirerope_mj.views.recording.thin import MOST_ROWS, rows_of_extremes, rows_of_line, rows_of_steps
+from wirerope_mj.views.recording.thin import rows_of_line, rows_of_steps
 
 MOST_TRAIL_ROWS = 1000
 """Rows of a trail that are seen at once: the viewer draws a segment for each, in every view, for every frame."""
 
+_STRETCHES, _STRETCH = 5, 300
+"""Stretches of a long run whose cycles are drawn beside that of the largest deflection, and rows of each: some cycles."""
+
 _SHORT_TRAIL = 80
 """Rows of the trail where the whole past would be too many: the last few cycles."""
 
-_FINE = 1 / 500
-"""Fraction of a loop's range that its line may be off: half a pixel of a small multiple."""
+_FINE = 1 / 300
+"""Fraction of a loop's range that its line may be off: a pixel of a small multiple."""
 
 _COARSE = 1 / 100
 """The same for the cursor, which is a spot of several pixels."""
@@ -41,18 +45,20 @@ class DrawnLoop:
 
     Attributes:
         axis, mount: names.
-        outline: the whole loop [mm, kN], (n, 2).
+        outlines: the whole loop [mm, kN], (n, 2); of a long run some of its cycles.
         plot: its plot; None if it has no view of its own, as for the next two.
         time: instants of trail and cursor [s], (m,).
         points: deflection and force at these instants [mm, kN], (m, 2).
+        joined: whether the path from each of these instants to the next is drawn, (m - 1,).
     """
 
     axis: str
     mount: str
-    outline: Array
+    outlines: tuple[Array, ...]
     plot: Plot | None = None
     time: Array = field(default_factory=lambda: np.zeros(0))
     points: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    joined: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
 
     @property
     def trail(self) -> float | None:
@@ -108,12 +114,12 @@ def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
             mount = response.mounts[name]
             values = loop_points(mount, number)
             line = rows_of_line(response.time, values, _tolerance(values, _FINE), limit=response.time.size)
-            outline = line[rows_of_extremes(values[line], MOST_TRAIL_ROWS)]
-            loop = DrawnLoop(axis=axis, mount=name, outline=values[outline])
+            parts = _cycles(values, line)
+            loop = DrawnLoop(axis=axis, mount=name, outlines=tuple(values[part] for part in parts))
             if name in shown:
-                rows = _trail_rows(response.time, values, line)
+                rows, joined = _trail_rows(response.time, values, parts)
                 plot = _plot(values, mounts[name], axis, frame_width(len(shown)))
-                loop = replace(loop, plot=plot, time=response.time[rows], points=values[rows])
+                loop = replace(loop, plot=plot, time=response.time[rows], points=values[rows], joined=joined)
             loops.append(loop)
     return loops
 
@@ -177,18 +183,38 @@ def loop_points(mount: MountResponse, axis: int) -> Array:
     return np.column_stack([in_unit(mount.deflection[:, axis], "mm"), in_unit(mount.force[:, axis], "kN")])
 
 
-def _trail_rows(time: Array, values: Array, line: Rows) -> Rows:
-    """Return the rows of trail and cursor.
+def _cycles(values: Array, line: Rows) -> list[Rows]:
+    """Return the rows of what is drawn of a loop: all of them, or some stretches of a long run.
 
-    A long sweep has more cycles than can be drawn: loops are then exact around the largest deflection, and elsewhere
-    only their turning points are kept.
+    These are about its largest deflection and evenly over the rest: a few cycles in full tell more than turning points of all.
     """
-    rows = np.union1d(line, rows_of_steps(time, values, _tolerance(values, _COARSE), limit=time.size))
-    if rows.size <= MOST_ROWS:
-        return rows
-    middle = int(np.abs(values[rows, 0]).argmax())
-    exact = rows[max(0, middle - MOST_ROWS // 2) : middle + MOST_ROWS // 2]
-    return np.union1d(exact, rows[rows_of_extremes(values[rows], 2 * MOST_TRAIL_ROWS)])
+    if line.size <= MOST_TRAIL_ROWS:
+        return [line]
+    middles = {
+        int(np.abs(values[line, 0]).argmax()),
+        *np.linspace(0, line.size, _STRETCHES + 2).astype(int)[1:-1].tolist(),
+    }
+    return [line[max(0, middle - _STRETCH // 2) : middle + _STRETCH // 2] for middle in sorted(middles)]
+
+
+def _trail_rows(time: Array, values: Array, parts: Sequence[Rows]) -> tuple[Rows, npt.NDArray[np.bool_]]:
+    """Return the rows of trail and cursor, and whether the path from each to the next is drawn.
+
+    Of a long run the cursor stands still for moments outside of the stretches that are drawn.
+    """
+    if len(parts) == 1:
+        steps = rows_of_steps(time, values, _tolerance(values, _COARSE), limit=time.size)
+        rows = np.union1d(parts[0], steps)
+        if rows.size > MOST_TRAIL_ROWS:
+            rows = parts[0]
+        return rows, np.ones(rows.size - 1, dtype=np.bool_)
+    between = np.linspace(0, time.size - 1, MOST_TRAIL_ROWS).astype(np.intp)
+    rows = np.union1d(np.concatenate(parts), between)
+    drawn = np.zeros(rows.size - 1, dtype=np.bool_)
+    for part in parts:
+        first, last = np.searchsorted(rows, part[[0, -1]])
+        drawn[first:last] = True
+    return rows, drawn
 
 
 def _tolerance(loop: Array, ratio: float) -> Array:
@@ -220,9 +246,9 @@ def _outlines(loops: Sequence[DrawnLoop], colors: Sequence[Color], labels: Seque
     import rerun as rr
 
     return rr.LineStrips2D(
-        [loop.outline for loop in loops],
-        colors=[[*color, 105] for color in colors],
-        labels=labels,
+        [outline for loop in loops for outline in loop.outlines],
+        colors=[[*color, 105] for loop, color in zip(loops, colors, strict=True) for _ in loop.outlines],
+        labels=[label for loop, label in zip(loops, labels, strict=True) for _ in loop.outlines],
         show_labels=False,
         radii=rr.Radius.ui_points(0.75),
     )
@@ -240,7 +266,8 @@ def _log_trail(rec: Any, path: str, loop: DrawnLoop, color: Color, *, cursor: Co
     look = rr.LineStrips2D.from_fields(colors=color, radii=width, draw_order=40.0 + order)
     rec.log(child(path, "trail"), look, static=True)
     segments = np.stack([loop.points[:-1], loop.points[1:]], axis=1)
-    rec.send_columns(child(path, "trail"), at(loop.time[1:]), rr.LineStrips2D.columns(strips=segments))
+    columns = rr.LineStrips2D.columns(strips=segments[loop.joined])
+    rec.send_columns(child(path, "trail"), at(loop.time[1:][loop.joined]), columns)
     spot = rr.Points2D.from_fields(colors=cursor, radii=rr.Radius.ui_points(4.5), draw_order=50.0 + order)
     rec.log(child(path, "cursor"), spot, static=True)
     rec.send_columns(child(path, "cursor"), at(loop.time), rr.Points2D.columns(positions=loop.points))

@@ -19,7 +19,7 @@ _SCALE: tuple[tuple[float, Color], ...] = (
 )  # fmt: skip
 """Utilisations and the colours of what is used as much; between them colours blend, and nothing is redder than the limit."""
 
-_STEP = 0.05
+_STEP = 0.1
 """Of utilisations that are told apart by colour."""
 
 

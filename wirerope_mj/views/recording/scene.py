@@ -16,8 +16,11 @@ from wirerope_mj.views.recording.shapes import draw_geoms, quaternion
 from wirerope_mj.views.recording.stops import log_stops
 from wirerope_mj.views.recording.thin import rows_of_steps
 
-_STILL = 1 / 60
+_STILL = 1 / 50
 """Poses are drawn anew when something has moved by this fraction of the largest travel."""
+
+_MOST_POSES = 3000
+"""Poses of a long run at the most; those of all peaks are among them."""
 
 ARROW = (255, 196, 60)
 """Colour of the acceleration of the base of a run alone."""
@@ -59,7 +62,12 @@ def scene_rows(response: Response, frames: dict[str, Frame]) -> Rows:
     travel = max(float(np.ptp(part, axis=0).max()) for part in lengths)
     # Turning is judged at an arm of a metre.
     values = np.concatenate([*lengths, *(frame.orientation for frame in moving)], axis=1)
-    return rows_of_steps(response.time, values, _STILL * travel)
+    rows = rows_of_steps(response.time, values, _STILL * travel, limit=response.time.size)
+    if rows.size > _MOST_POSES:
+        some = rows[np.linspace(0, rows.size - 1, _MOST_POSES).astype(np.intp)]
+        ends = np.concatenate(lengths, axis=1)
+        rows = np.unique(np.concatenate([some, ends.argmin(axis=0), ends.argmax(axis=0)]))
+    return rows
 
 
 def _base_rows(response: Response) -> Rows:

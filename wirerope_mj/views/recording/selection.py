@@ -14,10 +14,10 @@ from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.views.colours import DARK, Color, numbered
 from wirerope_mj.views.recording.paths import AXES, AXIAL
 
-MOST_LOOPS = 9
-"""Loops of the governing axis that get a view of their own: three rows of three are the smallest that can be read."""
+MOST_LOOPS = 6
+"""Loops of the governing axis that get a view of their own: two rows of three can be read."""
 
-MOST_OTHER_LOOPS = 4
+MOST_OTHER_LOOPS = 3
 """The same for the other axes; each costs some 40 kilobytes of the file."""
 
 NAMED = 3
