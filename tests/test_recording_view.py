@@ -4,6 +4,7 @@ import subprocess
 import sys
 import time
 import urllib.request
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from wirerope_mj.views.recording import loops, record_rerun, show
 from wirerope_mj.views.recording.documents import peaks_markdown
 from wirerope_mj.views.recording.events import events_of, first_above, main_instants
 from wirerope_mj.views.recording.graphs import drawn
+from wirerope_mj.views.recording.letters import known_letters
 from wirerope_mj.views.recording.poses import quaternion_of, rotate
 from wirerope_mj.views.recording.selection import select
 from wirerope_mj.views.recording.thin import rows_of_extremes, rows_of_line, rows_of_steps
@@ -225,3 +227,31 @@ def test_a_port_in_use_is_avoided():
         taken = listener.getsockname()[1]
         assert free_port(taken) != taken
     assert web_address(1, 2) == "http://127.0.0.1:2/?url=rerun%2Bhttp%3A%2F%2F127.0.0.1%3A1%2Fproxy"
+
+
+def test_letters_that_the_viewer_lacks_are_spelled_wherever_they_stand(tmp_path):
+    import pyarrow as pa
+    from rerun.chunk import RrdReader
+
+    response = floor_response(mounts=2, equipment=1, rows=80)
+    names = {"m01": "安装 1", "m02": "Dämpfer α"}
+    scene = replace(response.scene, mounts=tuple(replace(m, name=names[m.name]) for m in response.scene.mounts))
+    mounts = {names[name]: mount for name, mount in response.mounts.items()}
+    peaks = replace(response.peaks, mounts={names[name]: peak for name, peak in response.peaks.mounts.items()})
+    samples = replace(
+        response.samples,
+        names=[n.replace("m01", names["m01"]).replace("m02", names["m02"]) for n in response.samples.names],
+    )
+    response = replace(response, scene=scene, mounts=mounts, peaks=peaks, samples=samples)
+    path = record_rerun(response, tmp_path / "run.rrd", title="❌", scenario_text="[a]\nb = '𝛼'")
+    texts = []
+    for chunk in RrdReader(str(path)).stream():
+        texts.append(str(chunk.entity_path))
+        for column in chunk.to_record_batch().columns:
+            values = column.flatten() if pa.types.is_list(column.type) else column
+            texts += [text for text in values.to_pylist() if text] if pa.types.is_string(values.type) else []
+    everything = "".join(texts)
+    assert "U+5B89U+88C5 1" in everything
+    assert "Dämpfer α" in everything
+    assert "U+274C" in everything
+    assert known_letters(everything) == everything

@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.mounts.isolator import AXES as AXES
+from wirerope_mj.views.recording.letters import known_letters
 
 Rows = npt.NDArray[np.intp]
 
@@ -20,10 +21,10 @@ AXIAL = AXES.index("axial")
 
 
 def entity(*parts: str) -> str:
-    """Return an entity path; a part may hold any character."""
+    """Return an entity path; a part may hold any character, which the viewer then writes."""
     import rerun as rr
 
-    return str(rr.new_entity_path(list(parts)))
+    return str(rr.new_entity_path([known_letters(part) for part in parts]))
 
 
 def root_of(run: str) -> str:

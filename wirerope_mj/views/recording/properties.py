@@ -5,6 +5,7 @@ from typing import Any
 from wirerope_mj.assessment.criteria import EXCEEDED, headline
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
+from wirerope_mj.views.recording.letters import known_letters
 
 
 def send_properties(rec: Any, run: DrawnRun, title: str) -> None:
@@ -26,4 +27,5 @@ def send_properties(rec: Any, run: DrawnRun, title: str) -> None:
         "criterion": worst.criterion if worst else None,
         "utilisation_percent": in_unit(used[0].largest, "%") if used else None,
     }
-    rec.send_property("run", rr.AnyValues(**{name: value for name, value in known.items() if value is not None}))
+    said = {name: known_letters(value) if isinstance(value, str) else value for name, value in known.items()}
+    rec.send_property("run", rr.AnyValues(**{name: value for name, value in said.items() if value is not None}))

@@ -10,6 +10,7 @@ from typing import Any
 
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.views.recording.letters import KnownLetters
 from wirerope_mj.views.recording.paths import APPLICATION, FILE
 
 _BLOCK = 2**20
@@ -50,7 +51,7 @@ def atomic_recording(target: Path) -> Iterator[Any]:
             ):
                 rec.set_log_time_enabled(False)
                 rec.save(pipe)
-                yield rec
+                yield KnownLetters(rec)
             if not temporary.stat().st_size:
                 raise RecordError("nothing was recorded: the environment variable RERUN switches it off. Unset it.")
     finally:

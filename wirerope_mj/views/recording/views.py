@@ -7,6 +7,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.camera import Camera, whole_scene
 from wirerope_mj.views.recording.frame import HEIGHT
 from wirerope_mj.views.recording.graphs import Graph
+from wirerope_mj.views.recording.letters import known_letters
 from wirerope_mj.views.recording.paths import TIMELINE, entity
 from wirerope_mj.views.recording.poses import Frame
 
@@ -60,7 +61,7 @@ def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) 
     return rrb.Spatial3DView(
         origin=origin,
         contents=list(contents),
-        name=name,
+        name=known_letters(name),
         background=_BACKGROUND,
         line_grid=rrb.LineGrid3D(visible=False),
         eye_controls=rrb.EyeControls3D(
@@ -93,7 +94,7 @@ def graph_view(graph: Graph, window: tuple[float, float]) -> Any:
 
     return rrb.TimeSeriesView(
         origin=graph.path,
-        name=graph.title,
+        name=known_letters(graph.title),
         axis_x=time_axis(window),
         plot_legend=rrb.PlotLegend(visible=True, corner=getattr(rrb.Corner2D, graph.emptiest_corner(window))),
     )
@@ -124,7 +125,7 @@ def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, floa
         overrides[path] = [rrb.VisibleTimeRanges([past])]
     return rrb.Spatial2DView(
         origin=origin,
-        name=name,
+        name=known_letters(name),
         visual_bounds=rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-4.0, HEIGHT + 17.0]),
         overrides=overrides,
     )
