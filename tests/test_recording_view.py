@@ -21,9 +21,9 @@ from wirerope_mj.views.recording.events import events_of, first_above, main_inst
 from wirerope_mj.views.recording.graphs import drawn
 from wirerope_mj.views.recording.letters import known_letters
 from wirerope_mj.views.recording.poses import quaternion_of, rotate
-from wirerope_mj.views.recording.selection import select
-from wirerope_mj.views.recording.thin import rows_of_extremes, rows_of_line, rows_of_steps
 from wirerope_mj.views.recording.viewer import free_port, web_address
+from wirerope_mj.views.selection import select
+from wirerope_mj.views.thin import rows_of_extremes, rows_of_line, rows_of_steps
 
 
 def test_drawn_lines_stay_within_their_tolerance():

@@ -17,9 +17,9 @@ from wirerope_mj.mounts.laws.kernels import evaluate
 from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.views.recording import record_rerun
 from wirerope_mj.views.recording.events import events_of
-from wirerope_mj.views.recording.selection import select
 from wirerope_mj.views.recording.stops import CLOSED, OPEN
 from wirerope_mj.views.report.model import _provenance
+from wirerope_mj.views.selection import select
 
 pytestmark = pytest.mark.quick
 

@@ -113,14 +113,14 @@ def _mounts(response: Response, verdicts: Sequence[Verdict]) -> Table:
     columns = [Column("mount", align="left"), *(Column(axis, "mm", ".1f") for axis in ("axial", "shear", "roll"))]
     columns += [Column(axis, "kN", ".2f") for axis in ("axial", "shear", "roll")]
     columns += [Column(name.replace("compression", "compr."), "%", ".0f") for name in ratings]
-    columns += [Column("comb.", "%", ".0f")] * bool(ratings) + [Column("verdict", align="left")]
+    columns += [Column("comb.", "%", ".0f")] * bool(combined and ratings) + [Column("verdict", align="left")]
     rows: list[Row] = []
     for row in peaks:
         both = " ".join(f"{in_unit(extreme[2], 'mm'):+.1f}" for extreme in (row.minimum, row.maximum))
         sides = [max(row.maximum[axis], -row.minimum[axis]) for axis in (1, 0)]
         used = [_used(row.travel[name].utilisation) for name in ratings]
-        used += [_used(combined[row.name].utilisation)] if ratings else []
-        rows.append([row.name, both, *sides, *reversed(row.force), *used, _verdict(row, combined[row.name])])
+        used += [_used(combined[row.name].utilisation)] if combined and ratings else []
+        rows.append([row.name, both, *sides, *reversed(row.force), *used, _verdict(row, combined.get(row.name))])
     return Table(title="Peaks of the mounts, and their utilisation of the rated travel [%]", columns=columns, rows=rows)
 
 
@@ -161,8 +161,8 @@ def _numerics(response: Response) -> str:
     return f"{text}, step given: no error estimated"
 
 
-def _verdict(row: MountPeak, combined: Verdict) -> str:
+def _verdict(row: MountPeak, combined: Verdict | None) -> str:
     """Return the verdict in a word; the coloured values say in which direction, or that it is all of them together."""
-    if row.exceeded or combined.verdict == EXCEEDED:
+    if row.exceeded or (combined is not None and combined.verdict == EXCEEDED):
         return EXCEEDED
     return WITHIN if row.governing else NOT_JUDGED

@@ -182,16 +182,18 @@ def _write_views(
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
     from wirerope_mj.views.plots.histories import save_histories, save_mount_loops
     from wirerope_mj.views.plots.record_baseline import save_record_baseline
-    from wirerope_mj.views.recording import record_rerun
+    from wirerope_mj.views.recording.drawn_runs import run_alone
+    from wirerope_mj.views.recording.record import write_alone
     from wirerope_mj.views.report.display import title_of
 
     title, text = title_of(scenario.name), _scenario_markdown(scenario)
     writing("the recording")
-    record_rerun(response, folder / "run.rrd", title=title, scenario_text=text, verdicts=judged.verdicts, state=state)
+    run = run_alone(response, judged.verdicts)
+    write_alone(run, folder / "run.rrd", title=title, scenario_text=text, state=state)
     writing("the pictures")
-    save_histories(response, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
+    save_histories(response, folder / "histories.png", run.selection, title=f"{title}: {scenario.motion.description}")
     if response.scene.isolating:
-        save_mount_loops(response, folder / "loops.png", title=title)
+        save_mount_loops(response, folder / "loops.png", run.selection, title=title)
     for number, record in enumerate(records_in(scenario.motion), start=1):
         name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
         save_record_baseline(record, folder / name, title=title)

@@ -18,12 +18,14 @@ class Colours:
         ground: on which they are read.
         series: of lines that are told apart, the most important first: blue, orange, violet, teal, pink, green.
         limit: of what must not be exceeded, and of what exceeds it.
+        base: of the base, which everything is compared with.
         others: of lines that are not named.
     """
 
     ground: Color
     series: tuple[Color, ...]
     limit: Color
+    base: Color
     others: Color
 
 
@@ -31,12 +33,14 @@ DARK = Colours(
     ground=(24, 27, 31),
     series=((63, 167, 245), (254, 182, 74), (165, 128, 186), (122, 236, 228), (214, 155, 206), (124, 188, 141)),
     limit=(255, 90, 90),
+    base=(226, 229, 233),
     others=(138, 144, 153),
 )
 LIGHT = Colours(
     ground=(255, 255, 255),
     series=((18, 100, 200), (176, 90, 0), (74, 20, 134), (10, 125, 110), (176, 48, 144), (77, 92, 0)),
-    limit=(192, 0, 0),
+    limit=(210, 0, 80),
+    base=(64, 68, 74),
     others=(112, 117, 124),
 )
 

@@ -11,7 +11,7 @@ from wirerope_mj.views.recording.cursor import PATH as CURSOR
 from wirerope_mj.views.recording.documents import VERDICT
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.graphs import Graphs
-from wirerope_mj.views.recording.histories import DIRECTIONS, UNITS, USED, main_direction
+from wirerope_mj.views.recording.histories import DIRECTIONS, UNITS, USED
 from wirerope_mj.views.recording.lanes import lane_paths
 from wirerope_mj.views.recording.large import ROOT as LARGE
 from wirerope_mj.views.recording.large import large_factor
@@ -20,7 +20,6 @@ from wirerope_mj.views.recording.mounts import BESIDE, close_up_of
 from wirerope_mj.views.recording.paths import entity
 from wirerope_mj.views.recording.plan import ROOT as PLAN
 from wirerope_mj.views.recording.plan import plan_bounds
-from wirerope_mj.views.recording.selection import Selection
 from wirerope_mj.views.recording.views import (
     event_view,
     graph_view,
@@ -31,6 +30,7 @@ from wirerope_mj.views.recording.views import (
     time_axis,
     whole_scene_view,
 )
+from wirerope_mj.views.selection import Selection, main_direction
 
 
 def blueprint_of(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], *, tab: str) -> Any:
@@ -98,6 +98,7 @@ def _tabs(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], tab: str) ->
         views = [_loop_view(selection, plot) for plot in plots if plot.axis == axis]
         tabs.append(rrb.Grid(*views, grid_columns=grid_shape(len(views))[0], name=f"{axis.capitalize()} loops"))
     tabs.append(rrb.TextDocumentView(origin=entity("peaks"), name="Peaks"))
+    tabs.append(rrb.TextDocumentView(origin=entity("verdicts"), name="Verdicts"))
     return tabs_with(tabs, "tab", tab)
 
 

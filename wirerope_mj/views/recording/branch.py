@@ -30,8 +30,8 @@ from wirerope_mj.views.recording.orbit_text import log_texts
 from wirerope_mj.views.recording.poses import frames_of
 from wirerope_mj.views.recording.response_curve import log_response
 from wirerope_mj.views.recording.scene import log_scene
-from wirerope_mj.views.recording.selection import select
 from wirerope_mj.views.recording.target import atomic_recording, target_of
+from wirerope_mj.views.selection import select
 
 
 def record_branches(result: FrequencyResponse, findings: list[LevelSummary], path: str | Path) -> Path:

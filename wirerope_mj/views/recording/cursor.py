@@ -11,7 +11,7 @@ from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.paths import AXES, Rows, at, entity
-from wirerope_mj.views.recording.selection import NAMED, Selection
+from wirerope_mj.views.selection import NAMED, Selection
 
 PATH = ("cursor",)
 

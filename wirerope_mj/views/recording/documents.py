@@ -17,7 +17,8 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.paths import AXES, entity
-from wirerope_mj.views.recording.selection import Selection
+from wirerope_mj.views.report.judged import full_table
+from wirerope_mj.views.selection import Selection
 
 VERDICT = "verdict"
 
@@ -31,6 +32,7 @@ def texts_of(run: DrawnRun, *, title: str, scenario_text: str) -> dict[str, str]
         entity(VERDICT): verdict_markdown(run.selection),
         entity("scenario"): scenario_markdown(run.response, title, scenario_text),
         entity("peaks"): peaks_markdown(run.response, run.selection),
+        entity("verdicts"): verdicts_markdown(run.selection),
     }
 
 
@@ -54,6 +56,12 @@ def scenario_markdown(response: Response, title: str, text: str) -> str:
     if np.isfinite(numerics.error_estimate):
         how += f", estimated error {numerics.error_estimate:.1e} of the peaks"
     return "\n\n".join(part for part in (f"### {markdown(title or response.scene.name)}", body, f"*{how}*") if part)
+
+
+def verdicts_markdown(selection: Selection) -> str:
+    """Return every verdict as a table, as the report has it."""
+    table = full_table(selection.verdicts)
+    return "" if table is None else markdown_table(table)
 
 
 def peaks_markdown(response: Response, selection: Selection) -> str:

@@ -13,7 +13,7 @@ from wirerope_mj.views.recording.frame import Color
 from wirerope_mj.views.recording.paths import AXES, root_of
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import ARROW
-from wirerope_mj.views.recording.selection import Selection, select
+from wirerope_mj.views.selection import Selection, select
 
 MOST_MOUNTS = 4
 """Mounts of an axis whose histories and loops are drawn: each is a plot of its own, with a line for every run."""
@@ -95,7 +95,7 @@ def overlay_of(responses: Mapping[str, Response], align: Align) -> Overlay:
 
 def _overlaid(run: ComparedRun, color: Color) -> DrawnRun:
     selection = select(run.response)
-    selection = replace(selection, colors=dict.fromkeys(selection.mounts, color), alone=False)
+    selection = replace(selection, run_color=color)
     return DrawnRun(**vars(run), color=color, selection=selection, frames=frames_of(run.response))
 
 
@@ -125,5 +125,5 @@ def _shared(runs: tuple[DrawnRun, ...], mounts: tuple[str, ...]) -> Selection:
         bodies=(),
         points=(),
         used=(),
-        colors={},
+        numbers={},
     )

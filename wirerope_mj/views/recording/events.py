@@ -14,7 +14,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.paths import AXES, at, entity
-from wirerope_mj.views.recording.selection import NAMED, Selection
+from wirerope_mj.views.selection import NAMED, Selection
 
 NEAR = 0.8
 """Utilisation from which a limit is reported."""

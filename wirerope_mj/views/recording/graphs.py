@@ -10,22 +10,13 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.frame import Color
 from wirerope_mj.views.recording.paths import at, child
-from wirerope_mj.views.recording.selection import NAMED
-from wirerope_mj.views.recording.thin import rows_of_line
-
-BASE_COLOR = (226, 229, 233)
-"""Of the base, which everything is compared with."""
+from wirerope_mj.views.selection import NAMED
+from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
 _PEAK = (255, 255, 255)
 
 _OTHERS = (86, 92, 100)
 """Darker than a text must be, so that what is named stands in front."""
-
-_DENSE = 4000
-"""Rows of a line above which it would be a blob: its envelope is drawn."""
-
-_INTERVALS = 400
-"""Of an envelope, each a few points of a plot wide."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,7 +103,7 @@ def thinned(time: Array, values: Array, tolerance: float, **look: Any) -> Lines:
 def drawn(time: Array, values: Array, tolerance: float, **look: Any) -> list[Lines]:
     """Return series (n_t, k) or one (n_t,) as `thinned` does; what oscillates too often for a line as its envelope."""
     columns = values.reshape(time.size, -1)
-    if time.size <= _DENSE or rows_of_line(time, columns, tolerance, limit=time.size).size <= _DENSE:
+    if not is_dense(time, columns, tolerance):
         return [thinned(time, columns, tolerance, **look)]
     at, low, high = envelope(time, columns)
     marker = look.pop("marker", None)
@@ -123,23 +114,6 @@ def drawn(time: Array, values: Array, tolerance: float, **look: Any) -> list[Lin
         Lines(time=at, values=low, below=(*below, "lowest"), **look),
         Lines(time=at, values=high, marker=marker, below=(*below, "highest"), **look),
     ]
-
-
-def envelope(time: Array, values: Array) -> tuple[Array, Array, Array]:
-    """Return instants (m,), and lowest and highest of series (n_t, k) about each of them, (m, k).
-
-    Each is taken over three of the intervals, so that it holds a period of what oscillates three times slower, too.
-    """
-    size = -(-time.size // _INTERVALS)
-    starts = np.arange(0, time.size, size)
-    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
-    wide = [np.concatenate([part[:1], part, part[-1:]]) for part in (low, high)]
-    low, high = (
-        np.asarray(extreme([part[:-2], part[1:-1], part[2:]], axis=0))
-        for extreme, part in zip((np.min, np.max), wide, strict=True)
-    )
-    middles = np.minimum(starts + size // 2, time.size - 1)
-    return time[middles], low, high
 
 
 def named_lines(

@@ -13,9 +13,9 @@ from wirerope_mj.assessment.comparison import BASE, Component, difference
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
+from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
 from wirerope_mj.views.recording.graphs import (
-    BASE_COLOR,
     Graph,
     Graphs,
     Limit,
@@ -26,7 +26,7 @@ from wirerope_mj.views.recording.graphs import (
     thinned,
 )
 from wirerope_mj.views.recording.paths import AXES, entity
-from wirerope_mj.views.recording.selection import travel_limits
+from wirerope_mj.views.selection import travel_limits
 
 DIRECTIONS = ("x", "y", "z")
 TOTAL = "total"
@@ -65,12 +65,6 @@ def graphs_of_run(run: DrawnRun) -> Graphs:
     return graphs
 
 
-def main_direction(response: Response) -> str:
-    """Return the axis along which the base moves, or `TOTAL` where it moves along several."""
-    moved = [axis for axis in range(3) if response.base.acceleration[:, axis].any()]
-    return DIRECTIONS[moved[0]] if len(moved) == 1 else TOTAL
-
-
 def _add_used(graphs: Graphs, run: DrawnRun) -> None:
     """Add the utilisation of every subject's limits, the largest over its criteria."""
     used, response = run.selection.used, run.response
@@ -102,7 +96,7 @@ def _add_accelerations(graphs: Graphs, run: DrawnRun, direction: str) -> None:
     marker = markers[parts[0]] if parts else None
     labels = [f"{part.label} {markers[part].value:.2f} g" for part in parts]
     colors = [selection.color(part.name) for part in parts]
-    lines = [*drawn(response.time, base, tolerance, below=("0",), names=["base"], colors=[BASE_COLOR], width=1.0)]
+    lines = [*drawn(response.time, base, tolerance, below=("0",), names=["base"], colors=[DARK.base], width=1.0)]
     if parts:
         lines += named_lines(response.time, np.stack(values, axis=1), labels, colors, tolerance, marker)
     title = f"Acceleration {_label(direction)} [g]" + (f": {marker.text}" if marker else "")

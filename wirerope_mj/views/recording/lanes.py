@@ -8,8 +8,8 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.events import NEAR
 from wirerope_mj.views.recording.paths import at, entity
-from wirerope_mj.views.recording.selection import Selection
 from wirerope_mj.views.recording.stops import CLOSED, changes, closed_at
+from wirerope_mj.views.selection import Selection
 
 _MOST = 3
 """Lanes of what uses most of its limits: each is 40 points high."""
@@ -19,7 +19,7 @@ _USED = (("within", (34, 84, 50)), ("80 %", _NEAR), ("100 %", tuple(round(0.75 *
 _STOPS = (("open", _QUIET), ("stop", CLOSED))
 _PHASES = (("at rest", _QUIET), ("base moves", _NEAR), ("free", _MOVING))
 
-_TAKEN = ("world", "histories", "loops", "events", "peaks", "scenario", "verdict", "cursor", "state", "plan", "large")
+_TAKEN = ("world", "histories", "loops", "events", "peaks", "scenario", "verdict", "verdicts", "cursor", "state", "plan", "large")
 """Entities at the root of a recording: a mount of such a name has its lane elsewhere."""
 
 

@@ -16,8 +16,8 @@ from wirerope_mj.views.recording.paths import AXIAL, Below, at, child, entity
 from wirerope_mj.views.recording.plan import heat, used_by
 from wirerope_mj.views.recording.poses import Frame, grown
 from wirerope_mj.views.recording.scene import log_pose, scene_rows
-from wirerope_mj.views.recording.selection import Selection
 from wirerope_mj.views.recording.shapes import draw_geoms
+from wirerope_mj.views.selection import Selection
 
 ROOT = "large"
 

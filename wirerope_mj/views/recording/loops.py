@@ -16,13 +16,13 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.frame import LARGE, Color, Plot, fitting_width, log_frame
 from wirerope_mj.views.recording.paths import AXES, Rows, at, child, entity
-from wirerope_mj.views.recording.selection import Selection, travel_limits
-from wirerope_mj.views.recording.thin import rows_of_line, rows_of_steps
+from wirerope_mj.views.selection import Selection, travel_limits
+from wirerope_mj.views.thin import rows_of_line, rows_of_steps
 
 MOST_TRAIL_ROWS = 1000
 """Rows of a trail that are seen at once: the viewer draws a segment for each, in every view, for every frame."""
 
-_STRETCHES, _STRETCH = 5, 300
+_STRETCHES, _STRETCH = 5, 120
 """Stretches of a long run whose cycles are drawn beside that of the largest deflection, and rows of each: some cycles."""
 
 _SHORT_TRAIL = 80

@@ -20,9 +20,9 @@ from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.paths import AXES, TIMELINE, entity, nanoseconds
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import log_scene
-from wirerope_mj.views.recording.selection import select
 from wirerope_mj.views.recording.target import atomic_recording, target_of
 from wirerope_mj.views.recording.views import opening, whole_scene_view
+from wirerope_mj.views.selection import select
 
 MODE = "mode"
 """Timeline over the modes, numbered from 1; also the entity of the text about one."""

@@ -12,8 +12,8 @@ from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent
 from wirerope_mj.views.recording.paths import AXIAL, Rows, at, child
 from wirerope_mj.views.recording.plan import heat, used_by
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, quaternion_of, rotate
-from wirerope_mj.views.recording.selection import Selection
 from wirerope_mj.views.recording.shapes import block, coil, drawn_size, quaternion
+from wirerope_mj.views.selection import Selection
 
 _STEEL = (176, 184, 194)
 _RUBBER = (64, 66, 72)
@@ -63,7 +63,7 @@ def log_mounts(
     devices = devices_of(response, extent)
     _log_bars(rec, response, selection, frames, devices)
     few = len(devices) <= _MOST_LABELS or not selection.axes
-    labelled = selection.mounts if few else tuple(selection.colors)
+    labelled = selection.mounts if few else tuple(selection.numbers)
     for base in dict.fromkeys(device.mount.base_body for device in devices):
         on_base = [device for device in devices if device.mount.base_body == base]
         path = frames[base].path
@@ -128,7 +128,7 @@ def _log_bars(
         quaternions = [quaternion(turn) for turn in turns]
         look = {"half_sizes": halves, "centers": centers, "quaternions": quaternions, "fill_mode": "Solid"}
         path = child(frames[body].path, "bars")
-        if not (selection.alone and selection.used):
+        if selection.run_color or not selection.used:
             rec.log(path, rr.Boxes3D(**look, colors=[selection.color(name) for name in names]), static=True)
             continue
         rec.log(path, rr.Boxes3D(**look), static=True)

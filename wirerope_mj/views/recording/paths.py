@@ -7,8 +7,7 @@ import numpy.typing as npt
 
 from wirerope_mj.mounts.isolator import AXES as AXES
 from wirerope_mj.views.recording.letters import known_letters
-
-Rows = npt.NDArray[np.intp]
+from wirerope_mj.views.thin import Rows as Rows
 
 APPLICATION = "wirerope_mj"
 TIMELINE = "sim_time"

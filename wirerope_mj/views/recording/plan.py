@@ -10,12 +10,12 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import DARK, Color
 from wirerope_mj.views.recording.cursor import cursor_rows
 from wirerope_mj.views.recording.paths import at, child, entity
-from wirerope_mj.views.recording.selection import Selection
+from wirerope_mj.views.selection import Selection
 
 ROOT = "plan"
 
 _SCALE: tuple[tuple[float, Color], ...] = (
-    (0.0, (70, 84, 100)), (0.5, (84, 130, 150)), (0.8, DARK.series[1]), (1.0, DARK.limit),
+    (0.0, (132, 142, 156)), (0.5, (96, 170, 190)), (0.8, DARK.series[1]), (1.0, DARK.limit),
 )  # fmt: skip
 """Utilisations and the colours of what is used as much; between them colours blend, and nothing is redder than the limit."""
 

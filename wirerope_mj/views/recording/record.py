@@ -74,7 +74,22 @@ def record_rerun(
         ValueError: there is no such tab.
         RecordError: the environment variable RERUN switches recordings off.
     """
-    run = run_alone(response, verdicts)
+    return write_alone(
+        run_alone(response, verdicts), path, title=title, scenario_text=scenario_text, tab=tab, state=state
+    )
+
+
+def write_alone(
+    run: DrawnRun,
+    path: str | Path,
+    *,
+    title: str,
+    scenario_text: str,
+    tab: str = "Overview",
+    state: bool = False,
+) -> Path:
+    """Write a run alone, and return the path; the rest is as for `record_rerun`."""
+    response = run.response
     graphs, loops = graphs_of_run(run), drawn_loops([run], run.selection)
     widths = {axis: frame_width(len(run.selection.shown(axis))) for axis in run.selection.axes}
     plots = loop_plots(loops, run.selection, widths)

@@ -11,10 +11,10 @@ from wirerope_mj.views.recording.camera import reach, scene_extent
 from wirerope_mj.views.recording.mounts import log_mounts
 from wirerope_mj.views.recording.paths import Rows, at, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, rotate
-from wirerope_mj.views.recording.selection import Selection
 from wirerope_mj.views.recording.shapes import draw_geoms, quaternion
 from wirerope_mj.views.recording.stops import log_stops
-from wirerope_mj.views.recording.thin import rows_of_steps
+from wirerope_mj.views.selection import Selection
+from wirerope_mj.views.thin import rows_of_steps
 
 _STILL = 1 / 50
 """Poses are drawn anew when something has moved by this fraction of the largest travel."""

@@ -10,9 +10,9 @@ from wirerope_mj.assessment.criteria.over_time import Used, used_limits
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import SIDES
-from wirerope_mj.views.colours import DARK, Color, numbered
-from wirerope_mj.views.recording.paths import AXES, AXIAL
+from wirerope_mj.views.colours import DARK, Color, Colours, numbered
 
 MOST_LOOPS = 6
 """Loops of the governing axis that get a view of their own: two rows of three can be read."""
@@ -44,8 +44,8 @@ class Selection:
         bodies, points: names of what rides on the base, largest peak acceleration first.
         verdicts: on the run.
         used: what has limits that it uses more or less of over time, largest utilisation first.
-        colors: of mounts, bodies and points by name.
-        alone: whether mounts may have the colours of what they use of their limits; among several runs they have the run's.
+        numbers: in the table of colours, of mounts, bodies and points by name.
+        run_color: of all mounts, among several runs.
     """
 
     event: float
@@ -58,8 +58,8 @@ class Selection:
     points: tuple[str, ...]
     verdicts: tuple[Verdict, ...]
     used: tuple[Used, ...]
-    colors: dict[str, Color]
-    alone: bool = True
+    numbers: dict[str, int]
+    run_color: Color | None = None
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -89,12 +89,16 @@ class Selection:
         return float(self.utilisations[self.mounts.index(mount), AXES.index(axis)])
 
     def color(self, name: str) -> Color:
-        """Return the colour of a mount, a body or a point: grey if it is not among those that are named."""
-        return self.colors.get(name, DARK.others)
+        """Return the colour of a mount, a body or a point in the viewer: grey if it is not among those that are named."""
+        return self.run_color or self.colour_on(DARK, name)
+
+    def colour_on(self, ground: Colours, name: str) -> Color:
+        """Return the same on any ground."""
+        return ground.series[self.numbers[name]] if name in self.numbers else ground.others
 
     def _urgency(self, axis: str) -> tuple[float, bool]:
         ratio = self.utilisation(self.ranked[axis][0], axis)
-        return (0.0 if np.isnan(ratio) else round(ratio, 1)), axis == AXES[AXIAL]
+        return (0.0 if np.isnan(ratio) else round(ratio, 1)), axis == "axial"
 
 
 def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Selection:
@@ -126,8 +130,14 @@ def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Sel
         points=_largest(points),
         verdicts=verdicts,
         used=used,
-        colors={name: DARK.series[number] for name, number in numbered(groups).items()},
+        numbers=numbered(groups),
     )
+
+
+def main_direction(response: Response) -> str:
+    """Return the axis along which the base moves, "x", "y" or "z", or "total" where it moves along several."""
+    moved = [axis for axis in range(3) if response.base.acceleration[:, axis].any()]
+    return "xyz"[moved[0]] if len(moved) == 1 else "total"
 
 
 def travel_limits(mount: SceneMount, axis: str) -> tuple[float, float]:

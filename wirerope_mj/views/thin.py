@@ -4,7 +4,8 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.recording.paths import Rows
+
+Rows = npt.NDArray[np.intp]
 
 MOST_ROWS = 20_000
 """Rows of a drawn series; a plot is a few thousand pixels wide, and the viewer slows down far above this."""
@@ -14,6 +15,18 @@ _LONGEST = 128
 
 _PART = 128 * _LONGEST
 """Rows that are looked at together: it bounds the memory, and is a multiple of the longest intervals."""
+
+
+DENSE = 4000
+"""Rows of a line above which it would be a blob: its envelope is drawn."""
+
+_INTERVALS = 400
+"""Of an envelope, each a few points of a plot wide."""
+
+
+def is_dense(time: Array, values: Array, tolerance: Array | float) -> bool:
+    """Return whether series (n_t, k) oscillate too often for lines."""
+    return time.size > DENSE and rows_of_line(time, values, tolerance, limit=time.size).size > DENSE
 
 
 def rows_of_line(time: Array, values: Array, tolerance: Array | float, *, limit: int = MOST_ROWS) -> Rows:
@@ -67,3 +80,20 @@ def _drop(keep: npt.NDArray[np.bool_], time: Array, values: Array, tolerance: Ar
         enough = (np.abs(values[inner] - drawn) <= tolerance).all(axis=(1, 2))
         keep[inner[enough]] = False
         size *= 2
+
+
+def envelope(time: Array, values: Array) -> tuple[Array, Array, Array]:
+    """Return instants (m,), and lowest and highest of series (n_t, k) about each of them, (m, k).
+
+    Each is taken over three of the intervals, so that it holds a period of what oscillates three times slower, too.
+    """
+    size = -(-time.size // _INTERVALS)
+    starts = np.arange(0, time.size, size)
+    low, high = np.minimum.reduceat(values, starts), np.maximum.reduceat(values, starts)
+    wide = [np.concatenate([part[:1], part, part[-1:]]) for part in (low, high)]
+    low, high = (
+        np.asarray(extreme([part[:-2], part[1:-1], part[2:]], axis=0))
+        for extreme, part in zip((np.min, np.max), wide, strict=True)
+    )
+    middles = np.minimum(starts + size // 2, time.size - 1)
+    return time[middles], low, high
