@@ -64,9 +64,11 @@ def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
     damped = [group for group, mounts in groups.items() if _has_damping(system.mounts[mounts[0]].written)]
     if damped:
         others = [system.mounts[groups[group][0]].written.name for group in groups if group not in damped]
-        note = "On rope friction and dampers of all mounts. Friction resists small deflections, too: they become stiffer."
+        note = (
+            "On rope friction and dampers of all mounts. Friction resists small deflections, too: they become stiffer."
+        )
         note += f" {', '.join(others)}: loss and stiffness are one law, which stays." if others else ""
-        found.append(_factor(DAMPING, "Damping of the mounts", (0.25, 3.0), note))
+        found.append(_factor(DAMPING, "Damping of the mounts", (0.33, 3.0), note))
     return tuple(found)
 
 
