@@ -113,7 +113,7 @@ def test_a_higher_level_changes_the_verdict_and_the_last_two_runs_are_kept(explo
     assert second["now"]["tone"] == "exceeded"
     assert any(line.startswith("Exceeded, ") for line in second["now"]["lines"])
     assert second["before"]["headline"] == first["now"]["headline"]
-    assert second["now"]["changes"] == {"Level of the base motion": "× 2"}
+    assert second["now"]["changes"] == {"Base motion level": "×\N{NO-BREAK SPACE}2"}
     third = explored.run({"level": 0.5})
     assert third["before"]["values"]["level"] == 2.0
     assert [line["role"] for line in third["curves"][0]["lines"]] == ["before", "now"]

@@ -140,4 +140,4 @@ def _changed(slider: Slider, values: Mapping[str, float]) -> bool:
 
 def _text(slider: Slider, values: Mapping[str, float]) -> str:
     value = f"{values[slider.key]:.4g}"
-    return f"{value}°" if slider.unit == "°" else f"× {value}"
+    return f"{value}°" if slider.unit == "°" else f"×\N{NO-BREAK SPACE}{value}"

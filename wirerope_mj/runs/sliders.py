@@ -43,19 +43,19 @@ class Slider:
 
 def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
     """Return the sliders that act on a system under a motion: none that could do nothing."""
-    found = [_factor(LEVEL, "Level of the base motion", (0.1, 2.0), f"On {motion.description}.")]
+    found = [_factor(LEVEL, "Base motion level", (0.1, 2.0), f"On {motion.description}.")]
     if _can_turn(system, motion):
         note = "Turns the motion about the vertical, from x towards y."
         found.append(
             Slider(
-                key=DIRECTION, label="Direction of the base motion", unit="°", minimum=-180.0, maximum=180.0,
+                key=DIRECTION, label="Base motion direction", unit="°", minimum=-180.0, maximum=180.0,
                 nominal=0.0, note=note,
             )
         )  # fmt: skip
     if system.mounts:
         mass = sum(payload.mass for payload in payloads_of(system))
         note = f"On mass and inertia of all that the mounts carry, {significant(mass)} kg; its shape stays."
-        found.append(_factor(MASS, "Mass of the payload", (0.5, 2.0), note))
+        found.append(_factor(MASS, "Payload mass", (0.5, 2.0), note))
     groups = groups_of(system)
     for group, mounts in groups.items():
         device = system.mounts[mounts[0]].written.name
@@ -68,7 +68,7 @@ def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
             "On rope friction and dampers of all mounts. Friction resists small deflections, too: they become stiffer."
         )
         note += f" {', '.join(others)}: loss and stiffness are one law, which stays." if others else ""
-        found.append(_factor(DAMPING, "Damping of the mounts", (0.33, 3.0), note))
+        found.append(_factor(DAMPING, "Damping of all mounts", (0.33, 3.0), note))
     return tuple(found)
 
 

@@ -71,7 +71,7 @@ def _figures(run: ShownRun) -> list[dict[str, str]]:
     over, within = (sum(row.verdict == verdict for row in run.verdicts) for verdict in (EXCEEDED, WITHIN))
     rows = [("Limits exceeded", f"{over} of {over + within}" if over + within else ABSENT, "")]
     if stops := [row for row in run.verdicts if row.contact]:
-        rows.append(("Stops and contacts struck", f"{sum(row.contact == STRUCK for row in stops)} of {len(stops)}", ""))
+        rows.append(("Stops, contacts struck", f"{sum(row.contact == STRUCK for row in stops)} of {len(stops)}", ""))
     if part := _largest(run):
         peak = next(row for row in body_peaks(run.response) if row.name == part)
         rows.append(("Largest acceleration", f"{fixed(peak.value, 2)} g", part))

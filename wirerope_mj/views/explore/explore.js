@@ -54,11 +54,11 @@ function addField(slider) {
   if (slider.unit === "°") value.append(number, " °");
   else value.append("× ", number);
   const text = (end) => (slider.unit === "°" ? `${end}°`.replace("-", "\u2212") : `× ${end}`);
-  ends.append(element("span", text(slider.minimum)), element("span", text(slider.maximum)));
+  ends.append(element("span", text(slider.minimum)), about, element("span", text(slider.maximum)));
   about.append(element("summary", "on what"), element("p", slider.note, "note"));
   about.id = `${id}-note`;
   head.append(label, value);
-  box.append(head, range, ends, about);
+  box.append(head, range, ends);
   at("fields").append(box);
   const field = { slider, box, range, number, value: slider.nominal };
   fields.set(slider.key, field);
@@ -151,7 +151,13 @@ function figure(row) {
 
 function changesOf(run) {
   const changes = Object.entries(run.changes).map(([label, value]) => `${label} ${value}`);
-  return changes.length ? changes.join(", ") : "as in the scenario";
+  return changes.length ? changes : ["as in the scenario"];
+}
+
+function changed(run) {
+  const cell = element("td");
+  cell.append(...(run ? changesOf(run) : ["–"]).map((text) => element("span", text)));
+  return cell;
 }
 
 function draw(answer) {
@@ -159,7 +165,7 @@ function draw(answer) {
   shownRun = now;
   at("headline").textContent = now.headline;
   at("verdict").className = `verdict ${now.tone}${busy ? " busy" : ""}`;
-  at("state").textContent = `${now.name}, ${changesOf(now)}; simulated and judged in ${now.seconds.toFixed(2)} s`;
+  at("state").textContent = `${now.name}, ${changesOf(now).join(", ")}; simulated and judged in ${now.seconds.toFixed(2)} s`;
   at("step").textContent = now.step;
   at("check").disabled = now.exact;
   at("lines").replaceChildren(...now.lines.map((line) => element("li", line)));
@@ -168,7 +174,7 @@ function draw(answer) {
   at("before-name").textContent = before ? `before: ${before.name}` : "before: none yet";
   const labels = [...new Set([...now.figures, ...(before?.figures ?? [])].map((row) => row.label))];
   rows("figures", [
-    [heading("Changed"), element("td", changesOf(now)), element("td", before ? changesOf(before) : "–")],
+    [heading("Changed"), changed(now), changed(before)],
     ...labels.map((label) => [
       heading(label),
       ...[now, before].map((run) => figure(run?.figures.find((row) => row.label === label))),
