@@ -119,6 +119,30 @@ def test_the_last_two_runs_lie_over_each_other(browser, floor):
         assert "0 of 136" in table
 
 
+def test_a_slider_that_is_dragged_simulates_what_it_can_and_ends_where_it_rests(browser, floor):
+    with opened(browser, floor) as page:
+        reset(page)
+        rested = page.locator("#now-name").text_content().removeprefix("now: ")
+        asked = []
+        page.on("request", lambda one: asked.append(one.url) if one.url.endswith("/run") else None)
+        box = page.get_by_label(LEVEL, exact=True).bounding_box()
+        row = box["y"] + box["height"] / 2
+        # From where the factor is 1, log(1 / 0.1) / log(2 / 0.1) of the way, the thumb being 16 px wide.
+        page.mouse.move(box["x"] + 8 + 0.769 * (box["width"] - 16), row)
+        page.mouse.down()
+        for step in range(60):
+            page.mouse.move(box["x"] + (0.769 - 0.01 * step) * box["width"], row)
+            time.sleep(0.02)
+        page.mouse.up()
+        took = seconds_until(page, lambda: page.locator("#result").get_attribute("aria-busy") == "false")
+        assert took < WITHIN
+        assert len(asked) <= 15, "sixty movements in 1.5 s would have been sixty runs"
+        assert "Within all 136 limits" in headline(page)
+        value = page.get_by_label(f"{LEVEL}, as a number [times]").input_value()
+        assert f"{LEVEL} ×\N{NO-BREAK SPACE}{float(value):.4g}" in page.locator("#state").text_content()
+        assert page.locator("#before-name").text_content() == f"before: {rested}"
+
+
 def test_every_slider_can_be_moved_by_keys_and_says_its_value(browser, floor):
     with opened(browser, floor) as page:
         reset(page)

@@ -15,6 +15,8 @@ from wirerope_mj.runs.explore import Exploration
 from wirerope_mj.runs.scenario import load_scenario
 from wirerope_mj.views.explore.server import ExploreServer
 
+pytestmark = pytest.mark.quick
+
 
 @pytest.fixture(scope="module")
 def server():

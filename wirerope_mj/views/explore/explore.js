@@ -5,11 +5,12 @@ const TOKEN = new URLSearchParams(location.search).get("token") ?? "";
 const QUIET = 700; // pause [ms] after which the recording is fetched: while a slider moves there is no use for one
 const RECORDINGS = 8; // that the viewer has in memory, 20 MB each, before it is started afresh
 const STEPS = 400; // positions of a slider
+const PATIENCE = 120e3; // time [ms] after which the viewer is given up: without a graphics card it takes ten seconds
 
 const at = (id) => document.getElementById(id);
 const fields = new Map(); // sliders by key: what they are, their inputs, their value
 let wanted = null, busy = false, shownRun = null, curves = [], pause = 0;
-let viewing = false, recorded = "", recordings = 0;
+let viewing = false, recording = false, recorded = "", recordings = 0;
 
 function element(name, text = "", className = "") {
   const made = document.createElement(name);
@@ -208,32 +209,42 @@ function record() {
 
 async function fetchRecording() {
   const { number, name } = shownRun;
-  if (name === recorded || busy) return;
+  if (name === recorded || busy || recording) return;
+  recording = true;
   at("viewer-state").textContent = `Recording ${name} …`;
   const began = performance.now();
   try {
     const reply = await asked(`/recording/${number}`);
     if (!reply || shownRun.number !== number) return;
-    await showRecording(name, await reply.arrayBuffer());
     recorded = name;
+    await showRecording(name, await reply.arrayBuffer());
     at("viewer-state").textContent = `${name}, here after ${((performance.now() - began) / 1e3).toFixed(1)} s. ` +
       "Drag the time cursor below, or press the space bar.";
   } catch (error) {
     at("viewer-state").textContent = `No recording: ${error.message}`;
+  } finally {
+    recording = false;
+    if (shownRun.number !== number) record(); // what came in the meantime
   }
 }
 
 // The viewer has this machine's other name: so browsers give it a process of its own, and it cannot hold up the page.
 const OTHER = `${location.protocol}//${location.hostname === "localhost" ? "127.0.0.1" : "localhost"}:${location.port}`;
 
+// Wait for a message of the viewer.
 function told(kind) {
   return new Promise((resolve, reject) => {
-    const listen = (event) => {
-      if (event.origin !== OTHER || ![kind, "failed"].includes(event.data.kind)) return;
+    const end = (settle, value) => {
       window.removeEventListener("message", listen);
-      if (event.data.kind === kind) resolve();
-      else reject(new Error(event.data.message));
+      clearTimeout(timeout);
+      settle(value);
     };
+    const listen = (event) => {
+      if (event.origin !== OTHER) return;
+      if (event.data.kind === kind) end(resolve);
+      else if (event.data.kind === "failed") end(reject, new Error(event.data.message));
+    };
+    const timeout = setTimeout(() => end(reject, new Error("the viewer does not answer.")), PATIENCE);
     window.addEventListener("message", listen);
   });
 }
