@@ -187,7 +187,7 @@ def test_without_its_server_the_page_says_so(browser):
         with opened(browser, server) as page:
             page.route("**/run", lambda route: route.abort())
             move(page, LEVEL, 300)
-            api.expect(page.locator("#failure")).to_contain_text("does not answer any more")
+            api.expect(page.locator("#failure")).to_contain_text("wirerope explore does not answer")
             page.unroute("**/run")
             move(page, LEVEL, 400)
             api.expect(page.locator("#headline")).to_contain_text("Exceeded")

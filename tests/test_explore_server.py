@@ -2,6 +2,8 @@
 
 import http.client
 import json
+import socket
+import struct
 import subprocess
 import sys
 import time
@@ -157,6 +159,21 @@ class Slow:
         if values == "fails":
             raise SimulationError("it fell over.")
         return {"values": values}
+
+
+def test_a_page_that_is_closed_while_it_waits_is_no_error(capsys):
+    slow = Slow()
+    for server in serving(slow, viewer=False):
+        connection = http.client.HTTPConnection("127.0.0.1", server.server_port)
+        connection.request("POST", "/run", json.dumps({"values": 1}).encode(), {"X-Token": server.token})
+        assert slow.begun.wait(30)
+        assert connection.sock is not None
+        # Closed with data unread it is reset, and whoever writes to it is told so.
+        connection.sock.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        connection.close()
+        slow.free.set()
+        assert run(server, {"values": 2}) == (200, {"values": 2})
+    assert capsys.readouterr().err == ""
 
 
 def test_of_the_runs_that_wait_only_the_newest_is_computed():

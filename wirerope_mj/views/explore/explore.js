@@ -124,7 +124,7 @@ async function answerAll() {
 function fail(error) {
   const lost = error instanceof TypeError; // what `fetch` throws where nobody answers
   at("failure").textContent = lost
-    ? "wirerope explore does not answer any more: it was ended. What stands below is the last that it said."
+    ? "wirerope explore does not answer: it was ended, or its terminal says why. What stands below is the last that it said."
     : `This cannot be simulated: ${error.message} What stands below is the run before.`;
   at("failure").hidden = false;
   at("state").textContent = "";

@@ -24,10 +24,10 @@ def serve(explored: Explored, *, browser: bool, viewer: bool, port: int = 0) -> 
     except OSError as error:
         raise WireRopeError(f"port {port} of {LOCAL} cannot be had ({error.strerror}). Leave --port out.") from None
     with server:
-        print(f"Open {server.address}\nCtrl-C ends it.", flush=True)
-        if browser and has_display():
-            webbrowser.open(server.address)
         try:
+            print(f"Open {server.address}\nCtrl-C ends it.", flush=True)
+            if browser and has_display():
+                webbrowser.open(server.address)
             server.serve_forever()
         except KeyboardInterrupt:
             print("\nEnded.")

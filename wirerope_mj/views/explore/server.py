@@ -3,6 +3,7 @@
 import hmac
 import json
 import re
+import sys
 from collections.abc import Callable, Mapping
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -77,6 +78,11 @@ class ExploreServer(ThreadingHTTPServer):
         self.hosts = tuple(f"{name}:{self.server_port}" for name in (LOCAL, "localhost"))
         self.policy = _POLICY.format(ours=" ".join(f"http://{host}" for host in self.hosts))
 
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Print an error that nobody expected; a page that was closed while it was answered is none."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
+
     def viewer_file(self, name: str) -> bytes:
         """Return a file of the web viewer; the first that is asked for brings all."""
         with self._fetching:
@@ -118,9 +124,9 @@ class _Handler(BaseHTTPRequestHandler):
             self._send_json({"error": reason}, status)
         except OvertakenError:
             self._send_json({"overtaken": True}, HTTPStatus.CONFLICT)
+        except ConnectionError:  # there is nobody to tell
+            raise
         except (WireRopeError, ValueError, OSError) as error:
-            if isinstance(error, ConnectionError):  # the page was closed while it waited
-                return
             self._send_json({"error": str(error)}, HTTPStatus.UNPROCESSABLE_ENTITY)
 
     def _require_host(self) -> None:
