@@ -30,7 +30,7 @@ class Exploration:
     shorter by as much as their fastest motion is faster: choosing a step for the accuracy again takes several times as long
     as the run, and much longer where stops are struck.
 
-    Not for several threads at once but for `recording`.
+    One thread at a time may call `run`; `start` and `recording` may be called meanwhile.
 
     Attributes:
         sliders: what can be changed.
@@ -106,7 +106,8 @@ class Exploration:
             self._recorder.close()
 
     def _answer(self) -> dict[str, Any]:
-        return answer(self._shown[-1], self._shown[0] if len(self._shown) > 1 else None)
+        shown = self._shown  # another thread may put others in their place
+        return answer(shown[-1], shown[0] if len(shown) > 1 else None)
 
     def _simulated(self, values: Mapping[str, float], *, passing: bool, exact: bool) -> ShownRun:
         began = perf_counter()
