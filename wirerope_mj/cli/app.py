@@ -60,6 +60,10 @@ COMMANDS = {
         "compare:compare",
         "Lay two or more runs over each other: peaks side by side on the screen, and one recording that shows what differs.",
     ),
+    "explore": (
+        "explore:explore_app",
+        "Move sliders in a page of this machine and see verdict, curves and recording change: a what-if.",
+    ),
     "shock": (
         "shock:shock",
         "Play a measured record into a model: a run like those of `wirerope run`, and a picture of the baseline correction.",

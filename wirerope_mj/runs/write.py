@@ -84,7 +84,7 @@ def write_run(
     """
     target = Path(folder)
     check_target(target, force=force)
-    arguments = _checked_arguments(scenario)
+    arguments = checked_arguments(scenario)
     system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
     if not scenario.combined_travel:
         system = replace(system, combined_travel=False)
@@ -115,7 +115,8 @@ def is_streamed(arguments: Mapping[str, Any]) -> bool:
     return bool(arguments["duration"] * arguments.get("sample_rate", SAMPLE_RATE) > STREAM_SAMPLES)
 
 
-def _checked_arguments(scenario: Scenario) -> dict[str, Any]:
+def checked_arguments(scenario: Scenario) -> dict[str, Any]:
+    """Return the arguments of a scenario's simulation; ModelError for one that a file could not say, or that is missing."""
     arguments = dict(scenario.simulate)
     for name in arguments:
         if name not in _ARGUMENTS:

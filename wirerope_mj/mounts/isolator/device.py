@@ -147,9 +147,18 @@ class Isolator:
         """
         if self.stiffening is None or (factor := self.stiffening.factor) == 1.0:
             return self
+        return replace(self, stiffening=None).scaled(factor)
+
+    def scaled(self, factor: float) -> "Isolator":
+        """Return the isolator with all forces and torques times a factor > 0; limits stay, spread goes: it is of these laws."""
         parts = {**self.axes, "loop": self.loop, "rotation": self.rotation}
         scaled = {name: part.scaled(factor) for name, part in parts.items() if part is not None}
-        return replace(self, stiffening=None, spread=None, **scaled)  # type: ignore[arg-type]
+        return replace(self, spread=None, **scaled)  # type: ignore[arg-type]
+
+    def with_damping(self, factor: float) -> "Isolator":
+        """Return the isolator with the hysteretic and viscous part of every law times a factor > 0, see `Law.with_damping`."""
+        laws = {axis: law.with_damping(factor) for axis, law in self.axes.items() if law is not None}
+        return replace(self, spread=None, **laws)  # type: ignore[arg-type]
 
     def rated_travel(self, axis: str) -> tuple[float | None, float | None]:
         """Return how far the axis may deflect below and above zero [m], both positive; None = not judged."""

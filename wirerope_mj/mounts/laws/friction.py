@@ -50,6 +50,11 @@ class EnhancedDryFriction(Law):
         return ("z",)
 
     @property
+    def damping_parameters(self) -> tuple[str, ...]:
+        """The friction force."""
+        return ("d",)
+
+    @property
     def z_max(self) -> float:
         """Bound d of the friction force [N]."""
         return self.d
@@ -105,6 +110,11 @@ class Masing(Law):
             for value in getattr(self, key):
                 if anywhere(value <= 0.0):
                     raise ValueError(f"every entry of `{key}` must be > 0, got {value}.")
+
+    @property
+    def damping_parameters(self) -> tuple[str, ...]:
+        """The Jenkin elements."""
+        return ("stiffness", "slip_force")
 
     def kernel_parameters(self) -> Array:
         """Return k, number of elements, their stiffnesses and slip forces."""

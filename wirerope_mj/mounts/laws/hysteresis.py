@@ -43,6 +43,10 @@ class Normalised:
             positive(name, getattr(self, name))
 
 
+_ELASTIC = ("k", "k1", "k2", "k3")
+"""Parameters of the elastic force beside z."""
+
+
 class Hysteresis(Law):
     """A law with the hysteretic state z of the Bouc-Wen equation, thesis (3.7).
 
@@ -112,7 +116,12 @@ class Hysteresis(Law):
     def force_powers(self) -> Mapping[str, float]:  # type: ignore[override]
         """Power of force in the unit of each parameter; beta and gamma are [N^(1-n)/m]."""
         bends = {name: 1.0 - self.n for name in ("beta", "gamma") if hasattr(self, name)}
-        return {"alpha": 1.0, **bends, **{name: 1.0 for name in ("k", "k1", "k2", "k3") if hasattr(self, name)}}
+        return {"alpha": 1.0, **bends, **{name: 1.0 for name in _ELASTIC if hasattr(self, name)}}
+
+    @property
+    def damping_parameters(self) -> tuple[str, ...]:
+        """All parameters of z, which is the hysteretic part."""
+        return tuple(name for name in self.force_powers if name not in _ELASTIC)
 
     @property
     def z_max(self) -> float:

@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, ClassVar, Self
 
@@ -161,10 +161,30 @@ class Law(ABC):
         Raises:
             ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
         """
+        return self._in_another_unit(factor, self.force_powers)
+
+    @property
+    def damping_parameters(self) -> tuple[str, ...]:
+        """Parameters of the hysteretic or viscous part of the force alone; none if it is no part that stands by itself."""
+        return ()
+
+    def with_damping(self, factor: float) -> Self:
+        """Return the law whose hysteretic or viscous part is `factor` times this one's along every path, the rest the same.
+
+        A hysteretic part resists small deflections too: with it the stiffness of a rope at small amplitudes changes. A law
+        without `damping_parameters` stays as it is.
+
+        Raises:
+            ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
+        """
+        return self._in_another_unit(factor, self.damping_parameters)
+
+    def _in_another_unit(self, factor: float, names: Iterable[str]) -> Self:
+        """Return the law with some parameters multiplied by the factor to their power of force."""
         positive("factor", factor)
         values: dict[str, Any] = {}
-        for name, power in self.force_powers.items():
-            value, ratio = getattr(self, name), factor**power
+        for name in names:
+            value, ratio = getattr(self, name), factor ** self.force_powers[name]
             values[name] = tuple(ratio * one for one in value) if isinstance(value, tuple) else ratio * value
         return replace(self, **values)
 

@@ -81,6 +81,15 @@ class Parallel(Law):
         return replace(self, laws=tuple(law.scaled(factor) for law in self.laws))
 
     @property
+    def damping_parameters(self) -> tuple[str, ...]:
+        """Those of each law, with its number counted from 1."""
+        return tuple(f"{name}_{number}" for number, law in enumerate(self.laws, 1) for name in law.damping_parameters)
+
+    def with_damping(self, factor: float) -> Self:
+        """Return the laws with `factor` times the hysteretic or viscous part of each."""
+        return replace(self, laws=tuple(law.with_damping(factor) for law in self.laws))
+
+    @property
     def state_names(self) -> tuple[str, ...]:
         """Names of the states of each law, with its number counted from 1."""
         return tuple(f"{name}_{number}" for number, law in enumerate(self.laws, 1) for name in law.state_names)

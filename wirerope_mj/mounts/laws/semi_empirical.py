@@ -54,6 +54,11 @@ class TinkerCutchins(Law):
         require_not_negative(self, "k1", "k3", "c", "f0", "f1", "f2")
         require_positive(self, "n", "smoothing")
 
+    @property
+    def damping_parameters(self) -> tuple[str, ...]:
+        """Damper and friction."""
+        return ("c", "f0", "f1", "f2")
+
     def kernel_parameters(self) -> Array:
         """Return k1, k2, k3, c, n, f0, f1, f2, smoothing."""
         return np.array(
@@ -151,6 +156,11 @@ class EquivalentViscous(Law):
         else:
             energy = float(np.interp(log_amplitude, np.log(sizes), energies))
         return cls(k1=k1, k2=k2, k3=k3, energy=energy, amplitude=float(amplitude), frequency=float(frequency))
+
+    @property
+    def damping_parameters(self) -> tuple[str, ...]:
+        """The energy of its ellipse."""
+        return ("energy",)
 
     def kernel_parameters(self) -> Array:
         """Return the parameters of Tinker and Cutchins' kernel: the mid-line and linear damping, no friction."""

@@ -49,6 +49,7 @@ class Smoothed(Law):
     finite_travel = _of_law("finite_travel", "Deflection up to which the law holds [m].")
     travel_ends = _of_law("travel_ends", "Deflections below and above zero up to which the law holds [m].")
     largest_force = _of_law("largest_force", "That of the law [N]: finite without an elastic part.")
+    damping_parameters = _of_law("damping_parameters", "Those of the law.")
     state_names = _of_law("state_names", "The state of the law.")
 
     def __post_init__(self) -> None:
@@ -67,6 +68,10 @@ class Smoothed(Law):
     def scaled(self, factor: float) -> Self:
         """Return the smoothed law whose force is `factor` times this one's."""
         return replace(self, law=self.law.scaled(factor))
+
+    def with_damping(self, factor: float) -> Self:
+        """Return the smoothed law with `factor` times the hysteretic part."""
+        return replace(self, law=self.law.with_damping(factor))
 
     def to_dict(self) -> dict[str, Any]:
         """Raise ValueError: an isolator file holds the law itself."""

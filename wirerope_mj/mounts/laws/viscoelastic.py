@@ -43,6 +43,11 @@ class KelvinVoigt(Law):
         return self.k
 
     @property
+    def damping_parameters(self) -> tuple[str, ...]:
+        """The damper."""
+        return ("c",)
+
+    @property
     def damping_coefficient(self) -> float:
         """Damping c [N s/m]."""
         return self.c
@@ -75,6 +80,11 @@ class Zener(Law):
     def kernel_parameters(self) -> Array:
         """Return k0, k1, k1 / c."""
         return np.array([self.k0, self.k1, self.relaxation_rate])
+
+    @property
+    def damping_parameters(self) -> tuple[str, ...]:
+        """The branch with the damper, whose force decays as fast as before."""
+        return ("k1", "c")
 
     @property
     def state_names(self) -> tuple[str, ...]:

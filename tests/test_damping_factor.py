@@ -1,0 +1,72 @@
+"""A factor on what dissipates: hysteretic and viscous forces apart from the elastic ones."""
+
+import numpy as np
+import pytest
+from laws_for_tests import PARAMETERS, example
+
+import wirerope_mj as wr
+from wirerope_mj.mounts.laws import LAWS, Parallel, Smoothed
+
+PATH = 1e-2 * np.sin(np.linspace(0.0, 4.0 * np.pi, 801))
+TIME = np.linspace(0.0, 0.2, PATH.size)
+WITHOUT = {"stop", "tabulated", "vaiana-rosati"}
+"""Laws whose loss is no part that stands by itself."""
+
+
+def forces(law):
+    return law.trace(PATH, time=TIME).force if not law.rate_independent else law.trace(PATH).force
+
+
+def laws():
+    return [example(name) for name in sorted(PARAMETERS)]
+
+
+@pytest.mark.parametrize("law", laws(), ids=lambda law: law.name)
+def test_the_force_is_linear_in_the_factor(law):
+    """F = E + c H: equal steps of the factor add equal forces, and nothing but what dissipates changes."""
+    if law.name in WITHOUT:
+        assert law.damping_parameters == ()
+        assert law.with_damping(3.0) == law
+        return
+    assert set(law.damping_parameters) <= set(law.force_powers)
+    one, two, three = (forces(law.with_damping(factor)) for factor in (1.0, 2.0, 3.0))
+    np.testing.assert_array_equal(one, forces(law))
+    largest = np.abs(three).max()
+    assert np.abs(two - one).max() > 0.05 * largest
+    # Baber and Noori's law is integrated to 1e-8, the others have closed forms.
+    np.testing.assert_allclose(three - two, two - one, rtol=0, atol=(3e-8 if "noori" in law.name else 1e-12) * largest)
+
+
+def test_every_law_is_looked_at():
+    assert {law.name for law in laws()} == set(LAWS)
+
+
+def test_a_closed_cycle_loses_so_many_times_more():
+    law = example("asymmetric-bouc-wen")
+    (loop,), (more,) = (wr.cyclic_test(one, [8e-3]) for one in (law, law.with_damping(1.7)))
+    assert more.dissipated_energy == pytest.approx(1.7 * loop.dissipated_energy, rel=1e-9)
+
+
+def test_laws_made_of_laws_hand_the_factor_on():
+    hysteretic, stop = example("bouc-wen"), example("stop")
+    both = Parallel(laws=(hysteretic, stop)).with_damping(2.0)
+    assert both.laws == (hysteretic.with_damping(2.0), stop)
+    assert Parallel(laws=(hysteretic, stop)).damping_parameters == ("alpha_1", "beta_1", "gamma_1")
+    assert Smoothed(law=hysteretic, width=0.1).with_damping(2.0).law == hysteretic.with_damping(2.0)
+
+
+def test_an_isolator_keeps_its_elastic_forces_and_its_limits():
+    rope = wr.load_isolator("enidine_wr16_400")
+    more = rope.with_damping(1.5)
+    assert more.limits == rope.limits
+    assert more.loop == rope.loop
+    assert more.spread is None
+    assert (more.axial.alpha, more.axial.k1) == (1.5 * rope.axial.alpha, rope.axial.k1)
+    assert rope.scaled(2.0).axial == rope.axial.scaled(2.0)
+    assert rope.scaled(2.0).loop == rope.loop.scaled(2.0)
+
+
+@pytest.mark.parametrize("factor", [0.0, -1.0, float("nan")])
+def test_a_factor_is_above_zero(factor):
+    with pytest.raises(ValueError, match="`factor` must be (a finite number|> 0)"):
+        example("bouc-wen").with_damping(factor)

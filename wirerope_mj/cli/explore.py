@@ -1,0 +1,68 @@
+"""`wirerope explore`: a scenario behind sliders, in a browser of this machine."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Annotated, Any
+
+from cyclopts import App, Parameter
+
+from wirerope_mj.cli.exit_codes import BAD_INPUT
+from wirerope_mj.cli.function_options import own_option, run_with_options
+from wirerope_mj.cli.numerics_options import NUMERICS, with_numerics
+
+_OWN = (
+    own_option("browser", bool, True, "open the page; its address is printed in any case", negative="--no-browser"),
+    own_option("viewer", bool, True, "show the recording of the last two runs in the page", negative="--no-viewer"),
+    own_option("port", int, 0, "on which the page is served; a free one if it is not given"),
+)  # fmt: skip
+
+explore_app = App(name="explore", help_flags=[], version_flags=[], suppress_keyboard_interrupt=False)
+
+
+@explore_app.default
+def explore(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
+    """Move sliders in a page of this machine and see verdict, curves and recording change: a what-if.
+
+    wirerope explore SCENARIO-OR-MODEL [OPTIONS] [--no-browser] [--no-viewer] [--port PORT]
+
+    SCENARIO-OR-MODEL is a scenario as `wirerope run` takes it, or a model, whose base is then struck by a half-sine;
+    `wirerope explore SCENARIO-OR-MODEL --help` shows the options of one. The page has sliders for the level and the direction
+    of the base motion, the payload's mass, the stiffness of each kind of isolator and the damping. It is served on this machine
+    alone, and nothing is sent anywhere. Ctrl-C ends it.
+    """
+    if not tokens or tokens[0] in ("--help", "-h"):
+        from wirerope_mj.cli.app import app
+
+        app.help_print(["explore"])
+        return 0 if tokens else BAD_INPUT
+    if tokens[0].startswith("-"):
+        raise ValueError(
+            f"the scenario or the model comes first: wirerope explore SCENARIO-OR-MODEL {' '.join(tokens)}"
+        )
+    _explore(tokens[0], tokens[1:])
+    return 0
+
+
+def _explore(name: str, tokens: Sequence[str]) -> None:
+    from wirerope_mj.runs.model_shock import scenario_or_model
+
+    file = scenario_or_model(name)
+    numerics = [option for option in NUMERICS if option.name not in file.defaults]
+
+    def action(options: dict[str, Any], own: dict[str, Any]) -> None:
+        made = file.make(**options)
+        asked = {option.name: own.get(option.name) for option in NUMERICS}
+        made = replace(made, simulate=with_numerics(made.simulate, **asked))
+        from wirerope_mj.runs.explore import Exploration
+        from wirerope_mj.views.explore.serve import serve
+
+        if not 0 <= own["port"] < 65536:
+            raise ValueError(f"`--port` must be from 0 to 65535, got {own['port']}.")
+        print(f"Simulating {made.name} once ...", flush=True)
+        explored = Exploration(made)
+        try:
+            serve(explored, browser=own["browser"], viewer=own["viewer"], port=own["port"])
+        finally:
+            explored.close()
+
+    run_with_options(f"wirerope explore {file.name}", file.function, [*numerics, *_OWN], action, tokens)

@@ -1,0 +1,144 @@
+"""A what-if of a scenario: runs with the sliders at other values, of which the last two are kept."""
+
+import warnings
+from collections.abc import Mapping
+from itertools import count
+from time import perf_counter
+from typing import Any
+
+from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.system import load_system
+from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.runs.judged import judged_run
+from wirerope_mj.runs.scenario import Scenario
+from wirerope_mj.runs.sliders import Slider, checked_values, frequency_ratio, sliders_of, variant
+from wirerope_mj.runs.write import checked_arguments
+from wirerope_mj.views.explore.answer import answer
+from wirerope_mj.views.explore.recorder import Recorder
+from wirerope_mj.views.explore.shown import ShownRun
+from wirerope_mj.views.explore.turns import OvertakenError
+from wirerope_mj.views.report.display import title_of
+
+_NUMERICS = ("timestep", "accuracy")
+
+
+class Exploration:
+    """Simulates one scenario again and again, each time with the sliders at other values.
+
+    The first run, with all of them nominal, is simulated when it is made, as `wirerope run` would. Later runs take its step,
+    shorter by as much as their fastest motion is faster: choosing a step for the accuracy again takes several times as long
+    as the run, and much longer where stops are struck.
+
+    One thread at a time may call `run`; `start` and `recording` may be called meanwhile.
+
+    Attributes:
+        sliders: what can be changed.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        """Simulate the scenario; raises what `wirerope_mj.simulate` raises, and ModelError for arguments that are none."""
+        self._scenario = scenario
+        self._arguments = checked_arguments(scenario)
+        system = load_system(scenario.model_source(), isolators=scenario.isolators)
+        self._system = with_changes(system, scenario.changes)
+        self.sliders = sliders_of(self._system, scenario.motion)
+        self._numbers = count(1)
+        self._recorder: Recorder | None = None
+        self._shown = (self._simulated(checked_values(self.sliders, {}), passing=False, exact=True),)
+        self._step = self._shown[0].response.numerics.timestep
+
+    def start(self) -> dict[str, Any]:
+        """Return title, question, sliders and the last answer."""
+        return {
+            "title": title_of(self._scenario.name),
+            "question": self._scenario.question.strip().split("\n", 1)[0],
+            "sliders": [vars(slider) for slider in self.sliders],
+            "answer": self._answer(),
+        }
+
+    def run(self, values: object, *, passing: bool = False, exact: bool = False) -> dict[str, Any]:
+        """Simulate with the sliders at some values, and return what came out beside the run before it.
+
+        A run that was passing gives way to this one; every other one is what this one is compared with from now on.
+
+        Args:
+            values: of the sliders, by key; brought into their ranges, nominal where they are not given.
+            passing: whether a slider is on its way.
+            exact: whether the step is chosen for the accuracy of the scenario, as in the first run.
+
+        Raises:
+            ValueError: `values` is no table of finite numbers, or names what is no slider.
+            WireRopeError: the variant cannot be simulated.
+        """
+        checked = checked_values(self.sliders, values)
+        last = self._shown[-1]
+        same = dict(last.values) == checked
+        if same and (last.exact or not exact):
+            run = ShownRun(**vars(last) | {"passing": passing and last.passing})
+        else:
+            run = self._simulated(checked, passing=passing, exact=exact)
+        # The run that is checked, or that a slider was passing, is not one of its own.
+        earlier = self._shown[:-1] if same or last.passing else self._shown
+        self._shown = (*earlier[-1:], run)
+        return self._answer()
+
+    def recording(self, number: int) -> bytes:
+        """Return the recording of the last two runs over each other, or of the only one.
+
+        Raises:
+            OvertakenError: run `number` is not the last any more.
+            RecordError: the process that writes it has died.
+        """
+        shown = self._shown
+        if shown[-1].number != number:
+            raise OvertakenError
+        self._recorder = self._recorder or Recorder()
+        try:
+            return self._recorder.recording(shown, title_of(self._scenario.name))
+        except RuntimeError as error:  # a broken pool, or one that is closed
+            self._recorder = None
+            raise RecordError(f"the recording was not written: {error}") from error
+
+    def close(self) -> None:
+        """End the process that writes recordings."""
+        if self._recorder is not None:
+            self._recorder.close()
+
+    def _answer(self) -> dict[str, Any]:
+        shown = self._shown  # another thread may put others in their place
+        return answer(shown[-1], shown[0] if len(shown) > 1 else None)
+
+    def _simulated(self, values: Mapping[str, float], *, passing: bool, exact: bool) -> ShownRun:
+        began = perf_counter()
+        system, motion = variant(self._system, self._scenario.motion, values)
+        arguments = dict(self._arguments)
+        if not exact:
+            arguments = {name: value for name, value in arguments.items() if name not in _NUMERICS}
+            arguments["timestep"] = self._step / frequency_ratio(values)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            response = simulate(system, motion, **arguments)
+            judged = judged_run(system, response)
+        return ShownRun(
+            number=next(self._numbers),
+            values=values,
+            changes={slider.label: _text(slider, values) for slider in self.sliders if _changed(slider, values)},
+            motion=motion.description,
+            response=response,
+            verdicts=judged.verdicts,
+            headline=judged.headline,
+            seconds=perf_counter() - began,
+            exact=exact,
+            passing=passing,
+            warnings=tuple(dict.fromkeys(str(warning.message) for warning in caught)),
+        )
+
+
+def _changed(slider: Slider, values: Mapping[str, float]) -> bool:
+    return values[slider.key] != slider.nominal
+
+
+def _text(slider: Slider, values: Mapping[str, float]) -> str:
+    value = f"{values[slider.key]:.4g}"
+    return f"{value}°" if slider.unit == "°" else f"×\N{NO-BREAK SPACE}{value}"

@@ -1,0 +1,160 @@
+"""Sliders of a what-if: what can be changed between two runs of a scenario, and the system and motion that follow."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirerope_mj.engine.statics.payloads import payloads_of
+from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system.varied import moving_bodies, varied
+from wirerope_mj.foundation.units import significant
+from wirerope_mj.motions import BaseMotion, Scaled, Turned
+from wirerope_mj.mounts.isolator import Isolator
+
+LEVEL, DIRECTION, MASS, DAMPING, STIFFNESS = "level", "direction", "mass", "damping", "stiffness/"
+"""Keys of the sliders; that of a stiffness is followed by what the model calls the isolator."""
+
+Values = Mapping[str, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slider:
+    """One quantity that can be changed.
+
+    Attributes:
+        key: by which its value is handed over.
+        label: what it is called.
+        unit: "×" for a factor on what the scenario has, "°" for an angle.
+        minimum, maximum: smallest and largest value.
+        nominal: what leaves the scenario as it is.
+        note: what it acts on, and what stays.
+    """
+
+    key: str
+    label: str
+    unit: str
+    minimum: float
+    maximum: float
+    nominal: float
+    note: str
+
+
+def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
+    """Return the sliders that act on a system under a motion: none that could do nothing."""
+    found = [_factor(LEVEL, "Base motion level", (0.1, 2.0), f"On {motion.description}.")]
+    if _can_turn(system, motion):
+        note = "Turns the motion about the vertical, from x towards y."
+        found.append(
+            Slider(
+                key=DIRECTION, label="Base motion direction", unit="°", minimum=-180.0, maximum=180.0,
+                nominal=0.0, note=note,
+            )
+        )  # fmt: skip
+    if system.mounts:
+        mass = sum(payload.mass for payload in payloads_of(system))
+        note = f"On mass and inertia of all that the mounts carry, {significant(mass)} kg; its shape stays."
+        found.append(_factor(MASS, "Payload mass", (0.5, 2.0), note))
+    groups = groups_of(system)
+    for group, mounts in groups.items():
+        device = system.mounts[mounts[0]].written.name
+        note = f"On all forces of {len(mounts)} {'mounts' if len(mounts) > 1 else 'mount'}; their ratings stay."
+        found.append(_factor(STIFFNESS + group, f"Stiffness of {device}", (0.5, 2.0), note))
+    damped = [group for group, mounts in groups.items() if _has_damping(system.mounts[mounts[0]].written)]
+    if damped:
+        others = [system.mounts[groups[group][0]].written.name for group in groups if group not in damped]
+        note = (
+            "On rope friction and dampers of all mounts. Friction resists small deflections, too: they become stiffer."
+        )
+        note += f" {', '.join(others)}: loss and stiffness are one law, which stays." if others else ""
+        found.append(_factor(DAMPING, "Damping of all mounts", (0.33, 3.0), note))
+    return tuple(found)
+
+
+def groups_of(system: System) -> dict[str, list[str]]:
+    """Return the mounts that share an isolator by what the model calls it; mere stops are no isolators."""
+    groups: dict[str, list[str]] = {}
+    for name, mount in system.mounts.items():
+        if not mount.written.is_stop:
+            groups.setdefault(mount.isolator_name, []).append(name)
+    return groups
+
+
+def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float]:
+    """Return a value for every slider: the one that is given, brought into its range, else the nominal one.
+
+    Raises:
+        ValueError: `values` is no table of finite numbers, or names what is no slider.
+    """
+    if not isinstance(values, Mapping):
+        raise ValueError(f"the sliders' values must be a table, got {type(values).__name__}.")
+    known = {slider.key: slider for slider in sliders}
+    checked = {slider.key: slider.nominal for slider in sliders}
+    for key, value in values.items():
+        if key not in known:
+            raise ValueError(f"there is no slider {str(key)[:40]!r}; there are {', '.join(known)}.")
+        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+            raise ValueError(f"the value of {key!r} must be a finite number, got {str(value)[:40]!r}.")
+        checked[key] = min(max(float(value), known[key].minimum), known[key].maximum)
+    return checked
+
+
+def variant(system: System, motion: BaseMotion, values: Values) -> tuple[System, BaseMotion]:
+    """Return system and motion with all sliders at some values; where all are nominal, those that are given.
+
+    Raises:
+        ValueError: a factor takes a parameter out of its law's range.
+        ModelError: the compiled model has no room for the change.
+    """
+    mass, damping = values.get(MASS, 1.0), values.get(DAMPING, 1.0)
+    isolators: dict[str, Isolator] = {}
+    for group, mounts in groups_of(system).items():
+        stiffness = values.get(STIFFNESS + group, 1.0)
+        for mount in mounts:
+            written = system.mounts[mount].written
+            changed = written if stiffness == 1.0 else written.scaled(stiffness)
+            isolators[mount] = changed if damping == 1.0 else changed.with_damping(damping)
+    carried = _carried(system) if mass != 1.0 else []
+    if carried or any(isolators[mount] is not system.mounts[mount].written for mount in isolators):
+        system = varied(system, isolators=isolators, masses=dict.fromkeys(carried, mass))
+    if angle := values.get(DIRECTION, 0.0):
+        motion = Turned(motion, rotation=_about_vertical(angle))
+    if (level := values.get(LEVEL, 1.0)) != 1.0:
+        motion = Scaled(motion, level)
+    return system, motion
+
+
+def frequency_ratio(values: Values) -> float:
+    """Return by how much the fastest motion is at most faster than the scenario's: root of stiffness over mass, >= 1."""
+    stiffest = max((value for key, value in values.items() if key.startswith(STIFFNESS)), default=1.0)
+    # Damping multiplies the friction, which is a part of the stiffness at small amplitudes, and a damper's rate itself.
+    return max(1.0, stiffest * max(1.0, values.get(DAMPING, 1.0)) ** 2 / values.get(MASS, 1.0)) ** 0.5
+
+
+def _factor(key: str, label: str, ends: tuple[float, float], note: str) -> Slider:
+    return Slider(key=key, label=label, unit="×", minimum=ends[0], maximum=ends[1], nominal=1.0, note=note)
+
+
+def _can_turn(system: System, motion: BaseMotion) -> bool:
+    """Return whether the motion has a horizontal component, and the base follows any such motion."""
+    drive = system.assembly.tables.drive
+    reach = np.linalg.pinv(drive) @ drive  # projector onto what the slides span
+    # 1e-9: rounding of unit vectors, as where the simulation checks its direction.
+    follows = np.abs(reach[:2, :2] - np.eye(2)).max() < 1e-9
+    return bool(follows and np.abs(motion.directions[:, :2]).max(initial=0.0) > 1e-9)
+
+
+def _about_vertical(angle: float) -> list[list[float]]:
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    return [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
+
+
+def _carried(system: System) -> list[str]:
+    """Return the bodies with a mass that the mounts carry."""
+    ids = {body for payload in payloads_of(system) for body in payload.bodies}
+    return [name for name in moving_bodies(system.model) if system.model.body(name).id in ids]
+
+
+def _has_damping(isolator: Isolator) -> bool:
+    return any(law.damping_parameters for law in isolator.axes.values() if law is not None)

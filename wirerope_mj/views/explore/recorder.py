@@ -1,0 +1,50 @@
+"""Recordings of the last two runs, written by a process of its own: a second of work that no simulation waits for."""
+
+import signal
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from wirerope_mj.views.explore.shown import ShownRun
+
+
+class Recorder:
+    """Writes recordings; `close` ends its process."""
+
+    def __init__(self) -> None:
+        # Not forked: this process has threads, and rerun and Numba have more of them.
+        self._pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=_begin)
+        self._pool.submit(_prepare)  # starts the process, whose imports take as long as a recording
+
+    def recording(self, runs: Sequence[ShownRun], title: str) -> bytes:
+        """Return the recording of one run, or of two over each other, the first being what the other is compared with."""
+        return self._pool.submit(_recording, tuple(runs), title).result()
+
+    def close(self) -> None:
+        """End the process as soon as it has done what it is at."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _begin() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the command, which ends this process
+
+
+def _prepare() -> None:
+    import wirerope_mj.views.recording  # noqa: F401
+
+
+def _recording(runs: tuple[ShownRun, ...], title: str) -> bytes:
+    from wirerope_mj.views.recording import record_overlay, record_rerun
+
+    with TemporaryDirectory(prefix="wirerope-explore-") as folder:
+        target = Path(folder) / "run.rrd"
+        if len(runs) == 1:
+            record_rerun(runs[0].response, target, title=title, verdicts=[runs[0].headline, *runs[0].lines])
+        else:
+            responses = {run.name: run.response for run in runs}
+            names = dict.fromkeys(name for run in runs for name in run.changes)
+            inputs = {run.name: {name: run.changes.get(name, "as in the scenario") for name in names} for run in runs}
+            record_overlay(responses, target, inputs=inputs)
+        return target.read_bytes()

@@ -1,0 +1,198 @@
+"""The server of the page: this machine only, and whoever asks for anything that computes must know the token."""
+
+import hmac
+import json
+import re
+import sys
+from collections.abc import Callable, Mapping
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+from secrets import token_urlsafe
+from threading import Lock
+from typing import Any, Protocol
+from urllib.parse import parse_qs, urlsplit
+
+from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.views.explore.turns import OvertakenError, Turns
+from wirerope_mj.views.explore.viewer_files import FILES, viewer_files
+
+LOCAL = "127.0.0.1"
+
+_FOLDER = Path(__file__).parent
+_TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".wasm": "application/wasm"}
+_STATIC = ("explore.css", "explore.js", "chart.js", "viewer.html", "viewer.css", "viewer.js")
+_LARGEST = 4096
+"""Request that is read [bytes]: a dozen sliders take a tenth of it."""
+
+_IDLE = 60.0
+"""Time after which a connection that asks nothing is closed [s]."""
+
+# The page loads nothing from elsewhere, whatever its scripts or the viewer's might try: no fonts, no usage data.
+_POLICY = (
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self' data: blob:; "
+    "img-src 'self' data: blob:; worker-src 'self' blob:; frame-src {ours}; frame-ancestors {ours}; base-uri 'none'; "
+    "form-action 'none'"
+)
+_HEADERS = {
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Referrer-Policy": "no-referrer",  # the token stands in the page's address
+    "X-Content-Type-Options": "nosniff",
+    "Cache-Control": "no-store",
+}
+
+
+class Explored(Protocol):
+    """What the page shows and changes."""
+
+    def start(self) -> dict[str, Any]:
+        """Return title, sliders and the last answer."""
+
+    def run(self, values: object, *, passing: bool, exact: bool) -> dict[str, Any]:
+        """Simulate with the sliders at some values and return the answer; ValueError or WireRopeError says why not."""
+
+    def recording(self, number: int) -> bytes:
+        """Return the recording of the last two runs; OvertakenError if run `number` is not the last any more."""
+
+
+class ExploreServer(ThreadingHTTPServer):
+    """Serves the page of one what-if on a free port of this machine.
+
+    Attributes:
+        explored: what it shows.
+        viewer: whether the page has the viewer beside it.
+        token: what requests must bring along; new for every server.
+        runs, recordings: who may compute now.
+        hosts: what a request may be addressed to; the viewer has the other name than the page, see `explore.js`.
+        policy: what the page may load.
+    """
+
+    daemon_threads = True
+
+    def __init__(self, explored: Explored, *, viewer: bool = True, port: int = 0) -> None:
+        self.explored, self.viewer, self.token = explored, viewer, token_urlsafe(24)
+        self.runs, self.recordings = Turns(), Turns()
+        self._viewer_files: dict[str, bytes] = {}
+        self._fetching = Lock()
+        super().__init__((LOCAL, port), _Handler)
+        self.hosts = tuple(f"{name}:{self.server_port}" for name in (LOCAL, "localhost"))
+        self.policy = _POLICY.format(ours=" ".join(f"http://{host}" for host in self.hosts))
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Print an error that nobody expected; a page that was closed while it was answered is none."""
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
+
+    def viewer_file(self, name: str) -> bytes:
+        """Return a file of the web viewer; the first that is asked for brings all."""
+        with self._fetching:
+            self._viewer_files = self._viewer_files or viewer_files()
+            return self._viewer_files[name]
+
+    @property
+    def address(self) -> str:
+        """Address of the page, with its token."""
+        return f"http://{LOCAL}:{self.server_port}/?token={self.token}"
+
+
+class _RefusedError(Exception):
+    """A request that is not answered: status and reason."""
+
+
+class _Handler(BaseHTTPRequestHandler):
+    server: ExploreServer
+    protocol_version = "HTTP/1.1"
+    timeout = _IDLE
+
+    def do_GET(self) -> None:
+        self._answered(self._get)
+
+    def do_POST(self) -> None:
+        self._answered(self._post)
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """Print nothing: the terminal has the address to show."""
+
+    def _answered(self, answer: Callable[[str, Mapping[str, list[str]]], None]) -> None:
+        try:
+            self._require_host()
+            asked = urlsplit(self.path)
+            answer(asked.path, parse_qs(asked.query))
+        except _RefusedError as refused:
+            status, reason = refused.args
+            self.close_connection = True  # what it still has to say is not read
+            self._send_json({"error": reason}, status)
+        except OvertakenError:
+            self._send_json({"overtaken": True}, HTTPStatus.CONFLICT)
+        except ConnectionError:  # there is nobody to tell
+            raise
+        except (WireRopeError, ValueError, OSError) as error:
+            self._send_json({"error": str(error)}, HTTPStatus.UNPROCESSABLE_ENTITY)
+
+    def _require_host(self) -> None:
+        """Refuse what was not addressed to this machine: a foreign name may have been made to point here."""
+        if self.headers.get("Host", "") not in self.server.hosts:
+            raise _RefusedError(HTTPStatus.FORBIDDEN, "This page is for this machine only.")
+
+    def _require_token(self, given: str) -> None:
+        if not hmac.compare_digest(given.encode(), self.server.token.encode()):
+            reason = "Open the address that `wirerope explore` printed: its token is missing or wrong."
+            raise _RefusedError(HTTPStatus.FORBIDDEN, reason)
+
+    def _get(self, path: str, query: Mapping[str, list[str]]) -> None:
+        name = path.removeprefix("/")
+        if name == "":
+            self._require_token(query.get("token", [""])[0])
+            self._send((_FOLDER / "explore.html").read_bytes(), _TYPES[".html"])
+        elif name in _STATIC:
+            self._send((_FOLDER / name).read_bytes(), _TYPES[Path(name).suffix])
+        elif name in FILES and self.server.viewer:
+            self._send(self.server.viewer_file(name), _TYPES[Path(name).suffix])
+        elif name == "start":
+            self._require_token(self.headers.get("X-Token", ""))
+            self._send_json({**self.server.explored.start(), "viewer": self.server.viewer})
+        elif match := re.fullmatch(r"recording/(\d{1,9})", name):
+            self._require_token(self.headers.get("X-Token", ""))
+            with self.server.recordings.turn():
+                content = self.server.explored.recording(int(match[1]))
+            self._send(content, "application/octet-stream")
+        else:
+            raise _RefusedError(HTTPStatus.NOT_FOUND, "There is nothing here.")
+
+    def _post(self, path: str, query: Mapping[str, list[str]]) -> None:
+        self._require_token(self.headers.get("X-Token", ""))
+        if path != "/run":
+            raise _RefusedError(HTTPStatus.NOT_FOUND, "There is nothing here.")
+        asked = self._content()
+        with self.server.runs.turn():
+            answer = self.server.explored.run(
+                asked.get("values"), passing=asked.get("passing") is True, exact=asked.get("exact") is True
+            )
+        self._send_json(answer)
+
+    def _content(self) -> dict[str, Any]:
+        length = self.headers.get("Content-Length", "")
+        if not length.isdecimal() or len(length) > 9 or int(length) > _LARGEST:
+            reason = f"A request says its length and has at most {_LARGEST} bytes."
+            raise _RefusedError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, reason)
+        try:
+            asked = json.loads(self.rfile.read(int(length)))
+        except (ValueError, RecursionError):
+            asked = None
+        if not isinstance(asked, dict):
+            raise _RefusedError(HTTPStatus.BAD_REQUEST, "A request is a table in JSON.")
+        return asked
+
+    def _send_json(self, content: Mapping[str, Any], status: HTTPStatus = HTTPStatus.OK) -> None:
+        self._send(json.dumps(content, allow_nan=False).encode(), "application/json", status)
+
+    def _send(self, content: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK) -> None:
+        self.send_response(status)
+        for name, value in {**_HEADERS, "Content-Security-Policy": self.server.policy}.items():
+            self.send_header(name, value)
+        self.send_header("Content-Type", f"{kind}; charset=utf-8" if kind.startswith("text") else kind)
+        self.send_header("Content-Length", str(len(content)))
+        if self.close_connection:
+            self.send_header("Connection", "close")
+        self.end_headers()
+        self.wfile.write(content)
