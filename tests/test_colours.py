@@ -5,6 +5,7 @@ import itertools
 import pytest
 
 from wirerope_mj.views.colours import DARK, LIGHT, Colours, numbered
+from wirerope_mj.views.recording.drawn_runs import COLORS
 
 coloraide = pytest.importorskip("coloraide")
 pytestmark = pytest.mark.quick
@@ -34,6 +35,11 @@ def test_neighbours_are_told_apart_whatever_cones_are_missing(ground: Colours):
         assert apart(one, other) >= 8.0, (one, other)
     # Only a few are drawn together: the first three of them, with the limit and the grey of the others.
     for one, other in itertools.combinations((*ground.series[:3], ground.limit, ground.others), 2):
+        assert apart(one, other) >= 8.0, (one, other)
+
+
+def test_runs_over_each_other_are_told_apart():
+    for one, other in itertools.pairwise(COLORS):
         assert apart(one, other) >= 8.0, (one, other)
 
 

@@ -1,10 +1,14 @@
 """What a report says of a run: the question, the verdicts, statics and modes, the motion, peaks and pictures."""
 
+import base64
+import hashlib
 import json
 import math
+import re
 import warnings
 from dataclasses import replace
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,11 +25,13 @@ from wirerope_mj.runs import report as report_module
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.run_spectra import run_spectra
 from wirerope_mj.runs.scenario import Scenario, load_scenario
-from wirerope_mj.views.plots.report_response import accelerations_figure
+from wirerope_mj.views import report as report_package
+from wirerope_mj.views.colours import DARK
+from wirerope_mj.views.display import ABSENT, MINUS, fixed
+from wirerope_mj.views.plots.report_response import accelerations_chart, deflections_chart
 from wirerope_mj.views.plots.report_scene import crowded_label
 from wirerope_mj.views.report import judged, report_content, report_html, worst_names
-from wirerope_mj.views.report.content import Picture
-from wirerope_mj.views.report.display import ABSENT, MINUS, fixed
+from wirerope_mj.views.report.content import Folded, Picture
 from wirerope_mj.views.report.model import model_section
 
 HOSTILE = "<script>alert('deck')</script>"
@@ -135,23 +141,30 @@ def words_of(folder):
     return Page((folder / "report.html").read_text(encoding="utf-8")).words
 
 
+def tables_in(section):
+    blocks = [block.table if isinstance(block, Folded) else block for block in section.blocks]
+    return [block for block in blocks if isinstance(block, Table)]
+
+
 def tables_of(content):
-    return [block for section in content.sections for block in section.blocks if isinstance(block, Table)]
+    return [table for section in content.sections for table in tables_in(section)]
 
 
 def test_every_run_folder_holds_a_report_of_well_formed_html(page):
     assert page.elements[0][0] == "html"
-    assert [attributes["content"] for attributes in page.all("meta") if attributes.get("name") == "color-scheme"] == [
-        "light"
-    ]
+    schemes = [attributes["content"] for attributes in page.all("meta") if attributes.get("name") == "color-scheme"]
+    assert schemes == ["light dark"]
 
 
 def test_the_page_needs_nothing_but_itself(page):
-    assert not {"script", "link", "iframe", "object", "a", "base"} & {tag for tag, _ in page.elements}
-    sources = [attributes["src"] for attributes in page.all("img")]
-    assert len(sources) == 7  # model, base, its spectrum, accelerations, spectra, deflections, loops
-    assert all(source.startswith(("data:image/svg+xml;base64,", "data:image/png;base64,")) for source in sources)
+    assert not {"link", "iframe", "object", "base"} & {tag for tag, _ in page.elements}
+    assert all(attributes.get("src") is None for attributes in page.all("script"))
+    (source,) = [attributes["src"] for attributes in page.all("img")]  # the model
+    assert source.startswith(("data:image/svg+xml;base64,", "data:image/png;base64,"))
     assert all(attributes["alt"] for attributes in page.all("img"))
+    charts = [attributes["aria-label"] for attributes in page.all("svg")]
+    assert len(charts) == 7  # base, its spectrum, accelerations, spectra, limits, deflections, loops
+    assert all(charts)
     style = page.words[: page.words.index("Shock and vibration report")]
     assert "url(" not in style
     assert "@import" not in style
@@ -166,7 +179,7 @@ def test_the_question_and_the_verdict_come_first(page, table):
     judged_ones = [row for row in verdicts if row.verdict in (WITHIN, EXCEEDED)]
     assert over
     headline = f"Exceeded: {len(over)} of {len(judged_ones)} limits"
-    assert words.index("How far does one catalogue mount") < words.index(headline) < words.index("Model and mounts")
+    assert words.index("How far does one catalogue mount") < words.index(headline) < words.rindex("Model and mounts")
 
 
 def test_the_words_of_every_verdict_are_those_of_the_criteria(content, finished, table):
@@ -312,9 +325,63 @@ def test_bodies_with_limits_are_drawn_before_larger_accelerations(finished):
 
 def test_the_first_of_several_lines_lies_over_the_others_and_the_base_behind_them(finished):
     base = finished.response.time, finished.response.base.acceleration
-    panel = accelerations_figure(finished.response, ["block", "block_top"], base).axes[0]
-    behind_first = sorted(panel.get_lines(), key=lambda line: line.get_zorder())
-    assert [line.get_label() for line in behind_first] == ["base", "block_top", "block"]
+    svg = accelerations_chart(finished.response, ["block", "block_top"], base, finished.selection).svg()
+    panel = svg[svg.index('class="panel"') :]
+    assert re.findall('data-name="([^"]*)"', panel) == ["base", "block_top", "block"]  # drawn one over the other
+
+
+def test_the_contents_lead_to_every_part(page):
+    links = [attributes["href"] for attributes in page.all("a")]
+    parts = [f"#{attributes['id']}" for attributes in page.all("section") if "id" in attributes]
+    assert links == parts
+    assert len(links) >= 7
+
+
+def test_only_the_script_of_the_page_itself_may_run(table):
+    report_text = (table / "report.html").read_text(encoding="utf-8")
+    (script,) = re.findall(r"<script>(.*?)</script>", report_text, re.S)
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    assert f"script-src 'sha256-{digest}'" in report_text
+    assert "default-src 'none'" in report_text
+    assert not re.search(
+        r"https?://(?!www\.w3\.org/2000/svg)", script + "".join(re.findall(r"<svg.*?</svg>", report_text, re.S))
+    )
+
+
+def test_values_are_read_back_from_a_chart_as_they_are(finished):
+    """What the script computes from places and ranges is the deflection, to a tenth of a unit of a panel's 110."""
+    svg = deflections_chart(finished.response, ["m1"], finished.selection).svg()
+    panel = svg[svg.rindex('class="panel"') :]
+    x0, x1, y0, y1 = map(float, re.search('data-ranges="([^"]*)"', panel)[1].split())
+    left, top, width, height = map(float, re.search('data-area="([^"]*)"', panel)[1].split())
+    path = re.search(r'data-name="m1" d="M([^"]*)"', panel)[1]
+    places = np.array(path.split(), dtype=float).reshape(-1, 2)
+    time = x0 + (places[:, 0] - left) / width * (x1 - x0)
+    value = y0 + (top + height - places[:, 1]) / height * (y1 - y0)
+    exact = np.interp(time, finished.response.time, 1e3 * finished.response.mounts["m1"].deflection[:, 2])
+    steep = np.abs(np.gradient(exact, time)).max() * 0.05 * (x1 - x0) / width  # of a place across, rounded too
+    np.testing.assert_allclose(value, exact, atol=0.06 * (y1 - y0) / height + steep)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_texts_of_the_page_can_be_read_in_either_theme(scheme):
+    coloraide = pytest.importorskip("coloraide")
+    css = (Path(report_package.__file__).parent / "report.css").read_text(encoding="utf-8")
+    blocks = re.findall(r":root \{([^}]*--ground[^}]*)\}", css)
+    colors = dict(re.findall(r"(--[a-z-]+): (#[0-9a-f]{6})", blocks[scheme == "dark"]))
+    on_ground = ("--text", "--accent", "--quiet", "--good", "--bad", "--open", "--heading")
+    pairs = [(name, "--ground") for name in on_ground]
+    pairs += [("--bad", "--bad-box"), ("--text", "--good-box"), ("--open", "--open-box"), ("--text", "--box")]
+    for text, ground in pairs:
+        contrast = coloraide.Color(colors[text]).contrast(colors[ground], method="wcag21")
+        assert contrast >= 4.5, (text, ground, contrast)
+
+
+def test_colours_of_the_style_sheet_are_those_of_the_table():
+    css = (Path(report_package.__file__).parent / "report.css").read_text(encoding="utf-8")
+    for number, color in enumerate(DARK.series):
+        assert f".chart .c{number} {{ stroke: #{bytes(color).hex()}; }}" in css
+    assert f".chart .limit {{ stroke: #{bytes(DARK.limit).hex()}; }}" in css
 
 
 @pytest.mark.quick
@@ -346,7 +413,7 @@ def test_names_of_users_are_escaped_and_without_gravity_there_is_no_sag(tmp_path
     isolator = f"{HOSTILE} $\\frac{{1}}{{2}}$"
     folder = run_of(tmp_path, name=HOSTILE, question=f"{HOSTILE} & why?", isolator=isolator, gravity=0.0)
     text = (folder / "report.html").read_text(encoding="utf-8")
-    assert "<script" not in text
+    assert text.count("<script") == 1  # the page's own
     page = Page(text)
     assert f"{HOSTILE} & why?" in page.words
     assert f"{isolator}: illustrative figures." in page.words
@@ -452,7 +519,7 @@ def test_long_names_are_numbered_in_the_drawing(finished):
     response = replace(finished.response, scene=replace(scene, mounts=mounts))
     run = replace(finished, response=response, isolators={long: finished.isolators["m1"]}, modes={})
     section = model_section(run)
-    mount_table = next(block for block in section.blocks if isinstance(block, Table) and block.title == "Mounts")
+    mount_table = next(table for table in tables_in(section) if table.title == "Mounts")
     assert mount_table.columns[0].heading == "no."
     assert mount_table.rows[0][:2] == ("1", long)
     assert "numbers" in next(block for block in section.blocks if isinstance(block, Picture)).caption
@@ -465,21 +532,6 @@ def test_long_names_in_legends_keep_what_tells_them_apart():
     assert names[0] == "starboard_qua…mount_number_0"
     assert len(set(names)) == 3
     assert short("$m_1$") == "$m_1$"  # pictures parse no formulas
-
-
-@pytest.mark.quick
-def test_a_long_response_is_thinned_to_its_extremes():
-    from wirerope_mj.views.plots.report_image import thinned
-
-    time = np.linspace(0.0, 600.0, 1_000_001)
-    values = np.sin(2.0 * math.pi * 50.0 * time)
-    values[654_321] = 7.0
-    instants, drawn = thinned(time, values)
-    assert drawn.max() == 7.0
-    assert instants[drawn.argmax()] == time[654_321]
-    assert instants.size < 5000
-    assert (np.diff(instants) > 0.0).all()
-    assert (instants[0], instants[-1]) == (time[0], time[-1])
 
 
 @pytest.mark.quick

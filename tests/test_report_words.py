@@ -7,9 +7,10 @@ import pytest
 
 from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.foundation.tables import Column, Mark, Table
+from wirerope_mj.views.display import fixed, listed, number, shown, shown_unit, title_of
 from wirerope_mj.views.report import judged
 from wirerope_mj.views.report.content import Paragraph
-from wirerope_mj.views.report.display import fixed, listed, number, shown, shown_unit, title_of
+from wirerope_mj.views.verdict_table import full_table
 
 pytestmark = pytest.mark.quick
 
@@ -50,11 +51,11 @@ def test_the_worst_of_what_is_not_judged_is_the_largest():
 @pytest.mark.parametrize("value", [0.0, math.nan])
 def test_a_sum_of_shares_of_which_none_is_rated_is_no_figure(value):
     row = verdict(criterion="travel combined", unit="", value=value, limit=None, time=0.0, note="no travel is rated")
-    (shown_row,) = judged.full_table([row]).marks()
+    (shown_row,) = full_table([row]).marks()
     assert [shown_row[number][0] for number in (3, 7)] == ["–", "-"]
     assert judged.worst_table([row]).rows[0][3] == "–"
     bound = replace(row, value=0.3, time=0.012)  # of those axes that are rated
-    assert [text for text, _ in judged.full_table([bound]).marks()[0][3:8:4]] == ["0.300", "0.0120"]
+    assert [text for text, _ in full_table([bound]).marks()[0][3:8:4]] == ["0.300", "0.0120"]
 
 
 def test_nothing_judged_is_never_passed():

@@ -14,11 +14,11 @@ from wirerope_mj.runs.judged import judged_run
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.sliders import Slider, checked_values, frequency_ratio, sliders_of, variant
 from wirerope_mj.runs.write import checked_arguments
+from wirerope_mj.views.display import title_of
 from wirerope_mj.views.explore.answer import answer
 from wirerope_mj.views.explore.recorder import Recorder
 from wirerope_mj.views.explore.shown import ShownRun
 from wirerope_mj.views.explore.turns import OvertakenError
-from wirerope_mj.views.report.display import title_of
 
 _NUMERICS = ("timestep", "accuracy")
 

@@ -23,6 +23,7 @@ from wirerope_mj.runs.run_spectra import run_densities, run_spectra
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
 from wirerope_mj.views.report import FinishedRun, report_content, report_html, worst_names
+from wirerope_mj.views.selection import Selection, select
 
 
 def write_report(
@@ -54,7 +55,12 @@ def write_report(
 
 
 def report_page(
-    content: Mapping[str, Any], system: System, motion: BaseMotion, response: Response, judged: JudgedRun
+    content: Mapping[str, Any],
+    system: System,
+    motion: BaseMotion,
+    response: Response,
+    judged: JudgedRun,
+    selection: Selection | None = None,
 ) -> str:
     """Return the report of a run as one HTML page.
 
@@ -64,6 +70,7 @@ def report_page(
         motion: of its base.
         response: what came out.
         judged: verdicts on it.
+        selection: what is shown of it; made here if it is not given.
     """
     arguments, written = content["simulate"], content.get("written")
     initial = str(arguments.get("initial", "settled"))
@@ -90,6 +97,7 @@ def report_page(
         densities=run_densities(motion, response, names),
         verdicts=judged.verdicts,
         versions=content.get("versions", {}),
+        selection=selection or select(response, judged.verdicts),
     )
     return report_html(report_content(run))
 

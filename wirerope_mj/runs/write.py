@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import tomli_w
 
@@ -30,6 +30,9 @@ from wirerope_mj.runs.judged import JudgedRun, judged_run
 from wirerope_mj.runs.progress_line import progress_line
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.summary import summary_content
+
+if TYPE_CHECKING:
+    from wirerope_mj.views.selection import Selection
 
 STREAM_SAMPLES = 10_000
 """Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
@@ -104,9 +107,9 @@ def write_run(
             (beside / SCENARIO).write_text(text, encoding="utf-8")
             content = summary_content(scenario.name, scenario.motion, response, judged, seconds=round(seconds, 3))
             (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-            _write_views(scenario, response, judged, beside, writing, state=state)
+            selection = _write_views(scenario, response, judged, beside, writing, state=state)
             writing("the report")
-            _write_report(text, system, scenario.motion, response, judged, beside)
+            _write_report(text, system, scenario.motion, response, judged, selection, beside)
             write_checksums(beside)
 
 
@@ -179,13 +182,13 @@ def _write_views(
     writing: Callable[[str], None],
     *,
     state: bool,
-) -> None:
+) -> "Selection":
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
+    from wirerope_mj.views.display import title_of
     from wirerope_mj.views.plots.histories import save_histories, save_mount_loops
     from wirerope_mj.views.plots.record_baseline import save_record_baseline
     from wirerope_mj.views.recording.drawn_runs import run_alone
     from wirerope_mj.views.recording.record import write_alone
-    from wirerope_mj.views.report.display import title_of
 
     title, text = title_of(scenario.name), _scenario_markdown(scenario)
     writing("the recording")
@@ -198,15 +201,22 @@ def _write_views(
     for number, record in enumerate(records_in(scenario.motion), start=1):
         name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
         save_record_baseline(record, folder / name, title=title)
+    return run.selection
 
 
 def _write_report(
-    text: str, system: System, motion: BaseMotion, response: Response, judged: JudgedRun, folder: Path
+    text: str,
+    system: System,
+    motion: BaseMotion,
+    response: Response,
+    judged: JudgedRun,
+    selection: "Selection",
+    folder: Path,
 ) -> None:
     from wirerope_mj.runs.page import REPORT  # late, as the pictures
     from wirerope_mj.runs.report import report_page
 
-    page = report_page(tomllib.loads(text), system, motion, response, judged)
+    page = report_page(tomllib.loads(text), system, motion, response, judged, selection)
     (folder / REPORT).write_text(page, encoding="utf-8")
 
 

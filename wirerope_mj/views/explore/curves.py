@@ -11,7 +11,7 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS, SIDES
 from wirerope_mj.views.explore.shown import ShownRun
-from wirerope_mj.views.recording.thin import rows_of_extremes
+from wirerope_mj.views.thin import rows_of_extremes
 
 _POINTS = 1500
 """Points of a curve on the page: two for every pixel of its width, so that no peak is lost."""

@@ -41,7 +41,7 @@ def _recording(runs: tuple[ShownRun, ...], title: str) -> bytes:
     with TemporaryDirectory(prefix="wirerope-explore-") as folder:
         target = Path(folder) / "run.rrd"
         if len(runs) == 1:
-            record_rerun(runs[0].response, target, title=title, verdicts=[runs[0].headline, *runs[0].lines])
+            record_rerun(runs[0].response, target, title=title, verdicts=runs[0].verdicts)
         else:
             responses = {run.name: run.response for run in runs}
             names = dict.fromkeys(name for run in runs for name in run.changes)

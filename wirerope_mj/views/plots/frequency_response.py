@@ -13,9 +13,8 @@ from wirerope_mj.dynamics.frequency_response.curve import BranchCurve
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import round_ticks
+from wirerope_mj.views.plots.report_image import COLOURS, round_ticks
 
-COLOURS = ("#08519c", "#d95f0e", "#238b45", "#7a0177", "#b30000", "#525252", "#02818a", "#8c6d31")
 _MARKS = {"fold": "o", "period doubling": "s", "Neimark-Sacker": "D", "symmetry breaking": "X"}
 _MARKED = 24
 """Marks along an envelope: enough to tell its way, few enough to see the branch below."""

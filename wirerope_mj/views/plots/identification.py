@@ -12,13 +12,13 @@ from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, Sca
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.result import FittedLoop
 from wirerope_mj.views.plots.plain_figure import PlainFigure
+from wirerope_mj.views.plots.report_image import COLOURS
 
 _MEASURED, _FITTED = "#08519c", "#d95f0e"
 _MOST = 12  # panels of one figure: more cannot be read
 _ACROSS = 3
 _WEAK = 100.0  # [N], below which forces are read in N
 _MARKERS = "osD^vP"
-_COLOURS = ("#08519c", "#d95f0e", "#238b45", "#6a51a3", "#8c2d04", "#1d91c0", "#525252")  # of operating points
 _BESIDE = 5  # operating points beside each other below the picture
 _LETTERS = 8.5  # of a bold title in an inch
 
@@ -85,7 +85,7 @@ def measures_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
     groups = _groups(fits)
     for index, group in enumerate(groups):
         marker = _MARKERS[index % len(_MARKERS)]
-        colours = (_MEASURED, _FITTED) if len(groups) == 1 else 2 * (_COLOURS[index % len(_COLOURS)],)
+        colours = (_MEASURED, _FITTED) if len(groups) == 1 else 2 * (COLOURS[index % len(COLOURS)],)
         about = "" if len(groups) == 1 else f" about {_millimetres(group)} mm"
         _draw(energy, group, "energy", 1.0, marker, colours, about)
         _draw(stiffness, group, "secant_stiffness", 1e-3, marker, colours, about)

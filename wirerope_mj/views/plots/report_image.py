@@ -14,14 +14,13 @@ from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import log_ticks
+from wirerope_mj.views.colours import LIGHT
 
 WIDTH = 7.0
 """Width of a figure [in]: that of the text on A4."""
 
-COLOURS = ("#08519c", "#d95f0e", "#31a354")
-"""Of three lines or axes that stand beside each other; told apart by most colour-blind readers too."""
-
-BASE, RATED = "0.55", "#b30000"
+COLOURS = tuple(f"#{bytes(color).hex()}" for color in LIGHT.series)
+BASE, RATED = (f"#{bytes(color).hex()}" for color in (LIGHT.others, LIGHT.limit))
 
 _LARGEST_SVG = 200_000
 """Bytes above which a figure is stored as pixels: those of a full-width figure take about as much."""
@@ -29,14 +28,10 @@ _LARGEST_SVG = 200_000
 _PIXELS = 150
 """Of a figure stored as pixels, per inch: its letters stay sharp in print."""
 
-_STEPS = 1000
-"""Stretches of a thinned line: about one for each pixel of a full-width panel."""
-
 _CRESTS = 300
 """Stretches of an envelope: each should hold a period at least."""
 
 _FITS = 28  # letters of a name in a legend
-_ROW, _SAMPLE = 110, 7  # letters in a row of a legend; what an entry's line takes of them
 _MM = 25.4  # of an inch
 
 _STYLE = {
@@ -94,61 +89,12 @@ def image_of(figure: Figure, *, detailed: bool = False) -> Image:
     return Image(data=data, kind=kind, width=width, height=height)
 
 
-def thinned(time: Array, values: Array) -> tuple[Array, Array]:
-    """Return instants and values that draw the same line: lowest and highest of each stretch, in their order.
-
-    Args:
-        time: instants, (n_t,).
-        values: series, (n_t,).
-    """
-    length = time.size // _STEPS
-    if length <= 2:
-        return time, values
-    whole = length * _STEPS
-    parts = values[:whole].reshape(_STEPS, length)
-    starts = length * np.arange(_STEPS)
-    rows = np.concatenate(
-        [starts + parts.argmin(axis=1), starts + parts.argmax(axis=1), [0], np.arange(whole, time.size)]
-    )
-    rows = np.unique(rows)
-    return time[rows], values[rows]
-
-
 def crest(x: Array, values: Array) -> tuple[Array, Array]:
     """Return the positions and sizes of the largest value of each of many intervals: the envelope of what oscillates."""
     length = max(x.size // _CRESTS, 1)
     parts = values[: length * (x.size // length)].reshape(-1, length)
     rows = length * np.arange(parts.shape[0]) + parts.argmax(axis=1)
     return x[rows], values[rows]
-
-
-def line(panel: Any, time: Array, values: Array, label: str | None, colour: str, **style: Any) -> None:
-    """Draw a thinned line."""
-    panel.plot(*thinned(time, values), color=colour, label=label, **style)
-
-
-def level(number: int, colour: str) -> float:
-    """Return how far in front a line of a panel is drawn: the first over the others, for it is the one that matters most.
-
-    The base, which all are compared with, lies behind them.
-    """
-    return 2.0 if colour == BASE else 2.8 - 0.1 * number
-
-
-def dress(panel: Any, *, ylabel: str) -> None:
-    """Give a panel of a history its grid and its name."""
-    panel.set_ylabel(ylabel)
-    panel.grid(color="0.92")
-    panel.set_axisbelow(True)
-    panel.margins(x=0.0)
-
-
-def legend_above(figure: Figure, *panels: Any) -> None:
-    """Say above a figure, where it hides nothing, what the lines of its panels are; each name once."""
-    entries = {label: line for panel in panels for line, label in zip(*panel.get_legend_handles_labels(), strict=True)}
-    if entries:
-        columns = max(_ROW // (max(map(len, entries)) + _SAMPLE), 1)
-        figure.legend(list(entries.values()), list(entries), loc="outside upper center", ncols=columns, frameon=False)
 
 
 def short(name: str) -> str:

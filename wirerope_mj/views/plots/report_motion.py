@@ -1,14 +1,12 @@
-"""The motion of the base as a picture of a report."""
+"""The motion of the base as a chart of a report."""
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import COLOURS, WIDTH, dress, legend_above, line, report_style
+from wirerope_mj.views.plots.svg_chart import Chart, Curve, Panel
 
 _STILL = 1e-12  # m: an axis that moves less does not move
 _MOST_CORNERS = 100  # a record has a corner at every sample: its samples are enough
@@ -32,21 +30,25 @@ def base_acceleration(response: Response, motion: BaseMotion) -> tuple[Array, Ar
     return time, motion.acceleration(time)
 
 
-def motion_figure(response: Response, motion: BaseMotion) -> Figure:
-    """Return acceleration, velocity and displacement of the base over time, a line for each axis that moves."""
+def motion_chart(response: Response, motion: BaseMotion, window: tuple[float, float]) -> Chart:
+    """Return acceleration, velocity and displacement of the base over a time window, a line for each axis that moves."""
     axes = moving_axes(response) or [2]
     time, acceleration = base_acceleration(response, motion)
-    with report_style():
-        figure = PlainFigure(figsize=(WIDTH, 3.7), layout="constrained")
-        panels = figure.subplots(3, 1, sharex=True)
-        for axis in axes:
-            # Alike in all axes, the lines lie on each other: each is narrower than the one before.
-            label, colour, width = "xyz"[axis], COLOURS[axis], 1.0 + 0.9 * (len(axes) - 1 - axes.index(axis))
-            line(panels[0], time, in_unit(acceleration[:, axis], "g"), label, colour, lw=width)
-            line(panels[1], response.time, response.base.velocity[:, axis], label, colour, lw=width)
-            line(panels[2], response.time, in_unit(response.base.displacement[:, axis], "mm"), label, colour, lw=width)
-        for panel, name in zip(panels, ("acceleration\n[g]", "velocity\n[m/s]", "displacement\n[mm]"), strict=True):
-            dress(panel, ylabel=name)
-        panels[-1].set_xlabel("time [s]")
-        legend_above(figure, panels[0])
-    return figure
+    parts = (
+        ("acceleration [g]", "g", time, in_unit(acceleration, "g")),
+        ("velocity [m/s]", "m/s", response.time, response.base.velocity),
+        ("displ. [mm]", "mm", response.time, in_unit(response.base.displacement, "mm")),
+    )
+    rows = [
+        [
+            Panel(
+                curves=[Curve(x=x, y=values[:, axis], name="xyz"[axis], kind=axis) for axis in axes],
+                ylabel=label,
+                xlabel="time [s]" if unit == "mm" else "",
+                xlim=window,
+                unit=unit,
+            )
+        ]
+        for label, unit, x, values in parts
+    ]
+    return Chart(rows=rows, height=95.0)

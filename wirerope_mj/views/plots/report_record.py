@@ -1,17 +1,13 @@
-"""A measured record before and after its baseline correction, as a picture of a report."""
+"""A measured record before and after its baseline correction, as a chart of a report."""
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Record
-from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import COLOURS, WIDTH, dress, legend_above, line, report_style
-
-_MEASURED, _PLAYED = COLOURS[1], COLOURS[0]
+from wirerope_mj.views.plots.svg_chart import Chart, Curve, Panel
 
 
-def record_figure(measured: Record, played: Record) -> Figure:
+def record_chart(measured: Record, played: Record) -> Chart:
     """Return acceleration, velocity and displacement of a record along every axis with any, without its correction and with it.
 
     Args:
@@ -19,23 +15,29 @@ def record_figure(measured: Record, played: Record) -> Figure:
         played: with it.
     """
     axes = [axis for axis in range(3) if measured.samples[:, axis].any()] or [2]
-    with report_style():
-        figure = PlainFigure(figsize=(WIDTH, 4.2), layout="constrained")
-        panels = figure.subplots(3, len(axes), sharex=True, squeeze=False)
-        for record, colour, label in ((measured, _MEASURED, "as measured"), (played, _PLAYED, "as played")):
-            velocity, displacement = record.velocity(record.time), record.displacement(record.time)
-            for column, axis in zip(panels.T, axes, strict=True):
-                line(column[0], record.time, in_unit(record.samples[:, axis], "g"), label, colour)
-                line(column[1], record.time, velocity[:, axis], label, colour)
-                line(column[2], record.time, in_unit(displacement[:, axis], "mm"), label, colour)
-        for row, name in zip(panels, ("acceleration\n[g]", "velocity\n[m/s]", "displacement\n[mm]"), strict=True):
-            for panel in row:
-                dress(panel, ylabel=name if panel is row[0] else "")
-        for column, axis in zip(panels.T, axes, strict=True):
-            column[0].set_title("xyz"[axis])
-            column[-1].set_xlabel("time [s]")
-        legend_above(figure, panels[0, 0])
-    return figure
+    rows: list[list[Panel]] = []
+    for number, (label, unit) in enumerate(
+        (("acceleration [g]", "g"), ("velocity [m/s]", "m/s"), ("displ. [mm]", "mm"))
+    ):
+        row = []
+        for axis in axes:
+            curves = []
+            for kind, (record, name) in enumerate(((played, "as played"), (measured, "as measured"))):
+                values = (in_unit(record.samples, "g"), record.velocity, record.displacement)[number]
+                y = values if isinstance(values, np.ndarray) else values(record.time)
+                y = in_unit(y, "mm") if unit == "mm" else y
+                curves.append(Curve(x=record.time, y=y[:, axis], name=name, kind=kind))
+            row.append(
+                Panel(
+                    curves=curves,
+                    ylabel=label if axis == axes[0] else "",
+                    xlabel="time [s]" if unit == "mm" else "",
+                    title="xyz"[axis] if number == 0 else "",
+                    unit=unit,
+                )
+            )
+        rows.append(row)
+    return Chart(rows=rows, height=95.0)
 
 
 def ends(record: Record) -> tuple[np.ndarray, np.ndarray]:

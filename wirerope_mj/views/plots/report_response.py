@@ -1,31 +1,18 @@
-"""Pictures of payload and mounts in a report: accelerations, deflections and loops."""
+"""Charts of payload and mounts in a report: accelerations, deflections, use of limits and loops."""
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from matplotlib.figure import Figure
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import SIDES
-from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import (
-    BASE,
-    COLOURS,
-    RATED,
-    WIDTH,
-    Array,
-    crest,
-    dress,
-    legend_above,
-    level,
-    report_style,
-    round_ticks,
-    short,
-    thinned,
-)
+from wirerope_mj.views.plots.report_image import crest, short
+from wirerope_mj.views.plots.svg_chart import BASE, OTHERS, Chart, Curve, Panel
+from wirerope_mj.views.selection import NAMED, Selection
 
 MOST = 3
 """Lines of bodies or mounts in one panel: more cannot be told apart."""
@@ -36,51 +23,70 @@ _ROUNDING = 1e-9  # of the largest force, below which an axis carries none
 _NOTHING = 1e-6  # g or mm: an axis on which nothing is larger has no panel
 
 
-class Line(NamedTuple):
-    """A line of a panel."""
+def used_chart(response: Response, selection: Selection) -> Chart:
+    """Return what mounts, bodies and points use of their limits over time; the largest are named."""
+    curves = []
+    for number, one in enumerate(selection.used):
+        named = number < NAMED
+        left = len(selection.used) - NAMED
+        name = short(one.subject) if named else f"{left} other{'s' if left > 1 else ''}"
+        kind = kind_of(selection, one.subject) if named else OTHERS
+        curves.append(Curve(x=response.time, y=in_unit(one.course, "%"), name=name, kind=kind))
+    top = 108.0 * max(1.0, selection.used[0].largest)
+    panel = Panel(
+        curves=curves, ylabel="used of the limit [%]", xlabel="time [s]", limits=[("limit", 100.0)],
+        xlim=selection.window, ylim=(0.0, top), unit="%",
+    )  # fmt: skip
+    return Chart(rows=[[panel]], height=190.0)
 
-    name: str
-    colour: str
-    time: Array
-    values: Array
 
-
-def accelerations_figure(response: Response, names: Sequence[str], base: tuple[Array, Array]) -> Figure:
+def accelerations_chart(
+    response: Response, names: Sequence[str], base: tuple[Array, Array], selection: Selection
+) -> Chart:
     """Return the accelerations of the base and of some bodies or points over time, a panel for each axis with any.
 
     Args:
         response: of the system.
         names: bodies or points, at most `MOST` of them.
         base: instants [s] and acceleration (n_t, 3) of the base [m/s^2].
+        selection: of the run, with its colours.
     """
-    lines: list[list[Line]] = []
+    panels: list[_Lines] = []
     for axis in range(3):
-        drawn = [Line("base", BASE, *thinned(base[0], in_unit(base[1][:, axis], "g")))]
-        for name, colour in zip(names[:MOST], COLOURS, strict=False):
-            values = in_unit(acceleration_along(response, name, axis), "g")
-            drawn.append(Line(short(name), colour, *thinned(response.time, values)))
-        lines.append(drawn)
-    return _histories(lines, [f"acceleration\nalong {axis} [g]" for axis in "xyz"])
+        curves = [
+            Curve(
+                x=response.time,
+                y=in_unit(acceleration_along(response, name, axis), "g"),
+                name=short(name),
+                kind=kind_of(selection, name, number),
+            )
+            for number, name in enumerate(names[:MOST])
+        ]
+        curves.append(Curve(x=base[0], y=in_unit(base[1][:, axis], "g"), name="base", kind=BASE))
+        panels.append((curves, f"along {'xyz'[axis]} [g]", ()))
+    return _histories(panels, selection.window, "g")
 
 
-def deflections_figure(response: Response, names: Sequence[str]) -> Figure:
+def deflections_chart(response: Response, names: Sequence[str], selection: Selection) -> Chart:
     """Return the deflections of some mounts over time, a panel for each axis with any, with the ratings of the first."""
     travel = next(mount.travel for mount in response.scene.mounts if mount.name == names[0])
-    lines = [
-        [
-            Line(
-                short(name),
-                colour,
-                *thinned(response.time, in_unit(response.column(f"mounts/{name}/deflection/{axis}"), "mm")),
+    panels: list[_Lines] = []
+    for axis in AXES:
+        curves = [
+            Curve(
+                x=response.time,
+                y=in_unit(response.column(f"mounts/{name}/deflection/{axis}"), "mm"),
+                name=short(name),
+                kind=kind_of(selection, name, number),
             )
-            for name, colour in zip(names[:MOST], COLOURS, strict=False)
+            for number, name in enumerate(names[:MOST])
         ]
-        for axis in AXES
-    ]
-    return _histories(lines, [f"{axis} [mm]" for axis in AXES], [_ratings(travel, axis) for axis in AXES])
+        limits = [(f"rated travel of {short(names[0])}", level) for level in _ratings(travel, axis)]
+        panels.append((curves, f"{axis} [mm]", limits))
+    return _histories(panels, selection.window, "mm")
 
 
-def mount_loops_figure(response: Response, name: str) -> Figure:
+def mount_loops_chart(response: Response, name: str, selection: Selection) -> Chart:
     """Return force over deflection of a mount, a panel for each axis that carries a force; see `loop_rows`."""
     rows = loop_rows(response, name)
     deflection, force = (
@@ -89,20 +95,26 @@ def mount_loops_figure(response: Response, name: str) -> Figure:
     )
     largest = np.abs(force).max(axis=0)
     axes = np.flatnonzero(largest > _ROUNDING * largest.max()).tolist() or [AXES.index("axial")]
-    with report_style():
-        figure = PlainFigure(figsize=(WIDTH, 2.7 if len(axes) > 1 else 3.6), layout="constrained")
-        for axis, panel in zip(axes, np.atleast_1d(figure.subplots(1, len(axes))), strict=True):
-            panel.plot(deflection[:, axis], force[:, axis], color=COLOURS[0], lw=0.7)
-            panel.plot(deflection[0, axis], force[0, axis], "o", color="0.2", ms=3.5)
-            panel.set_title(AXES[axis])
-            panel.set_xlabel("deflection [mm]")
-            panel.grid(color="0.92")
-            panel.set_axisbelow(True)
-        figure.axes[0].set_ylabel("force [kN]")
-    return figure
+    row = []
+    for axis in axes:
+        x, y = deflection[:, axis], force[:, axis]
+        room = 0.05 * float(np.ptp(x)) or 1.0
+        row.append(
+            Panel(
+                curves=[Curve(x=x, y=y, name=short(name), kind=kind_of(selection, name, 0))],
+                ylabel="force [kN]" if axis == axes[0] else "",
+                xlabel="deflection [mm]",
+                title=AXES[axis],
+                dots=[(float(x[0]), float(y[0]))],
+                xlim=(float(x.min()) - room, float(x.max()) + room),
+                unit="kN",
+                xunit="mm",
+            )
+        )
+    return Chart(rows=[row], height=190.0)
 
 
-def sweep_figure(response: Response, names: Sequence[str], frequency: Any, directions: Sequence[int]) -> Figure:
+def sweep_chart(response: Response, names: Sequence[str], frequency: Any, directions: Sequence[int]) -> Chart:
     """Return accelerations over the frequency of a sweep, as far from zero as they reach.
 
     Args:
@@ -111,20 +123,22 @@ def sweep_figure(response: Response, names: Sequence[str], frequency: Any, direc
         frequency: of the base at every sample [Hz], (n_t,).
         directions: axes along which the base moves, 0 = x; their norm is drawn.
     """
-    with report_style():
-        figure = PlainFigure(figsize=(WIDTH, 3.2), layout="constrained")
-        panel = figure.subplots()
-        for name, colour in (("base", BASE), *zip(names[:MOST], COLOURS, strict=False)):
-            size = np.zeros(response.time.size)
-            for axis in directions:
-                size += acceleration_along(response, name, axis) ** 2
-            panel.plot(*crest(frequency, in_unit(np.sqrt(size), "g")), color=colour, label=short(name))
-        panel.set_xscale("log")
-        panel.set_xlabel("frequency of the base [Hz]")
-        round_ticks(panel.xaxis, *panel.get_xlim())
-        dress(panel, ylabel="acceleration [g]")
-        legend_above(figure, panel)
-    return figure
+    curves = []
+    for number, name in enumerate((*names[:MOST], "base")):
+        size = np.zeros(response.time.size)
+        for axis in directions:
+            size += acceleration_along(response, name, axis) ** 2
+        x, y = crest(frequency, in_unit(np.sqrt(size), "g"))
+        curves.append(Curve(x=x, y=y, name=short(name), kind=BASE if name == "base" else number))
+    panel = Panel(
+        curves=curves, ylabel="acceleration [g]", xlabel="frequency of the base [Hz]", log="x", unit="g", xunit="Hz"
+    )
+    return Chart(rows=[[panel]], height=210.0)
+
+
+def kind_of(selection: Selection, name: str, other: int | str = OTHERS) -> int | str:
+    """Return the number of the colour that a mount, a body or a point has in every output."""
+    return selection.numbers.get(name, other)
 
 
 def loop_rows(response: Response, name: str) -> slice:
@@ -141,27 +155,22 @@ def acceleration_along(response: Response, name: str, axis: int) -> Array:
     return response.column(f"{room}/acceleration/{'xyz'[axis]}")
 
 
-def _histories(lines: list[list[Line]], names: list[str], marks: list[list[float]] | None = None) -> Figure:
-    """Return a panel below the other for each list of lines that are not all zero, at least one; marks are dashed."""
-    kept = [
-        index for index, drawn in enumerate(lines) if any(np.abs(line.values).max() > _NOTHING for line in drawn)
-    ] or [2]
-    with report_style():
-        figure = PlainFigure(
-            figsize=(WIDTH, 0.7 + 1.2 * len(kept) + (0.9 if len(kept) == 1 else 0.0)), layout="constrained"
-        )
-        panels = np.atleast_1d(figure.subplots(len(kept), 1, sharex=True))
-        for index, panel in zip(kept, panels, strict=True):
-            for number, drawn in enumerate(lines[index]):
-                panel.plot(
-                    drawn.time, drawn.values, color=drawn.colour, label=drawn.name, zorder=level(number, drawn.colour)
-                )
-            for mark in marks[index] if marks else []:
-                panel.axhline(mark, color=RATED, ls="--", lw=0.9, label="rated travel", zorder=2.9)
-            dress(panel, ylabel=names[index])
-        panels[-1].set_xlabel("time [s]")
-        legend_above(figure, *panels)
-    return figure
+_Lines = tuple[list[Curve], str, Sequence[tuple[str, float]]]
+
+
+def _histories(lines: list[_Lines], window: tuple[float, float], unit: str) -> Chart:
+    """Return a panel below the other for each list of curves that are not all zero, at least one, over a time window."""
+    kept = [one for one in lines if any(np.abs(curve.y).max() > _NOTHING for curve in one[0])] or lines[2:]
+    rows = [
+        [
+            Panel(
+                curves=curves, ylabel=label, xlabel="time [s]" if label == kept[-1][1] else "", limits=limits,
+                xlim=window, unit=unit,
+            )
+        ]
+        for curves, label, limits in kept
+    ]  # fmt: skip
+    return Chart(rows=rows, height=190.0 if len(kept) == 1 else 110.0)
 
 
 def _ratings(travel: dict[str, float], axis: str) -> list[float]:

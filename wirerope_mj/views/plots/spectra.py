@@ -13,9 +13,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import round_ticks
+from wirerope_mj.views.plots.report_image import COLOURS, round_ticks
 
-COLOURS = ("#08519c", "#d95f0e", "#31a354", "#7a0177", "#02818a", "#8c6d31")
 """Of the payloads, in their order; the base is grey."""
 
 BASE, TEST = "0.45", "#b30000"

@@ -17,8 +17,8 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.paths import AXES, entity
-from wirerope_mj.views.report.judged import full_table
 from wirerope_mj.views.selection import Selection
+from wirerope_mj.views.verdict_table import full_table
 
 VERDICT = "verdict"
 

@@ -9,7 +9,7 @@ from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, co
 from wirerope_mj.assessment.comparison.compared import Subject, subjects_of
 from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.engine.response import Response
-from wirerope_mj.views.recording.frame import Color
+from wirerope_mj.views.colours import DARK, Color
 from wirerope_mj.views.recording.paths import AXES, root_of
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import ARROW
@@ -18,10 +18,7 @@ from wirerope_mj.views.selection import Selection, select
 MOST_MOUNTS = 4
 """Mounts of an axis whose histories and loops are drawn: each is a plot of its own, with a line for every run."""
 
-COLORS: tuple[Color, ...] = (
-    (78, 160, 240), (255, 150, 50), (90, 205, 110), (245, 110, 190), (180, 145, 245), (235, 215, 80), (70, 210, 215),
-    (215, 140, 105),
-)  # fmt: skip
+COLORS: tuple[Color, ...] = (*DARK.series, (236, 218, 152), (190, 109, 108))
 """Of the runs in every view. There are no more runs than colours that can be told apart."""
 
 

@@ -19,7 +19,9 @@ _USED = (("within", (34, 84, 50)), ("80 %", _NEAR), ("100 %", tuple(round(0.75 *
 _STOPS = (("open", _QUIET), ("stop", CLOSED))
 _PHASES = (("at rest", _QUIET), ("base moves", _NEAR), ("free", _MOVING))
 
-_TAKEN = ("world", "histories", "loops", "events", "peaks", "scenario", "verdict", "verdicts", "cursor", "state", "plan", "large")
+_TAKEN = (
+    "world", "histories", "loops", "events", "peaks", "scenario", "verdict", "verdicts", "cursor", "state", "plan", "large",
+)  # fmt: skip
 """Entities at the root of a recording: a mount of such a name has its lane elsewhere."""
 
 

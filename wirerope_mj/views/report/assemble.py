@@ -3,16 +3,21 @@
 import math
 from collections.abc import Sequence
 
+from wirerope_mj.assessment.criteria import EXCEEDED, STRUCK
 from wirerope_mj.foundation.tables import Column, Table
+from wirerope_mj.views.display import several, with_unit
 from wirerope_mj.views.report.contacts import contacts_section
-from wirerope_mj.views.report.content import ReportContent, Section
-from wirerope_mj.views.report.display import several, with_unit
-from wirerope_mj.views.report.judged import answer, full_table, headline
+from wirerope_mj.views.report.content import Folded, ReportContent, Section
+from wirerope_mj.views.report.judged import answer, headline
 from wirerope_mj.views.report.model import model_section
 from wirerope_mj.views.report.motion import motion_section, mounts_section, response_section
 from wirerope_mj.views.report.record import warnings_of
 from wirerope_mj.views.report.rest import modes_section, statics_section
 from wirerope_mj.views.report.run import FinishedRun
+from wirerope_mj.views.verdict_table import full_table
+
+_WORST = 10
+"""Verdicts that are shown beside those that fail: the smallest margins. The others are folded away."""
 
 _START = {
     "settled": "at rest in the equilibrium of the first loading",
@@ -84,4 +89,7 @@ def _error(run: FinishedRun) -> str:
 
 def _annex(run: FinishedRun) -> Section:
     table = full_table(run.verdicts)
-    return Section(title="All verdicts", blocks=() if table is None else (table,))
+    if table is None:
+        return Section(title="All verdicts", blocks=())
+    failed = sum(verdict.verdict in (EXCEEDED, STRUCK) for verdict in run.verdicts)
+    return Section(title="All verdicts", blocks=(Folded(table=table, shown=failed + _WORST),))

@@ -3,8 +3,8 @@
 from wirerope_mj.assessment.criteria import contact_lines, contact_verdicts
 from wirerope_mj.foundation.tables import Column, Mark, Table
 from wirerope_mj.views.report.content import Block, Paragraph, Section
-from wirerope_mj.views.report.judged import TONE
 from wirerope_mj.views.report.run import FinishedRun
+from wirerope_mj.views.verdict_table import TONE
 
 _COLUMNS = (
     Column("stop or pair", align="left"), Column("verdict", align="left"), Column("first touch", "s", "z.4f"),
@@ -24,7 +24,9 @@ def contacts_section(run: FinishedRun) -> Section:
         return Section(title=title, blocks=())
     tone = "exceeded" if run.response.peaks.struck else ""
     blocks: list[Block] = [Paragraph(text=line, tone=tone) for line in contact_lines(run.response)]
-    return Section(title=title, blocks=(*blocks, _table(run)))
+    if any(contact.touches for contact in contacts.values()):
+        blocks.append(_table(run))
+    return Section(title=title, blocks=tuple(blocks))
 
 
 def _table(run: FinishedRun) -> Table:

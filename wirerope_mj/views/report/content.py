@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from wirerope_mj.foundation.tables import Mark, Table
 from wirerope_mj.views.plots.report_image import Image
+from wirerope_mj.views.plots.svg_chart import Chart
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,12 +26,20 @@ class Listing:
 class Picture:
     """An image with what it shows: `caption` below it, and `alt` for who cannot see it."""
 
-    image: Image
+    image: Image | Chart
     caption: str
     alt: str
 
 
-Block = Paragraph | Listing | Table | Picture
+@dataclass(frozen=True, kw_only=True)
+class Folded:
+    """A table of which only the first rows are shown at once, and printed."""
+
+    table: Table
+    shown: int
+
+
+Block = Paragraph | Listing | Table | Folded | Picture
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,22 +2,15 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 
-from wirerope_mj.assessment.criteria import CLEAR, COMBINED, EXCEEDED, NOT_JUDGED, STRUCK, TOUCHING, WITHIN, Verdict
+from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN, Verdict
 from wirerope_mj.assessment.criteria import headline as verdicts_headline
-from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
+from wirerope_mj.foundation.tables import Column, Mark, Table
+from wirerope_mj.views.display import listed, with_unit
 from wirerope_mj.views.report.content import Block, Listing, Paragraph
-from wirerope_mj.views.report.display import ABSENT, fixed, listed, shown, shown_unit, with_unit
+from wirerope_mj.views.verdict_table import AMPLE, COLUMNS, TONE, cells, known, margin, ordered
 
-TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
-_COLUMNS = (
-    *(Column(heading, align="left") for heading in ("criterion", "verdict", "where")), Column("value"), Column("limit"),
-    Column("unit", align="left"), Column("margin"),
-)  # fmt: skip
-_ORDER = (EXCEEDED, STRUCK, WITHIN, TOUCHING, CLEAR, NOT_JUDGED)
 _NAMED = 3  # verdicts that the answer names one by one
-_AMPLE = 10.0  # margin from which only its size is said: nobody needs 1234 %
 
 
 def headline(verdicts: Sequence[Verdict]) -> Mark:
@@ -35,7 +28,7 @@ def answer(verdicts: Sequence[Verdict]) -> tuple[Block, ...]:
         texts = [_sentence(row) for row in over[:_NAMED]]
         more = f"; and {len(over) - _NAMED} more, listed below" if len(over) > _NAMED else ""
         sentences.append(f"Exceeded: {'; '.join(texts)}{more}.")
-    within = [row for row in judged if row.verdict == WITHIN and (row.margin or 0.0) <= _AMPLE]
+    within = [row for row in judged if row.verdict == WITHIN and (row.margin or 0.0) <= AMPLE]
     if within:
         texts = [_sentence(row) for row in _one_each(within)[:_NAMED]]
         sentences.append(f"{'Elsewhere the' if over else 'The'} smallest margins are: {'; '.join(texts)}.")
@@ -65,60 +58,17 @@ def unjudged(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
 def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
     """Return the worst verdict of every criterion; None without verdicts."""
     # Where nothing is judged the largest value is the worst; an unknown one, NaN, is none.
-    by_size = sorted(verdicts, key=lambda row: -math.inf if math.isnan(_known(row).value) else row.value, reverse=True)
+    by_size = sorted(verdicts, key=lambda row: -math.inf if math.isnan(known(row).value) else row.value, reverse=True)
     rows = _one_each(ordered(by_size))
     if not rows:
         return None
     counts = {row.criterion: sum(other.criterion == row.criterion for other in verdicts) for row in rows}
     return Table(
         title="The worst of every criterion",
-        columns=(*_COLUMNS, Column("figures", form="d")),
-        rows=[(row.criterion, *_cells(row), counts[row.criterion]) for row in rows],
+        columns=(*COLUMNS, Column("figures", form="d")),
+        rows=[(row.criterion, *cells(row), counts[row.criterion]) for row in rows],
         note="Margin: limit over value less one, how much more there could be; negative where the limit is exceeded. "
         "Figures: how many the row is the worst of.",
-    )
-
-
-def full_table(verdicts: Sequence[Verdict]) -> Table | None:
-    """Return every verdict, exceeded ones first, then by margin, those not judged last; None without verdicts."""
-    if not verdicts:
-        return None
-    return Table(
-        title="Every figure against its limit: the smallest margin first, what is not judged last",
-        columns=(*_COLUMNS, Column("at", "s", "z.4f"), Column("note", align="text")),
-        rows=[(row.criterion, *_cells(row), _known(row).time, row.note) for row in ordered(verdicts)],
-    )
-
-
-def ordered(verdicts: Sequence[Verdict]) -> list[Verdict]:
-    """Return the verdicts: what is exceeded or struck first, then the smallest margin, those not judged last."""
-    return sorted(verdicts, key=lambda row: (_ORDER.index(row.verdict), -(row.utilisation or 0.0)))
-
-
-def margin(row: Verdict) -> str:
-    """Return the margin in per cent."""
-    if row.margin is None:
-        return ABSENT
-    if row.margin > _AMPLE:
-        return f"> {fixed(100.0 * _AMPLE, 0)} %"
-    return f"{fixed(100.0 * row.margin, 1 if abs(row.margin) < 0.1 else 0)} %"
-
-
-def _known(row: Verdict) -> Verdict:
-    """Return the verdict; without value and instant if it is a sum of shares of which none is rated, which says nothing."""
-    nothing = row.criterion == COMBINED and row.limit is None and (row.value == 0.0 or math.isnan(row.value))
-    return replace(row, value=math.nan, time=None) if nothing else row
-
-
-def _cells(row: Verdict) -> tuple[Cell, ...]:
-    """Return verdict, subject, value, limit, unit and margin."""
-    return (
-        Mark(content=row.verdict, tone=TONE[row.verdict]),
-        row.subject,
-        shown(_known(row).value, row.unit),
-        shown(row.limit, row.unit),
-        shown_unit(row.unit),
-        margin(row),
     )
 
 

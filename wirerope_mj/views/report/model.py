@@ -5,6 +5,7 @@ from wirerope_mj.foundation.tables import Column, Row, Table
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.mounts.laws import Law, Stop
+from wirerope_mj.views.display import ABSENT, fixed, number, several, with_unit
 from wirerope_mj.views.plots.report_image import image_of
 from wirerope_mj.views.plots.report_scene import (
     axial_direction,
@@ -13,9 +14,11 @@ from wirerope_mj.views.plots.report_scene import (
     mount_position,
     scene_figure,
 )
-from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture, Section
-from wirerope_mj.views.report.display import ABSENT, fixed, number, several, with_unit
+from wirerope_mj.views.report.content import Block, Folded, Listing, Paragraph, Picture, Section
 from wirerope_mj.views.report.run import FinishedRun
+
+_FEW = 12
+"""Mounts and stops that are listed in any case."""
 
 _MOST_SHAPES = 80
 """Geoms from which the drawing is stored as pixels: each takes about a kilobyte in either view, and as long to write."""
@@ -35,7 +38,10 @@ def model_section(run: FinishedRun) -> Section:
         alt = f"Plan and elevation of the model {scene.name} with {several(len(scene.mounts), 'mount')}."
         detailed = sum(len(body.geoms) for body in scene.bodies) > _MOST_SHAPES
         blocks.append(Picture(image=image_of(scene_figure(scene), detailed=detailed), caption=caption, alt=alt))
-    blocks += [table for table in (_masses(run), _mounts(run)) if table is not None]
+    mounts = _mounts(run)
+    blocks += [table for table in (_masses(run),) if table is not None]
+    if mounts is not None:
+        blocks.append(Folded(table=mounts, shown=max(len(scene.isolating), _FEW)))  # stops are the last, and alike
     devices = _devices(run)
     if devices:
         blocks.append(_isolators(devices))

@@ -10,20 +10,20 @@ from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator import AXES
-from wirerope_mj.views.plots.report_image import image_of
-from wirerope_mj.views.plots.report_motion import base_acceleration, motion_figure, moving_axes
+from wirerope_mj.views.display import fixed, listed, several
+from wirerope_mj.views.plots.report_motion import base_acceleration, motion_chart, moving_axes
 from wirerope_mj.views.plots.report_response import (
     MOST,
     acceleration_along,
-    accelerations_figure,
-    deflections_figure,
+    accelerations_chart,
+    deflections_chart,
     loop_rows,
-    mount_loops_figure,
-    sweep_figure,
+    mount_loops_chart,
+    sweep_chart,
+    used_chart,
 )
-from wirerope_mj.views.plots.report_spectra import base_spectrum_figure, densities_figure, payload_spectra_figure
+from wirerope_mj.views.plots.report_spectra import base_spectrum_chart, densities_chart, payload_spectra_chart
 from wirerope_mj.views.report.content import Block, Paragraph, Picture, Section
-from wirerope_mj.views.report.display import fixed, listed, several
 from wirerope_mj.views.report.record import record_blocks
 from wirerope_mj.views.report.run import BASE, FinishedRun, worst_names
 
@@ -46,7 +46,7 @@ def motion_section(run: FinishedRun) -> Section:
     coasts = " At the end it coasts on at the velocity that is left." if np.abs(end).max() > _COASTING else ""
     blocks.append(
         Picture(
-            image=image_of(motion_figure(run.response, run.motion)),
+            image=motion_chart(run.response, run.motion, run.selection.window),
             caption=f"The base's acceleration, velocity and displacement{still}.{coasts}",
             alt=f"Histories of the base along {names}.",
         )
@@ -64,7 +64,9 @@ def response_section(run: FinishedRun) -> Section:
     if worst:
         blocks.append(
             Picture(
-                image=image_of(accelerations_figure(run.response, worst, base_acceleration(run.response, run.motion))),
+                image=accelerations_chart(
+                    run.response, worst, base_acceleration(run.response, run.motion), run.selection
+                ),
                 caption=f"Absolute accelerations of {listed(worst)} and of the base; {_chosen(run)}.",
                 alt=f"Histories of the accelerations of {listed(worst)} and the base along x, y and z.",
             )
@@ -82,31 +84,36 @@ def _chosen(run: FinishedRun) -> str:
 
 
 def mounts_section(run: FinishedRun) -> Section:
-    """Return deflections, forces and loops of the mounts."""
-    rows = mount_peaks(run.response)
+    """Return what is used of the limits, and deflections, forces and loops of the mounts."""
+    rows, selection = mount_peaks(run.response), run.selection
     if not rows:
         return Section(title="Mounts in motion", blocks=())
-    names = [row.name for row in rows[:MOST]]
-    rated = " Dashed: the rated travel of the first." if rows[0].governing else ""
-    order = "that use most of their rated travel" if rows[0].governing else "in the order of the model"
+    names = [one.subject for one in selection.used if one.subject in selection.mounts][:MOST]
+    order = "that use most of their limits" if names else "in the order of the model"
+    names = names or [row.name for row in rows[:MOST]]
+    isolator = next(mount.isolator for mount in run.response.scene.mounts if mount.name == names[0])
     time, part = run.response.time, loop_rows(run.response, names[0])
     interval = f" from {time[part][0]:.5g} to {time[part][-1]:.5g} s" if part != slice(None) else ""
-    return Section(
-        title="Mounts in motion",
-        blocks=(
-            Picture(
-                image=image_of(deflections_figure(run.response, names)),
-                caption=f"Deflections of the mounts {order}: {listed(names)}. Axial is positive in tension.{rated}",
-                alt=f"Histories of the deflections of {listed(names)} along roll, shear and axial.",
-            ),
-            Picture(
-                image=image_of(mount_loops_figure(run.response, names[0])),
-                caption=f"Force over deflection of {names[0]} ({rows[0].isolator}){interval}; the dot is where it begins.",
-                alt=f"Loops of {names[0]}.",
-            ),
-            _peaks(rows),
+    pictures = [
+        Picture(
+            image=deflections_chart(run.response, names, selection),
+            caption=f"Deflections of the mounts {order}: {listed(names)}. Axial is positive in tension.",
+            alt=f"Histories of the deflections of {listed(names)} along roll, shear and axial.",
         ),
-    )
+        Picture(
+            image=mount_loops_chart(run.response, names[0], selection),
+            caption=f"Force over deflection of {names[0]} ({isolator}){interval}; the dot is where it begins.",
+            alt=f"Loops of {names[0]}.",
+        ),
+    ]
+    if selection.used:
+        used = Picture(
+            image=used_chart(run.response, selection),
+            caption="What is used of the limits over time, the largest of all criteria of each mount, body or point.",
+            alt="Utilisation of limits over time.",
+        )
+        pictures.insert(0, used)
+    return Section(title="Mounts in motion", blocks=(*pictures, _peaks(rows)))
 
 
 def _extremes(run: FinishedRun, axes: list[int]) -> Table:
@@ -149,7 +156,7 @@ def _base_spectrum(run: FinishedRun) -> Block:
     spectra = {axis: lines[BASE] for axis, lines in run.spectra.items()}
     q = next(iter(spectra.values())).q
     return Picture(
-        image=image_of(base_spectrum_figure(spectra)),
+        image=base_spectrum_chart(spectra),
         caption=f"Shock response spectrum of the base, maximax, Q = {q:g}: absolute acceleration and pseudo-velocity of "
         "oscillators that stand on the base without isolators.",
         alt="Shock response spectrum of the base.",
@@ -166,7 +173,7 @@ def _payload_spectra(run: FinishedRun) -> list[Block]:
     q = next(iter(next(iter(shown_spectra.values())).values())).q
     return [
         Picture(
-            image=image_of(payload_spectra_figure(shown_spectra)),
+            image=payload_spectra_chart(shown_spectra, run.selection),
             caption=f"Shock response spectra of {listed(names)} and of the base, maximax, Q = {q:g}: what equipment meets "
             "that stands there. Where the payload's line lies above the base's, isolation makes it worse.",
             alt=f"Shock response spectra of {listed(names)} and the base.",
@@ -181,7 +188,7 @@ def _densities(run: FinishedRun) -> list[Block]:
     names = listed([name for name in next(iter(run.densities.values())) if name != BASE])
     return [
         Picture(
-            image=image_of(densities_figure(run.densities)),
+            image=densities_chart(run.densities, run.selection),
             caption=f"Power spectral densities of {names} and of the base while the response is stationary: "
             f"{one.duration:.4g} s, resolution {one.resolution:.3g} Hz, {several(one.segments, 'segment')}, so that each "
             f"density is known to {100.0 * one.standard_error:.0f} %.",
@@ -215,7 +222,7 @@ def _rms_rows(run: FinishedRun, name: str) -> Iterator[tuple[Cell, ...]]:
 def _over_frequency(run: FinishedRun, motion: Sweep, names: list[str]) -> Picture:
     axes = moving_axes(run.response)
     return Picture(
-        image=image_of(sweep_figure(run.response, names, motion.frequency(run.response.time), axes)),
+        image=sweep_chart(run.response, names, motion.frequency(run.response.time), axes),
         caption="Accelerations along the base's motion over the frequency of the sweep.",
         alt="Accelerations over the frequency of the sweep.",
     )

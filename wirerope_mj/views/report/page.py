@@ -2,17 +2,19 @@
 
 from base64 import b64encode
 from functools import cache
+from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.tables import Table
+from wirerope_mj.views.display import ABSENT, MINUS
 from wirerope_mj.views.plots.report_image import Image
-from wirerope_mj.views.report.content import Listing, Paragraph, ReportContent
-from wirerope_mj.views.report.display import ABSENT, MINUS
+from wirerope_mj.views.plots.svg_chart import Chart
+from wirerope_mj.views.report.content import Folded, Listing, Paragraph, ReportContent
 
 _FOLDER = Path(__file__).parent
 _LONG = 30  # letters of a cell that may be broken anywhere, rather than widen its column
@@ -24,7 +26,17 @@ def report_html(content: ReportContent) -> str:
     # The style sheet is ours alone; whatever a user has named reaches the page through the template, which escapes it.
     css = Markup((_FOLDER / "report.css").read_text(encoding="utf-8").strip())
     template = _environment().get_template("report.html.jinja")
-    return template.render(content=content, css=css, version=version("wirerope-mj")) + "\n"
+    script = (_FOLDER / "read_curves.js").read_text(encoding="utf-8").strip()
+    return (
+        template.render(
+            content=content,
+            css=css,
+            script=Markup(script),
+            script_hash=f"sha256-{b64encode(sha256(script.encode()).digest()).decode('ascii')}",
+            version=version("wirerope-mj"),
+        )
+        + "\n"
+    )
 
 
 @cache
@@ -34,12 +46,19 @@ def _environment() -> Environment:
     )
     environment.filters |= {
         "data_uri": _data_uri,
+        "svg": _svg,
         "breakable": _breakable,
         "letter": lambda column: column.align[0],
         "heading": lambda column: column.title().replace("/\n", "/").replace("\n", " "),
         "cells": lambda table: table.marks(absent=ABSENT, minus=MINUS),
     }
-    for name, kind in (("paragraph", Paragraph), ("listing", Listing), ("table", Table)):
+    for name, kind in (
+        ("paragraph", Paragraph),
+        ("listing", Listing),
+        ("table", Table),
+        ("folded", Folded),
+        ("chart", Chart),
+    ):
         environment.tests[name] = lambda item, kind=kind: isinstance(item, kind)
     return environment
 
@@ -47,6 +66,11 @@ def _environment() -> Environment:
 def _shown(value: object) -> object:
     """Return what the page says, invisible characters of texts that users wrote spelled out."""
     return plain_lines(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+
+
+def _svg(chart: Chart, alt: str) -> Markup:
+    """Return a chart as an element of the page, which escapes the names in it itself; `alt` says what it shows."""
+    return Markup(chart.svg().replace("<svg ", f'<svg aria-label="{escape(plain_lines(alt))}" ', 1))
 
 
 def _data_uri(image: Image) -> str:

@@ -15,7 +15,7 @@ def write_pdf(page: str, path: Path) -> None:
     """
     weasyprint = _weasyprint()
     fetcher = weasyprint.urls.URLFetcher(allowed_protocols={"data"})  # a report holds all it needs: nothing is fetched
-    weasyprint.HTML(string=page, url_fetcher=fetcher).write_pdf(path)
+    weasyprint.HTML(string=page, url_fetcher=fetcher).write_pdf(path, pdf_tags=True)
 
 
 def check_pdf() -> None:

@@ -3,11 +3,10 @@
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.motions import Record
 from wirerope_mj.motions.records.record import records_in
+from wirerope_mj.views.display import listed
 from wirerope_mj.views.plots.record_baseline import baseline_text
-from wirerope_mj.views.plots.report_image import image_of
-from wirerope_mj.views.plots.report_record import ends, record_figure
+from wirerope_mj.views.plots.report_record import ends, record_chart
 from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture
-from wirerope_mj.views.report.display import listed
 from wirerope_mj.views.report.run import FinishedRun
 
 
@@ -45,7 +44,7 @@ def _correction(record: Record) -> list[Block]:
     along = listed(["xyz"[axis] for axis in axes])
     return [
         Picture(
-            image=image_of(record_figure(measured, record)),
+            image=record_chart(measured, record),
             caption=f"The whole record {record.path.name} along {along}, as measured and as it is played, "
             f"{baseline_text(record)}.",
             alt=f"Histories of {record.path.name} along {along}, without the baseline correction and with it.",

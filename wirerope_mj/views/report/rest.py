@@ -7,8 +7,8 @@ from wirerope_mj.engine.statics import Sag
 from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.display import fixed, with_unit
 from wirerope_mj.views.report.content import Block, Paragraph, Section
-from wirerope_mj.views.report.display import fixed, with_unit
 from wirerope_mj.views.report.run import FinishedRun
 
 _HISTORIES = {

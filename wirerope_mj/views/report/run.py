@@ -14,8 +14,9 @@ from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.views.display import title_of
 from wirerope_mj.views.plots.report_response import MOST
-from wirerope_mj.views.report.display import title_of
+from wirerope_mj.views.selection import Selection
 
 BASE = "base"
 """Name of the base among the spectra."""
@@ -45,6 +46,7 @@ class FinishedRun:
         densities: power spectral densities in the same way, if the base vibrates at random.
         verdicts: on every judged value.
         versions: of the packages that computed it.
+        selection: what is shown of it, with its colours.
     """
 
     name: str
@@ -66,6 +68,7 @@ class FinishedRun:
     densities: Mapping[str, Mapping[str, PowerSpectralDensity]]
     verdicts: tuple[Verdict, ...]
     versions: Mapping[str, str]
+    selection: Selection
 
     @property
     def title(self) -> str:

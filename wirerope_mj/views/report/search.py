@@ -6,9 +6,9 @@ from wirerope_mj.studies.results.statements import travel_statements
 from wirerope_mj.studies.results.tables import varied_table
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.search.tables import designs_table, front_table
+from wirerope_mj.views.display import number, several
 from wirerope_mj.views.plots.search import search_pictures
 from wirerope_mj.views.report.content import Listing, Paragraph, ReportContent, Section
-from wirerope_mj.views.report.display import number, several
 from wirerope_mj.views.report.study import failed_blocks, motion_text, numerics_table, pictures_of
 
 _ROWS = 40  # designs that are read

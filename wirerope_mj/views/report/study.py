@@ -15,10 +15,10 @@ from wirerope_mj.studies.results.tables import (
     varied_table,
     worst_table,
 )
+from wirerope_mj.views.display import number, several
 from wirerope_mj.views.plots.report_image import image_of
 from wirerope_mj.views.plots.study_pictures import StudyPicture, study_pictures
 from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture, ReportContent, Section
-from wirerope_mj.views.report.display import number, several
 
 _WORST, _INPUTS, _EFFECTS, _FAILED = 10, 5, 15, 20  # rows and columns that are read
 _METHODS = {

@@ -1,0 +1,253 @@
+"""Charts as SVG that stands in a page: its texts can be selected, its colours follow the page's theme, its curves be read.
+
+Written here and not by a library: matplotlib draws letters as outlines and takes half a second for each chart, and what draws
+charts in a browser comes as a script of megabytes, which a PDF does not run.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from math import isfinite, log10
+
+import numpy as np
+
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.plain_text import plain_lines
+from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
+from wirerope_mj.views.colours import LIGHT, Color
+from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
+
+WIDTH = 760.0
+"""Width of a chart, in units of about a pixel of a page."""
+
+BASE, OTHERS = "base", "others"
+"""Kinds of curves beside the numbered ones of the table of colours."""
+
+_LEFT, _RIGHT, _GAP = 58.0, 12.0, 66.0
+_TITLE, _LEGEND, _BELOW, _BETWEEN = 18.0, 17.0, 34.0, 14.0
+_LETTER = 6.1  # width of a letter of a legend, on the average
+_SWATCH = 24.0
+_FINE = 1 / 500  # of a panel's height, that a line may be off
+_ROOM = 0.05  # of the range, left free above and below
+
+
+@dataclass(frozen=True, kw_only=True)
+class Curve:
+    """A line: positions (n,), a name, and its kind, the number of a colour, `BASE` or `OTHERS`."""
+
+    x: Array
+    y: Array
+    name: str
+    kind: int | str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Panel:
+    """Curves between two axes.
+
+    Attributes:
+        curves: the first in front.
+        ylabel, xlabel, title: texts; "" for none.
+        limits: levels that are dashed, with their names.
+        dots: positions of single points.
+        xlim, ylim: ranges; None for what the curves take.
+        log: whether both axes are logarithmic, or only the one across ("x").
+        unit, xunit: of the values that are read.
+    """
+
+    curves: Sequence[Curve]
+    ylabel: str
+    xlabel: str = ""
+    title: str = ""
+    limits: Sequence[tuple[str, float]] = ()
+    dots: Sequence[tuple[float, float]] = ()
+    xlim: tuple[float, float] | None = None
+    ylim: tuple[float, float] | None = None
+    log: str = ""
+    unit: str = ""
+    xunit: str = "s"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Chart:
+    """Panels in rows, each `height` units high without its texts."""
+
+    rows: Sequence[Sequence[Panel]]
+    height: float = 120.0
+
+    def svg(self) -> str:
+        """Return the chart as an <svg> element; the curves' names stand above, each once."""
+        legend, top = _legend([panel for row in self.rows for panel in row])
+        parts, y = [legend], top
+        for number, row in enumerate(self.rows):
+            y += _TITLE if any(panel.title for panel in row) else 0.0
+            width = (WIDTH - _LEFT - _RIGHT - _GAP * (len(row) - 1)) / len(row)
+            labelled = any(panel.xlabel for panel in row)
+            for column, panel in enumerate(row):
+                parts.append(_panel(panel, _LEFT + column * (width + _GAP), y, width, self.height, labelled=labelled))
+            y += self.height + (_BELOW if labelled else 0.0) + (_BETWEEN if number + 1 < len(self.rows) else 0.0)
+        head = f'<svg class="chart" viewBox="0 0 {WIDTH:g} {y:g}" xmlns="http://www.w3.org/2000/svg" role="img"'
+        return f'{head} font-family="Helvetica, Arial, sans-serif" font-size="11">{"".join(parts)}</svg>'
+
+
+def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
+    """Return the names of all curves and limits above the chart, and the height that they take."""
+    entries: dict[str, str] = {}
+    for panel in panels:
+        for curve in panel.curves:
+            entries.setdefault(curve.name, _look(curve.kind))
+        for name, _ in panel.limits:
+            entries.setdefault(name, _LIMIT)
+    parts, x, y = [], _LEFT, 12.0
+    for name, look in entries.items():
+        wide = _SWATCH + _LETTER * len(name) + 18.0
+        if x + wide > WIDTH and x > _LEFT:
+            x, y = _LEFT, y + _LEGEND
+        parts.append(f'<path {look} d="M{x:.1f} {y - 4:.1f}h18"/>{_text(x + _SWATCH, y, name)}')
+        x += wide
+    return "".join(parts), (y + 8.0 if entries else 4.0)
+
+
+def _panel(panel: Panel, left: float, top: float, width: float, height: float, *, labelled: bool) -> str:
+    """Return the frame, the ticks and the curves of a panel at a place."""
+    (x0, x1), (y0, y1) = _ranges(panel)
+    logs = "x" in panel.log, "y" in panel.log
+    across = _Scale(x0, x1, left, left + width, logs[0])
+    upward = _Scale(y0, y1, top + height, top, logs[1])
+    parts = [_grid(across, upward, panel, labelled=labelled)]
+    drawn = []
+    for curve in panel.curves:
+        drawn += [
+            f'<path {_look(curve.kind)} data-name="{_quoted(curve.name)}" d="{d}"/>'
+            for d in _paths(curve, across, upward)
+        ]
+    parts += reversed(drawn)  # the first in front
+    for name, level in panel.limits:
+        if y0 <= level <= y1:
+            parts.append(
+                f'<path {_LIMIT} data-name="{_quoted(name)}" d="M{left:.1f} {upward(level):.1f}h{width:.1f}"/>'
+            )
+    parts += [
+        f'<circle class="dot" fill="#333" cx="{across(x):.1f}" cy="{upward(y):.1f}" r="3"/>' for x, y in panel.dots
+    ]
+    if panel.title:
+        parts.append(_text(left, top - 5.0, panel.title, weight="bold"))
+    middle = top + 0.5 * height
+    parts.append(_text(left - 46.0, middle, panel.ylabel, anchor="middle", turned=True))
+    if panel.xlabel:
+        parts.append(_text(left + 0.5 * width, top + height + 29.0, panel.xlabel, anchor="middle"))
+    ranges = " ".join(f"{value:.9g}" for value in (x0, x1, y0, y1))
+    area = f"{left:.1f} {top:.1f} {width:.1f} {height:.1f}"
+    data = f'data-ranges="{ranges}" data-area="{area}" data-log="{panel.log}"'
+    data += f' data-unit="{panel.unit}" data-xunit="{panel.xunit}"'
+    return f'<g class="panel" {data}>{"".join(parts)}</g>'
+
+
+class _Scale:
+    """Places of values along an axis."""
+
+    def __init__(self, low: float, high: float, first: float, last: float, log: bool) -> None:
+        self.low, self.high, self.log = low, high, log
+        self._from = log10(low) if log else low
+        self._scale = (last - first) / ((log10(high) if log else high) - self._from)
+        self._first = first
+
+    def __call__(self, value: float) -> float:
+        """Return the place of one value."""
+        return self._first + ((log10(value) if self.log else value) - self._from) * self._scale
+
+    def of(self, values: Array) -> Array:
+        """Return the places of many; of a logarithmic axis those below its end at its end."""
+        bounded = np.log10(np.maximum(values, self.low)) if self.log else values
+        return np.asarray(self._first + (bounded - self._from) * self._scale)
+
+
+def _ranges(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
+    xs = panel.xlim or (min(float(c.x.min()) for c in panel.curves), max(float(c.x.max()) for c in panel.curves))
+    if xs[0] == xs[1]:
+        xs = (xs[0], xs[0] + 1.0)
+    if panel.ylim is not None:
+        return xs, panel.ylim
+    shown = [c.y[(c.x >= xs[0]) & (c.x <= xs[1])] for c in panel.curves]
+    low = min((float(y.min()) for y in shown if y.size), default=0.0)
+    high = max((float(y.max()) for y in shown if y.size), default=1.0)
+    for _, level in panel.limits:
+        if (
+            level < 0.0 and low < 0.5 * level or level > 0.0 and high > 0.5 * level
+        ):  # others would only flatten the curves
+            low, high = min(low, level), max(high, level)
+    room = _ROOM * (high - low) or 1.0
+    return xs, (low - room, high + room)
+
+
+def _grid(across: _Scale, upward: _Scale, panel: Panel, *, labelled: bool) -> str:
+    left, right = across(across.low), across(across.high)
+    bottom, top = upward(upward.low), upward(upward.high)
+    xs = _ticks(across, most=max(3, int((right - left) / (38.0 if across.log else 62.0))))
+    ys = _ticks(upward, most=max(3, int((bottom - top) / (16.0 if upward.log else 26.0))))
+    lines = "".join(
+        [f"M{across(x):.1f} {bottom:.1f}V{top:.1f}" for x in xs]
+        + [f"M{left:.1f} {upward(y):.1f}H{right:.1f}" for y in ys]
+    )
+    texts = [_text(left - 6.0, upward(y) + 4.0, _number(y), anchor="end") for y in ys]
+    if labelled:
+        texts += [_text(across(x), bottom + 14.0, _number(x), anchor="middle") for x in xs]
+    frame = f'<path class="frame" fill="none" stroke="#8a9099" d="M{left:.1f} {top:.1f}H{right:.1f}V{bottom:.1f}H{left:.1f}Z"/>'
+    return f'<path class="grid" fill="none" stroke="#e3e6ea" d="{lines}"/>{frame}{"".join(texts)}'
+
+
+def _ticks(scale: _Scale, *, most: int) -> list[float]:
+    ticks = log_ticks(scale.low, scale.high, most=most) if scale.log else linear_ticks(scale.low, scale.high, most=most)
+    return [float(tick) for tick in ticks if scale.low <= tick <= scale.high]
+
+
+def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
+    """Return a curve as a path, or as the two of its envelope where it oscillates too often for a line."""
+    keep = (curve.x >= across.low) & (curve.x <= across.high) if (np.diff(curve.x) >= 0.0).all() else slice(None)
+    x, y = curve.x[keep], curve.y[keep]
+    tolerance = _FINE * abs(upward.high - upward.low)
+    if upward.log or across.log:
+        rows = np.arange(x.size)
+    elif (np.diff(x) > 0.0).all():
+        if is_dense(x, y[:, None], tolerance):
+            at, low, high = envelope(x, y[:, None])
+            return [_path(across.of(at), upward.of(values[:, 0])) for values in (high, low) if values.any()]
+        rows = rows_of_line(x, y[:, None], tolerance)
+    else:  # a loop
+        both = np.column_stack([x, y])
+        rows = rows_of_line(np.arange(x.size, dtype=np.float64), both, _FINE * np.ptp(both, axis=0))
+    return [_path(across.of(x[rows]), upward.of(y[rows]))]
+
+
+def _path(x: Array, y: Array) -> str:
+    points = np.round(np.column_stack([x, y]), 1) + 0.0
+    return "M" + " ".join(f"{a:g} {b:g}" for a, b in points.tolist())
+
+
+_FAINT = (196, 201, 207)  # of lines that are not named, which lie behind the others
+
+_LIMIT = f'class="limit" fill="none" stroke="#{bytes(LIGHT.limit).hex()}" stroke-width="1.1" stroke-dasharray="5 4"'
+
+
+def _look(kind: int | str) -> str:
+    """Return class and colour of a curve: a page's style may change the colour, a PDF takes it as it is."""
+    color: Color = LIGHT.base if kind == BASE else _FAINT if kind == OTHERS else LIGHT.series[int(kind)]
+    name = str(kind) if isinstance(kind, str) else f"c{kind}"
+    width = 1.0 if isinstance(kind, str) else 1.5
+    return f'class="{name}" fill="none" stroke="#{bytes(color).hex()}" stroke-width="{width}"'
+
+
+def _text(x: float, y: float, text: str, *, anchor: str = "start", weight: str = "", turned: bool = False) -> str:
+    turn = f' transform="rotate(-90 {x:.1f} {y:.1f})"' if turned else ""
+    bold = f' font-weight="{weight}"' if weight else ""
+    place = f'x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"'
+    return f'<text class="text" fill="#1c2430" {place}{bold}{turn}>{escape(plain_lines(text))}</text>'
+
+
+def _quoted(text: str) -> str:
+    return escape(plain_lines(text), quote=True)
+
+
+def _number(value: float) -> str:
+    assert isfinite(value)
+    return f"{value + 0.0:.6g}".replace("-", "\N{MINUS SIGN}")
