@@ -30,7 +30,7 @@ HOUSE = {
     "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
     "assessment": (("criteria",), ("comparison", "selection")),
     "studies": (("inputs",), ("engines",), ("results",), ("search",)),
-    "views": (("plots", "recording"), ("report",), ("explore",)),
+    "views": (("plots", "recording"), ("report",), ("explore",), ("share",)),
     "runs": (),
     "cli": (),
 }

@@ -536,7 +536,7 @@ def test_long_names_in_legends_keep_what_tells_them_apart():
 
 @pytest.mark.quick
 def test_pictures_show_samples_column_by_column(finished, monkeypatch):
-    """A response of ten minutes is larger than memory: no more than a column may be asked for at once."""
+    """A response of ten minutes is larger than memory: no more than a vector may be asked for at once."""
     from wirerope_mj.views.report.motion import mounts_section, response_section
 
     widths = []
@@ -551,4 +551,4 @@ def test_pictures_show_samples_column_by_column(finished, monkeypatch):
     run = replace(finished, response=replace(finished.response, samples=Narrow()))
     response_section(run)
     mounts_section(run)
-    assert set(widths) == {1}
+    assert max(widths) <= 3

@@ -60,6 +60,10 @@ COMMANDS = {
         "compare:compare",
         "Lay two or more runs over each other: peaks side by side on the screen, and one recording that shows what differs.",
     ),
+    "share": (
+        "share:share",
+        "Write report, recording and viewer of a run as one folder that any web server shows.",
+    ),
     "explore": (
         "explore:explore_app",
         "Move sliders in a page of this machine and see verdict, curves and recording change: a what-if.",

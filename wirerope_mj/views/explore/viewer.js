@@ -11,7 +11,7 @@ function tell(message) {
 async function start() {
   await wasm_bindgen({ module_or_path: fetch("/re_viewer_bg.wasm") });
   const handle = new wasm_bindgen.WebHandle({
-    url: [], hide_welcome_screen: true, enable_history: false, notebook: false, persist: false,
+    url: [], hide_welcome_screen: true, enable_history: false, notebook: false, persist: false, theme: "dark",
   });
   await handle.start(document.getElementById("canvas"));
   document.getElementById("state").remove();

@@ -42,7 +42,8 @@ def save_histories(response: Response, path: str | Path, selection: Selection, *
         panel.grid(color="0.92")
         panel.set_axisbelow(True)
         panel.legend(fontsize=8, loc="upper right", ncols=2)
-    panels[-1].set_xlim(*selection.window)
+    if selection.window[0] < selection.window[1]:
+        panels[-1].set_xlim(*selection.window)
     panels[-1].set_xlabel("time [s]")
     figure.savefig(path)
 

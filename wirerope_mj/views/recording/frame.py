@@ -17,7 +17,7 @@ LARGE = 4.5
 _FRAME = (120, 126, 134)
 _GRID = (52, 57, 64)
 _ZERO = (104, 110, 118)
-_TICK = (190, 195, 202)
+_TICK = (128, 134, 142)
 
 Color = tuple[int, int, int]
 

@@ -15,7 +15,7 @@ from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
 _PEAK = (255, 255, 255)
 
-_OTHERS = (86, 92, 100)
+_OTHERS = (104, 110, 118)
 """Darker than a text must be, so that what is named stands in front."""
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from wirerope_mj.assessment.criteria import MountPeak, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.steady import steady_interval
 from wirerope_mj.foundation.absent import Absent
-from wirerope_mj.foundation.tables import Cell, Column, Row, Table
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.views.display import fixed, listed, several
@@ -23,7 +23,8 @@ from wirerope_mj.views.plots.report_response import (
     used_chart,
 )
 from wirerope_mj.views.plots.report_spectra import base_spectrum_chart, densities_chart, payload_spectra_chart
-from wirerope_mj.views.report.content import Block, Paragraph, Picture, Section
+from wirerope_mj.views.recording.events import events_of
+from wirerope_mj.views.report.content import Block, Folded, Paragraph, Picture, Section
 from wirerope_mj.views.report.record import record_blocks
 from wirerope_mj.views.report.run import BASE, FinishedRun, worst_names
 
@@ -113,7 +114,20 @@ def mounts_section(run: FinishedRun) -> Section:
             alt="Utilisation of limits over time.",
         )
         pictures.insert(0, used)
-    return Section(title="Mounts in motion", blocks=(*pictures, _peaks(rows)))
+    return Section(title="Mounts in motion", blocks=(*pictures, *_course(run), _peaks(rows)))
+
+
+def _course(run: FinishedRun) -> list[Block]:
+    """Return the events of the run as the recording has them: the few that tell its course first, the others folded away."""
+    events = events_of(run.response, run.selection)
+    events.sort(key=lambda event: not event.main)
+    main = sum(event.main for event in events)
+    table = Table(
+        title="The course of the run, and below it all other peaks and limits that are passed",
+        columns=(Column("at", "s", "z.4f"), Column("event", align="text")),
+        rows=[(event.time, Mark(event.text, "exceeded" if event.level == "ERROR" else "")) for event in events],
+    )
+    return [Folded(table=table, shown=max(main, 1))] if events else []
 
 
 def _extremes(run: FinishedRun, axes: list[int]) -> Table:
@@ -135,16 +149,16 @@ def _extremes(run: FinishedRun, axes: list[int]) -> Table:
 
 def _events(run: FinishedRun) -> Table | None:
     end = float(run.response.time[-1])
-    every = dict.fromkeys((time <= end, fixed(time, 4), text) for time, text in run.response.events)
-    events = [(time, text) for inside, time, text in every if inside]  # each once: pulses along two axes
-    later = [text for inside, _, text in every if not inside]
+    every = {(fixed(time, 4), text): time for time, text in run.response.events}  # each once: pulses along two axes
+    events = [(time, text) for (_, text), time in every.items() if time <= end]
+    later = [text for (_, text), time in every.items() if time > end]
     if not events:
         return None
     left = max(len(events) - _MOST_EVENTS, 0)
     beyond = f"After the end of the run at {end:g} s, and not simulated: {listed(later)}." if later else ""
     return Table(
         title="What the base does when",
-        columns=(Column("at", "s"), Column("event", align="text")),
+        columns=(Column("at", "s", "z.4f"), Column("event", align="text")),
         rows=events[:_MOST_EVENTS],
         note=" ".join(filter(None, [f"And {left} more." if left else "", beyond])),
     )

@@ -1,5 +1,6 @@
 """A report as one HTML page that needs nothing but itself."""
 
+import math
 from base64 import b64encode
 from functools import cache
 from hashlib import sha256
@@ -10,7 +11,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from wirerope_mj.foundation.plain_text import plain_lines
-from wirerope_mj.foundation.tables import Table
+from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.views.display import ABSENT, MINUS
 from wirerope_mj.views.plots.report_image import Image
 from wirerope_mj.views.plots.svg_chart import Chart
@@ -48,6 +49,7 @@ def _environment() -> Environment:
         "data_uri": _data_uri,
         "svg": _svg,
         "breakable": _breakable,
+        "instant": _instant,
         "letter": lambda column: column.align[0],
         "heading": lambda column: column.title().replace("/\n", "/").replace("\n", " "),
         "cells": lambda table: table.marks(absent=ABSENT, minus=MINUS),
@@ -66,6 +68,12 @@ def _environment() -> Environment:
 def _shown(value: object) -> object:
     """Return what the page says, invisible characters of texts that users wrote spelled out."""
     return plain_lines(value) if isinstance(value, str) and not isinstance(value, Markup) else value
+
+
+def _instant(column: Column, value: object) -> float | None:
+    """Return the instant of the run that a cell gives [s], None for every other cell."""
+    inside = column.unit == "s" and column.heading in ("at", "first touch")
+    return float(value) if inside and isinstance(value, int | float) and math.isfinite(value) else None
 
 
 def _svg(chart: Chart, alt: str) -> Markup:

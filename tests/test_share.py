@@ -1,0 +1,67 @@
+"""A run as a folder that any web server shows."""
+
+import json
+import re
+
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.runs.scenario import load_scenario
+from wirerope_mj.runs.share import share_run
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("runs") / "table"
+    wr.run_scenario(load_scenario("shock_table").make(duration=0.12, level_g=60.0), folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def shared(run, tmp_path_factory):
+    out = tmp_path_factory.mktemp("shared") / "out"
+    share_run(run, out)
+    return out
+
+
+def test_the_folder_holds_report_recording_and_viewer(run, shared):
+    assert {str(path.relative_to(shared)) for path in shared.rglob("*") if path.is_file()} == {
+        "index.html", "run.rrd", "viewer/index.html", "viewer/show.js", "viewer/re_viewer.js", "viewer/re_viewer_bg.wasm",
+    }  # fmt: skip
+    assert (shared / "run.rrd").read_bytes() == (run / "run.rrd").read_bytes()
+    assert (shared / "viewer" / "re_viewer_bg.wasm").read_bytes().startswith(b"\0asm")
+
+
+def test_every_verdict_with_an_instant_opens_the_timeline_there(run, shared):
+    page = (shared / "index.html").read_text(encoding="utf-8")
+    links = re.findall(r'data-instant="([^"]*)"><a href="viewer/#([^"]*)" target="viewer">', page)
+    assert links
+    assert all(one == other for one, other in links)
+    instants = {float(instant) for instant, _ in links}
+    judged = json.loads((run / "summary.json").read_text(encoding="utf-8"))["judged"]
+    timed = {row["time_s"] for row in judged if row["limit"] is not None and row["time_s"] is not None}
+    assert timed
+    assert timed <= instants
+
+
+def test_no_page_asks_another_server_for_anything(shared):
+    own = [shared / "index.html", shared / "viewer" / "index.html", shared / "viewer" / "show.js"]
+    for path in own:
+        text = path.read_text(encoding="utf-8").replace("http://www.w3.org/2000/svg", "")
+        assert not re.search(r"(src|href)=\"(?!data:|#|viewer/|re_viewer\.js|show\.js)", text), path
+        assert "http://" not in text, path
+        assert "https://" not in text, path
+    assert "default-src 'none'" in own[1].read_text(encoding="utf-8")
+
+
+def test_what_cannot_be_shared_is_said_in_one_line(run, shared, tmp_path, capsys):
+    with pytest.raises(RecordError, match="inside the run"):
+        share_run(run, run / "out")
+    with pytest.raises(RecordError, match=r"no report\.html here to share"):
+        share_run(tmp_path, tmp_path / "out")
+    assert main(["share", str(run), str(shared)]) == 2
+    assert "--force" in capsys.readouterr().err
+    assert main(["share", str(run), str(shared), "--force"]) == 0
+    assert "MB" in capsys.readouterr().out

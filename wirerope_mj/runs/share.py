@@ -1,0 +1,48 @@
+"""A run as one folder that any web server shows: report, recording and viewer."""
+
+import shutil
+from pathlib import Path
+
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.runs.checksums import warn_of_alterations
+from wirerope_mj.runs.folder import atomic_run
+from wirerope_mj.runs.page import REPORT
+from wirerope_mj.views.recording.paths import FILE
+from wirerope_mj.views.recording.viewer import find_recording
+from wirerope_mj.views.share import VIEWER, linked_report, viewer_pages
+
+INDEX = "index.html"
+
+
+def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> list[Path]:
+    """Write a run as a folder to hand on, whole or not at all, and return its files.
+
+    Nothing in it needs the network: a web server hands it out from any place, as `python -m http.server` does.
+
+    Args:
+        folder: of the run.
+        out: folder to write, outside of the run.
+        force: whether a shared folder that is there is replaced.
+
+    Raises:
+        RecordError: the run has no report or no recording, or `out` is there and must not be replaced.
+        WireRopeError: the viewer does not hand out its files.
+    """
+    folder, target = Path(folder), Path(out)
+    report = folder / REPORT
+    if not report.is_file():
+        raise RecordError(
+            f"{folder}: there is no {REPORT} here to share. `wirerope report {folder}` makes one of a run."
+        )
+    recording = find_recording(folder)
+    if target.resolve().is_relative_to(folder.resolve()):
+        raise RecordError(f"{target}: this is inside the run, whose files are its record; choose a place outside.")
+    warn_of_alterations(folder)
+    with atomic_run(target, force=force, kind="shared run", marks=(INDEX, f"{VIEWER}/{INDEX}")) as beside:
+        pages = viewer_pages()
+        (beside / INDEX).write_text(linked_report(report.read_text(encoding="utf-8")), encoding="utf-8")
+        shutil.copyfile(recording, beside / FILE)
+        (beside / VIEWER).mkdir()
+        for name, content in pages.items():
+            (beside / VIEWER / name).write_bytes(content)
+    return sorted(path for path in target.rglob("*") if path.is_file())

@@ -1,0 +1,32 @@
+"""Pages of a shared folder: the report with links into the viewer, and the viewer's own page."""
+
+import re
+from pathlib import Path
+
+from wirerope_mj.views.explore.viewer_files import viewer_files
+
+VIEWER = "viewer"
+"""Folder of the viewer, beside the report."""
+
+_FOLDER = Path(__file__).parent
+_INSTANT = re.compile(r'(<td class="[^"]*" data-instant="([0-9.eE+-]+)">)([^<]*)(</td>)')
+
+
+def linked_report(page: str) -> str:
+    """Return a report in which every instant of an event or a verdict opens the viewer there."""
+    linked = _INSTANT.sub(rf'\1<a href="{VIEWER}/#\2" target="viewer">\3</a>\4', page)
+    opened = f'<p><a href="{VIEWER}/" target="viewer">Open the timeline</a>; instants in the tables open it where they are.</p>'
+    return linked.replace("</nav>", f"{opened}\n</nav>", 1)
+
+
+def viewer_pages() -> dict[str, bytes]:
+    """Return the files of the viewer's folder by name; nothing in them asks another server for anything.
+
+    Raises:
+        WireRopeError: there is no viewer, or it does not hand out its files.
+    """
+    own = {
+        name: (_FOLDER / source).read_bytes()
+        for name, source in (("index.html", "viewer.html"), ("show.js", "show.js"))
+    }
+    return own | viewer_files()
