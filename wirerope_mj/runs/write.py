@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import tomli_w
 
@@ -30,9 +30,7 @@ from wirerope_mj.runs.judged import JudgedRun, judged_run
 from wirerope_mj.runs.progress_line import progress_line
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.summary import summary_content
-
-if TYPE_CHECKING:
-    from wirerope_mj.views.selection import Selection
+from wirerope_mj.views.selection import Selection, select
 
 STREAM_SAMPLES = 10_000
 """Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
@@ -107,7 +105,8 @@ def write_run(
             (beside / SCENARIO).write_text(text, encoding="utf-8")
             content = summary_content(scenario.name, scenario.motion, response, judged, seconds=round(seconds, 3))
             (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-            selection = _write_views(scenario, response, judged, beside, writing, state=state)
+            selection = select(response, judged.verdicts)
+            _write_views(scenario, response, selection, beside, writing, state=state)
             writing("the report")
             _write_report(text, system, scenario.motion, response, judged, selection, beside)
             write_checksums(beside)
@@ -177,12 +176,12 @@ def _scenario_text(
 def _write_views(
     scenario: Scenario,
     response: Response,
-    judged: JudgedRun,
+    selection: Selection,
     folder: Path,
     writing: Callable[[str], None],
     *,
     state: bool,
-) -> "Selection":
+) -> None:
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
     from wirerope_mj.views.display import title_of
     from wirerope_mj.views.plots.histories import save_histories, save_mount_loops
@@ -192,16 +191,15 @@ def _write_views(
 
     title, text = title_of(scenario.name), _scenario_markdown(scenario)
     writing("the recording")
-    run = run_alone(response, judged.verdicts)
+    run = run_alone(response, selection)
     write_alone(run, folder / "run.rrd", title=title, scenario_text=text, state=state)
     writing("the pictures")
-    save_histories(response, folder / "histories.png", run.selection, title=f"{title}: {scenario.motion.description}")
+    save_histories(response, folder / "histories.png", selection, title=f"{title}: {scenario.motion.description}")
     if response.scene.isolating:
-        save_mount_loops(response, folder / "loops.png", run.selection, title=title)
+        save_mount_loops(response, folder / "loops.png", selection, title=title)
     for number, record in enumerate(records_in(scenario.motion), start=1):
         name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
         save_record_baseline(record, folder / name, title=title)
-    return run.selection
 
 
 def _write_report(
@@ -210,7 +208,7 @@ def _write_report(
     motion: BaseMotion,
     response: Response,
     judged: JudgedRun,
-    selection: "Selection",
+    selection: Selection,
     folder: Path,
 ) -> None:
     from wirerope_mj.runs.page import REPORT  # late, as the pictures

@@ -1,6 +1,7 @@
 """Recordings: a response as one `run.rrd`, and the viewer that opens it. The only room that imports rerun.
 
-The timeline is `sim_time` [s]. What is drawn is thinned to what a picture can show; /state is exact. Entities:
+The timeline is `sim_time` [s]; `event` holds the same at a few instants alone. What is drawn is thinned to what a picture can
+show. Entities:
 
 ```text
 /world                                  right-handed, z up; bodies that never move stand here
@@ -12,15 +13,20 @@ The timeline is `sim_time` [s]. What is drawn is thinned to what a picture can s
 /world/BASE/labels                      names of the mounts
 /world/BASE/forces                      force of each mount on its payload, at equal scale
 /world/BASE/acceleration                acceleration of the base
-/histories/acceleration/x|y|z|total     base, bodies and points with the largest peaks [g];  .../peak  the largest
-/histories/deflection|force/AXIS        mounts that use most of their travel [mm, kN];  .../peak  .../lowest_rated ...
+/histories/used                         what is used of limits [%]
+/histories/acceleration/x|y|z|total     base, bodies and points [g]
+/histories/deflection|force/AXIS        mounts [mm, kN];  .../lowest_rated ...
+  .../0  .../1  .../2  .../2/peak       the base, lines without names, those with names, the largest of all
 /loops/AXIS/MOUNT                       frame of the plot
 /loops/AXIS/MOUNT/data                  the loop [mm, kN] in the coordinates of the plot;  .../trail  .../cursor
 /loops/AXIS/others                      loops of the mounts that have no view of their own
 /events                                 log of events
-/lanes/base  /lanes/travel_AXIS         phase of the motion, use of the rated travel
-/scenario  /peaks                       texts
-/state/time|base|bodies|points|mounts   float64 samples, SI; their `columns` are the names in response.parquet
+/base  /stops  /NAME                    lanes: phase of the motion, stops, use of the limits of what comes nearest to them
+/large                                  the scene with its motion drawn larger, and a ghost where it began
+/plan                                   the mounts from above
+/cursor                                 values at the time cursor
+/verdict  /verdicts  /scenario  /peaks  texts
+/state/time|base|bodies|points|mounts   if asked for: float64 samples, SI; their `columns` are the names in response.parquet
 ```
 
 Branches of periodic motions have a recording of their own, see `views.recording.branch`; so have several responses over

@@ -1,13 +1,12 @@
 """Runs as they are drawn, one alone or several over each other: colours, selections and frames."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, compare_runs
 from wirerope_mj.assessment.comparison.compared import Subject, subjects_of
-from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.colours import DARK, Color
 from wirerope_mj.views.recording.paths import AXES, root_of
@@ -64,14 +63,14 @@ class Overlay(Comparison):
         return [run for run in self.runs if subject in subjects_of(run.response)]
 
 
-def run_alone(response: Response, verdicts: Sequence[Verdict] | None) -> DrawnRun:
-    """Return a run that has a recording of its own; without verdicts it is judged here."""
+def run_alone(response: Response, selection: Selection) -> DrawnRun:
+    """Return a run that has a recording of its own, and what of it is shown."""
     return DrawnRun(
         name="",
         response=response,
         moved=0.0,
         color=ARROW,
-        selection=select(response, verdicts),
+        selection=selection,
         frames=frames_of(response),
     )
 

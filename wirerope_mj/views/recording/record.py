@@ -44,6 +44,7 @@ from wirerope_mj.views.recording.properties import send_properties
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.state import log_state
 from wirerope_mj.views.recording.target import atomic_recording, target_of
+from wirerope_mj.views.selection import select
 
 OVERLAY_FILE = "overlay.rrd"
 
@@ -75,7 +76,12 @@ def record_rerun(
         RecordError: the environment variable RERUN switches recordings off.
     """
     return write_alone(
-        run_alone(response, verdicts), path, title=title, scenario_text=scenario_text, tab=tab, state=state
+        run_alone(response, select(response, verdicts)),
+        path,
+        title=title,
+        scenario_text=scenario_text,
+        tab=tab,
+        state=state,
     )
 
 
