@@ -36,7 +36,7 @@ def test_the_folder_holds_report_recording_and_viewer(run, shared):
 
 def test_every_verdict_with_an_instant_opens_the_timeline_there(run, shared):
     page = (shared / "index.html").read_text(encoding="utf-8")
-    links = re.findall(r'data-instant="([^"]*)"><a href="viewer/#([^"]*)" target="viewer">', page)
+    links = re.findall(r'data-instant="([^"]*)"><a href="viewer/index\.html#([^"]*)" target="viewer">', page)
     assert links
     assert all(one == other for one, other in links)
     instants = {float(instant) for instant, _ in links}

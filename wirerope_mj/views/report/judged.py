@@ -65,8 +65,8 @@ def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
     counts = {row.criterion: sum(other.criterion == row.criterion for other in verdicts) for row in rows}
     return Table(
         title="The worst of every criterion",
-        columns=(*COLUMNS, Column("figures", form="d")),
-        rows=[(row.criterion, *cells(row), counts[row.criterion]) for row in rows],
+        columns=(*COLUMNS, Column("at", "s", "z.4f"), Column("figures", form="d")),
+        rows=[(row.criterion, *cells(row), known(row).time, counts[row.criterion]) for row in rows],
         note="Margin: limit over value less one, how much more there could be; negative where the limit is exceeded. "
         "Figures: how many the row is the worst of.",
     )

@@ -3,6 +3,7 @@
 // above, at the instant [s] behind the # of the address.
 
 const TIMELINE = "sim_time";
+const state = document.getElementById("state");
 let handle = null;
 
 // A number as protobuf writes it, seven bits a byte.
@@ -31,29 +32,49 @@ async function go(tries) {
   try {
     await handle.viewer_control(atInstant(instant));
   } catch (error) {
-    if (tries > 0) setTimeout(() => go(tries - 1), 250);  // the recording is still being read
+    if (tries > 0) setTimeout(() => go(tries - 1), 250); // the recording is still being read
+    return;
+  }
+  // With its unit the address is another one than the report's link, which moves the cursor back when it is followed again.
+  history.replaceState(null, "", `#${instant}s`);
+  document.title = `Timeline at ${instant.toFixed(4)} s`;
+}
+
+// The content of a file, with how much of it is there shown on the way. As bytes the program starts whatever type the server
+// calls it.
+async function content(address) {
+  const answer = await fetch(address);
+  if (!answer.ok) throw new Error(`${address}: ${answer.status} ${answer.statusText}`);
+  const pieces = [];
+  const reader = answer.body.getReader();
+  for (let size = 0; ; ) {
+    const { done, value } = await reader.read();
+    if (done) return new Uint8Array(await new Blob(pieces).arrayBuffer());
+    pieces.push(value);
+    size += value.length;
+    state.textContent = `Loading ${address.split("/").pop()}: ${(size / 1e6).toFixed(1)} MB`;
   }
 }
 
 async function start() {
-  const recording = fetch("../run.rrd").then((answer) => {
-    if (!answer.ok) throw new Error(`run.rrd: ${answer.status}`);
-    return answer.arrayBuffer();
-  });
-  await wasm_bindgen({ module_or_path: fetch("re_viewer_bg.wasm") });
+  if (location.protocol === "file:") {
+    throw new Error("a browser gives a page that was opened from the disk no other file. In the folder above this one: " +
+      "python -m http.server --bind 127.0.0.1, and open localhost:8000");
+  }
+  const recording = await content("../run.rrd");
+  await wasm_bindgen({ module_or_path: await content("re_viewer_bg.wasm") });
   handle = new wasm_bindgen.WebHandle({
     url: [], hide_welcome_screen: true, enable_history: false, notebook: false, persist: false, theme: "dark",
   });
   await handle.start(document.getElementById("canvas"));
-  document.getElementById("state").remove();
+  state.textContent = "";
   handle.open_channel("run", "run.rrd");
-  handle.send_rrd_to_channel("run", new Uint8Array(await recording));
+  handle.send_rrd_to_channel("run", recording);
   handle.close_channel("run");
-  setTimeout(() => go(40), 250);
+  go(240); // a large recording takes the viewer a while
 }
 
 window.addEventListener("hashchange", () => go(4));
 start().catch((error) => {
-  const state = document.getElementById("state");
-  if (state) state.textContent = `The viewer does not start: ${error}. A web server must hand out this folder.`;
+  state.textContent = `The viewer does not start: ${error.message ?? error}`;
 });
