@@ -132,7 +132,10 @@ def check_page(path) -> str:
     assert links == [f"#part-{n + 1}" for n in range(len(links))]
     assert {name for _, name, _ in page.attributes if name.startswith("on")} == set()
     pictures = [value for tag, name, value in page.attributes if (tag, name) == ("img", "src")]
-    assert pictures
+    drawings = re.findall(r"<svg.*?</svg>", html, re.DOTALL)
+    assert pictures or drawings
+    for drawing in drawings:
+        ElementTree.fromstring(drawing)  # well-formed, or another reader of the page shows nothing
     assert all(value.startswith("data:image/") for value in pictures)
     for value in pictures:
         if value.startswith("data:image/svg+xml"):

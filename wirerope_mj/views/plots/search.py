@@ -14,7 +14,7 @@ from wirerope_mj.studies.results.statistics import row_of
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import COLOURS, RATED, WIDTH, report_style
-from wirerope_mj.views.plots.report_scene import draw_plan
+from wirerope_mj.views.plots.scene_plan import draw_plan
 from wirerope_mj.views.plots.study_pictures import StudyPicture
 
 _SHOWN = 4  # designs from above

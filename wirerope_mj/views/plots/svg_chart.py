@@ -118,14 +118,14 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, *
     drawn = []
     for curve in panel.curves:
         drawn += [
-            f'<path {_look(curve.kind)} data-name="{_quoted(curve.name)}" d="{d}"/>'
+            f'<path {_look(curve.kind)} data-name="{safe_text(curve.name)}" d="{d}"/>'
             for d in _paths(curve, across, upward)
         ]
     parts += reversed(drawn)  # the first in front
     for name, level in panel.limits:
         if y0 <= level <= y1:
             parts.append(
-                f'<path {_LIMIT} data-name="{_quoted(name)}" d="M{left:.1f} {upward(level):.1f}h{width:.1f}"/>'
+                f'<path {_LIMIT} data-name="{safe_text(name)}" d="M{left:.1f} {upward(level):.1f}h{width:.1f}"/>'
             )
     parts += [
         f'<circle class="dot" fill="#333" cx="{across(x):.1f}" cy="{upward(y):.1f}" r="3"/>' for x, y in panel.dots
@@ -189,9 +189,9 @@ def _grid(across: _Scale, upward: _Scale, panel: Panel, *, labelled: bool) -> st
         [f"M{across(x):.1f} {bottom:.1f}V{top:.1f}" for x in xs]
         + [f"M{left:.1f} {upward(y):.1f}H{right:.1f}" for y in ys]
     )
-    texts = [_text(left - 6.0, upward(y) + 4.0, _number(y), anchor="end") for y in ys]
+    texts = [_text(left - 6.0, upward(y) + 4.0, number_text(y), anchor="end") for y in ys]
     if labelled:
-        texts += [_text(across(x), bottom + 14.0, _number(x), anchor="middle") for x in xs]
+        texts += [_text(across(x), bottom + 14.0, number_text(x), anchor="middle") for x in xs]
     frame = f'<path class="frame" fill="none" stroke="#8a9099" d="M{left:.1f} {top:.1f}H{right:.1f}V{bottom:.1f}H{left:.1f}Z"/>'
     return f'<path class="grid" fill="none" stroke="#e3e6ea" d="{lines}"/>{frame}{"".join(texts)}'
 
@@ -244,10 +244,12 @@ def _text(x: float, y: float, text: str, *, anchor: str = "start", weight: str =
     return f'<text class="text" fill="#1c2430" {place}{bold}{turn}>{escape(plain_lines(text))}</text>'
 
 
-def _quoted(text: str) -> str:
+def safe_text(text: str) -> str:
+    """Return text that someone wrote as it may stand in an element or an attribute."""
     return escape(plain_lines(text), quote=True)
 
 
-def _number(value: float) -> str:
+def number_text(value: float) -> str:
+    """Return the number at a tick."""
     assert isfinite(value)
     return f"{value + 0.0:.6g}".replace("-", "\N{MINUS SIGN}")

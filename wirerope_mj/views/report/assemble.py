@@ -14,6 +14,7 @@ from wirerope_mj.views.report.motion import motion_section, mounts_section, resp
 from wirerope_mj.views.report.record import warnings_of
 from wirerope_mj.views.report.rest import modes_section, statics_section
 from wirerope_mj.views.report.run import FinishedRun
+from wirerope_mj.views.report.worst import worst_instant
 from wirerope_mj.views.verdict_table import full_table
 
 _WORST = 10
@@ -41,7 +42,7 @@ def report_content(run: FinishedRun) -> ReportContent:
         ),
         question=tuple(question or ("The scenario asks no question.",)),
         verdict=headline(run.verdicts),
-        answer=(*warnings_of(run), *answer(run.verdicts)),
+        answer=(*warnings_of(run), *worst_instant(run), *answer(run.verdicts)),
         sections=(
             model_section(run),
             statics_section(run),

@@ -32,6 +32,19 @@ class Picture:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Drawing:
+    """Drawings beside or below each other, with what they show below them.
+
+    Attributes:
+        svgs: SVG elements of `views.plots`, in which every text is escaped.
+        caption: what they show.
+    """
+
+    svgs: tuple[str, ...]
+    caption: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class Folded:
     """A table of which only the first rows are shown at once, and printed."""
 
@@ -39,7 +52,7 @@ class Folded:
     shown: int
 
 
-Block = Paragraph | Listing | Table | Folded | Picture
+Block = Paragraph | Listing | Table | Folded | Picture | Drawing
 
 
 @dataclass(frozen=True, kw_only=True)

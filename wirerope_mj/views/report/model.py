@@ -6,22 +6,13 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.mounts.laws import Law, Stop
 from wirerope_mj.views.display import ABSENT, fixed, number, several, with_unit
-from wirerope_mj.views.plots.report_image import image_of
-from wirerope_mj.views.plots.report_scene import (
-    axial_direction,
-    crowded_label,
-    mount_labels,
-    mount_position,
-    scene_figure,
-)
-from wirerope_mj.views.report.content import Block, Folded, Listing, Paragraph, Picture, Section
+from wirerope_mj.views.plots.scene_outline import axial_direction, crowded_label, mount_labels, mount_position
+from wirerope_mj.views.plots.scene_svg import scene_svgs
+from wirerope_mj.views.report.content import Block, Drawing, Folded, Listing, Paragraph, Section
 from wirerope_mj.views.report.run import FinishedRun
 
 _FEW = 12
 """Mounts and stops that are listed in any case."""
-
-_MOST_SHAPES = 80
-"""Geoms from which the drawing is stored as pixels: each takes about a kilobyte in either view, and as long to write."""
 
 
 def model_section(run: FinishedRun) -> Section:
@@ -35,9 +26,7 @@ def model_section(run: FinishedRun) -> Section:
             caption += ", its mounts with their " + ("numbers (see the table)." if named else "names.")
             behind = crowded_label(scene)
             caption += f' "{behind[0]}": {behind[1]} mounts behind each other.' if behind else ""
-        alt = f"Plan and elevation of the model {scene.name} with {several(len(scene.mounts), 'mount')}."
-        detailed = sum(len(body.geoms) for body in scene.bodies) > _MOST_SHAPES
-        blocks.append(Picture(image=image_of(scene_figure(scene), detailed=detailed), caption=caption, alt=alt))
+        blocks.append(Drawing(svgs=tuple(scene_svgs(scene)), caption=caption))
     mounts = _mounts(run)
     blocks += [table for table in (_masses(run),) if table is not None]
     if mounts is not None:

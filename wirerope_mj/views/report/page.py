@@ -15,7 +15,7 @@ from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.views.display import ABSENT, MINUS
 from wirerope_mj.views.plots.report_image import Image
 from wirerope_mj.views.plots.svg_chart import Chart
-from wirerope_mj.views.report.content import Folded, Listing, Paragraph, ReportContent
+from wirerope_mj.views.report.content import Drawing, Folded, Listing, Paragraph, ReportContent
 
 _FOLDER = Path(__file__).parent
 _LONG = 30  # letters of a cell that may be broken anywhere, rather than widen its column
@@ -48,6 +48,7 @@ def _environment() -> Environment:
     environment.filters |= {
         "data_uri": _data_uri,
         "svg": _svg,
+        "element": Markup,  # of SVG, whose texts are escaped where they are put in
         "breakable": _breakable,
         "instant": _instant,
         "letter": lambda column: column.align[0],
@@ -60,6 +61,7 @@ def _environment() -> Environment:
         ("table", Table),
         ("folded", Folded),
         ("chart", Chart),
+        ("drawing", Drawing),
     ):
         environment.tests[name] = lambda item, kind=kind: isinstance(item, kind)
     return environment

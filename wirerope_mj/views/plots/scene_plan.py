@@ -1,0 +1,53 @@
+"""The modelled geometry from above, in a panel of a figure."""
+
+from collections.abc import Collection
+from typing import Any
+
+import numpy as np
+from matplotlib.collections import PolyCollection
+
+from wirerope_mj.engine.response.scene import Scene
+from wirerope_mj.views.plots.report_image import COLOURS, short
+from wirerope_mj.views.plots.scene_outline import DrawnScene, View, drawn_scene, mount_positions, outlines
+
+_ROOM = 0.05  # around the drawing, of its width
+_MARKERS = "osD^vP"
+
+
+def draw_plan(panel: Any, scene: Scene, *, absent: Collection[str] = ()) -> None:
+    """Draw a scene from above into a panel, its mounts as marks without names; of those that are absent the empty position.
+
+    Args:
+        panel: where it is drawn.
+        scene: what is drawn.
+        absent: names of mounts that are not there.
+    """
+    drawn, positions = drawn_scene(scene), mount_positions(scene)
+    view = drawn.views[0]
+    shapes = outlines(drawn, view)
+    corners, colours = [one.corners for one in shapes], [one.colour for one in shapes]
+    panel.add_collection(PolyCollection(corners, facecolors=colours, edgecolors="0.55", linewidths=0.35))
+    devices = list(dict.fromkeys(mount.isolator for mount in scene.mounts))
+    for number, device in enumerate(devices):
+        there = [mount.name for mount in scene.mounts if mount.isolator == device and mount.name not in absent]
+        at = np.array([positions[name] for name in there]).reshape(-1, 3)
+        style = {"marker": _MARKERS[number % len(_MARKERS)], "color": COLOURS[number % len(COLOURS)], "mec": "white"}
+        panel.plot(at[:, view.right], at[:, view.up], ls="none", ms=5, mew=0.5, label=short(device), **style)
+    empty = np.array([positions[mount.name] for mount in scene.mounts if mount.name in absent]).reshape(-1, 3)
+    if len(empty):
+        panel.plot(empty[:, view.right], empty[:, view.up], "x", color="0.35", ms=4, mew=0.8, label="no mount")
+    _frame(panel, view, drawn)
+
+
+def _frame(panel: Any, view: View, drawn: DrawnScene) -> None:
+    """Give a view equal scales, its title and its axes."""
+    low, high = drawn.low, drawn.high
+    room = _ROOM * max(high[view.right] - low[view.right], high[view.up] - low[view.up], 1e-3)
+    panel.set_xlim(low[view.right] - room, high[view.right] + 2.0 * room)  # a label stands to the right of its mark
+    panel.set_ylim(low[view.up] - room, high[view.up] + room)
+    panel.set_aspect("equal")
+    panel.set_title(view.title)
+    panel.set_xlabel(f"{'xyz'[view.right]} [m]")
+    panel.set_ylabel(f"{'xyz'[view.up]} [m]")
+    panel.grid(color="0.93")
+    panel.set_axisbelow(True)

@@ -1,0 +1,210 @@
+"""A scene as SVG: plan and elevation of the modelled geometry with its mounts, and the scene at an instant of the response."""
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from wirerope_mj.engine.response.scene import Scene
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.rotation import rotation_matrices
+from wirerope_mj.foundation.ticks import linear_ticks
+from wirerope_mj.views.plots.report_image import COLOURS, RATED, short
+from wirerope_mj.views.plots.scene_outline import (
+    DrawnScene,
+    Outline,
+    View,
+    drawn_scene,
+    label_groups,
+    mount_position,
+    outlines,
+    shared_label,
+)
+from wirerope_mj.views.plots.svg_chart import number_text, safe_text
+
+_MARKERS = (
+    "M-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0", "M-2.8-2.8h5.6v5.6h-5.6z", "M0-3.6L3.6 0L0 3.6L-3.6 0z", "M0-3.4L3.4 2.6H-3.4z",
+    "M0 3.4L3.4-2.6H-3.4z", "M-1-3.2h2v2.2h2.2v2h-2.2v2.2h-2v-2.2h-2.2v-2h2.2z",
+)  # fmt: skip
+"""Disc, square, diamond, triangles and cross about the origin."""
+
+_TALLEST, _TALLEST_HALF, _LOWEST = 195.0, 150.0, 50.0  # height of one view, of one of half the width, and of any
+_LEFT, _RIGHT, _TOP, _BOTTOM = 40.0, 10.0, 20.0, 32.0
+_ROOM = 0.05  # around the drawing, of its width
+_STEPS = 10.0  # to a unit, to which corners are rounded
+_LETTER = 0.56  # mean width of a letter, of its height
+_ROW = 15.0  # height of an entry of the key
+_NAME = 7.5  # height of the letters of a mount's name
+
+WIDTH = 600.0
+"""Width of a drawing over the whole page, in its units."""
+
+_INK, _FRAME, _GRID = "#3a4553", "#8b95a1", "#e3e7eb"
+
+Place = Callable[[Array], Array]
+
+
+def scene_svgs(scene: Scene) -> list[str]:
+    """Return plan, elevation and key of the modelled geometry as SVG elements, mounts with their labels."""
+    drawn, parts = drawn_scene(scene), []
+    for view in drawn.views:
+        place, size = _frame(drawn, view, WIDTH, _TALLEST)
+        shown = (*_shapes(outlines(drawn, view), place), *_mounts(scene, view, place), *_labels(scene, view, place))
+        parts.append(_svg(scene, view, size, place, WIDTH, shown))
+    return [*parts, _key(scene)] if scene.mounts else parts
+
+
+def moved_scene_svgs(scene: Scene, moved: Scene, ring: tuple[str, Array] | None, *, exceeded: bool) -> list[str]:
+    """Return plan and elevation of a scene at an instant, over the pale modelled geometry, as SVG elements.
+
+    Args:
+        scene: in the modelled geometry.
+        moved: the same scene as it stands at the instant, relative to its base.
+        ring: name and position (3,) [m] of what is ringed; None for nothing.
+        exceeded: whether the ring is red.
+    """
+    before, after, parts = drawn_scene(scene), drawn_scene(moved), []
+    for view in before.views:
+        place, size = _frame(before, view, WIDTH / 2.0, _TALLEST_HALF)
+        shown = [*_shapes(outlines(before, view), place, pale=True), *_shapes(outlines(after, view), place)]
+        shown += _stretched(moved, view, place)
+        if ring is not None:
+            shown.append(_ring(ring[0], place(view.seen(ring[1])), RATED if exceeded else _INK))
+        parts.append(_svg(scene, view, size, place, WIDTH / 2.0, shown))
+    return parts
+
+
+def _opening(width: float, height: float, what: str, columns: int) -> str:
+    """Return the opening tag of a drawing; `what` it shows is for who cannot see it."""
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="scene in{columns}" viewBox="0 0 {width:g} {height:.1f}" role="img" '
+        f'aria-label="{safe_text(what)}" font-family="Helvetica, Arial, sans-serif" font-size="9" fill="{_INK}">'
+    )
+
+
+def _frame(drawn: DrawnScene, view: View, width: float, tallest: float) -> tuple[Place, tuple[float, float]]:
+    """Return where points of a view [m] stand in a drawing with equal scales, (.., 2) both, and the size of its axes."""
+    low, high = (view.seen(end) for end in (drawn.low, drawn.high))
+    room = _ROOM * max(float((high - low).max()), 1e-3)
+    low, high = low - room, high + room
+    scale = min((width - _LEFT - _RIGHT) / (high[0] - low[0]), tallest / (high[1] - low[1]))
+    size = np.maximum(scale * (high - low), (0.0, _LOWEST))
+    origin = low - 0.5 * (size / scale - (high - low))
+
+    def place(points: Array) -> Array:
+        at = scale * (points - origin)
+        return np.stack([at[..., 0], size[1] - at[..., 1]], axis=-1)
+
+    return place, (float(size[0]), float(size[1]))
+
+
+def _svg(scene: Scene, view: View, size: tuple[float, float], place: Place, width: float, parts: Sequence[str]) -> str:
+    shift = _LEFT + 0.5 * (width - _LEFT - _RIGHT - size[0])
+    what = f"{scene.name} {view.title}"
+    head = _opening(width, size[1] + _TOP + _BOTTOM, what, int(WIDTH / width))
+    axes = "".join(_axes(view, size, place))
+    return f'{head}<g transform="translate({shift:.1f} {_TOP:g})">{axes}{"".join(parts)}</g></svg>'
+
+
+def _axes(view: View, size: tuple[float, float], place: Place) -> Iterator[str]:
+    """Yield the frame of a view with its numbers and names."""
+    zero, one = place(np.zeros(2)), place(np.ones(2))
+    scale = float(one[0] - zero[0])
+    across = linear_ticks(-zero[0] / scale, (size[0] - zero[0]) / scale, most=8)
+    upward = linear_ticks((zero[1] - size[1]) / scale, zero[1] / scale, most=max(int(size[1] / 30.0), 2))
+    columns, rows = zero[0] + scale * across, zero[1] - scale * upward
+    lines = "".join(f"M{at:.1f} 0V{size[1]:.1f}" for at in columns) + "".join(
+        f"M0 {at:.1f}H{size[0]:.1f}" for at in rows
+    )
+    yield f'<path d="{lines}" fill="none" stroke="{_GRID}"/>'
+    yield f'<path d="M0 0V{size[1]:.1f}H{size[0]:.1f}" fill="none" stroke="{_FRAME}"/>'
+    name = f"{view.title}: {'xyz'[view.up]} [m] over {'xyz'[view.right]} [m]"
+    yield f'<text x="0" y="-7" font-weight="bold">{name}</text>'
+    for at, tick in zip(columns, across, strict=True):
+        yield f'<text x="{at:.1f}" y="{size[1] + 12:.1f}" text-anchor="middle">{number_text(tick)}</text>'
+    for at, tick in zip(rows, upward, strict=True):
+        yield f'<text x="-5" y="{at + 3.2:.1f}" text-anchor="end">{number_text(tick)}</text>'
+
+
+def _shapes(drawn: Sequence[Outline], place: Place, *, pale: bool = False) -> Iterator[str]:
+    """Yield outlines as polygons in their order; pale ones without fill."""
+    stroke = 'fill="none" stroke="#b9c0c8" stroke-dasharray="3 2"' if pale else 'stroke="#8b8f94"'
+    yield f'<g {stroke} stroke-width="0.5">'
+    for one in drawn:
+        corners = np.rint(_STEPS * place(one.corners)) / _STEPS
+        points = " ".join(f"{x:g},{y:g}" for x, y in corners.tolist())
+        colour = "".join(f"{round(255 * part):02x}" for part in one.colour[:3])
+        fill = "" if pale else f' fill="#{colour}" fill-opacity="{one.colour[3]:.3g}"'
+        yield f'<polygon points="{points}"{fill}/>'
+    yield "</g>"
+
+
+def _mounts(scene: Scene, view: View, place: Place) -> Iterator[str]:
+    """Yield a mark for every mount, another for each isolator."""
+    for number, device in enumerate(_devices(scene)):
+        for mount in scene.mounts:
+            if mount.isolator == device:
+                yield _mark(number, place(view.seen(mount_position(scene, mount))))
+
+
+def _mark(number: int, at: Array) -> str:
+    shape, colour = _MARKERS[number % len(_MARKERS)], COLOURS[number % len(COLOURS)]
+    moved = f"translate({at[0]:.1f} {at[1]:.1f})"
+    return f'<path d="{shape}" transform="{moved}" fill="{colour}" stroke="#fff" stroke-width="0.5"/>'
+
+
+def _labels(scene: Scene, view: View, place: Place) -> Iterator[str]:
+    """Yield the mounts' labels, each at that corner of its mark where it covers the least of those before it."""
+    taken: list[tuple[float, float, float, float]] = []
+    for at, names in label_groups(scene, view):
+        text = shared_label(names)
+        x, y = place(at).tolist()
+        width = _LETTER * _NAME * len(text)
+        corners = [(left, base) for base in (y - 4.0, y + 4.0 + _NAME) for left in (x + 4.0, x - 4.0 - width)]
+        boxes = [(left, base - _NAME, left + width, base) for left, base in corners]
+        best = min(boxes, key=lambda box: sum(_overlap(box, other) for other in taken))
+        taken.append(best)
+        yield f'<text class="name" x="{best[0]:.1f}" y="{best[3]:.1f}" font-size="{_NAME}">{safe_text(text)}</text>'
+
+
+def _overlap(box: tuple[float, float, float, float], other: tuple[float, float, float, float]) -> float:
+    return max(min(box[2], other[2]) - max(box[0], other[0]), 0.0) * max(
+        min(box[3], other[3]) - max(box[1], other[1]), 0.0
+    )
+
+
+def _stretched(scene: Scene, view: View, place: Place) -> Iterator[str]:
+    """Yield the mounts as lines from the base's site to the payload's."""
+    bodies = {body.name: body for body in scene.bodies}
+    for mount in scene.mounts:
+        payload = bodies[mount.payload_body]
+        end = payload.position + rotation_matrices(payload.orientation) @ mount.payload_point
+        (x, y), (to_x, to_y) = place(view.seen(np.stack([mount_position(scene, mount), end]))).tolist()
+        yield f'<path d="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y:.1f}" stroke="{COLOURS[0]}" stroke-width="1.4"/>'
+        yield f'<circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="1.6" fill="{COLOURS[0]}"/>'
+
+
+def _ring(name: str, at: Array, colour: str) -> str:
+    x, y = at.tolist()
+    side, anchor = (8.0, "start") if x < WIDTH / 4.0 - _LEFT else (-8.0, "end")
+    text = f'<text class="name" x="{x + side:.1f}" y="{y - 7:.1f}" text-anchor="{anchor}" fill="{colour}" font-weight="bold">'
+    return (
+        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="6" fill="none" stroke="{colour}" stroke-width="1.6"/>'
+        f"{text}{safe_text(short(name))}</text>"
+    )
+
+
+def _key(scene: Scene) -> str:
+    """Return the marks of the isolators with their names."""
+    parts = []
+    devices, columns = _devices(scene), 3
+    for number, device in enumerate(devices):
+        x, y = 12.0 + (WIDTH / columns) * (number % columns), 8.0 + _ROW * (number // columns)
+        parts.append(
+            f'{_mark(number, np.array([x, y]))}<text x="{x + 9:.1f}" y="{y + 3.2:.1f}">{safe_text(short(device))}</text>'
+        )
+    height = _ROW * (1 + (len(devices) - 1) // columns)
+    return f"{_opening(WIDTH, height, 'Marks of the isolators', 1)}{''.join(parts)}</svg>"
+
+
+def _devices(scene: Scene) -> list[str]:
+    return list(dict.fromkeys(mount.isolator for mount in scene.mounts))

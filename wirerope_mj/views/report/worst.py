@@ -1,0 +1,90 @@
+"""The scene at the worst instant of a run, as a drawing."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from wirerope_mj.assessment.criteria import EXCEEDED, Verdict
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.scene import Scene
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.rotation import rotation_matrices
+from wirerope_mj.views.display import with_unit
+from wirerope_mj.views.plots.scene_outline import drawn_scene
+from wirerope_mj.views.plots.scene_svg import moved_scene_svgs
+from wirerope_mj.views.report.content import Drawing
+from wirerope_mj.views.report.run import FinishedRun
+from wirerope_mj.views.verdict_table import ordered
+
+_SEEN = 0.06  # of the drawing's extent, which the largest displacement may take
+_FACTORS = (100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0)
+_STILL = 1e-6  # [m]: what moves less is not worth a picture
+
+
+def worst_instant(run: FinishedRun) -> tuple[Drawing, ...]:
+    """Return the scene at the instant of the worst verdict, displacements from the base enlarged; nothing without one."""
+    scene = run.response.scene
+    rows = [(row, row.time) for row in ordered(run.verdicts) if row.time is not None and math.isfinite(row.value)]
+    if not rows or not any(body.geoms for body in scene.bodies):
+        return ()
+    worst, instant = rows[0]
+    number = int(np.abs(run.response.time - instant).argmin())
+    travels = _travels(run.response, number)
+    largest = max((float(np.linalg.norm(travel)) for travel in travels.values()), default=0.0)
+    if largest < _STILL:
+        return ()
+    drawn = drawn_scene(scene)
+    allowed = _SEEN * float((drawn.high - drawn.low).max())
+    factor = next((factor for factor in _FACTORS if factor * largest <= allowed), 1.0)
+    moved = _moved(run.response, number, travels, factor)
+    exceeded = worst.verdict == EXCEEDED
+    svgs = moved_scene_svgs(scene, moved, _ring(run.response, moved, worst), exceeded=exceeded)
+    enlarged = f", displacements {factor:g} times as large" if factor > 1.0 else ""
+    limit = f" of {with_unit(worst.limit, worst.unit)}" if worst.limit is not None else ""
+    caption = (
+        f"The worst instant, {instant:.4f} s: {worst.criterion} of {worst.subject}, "
+        f"{with_unit(worst.value, worst.unit)}{limit}. Everything as it stands from the base{enlarged}; dashed: the modelled, "
+        "unloaded geometry. Lines: mounts from the base's site to the payload's."
+    )
+    return (Drawing(svgs=tuple(svgs), caption=caption),)
+
+
+def _travels(response: Response, number: int) -> dict[str, Array]:
+    """Return the displacements of the moving bodies from the modelled geometry, relative to the base [m], (3,) each."""
+    base = response.base.displacement[number]
+    return {
+        body.name: response.bodies[body.name].position[number] - base - body.position
+        for body in response.scene.bodies
+        if body.moves and not body.on_base
+    }
+
+
+def _moved(response: Response, number: int, travels: dict[str, Array], factor: float) -> Scene:
+    """Return the scene with its moving bodies at a sample, displacements and rotations `factor` times as large."""
+    bodies = []
+    for body in response.scene.bodies:
+        if body.name in travels:
+            start, now = (
+                Rotation.from_quat(quaternion, scalar_first=True)
+                for quaternion in (body.orientation, response.bodies[body.name].orientation[number])
+            )
+            turned = Rotation.from_rotvec(factor * (now * start.inv()).as_rotvec()) * start
+            position = body.position + factor * travels[body.name]
+            bodies.append(replace(body, position=position, orientation=turned.as_quat(scalar_first=True)))
+        else:
+            bodies.append(body)
+    return replace(response.scene, bodies=tuple(bodies))
+
+
+def _ring(response: Response, moved: Scene, worst: Verdict) -> tuple[str, Array] | None:
+    """Return name and position of what the verdict is on; None for a pair of geoms, which has no one position."""
+    bodies = {body.name: body for body in moved.bodies}
+    if worst.subject in bodies:
+        return worst.subject, bodies[worst.subject].position
+    mount = next((mount for mount in moved.mounts if mount.name == worst.subject), None)
+    if mount is None:
+        return None
+    body = bodies[mount.payload_body]
+    return mount.name, np.asarray(body.position + rotation_matrices(body.orientation) @ mount.payload_point)
