@@ -36,6 +36,64 @@ SAID = {
 }
 
 
+FORCES = {
+    ("unbalance", "engine 20 kg.mm 25 Hz x"): wr.Unbalance(site="engine", unbalance=0.02, frequency=25.0, axis="x"),
+    ("unbalance", "fan 20 kg.mm 5 to 30 Hz 20 s -y for 25 s at 1 s"): wr.Unbalance(
+        site="fan",
+        unbalance=0.02,
+        frequency=5.0,
+        final_frequency=30.0,
+        run_up=20.0,
+        axis=(0, -1, 0),
+        duration=25.0,
+        start=1.0,
+    ),
+    ("reciprocating", "engine 8 kg.mm 25 Hz order 2 z"): wr.Unbalance(
+        site="engine", unbalance=0.008, frequency=25.0, order=2.0, line="z"
+    ),
+    ("force", "engine 500 N 12 Hz 10 s z"): wr.HarmonicForce(
+        site="engine", force=(0, 0, 500), frequency=12.0, duration=10.0
+    ),
+    ("moment", "engine 80 N.m 12 Hz 10 s y"): wr.HarmonicForce(
+        site="engine", moment=(0, 80, 0), frequency=12.0, duration=10.0
+    ),
+}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("said", FORCES, ids=" ".join)
+def test_a_phrase_is_the_force_that_its_constructor_makes(said):
+    assert motion_from_phrase(*said) == FORCES[said]
+
+
+@pytest.mark.quick
+def test_a_table_of_forces_is_straight_between_its_rows(tmp_path):
+    (tmp_path / "start.csv").write_text("time [ms], fz [kN], mx [N.m]\n0, 0, 0\n10, 2, 30\n20, 0, 0\n")
+    force = motion_from_phrase("force-table", "engine start.csv at 1 s", folder=tmp_path)
+    assert force.load("engine", [0.999, 1.005, 1.01, 1.015, 1.021]) == pytest.approx(
+        np.array([[0, 0, 0, 0, 0, 0], [0, 0, 1e3, 15, 0, 0], [0, 0, 2e3, 30, 0, 0], [0, 0, 1e3, 15, 0, 0], [0] * 6])
+    )
+    assert not force.load("fan", [1.005]).any()
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("time [s], fw [N]\n0, 1\n", 'column "fw" is unknown'),
+        ("time [s], fx [N], fx [N]\n0, 1, 1\n", "there twice"),
+        ("fx [N], fy [N]\n0, 1\n", 'no column "time [s]"'),
+        ("time [s], mx [N]\n0, 1\n", 'unknown unit "N"'),
+        ("time [s], fx [N]\n0, 1\n0, 2\n", "must increase"),
+        ("time [s], fx [N]\n0, 1\n", "n >= 2"),
+    ],
+)
+def test_a_bad_table_of_forces_is_one_message(tmp_path, text, said):
+    (tmp_path / "start.csv").write_text(text)
+    with pytest.raises((ValueError, RecordError), match=re.escape(said)):
+        motion_from_phrase("force-table", "engine start.csv", folder=tmp_path)
+
+
 @pytest.mark.quick
 @pytest.mark.parametrize(
     ("said", "motion"), SAID.items(), ids=lambda item: " ".join(item) if isinstance(item, tuple) else ""
@@ -60,6 +118,7 @@ def test_axes_named_together_are_one_motion_along_each():
 def test_every_example_is_understood(tmp_path):
     (tmp_path / "transport.csv").write_text("frequency [Hz], psd [g^2/Hz]\n5, 0.01\n200, 0.01\n")
     (tmp_path / "floor.csv").write_text("frequency [Hz], acceleration [g]\n1, 0.5\n5, 1\n33, 0.4\n")
+    (tmp_path / "start.csv").write_text("time [ms], fz [kN], mx [N.m]\n0, 0, 0\n10, 2, 30\n20, 0, 0\n")
     for kind, spoken in SPOKEN_MOTIONS.items():
         assert motion_from_phrase(kind, spoken.example, folder=tmp_path).description
 
@@ -99,6 +158,10 @@ def test_random_vibration_has_the_density_of_its_file(tmp_path):
         ("trapezoid", "10 g 18 ms z", '"rise" and its value must stand there'),
         ("psd", "missing.csv 30 s z", 'there is no file "missing.csv"'),
         ("sweep", "0.5 g 5 Hz 2 oct/min z", "2 values of frequency must stand there"),
+        ("unbalance", "engine 20 kg.mm 5 to 30 Hz x", "two and the time of the run-up"),
+        ("unbalance", "engine 20 kg.mm 5 Hz 3 s x", "two and the time of the run-up"),
+        ("unbalance", "engine 20 N 5 Hz x", "an unbalance must stand there"),
+        ("force", "engine 20 N 5 Hz z", "a time must stand there"),
     ],
 )
 def test_what_is_not_understood_is_named_with_an_example(kind, phrase, said):

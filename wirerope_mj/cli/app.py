@@ -70,7 +70,7 @@ COMMANDS = {
     ),
     "shock": (
         "shock:shock",
-        "Move a model's base: pulses, sines, random vibration, a spectrum or a measured record, one or several at once.",
+        "Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.",
     ),
     "levels": (
         "levels:levels",

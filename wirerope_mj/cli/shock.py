@@ -38,6 +38,11 @@ def shock(
     sweep: Phrases = None,
     psd: Phrases = None,
     spectrum: Phrases = None,
+    unbalance: Phrases = None,
+    reciprocating: Phrases = None,
+    payload_force: Phrases = None,
+    moment: Phrases = None,
+    force_table: Phrases = None,
     levels: Annotated[list[Path] | None, Parameter(negative=())] = None,
     record: Path | None = None,
     scale: float = 1.0,
@@ -59,7 +64,7 @@ def shock(
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Move a model's base: pulses, sines, random vibration, a spectrum or a measured record, one or several at once.
+    """Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.
 
     A motion is said in a few words, in any order: numbers with units, a direction (x, y, z, several as in xyz, -z or a
     vector such as 1,1,0), and "at 50 ms" where it does not begin at once. What is given several times, or in several
@@ -80,6 +85,12 @@ def shock(
         psd: "transport.csv 30 s z seed 1": random vibration of a file with "frequency [Hz], psd [g^2/Hz]".
         spectrum: "floor.csv 20 s x damping 5 % seed 1": a motion with the response spectrum of a file with
             "frequency [Hz], acceleration [g]".
+        unbalance: "engine 20 kg.mm 5 to 30 Hz 20 s x": a force on the payload, at its site force/engine: unbalance of a shaft
+            about x, running up within 20 s; "25 Hz" for constant speed; "order 2", "for 10 s".
+        reciprocating: "engine 8 kg.mm 25 Hz order 2 z": the same of what moves to and fro along z.
+        payload_force: "engine 500 N 12 Hz 10 s z": harmonic force.
+        moment: "engine 80 N.m 12 Hz 10 s y": harmonic moment.
+        force_table: "engine start.csv at 1 s": forces and moments of a file with "time [s], fz [N], mx [N.m]" and the like.
         levels: TOML file of motions, as `wirerope levels` writes one to fill in.
         record: CSV file with units in its header, such as "time [s], x [g], z [m/s^2]", or universal file with datasets 58.
         scale: of a record: factor on the acceleration.
@@ -118,7 +129,8 @@ def shock(
     spoken = {
         "half-sine": half_sine, "sawtooth": sawtooth, "trapezoid": trapezoid, "velocity-step": velocity_step,
         "double-pulse": double_pulse, "struck-deck": struck_deck, "sine": sine, "sweep": sweep, "psd": psd,
-        "spectrum": spectrum,
+        "spectrum": spectrum, "unbalance": unbalance, "reciprocating": reciprocating, "force": payload_force, "moment": moment,
+        "force-table": force_table,
     }  # fmt: skip
     phrases = [(kind, phrase) for kind, several in spoken.items() for phrase in several or ()]
     motions = [motion_from_phrase(kind, phrase) for kind, phrase in phrases]
@@ -154,7 +166,7 @@ def shock(
     )  # fmt: skip
     if duration is None:
         if not math.isfinite(motion.end):
-            raise ValueError("this motion has no end: give `--duration`.")
+            raise ValueError('this motion has no end: give `--duration`, or say how long it lasts, as in "for 10 s".')
         duration = _rounded_up(motion.end + RING_DOWN * slowest_period(load_system(made.model_source())))
     made = replace(made, simulate={"duration": duration, "initial": initial, "sample_rate": sample_rate} | numerics)
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"

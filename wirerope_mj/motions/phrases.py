@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.plain_text import short
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, LENGTH_UNITS, TIME_UNITS, in_si
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, in_si
 
 UNITS: dict[str, Mapping[str, float]] = {
     "acceleration": ACCELERATION_UNITS,
@@ -16,6 +16,9 @@ UNITS: dict[str, Mapping[str, float]] = {
     "frequency": {"Hz": 1.0, "kHz": 1e3},
     "sweep rate": {"oct/min": 1.0, "octaves/min": 1.0, "oct/s": 60.0},
     "ratio": {"%": 0.01},
+    "force": FORCE_UNITS,
+    "moment": {"N.m": 1.0, "Nm": 1.0, "kN.m": 1e3, "kNm": 1e3},
+    "unbalance": {"kg.m": 1.0, "kg.mm": 1e-3, "g.m": 1e-3, "g.mm": 1e-6},
 }
 """Quantities that a unit tells apart, and what one of each unit is in SI; of a sweep rate in octaves/min."""
 

@@ -36,7 +36,8 @@ _MOST_EVENTS = 12  # in the table of what the base does: a record may have any n
 
 def motion_section(run: FinishedRun) -> Section:
     """Return the base's motion: histories and shock response spectrum."""
-    blocks: list[Block] = [Paragraph(text=f"Base motion: {run.motion.description}.")]
+    kind = "Excitation" if run.motion.loaded_sites else "Base motion"
+    blocks: list[Block] = [Paragraph(text=f"{kind}: {run.motion.description}.")]
     axes = moving_axes(run.response)
     if not axes:
         blocks += [Paragraph(text="The base rests.", tone="quiet"), *record_blocks(run)]
