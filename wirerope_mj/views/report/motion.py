@@ -23,6 +23,7 @@ from wirerope_mj.views.plots.report_response import (
     used_chart,
 )
 from wirerope_mj.views.plots.report_spectra import base_spectrum_chart, densities_chart, payload_spectra_chart
+from wirerope_mj.views.random_table import random_table
 from wirerope_mj.views.recording.events import events_of
 from wirerope_mj.views.report.content import Block, Folded, Paragraph, Picture, Section
 from wirerope_mj.views.report.record import record_blocks
@@ -75,6 +76,8 @@ def response_section(run: FinishedRun) -> Section:
         )
         if isinstance(run.motion, Sweep):
             blocks.append(_over_frequency(run, run.motion, worst))
+        table = None if isinstance(run.random, Absent) else random_table(run.random)
+        blocks += [table] if table is not None else []
         blocks += _payload_spectra(run) + _densities(run)
     return Section(title="What reaches the payload", blocks=tuple(blocks))
 
