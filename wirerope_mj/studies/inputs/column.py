@@ -20,6 +20,9 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution
 
+WHOLE = "whole"
+"""Stands in the key of a parameter where a law has its axis: the factor is on all of a mount."""
+
 FAR = 10.0
 """Factor between the model's value and all of a study's beyond which these may have been meant as factors."""
 
@@ -29,7 +32,7 @@ class Draft:
     """Changes of a variant's system, gathered column by column.
 
     Attributes:
-        parameters: by mount, and there by ("axial", parameter) or ("stiffening", parameter).
+        parameters: by mount, and there by ("axial", parameter), ("stiffening", parameter) or (WHOLE, "stiffness" or "damping").
         failed, absent: mounts.
         masses: factors by body.
         centres: positions of centres of mass in the body's axes [m], by body.

@@ -13,7 +13,7 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
 from wirerope_mj.mounts.laws import Parallel
-from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, ValueOrFactor, matching
+from wirerope_mj.studies.inputs.column import WHOLE, Draft, Entry, InputColumn, ValueOrFactor, matching
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Specimens
 from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.studies.inputs.shift import WORLD, Shift
@@ -122,6 +122,28 @@ class StiffeningParameter(LawParameter):
     def warnings(self, system: System, values: npt.NDArray[Any]) -> list[str]:
         """Return nothing: any number of cycles may be meant."""
         return []
+
+
+class MountFactor(InputColumn):
+    """Factor on all forces of a mount, or on what dissipates in it; its key is "stiffness" or "damping"."""
+
+    form = "mount/NAME/stiffness, mount/NAME/damping"
+    pattern = re.compile(r"mount/(.*)/(stiffness|damping)")
+    nature = "factor"
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return the columns of the matching mounts."""
+        return cls.split(entry, _mounts(entry))
+
+    def nominal_of(self, system: System, target: str) -> float:
+        """Return 1: the mount as it is."""
+        return 1.0
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put a value into a variant."""
+        for mount in self.targets:
+            draft.parameters.setdefault(mount, {})[WHOLE, self.key[0]] = float(value)
 
 
 class Spread(LawParameter):

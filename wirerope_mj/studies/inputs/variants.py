@@ -10,7 +10,7 @@ from wirerope_mj.engine.system.varied import changed
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator, Limits
-from wirerope_mj.studies.inputs.column import Draft, InputColumn
+from wirerope_mj.studies.inputs.column import WHOLE, Draft, InputColumn
 from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.studies.inputs.motion_columns import MotionSettings
 
@@ -119,8 +119,10 @@ class Maker:
 def _edited(isolator: Isolator, parameters: Mapping[tuple[str, ...], Any]) -> Isolator:
     """Return an isolator with other parameters of its laws and its stiffening."""
     values: dict[str, dict[str, Any]] = {}
+    factors = {name: value for (part, name), value in parameters.items() if part == WHOLE}
     for (part, name), value in parameters.items():
-        values.setdefault(part, {})[name] = value
+        if part != WHOLE:
+            values.setdefault(part, {})[name] = value
     edited: dict[str, Any] = {}
     for part, own in values.items():
         law = isolator.axes.get(part)
@@ -128,4 +130,6 @@ def _edited(isolator: Isolator, parameters: Mapping[tuple[str, ...], Any]) -> Is
             edited[part] = replace(law, **law.completed(own)) if law else replace(getattr(isolator, part), **own)
         except ValueError as error:
             raise ValueError(f"[{part}] {error}") from None
-    return replace(isolator, **edited)
+    isolator = replace(isolator, **edited)
+    isolator = isolator.scaled(factors["stiffness"]) if "stiffness" in factors else isolator
+    return isolator.with_damping(factors["damping"]) if "damping" in factors else isolator
