@@ -5,6 +5,7 @@ import pytest
 import scipy
 
 import wirerope_mj as wr
+from wirerope_mj.assessment.criteria.foundation import foundation_force
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import motion_from_dict
@@ -246,3 +247,18 @@ def test_a_run_with_an_unbalance_is_written_and_replayed_bit_for_bit(tmp_path):
     assert main(["shock", str(tmp_path / "model.xml"), *arguments, "--out", str(tmp_path / "run")]) == 0
     assert wr.replay(tmp_path / "run").identical
     assert (tmp_path / "run" / "report.html").is_file()
+
+
+def test_what_the_foundation_feels_is_weight_and_inertia_and_what_acts():
+    system = free_block()
+    load = wr.HarmonicForce(site="engine", frequency=7.0, force=(300, -200, 500))
+    response = wr.simulate(system, load, duration=0.3, timestep=5e-4)
+    rotation = scipy.spatial.transform.Rotation
+    site = rotation.from_quat(system.model.site("force/engine").quat, scalar_first=True)
+    body = response.bodies["block"]
+    applied = (rotation.from_quat(body.orientation, scalar_first=True) * site).apply(
+        load.load("engine", response.time)[:, :3]
+    )
+    expected = applied - MASS_OF_BLOCK * (body.acceleration + np.array([0.0, 0.0, 9.81]))
+    # The first sample is a corner, at which a force counts as it is 1e-10 s later.
+    assert foundation_force(response)[1:] == pytest.approx(expected[1:], abs=1e-11 * np.abs(expected).max())

@@ -11,7 +11,7 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.views.display import fixed, listed, several
-from wirerope_mj.views.plots.report_motion import base_acceleration, motion_chart, moving_axes
+from wirerope_mj.views.plots.report_motion import base_acceleration, loads_chart, motion_chart, moving_axes
 from wirerope_mj.views.plots.report_response import (
     MOST,
     acceleration_along,
@@ -39,6 +39,15 @@ def motion_section(run: FinishedRun) -> Section:
     """Return the base's motion: histories and shock response spectrum."""
     kind = "Excitation" if run.motion.loaded_sites else "Base motion"
     blocks: list[Block] = [Paragraph(text=f"{kind}: {run.motion.description}.")]
+    if run.motion.loaded_sites:
+        blocks.append(
+            Picture(
+                image=loads_chart(run.response, run.motion, run.selection.window),
+                caption="What acts on the payload, along the axes of its site, and what the mounts pass on to the foundation, "
+                "along the world's, without what they carry at the beginning.",
+                alt="Histories of the forces on the payload and on the foundation.",
+            )
+        )
     axes = moving_axes(run.response)
     if not axes:
         blocks += [Paragraph(text="The base rests.", tone="quiet"), *record_blocks(run)]
