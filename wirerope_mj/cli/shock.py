@@ -105,7 +105,8 @@ def shock(
             lines.
         unit: of a record's accelerations, in place of what the file says, or does not say.
         start: instant at which a record begins [s].
-        duration: simulated time [s]; until ten periods of the slowest mode after the motion by default.
+        duration: simulated time [s]; by default until ten periods of the slowest mode after the motion, with a sweep until
+            its end.
         initial: state in which it begins: settled under its weight, relaxed (after long vibration) or unloaded.
         sample_rate: of the response [Hz].
         accuracy: error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default.
@@ -120,7 +121,7 @@ def shock(
     from wirerope_mj.engine.simulation.stability import slowest_period
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.foundation.payload_limits import limit_from_text
-    from wirerope_mj.motions import load_record
+    from wirerope_mj.motions import Sweep, load_record
     from wirerope_mj.motions.levels import motion_of_levels
     from wirerope_mj.motions.spoken import motion_from_phrase
     from wirerope_mj.runs.scenario import Scenario
@@ -167,7 +168,12 @@ def shock(
     if duration is None:
         if not math.isfinite(motion.end):
             raise ValueError('this motion has no end: give `--duration`, or say how long it lasts, as in "for 10 s".')
-        duration = _rounded_up(motion.end + RING_DOWN * slowest_period(load_system(made.model_source())))
+        sweeps = any(
+            isinstance(part, Sweep) for part in motion.parts
+        )  # goes on at its last frequency, and is best cut there
+        duration = motion.end
+        if not sweeps:
+            duration = _rounded_up(motion.end + RING_DOWN * slowest_period(load_system(made.model_source())))
     made = replace(made, simulate={"duration": duration, "initial": initial, "sample_rate": sample_rate} | numerics)
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     run_and_print(made, folder, force=force)
