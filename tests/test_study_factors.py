@@ -5,6 +5,7 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.mounts.isolator import find_isolator
 
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.01)
 
@@ -43,3 +44,37 @@ def test_each_mount_may_have_its_own(tmp_path):
 def test_a_mount_without_stiffness_is_refused(value):
     with pytest.raises(ModelError, match="`factor` must be > 0"):
         study(vary={"mount/m01/stiffness": wr.Choice(1.0, value)}).table()
+
+
+def test_isolators_are_chosen_by_name(tmp_path):
+    names = ["enidine_wr16_400", "enidine_wr16_700"]
+    result = wr.Study(
+        model="floating_floor.xml", motion=PULSE, duration=0.05, timestep=5e-4, sampling="grid",
+        vary={"mount/m01/isolator": wr.Choice(*names)},
+    ).run(tmp_path / "study")  # fmt: skip
+    system = wr.load_system("floating_floor")
+    for name, force in zip(
+        result.table["mount/m01/isolator"].to_pylist(), result.table["force/m01"].to_pylist(), strict=True
+    ):
+        variant = wr.varied(system, isolators={"m01": wr.load_isolator(find_isolator(name))})
+        alone = wr.simulate(variant, PULSE, duration=0.05, timestep=5e-4)
+        assert force == pytest.approx(alone.peaks.mounts["m01"].force.value, rel=1e-9)
+    assert result.table["mount/m01/isolator"].to_pylist() == names
+
+
+@pytest.mark.parametrize(
+    ("vary", "said"),
+    [
+        ({"mount/m01/isolator": wr.Choice("nothing_like_it")}, "there is no isolator 'nothing_like_it'"),
+        ({"mount/m01/isolator": wr.Choice(1.0, 2.0)}, "must be a Choice of isolators' names"),
+        (
+            {"mount/m01/isolator": wr.Choice("enidine_wr16_700"), "mount/m01/axial/alpha": wr.Choice(1e5)},
+            "its isolator varies, and so do parameters",
+        ),
+    ],
+)
+def test_an_isolator_that_cannot_be_chosen_is_named(vary, said):
+    with pytest.raises((ValueError, ModelError), match=said):
+        wr.Study(
+            model="floating_floor.xml", motion=PULSE, duration=0.05, timestep=5e-4, sampling="list", vary=vary
+        ).table()

@@ -33,6 +33,7 @@ class Draft:
 
     Attributes:
         parameters: by mount, and there by ("axial", parameter), ("stiffening", parameter) or (WHOLE, "stiffness" or "damping").
+        isolators: in place of the model's, by mount.
         failed, absent: mounts.
         masses: factors by body.
         centres: positions of centres of mass in the body's axes [m], by body.
@@ -42,6 +43,7 @@ class Draft:
 
     system: System
     parameters: dict[str, dict[tuple[str, ...], Any]] = field(default_factory=dict)
+    isolators: dict[str, Isolator] = field(default_factory=dict)
     failed: set[str] = field(default_factory=set)
     absent: set[str] = field(default_factory=set)
     masses: dict[str, float] = field(default_factory=dict)

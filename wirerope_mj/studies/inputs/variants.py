@@ -71,7 +71,7 @@ class Maker:
     def changes(self, row: Row) -> Changes:
         """Return the changes that make a variant's system of the base system."""
         draft = self.draft(row)
-        edited = dict.fromkeys([*draft.parameters, *sorted(draft.failed | draft.absent)])
+        edited = dict.fromkeys([*draft.isolators, *draft.parameters, *sorted(draft.failed | draft.absent)])
         return self.moves(draft, {mount: self._isolator(mount, draft) for mount in edited})
 
     def draft(self, row: Row) -> Draft:
@@ -100,7 +100,7 @@ class Maker:
         return [float(one) for one in self._axes[body] @ (centre - centre_of_mass(self._system, body))]
 
     def _isolator(self, mount: str, draft: Draft) -> Isolator:
-        base = self._system.mounts[mount].written
+        base = draft.isolators.get(mount) or self._system.mounts[mount].written
         parameters = draft.parameters.get(mount, {})
         absent, failed = mount in draft.absent, mount in draft.failed
         key = (id(base), absent, failed, tuple(sorted(parameters.items())))
@@ -110,6 +110,8 @@ class Maker:
                     bare = without_force(base)
                     self._isolators[key] = replace(bare, limits=Limits()) if absent else bare  # nothing there to judge
                 else:
+                    if mount in draft.isolators and any(part != WHOLE for part, _ in parameters):
+                        raise ValueError("its isolator varies, and so do parameters of it; vary one or the other.")
                     self._isolators[key] = _edited(base, parameters)
             except ValueError as error:
                 raise ValueError(f"mount {mount!r}: {error}") from None
