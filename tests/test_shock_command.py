@@ -226,6 +226,7 @@ def test_a_limit_of_the_command_is_judged_stored_and_replayed(tmp_path, monkeypa
         (["--half-sine", "15 g 11 ms z", "--limit", "acceleration/rack = 15"], "is written like"),
         (["--half-sine", "15 g 11 ms z", "--limit", "acceleration/nothing = 15 g", *QUICK], "no point 'nothing'"),
         (["--levels", "missing.toml"], "missing.toml"),
+        (["--half-sine", "15 g 11 ms z at 5 s", "--duration", "1"], "before anything begins, at 5 s"),
     ],
 )
 def test_what_cannot_be_played_is_one_message_and_nothing_is_written(arguments, said, tmp_path, monkeypatch, capsys):

@@ -174,6 +174,10 @@ def shock(
         duration = motion.end
         if not sweeps:
             duration = _rounded_up(motion.end + RING_DOWN * slowest_period(load_system(made.model_source())))
+    if motion.events and duration <= motion.events[0][0]:
+        raise ValueError(
+            f"`--duration` {duration:g} ends the simulation before anything begins, at {motion.events[0][0]:g} s."
+        )
     made = replace(made, simulate={"duration": duration, "initial": initial, "sample_rate": sample_rate} | numerics)
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     run_and_print(made, folder, force=force)
