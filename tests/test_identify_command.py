@@ -87,12 +87,19 @@ def test_records_of_several_files_become_an_isolator_that_repeats_loops_nobody_m
     )
     assert any("only the product c ln b" in words for words in provenance.assumed)
     report = folder / "my_isolator-report"
-    assert sorted(path.name for path in report.iterdir()) == ["loops.png", "measures.png", "report.md", "residuals.png"]
-    text = (report / "report.md").read_text(encoding="utf-8")
-    for heading in ("## Parameters", "## Loops", "## Stages", "## Correlations", "## Singular values", "## Read from"):
-        assert heading in text
-    assert re.search(r"\| c_ln_b \| 3[45]\.\d+ \| 1/m \| 0\.\d+ \| 0\.\d+ \|", text)
-    assert "- c_ln_b = c ln b: of b and c only this acts\n" in text
+    assert sorted(path.name for path in report.iterdir()) == [
+        "loops.png",
+        "measures.png",
+        "report.html",
+        "residuals.png",
+    ]
+    text = (report / "report.html").read_text(encoding="utf-8")
+    plain = " ".join(re.sub("<[^>]*>", " ", text).split())
+    for heading in ("1 Parameters", "Loops and residuals", "Stages", "Correlations", "Singular values", "Read from"):
+        assert heading in plain
+    assert re.search(r" c_ln_b 3[45]\.\d+ 1/m 0\.\d+ 0\.\d+ ", plain)
+    assert "c_ln_b = c ln b: of b and c only this acts" in plain
+    assert text.count("<svg") == 3
     assert re.search(r"small\.csv: ±0\.5 mm about 0 mm \(4 cycles\)", text)
 
 
@@ -114,7 +121,7 @@ def test_what_is_given_is_not_searched_for_and_says_so(folder, simple, capsys):
     assert {"n=1: given, not fitted", "k=5e4: given, not fitted", "beta>gamma: given, not fitted"} <= set(
         isolator.provenance.assumed
     )
-    assert (folder / "said" / "report.md").is_file()
+    assert (folder / "said" / "report.html").is_file()
 
 
 def test_a_start_leads_through_the_three_stages(folder, simple, capsys):
@@ -141,7 +148,7 @@ def test_a_loop_that_still_changes_is_named(folder, simple, capsys):
     named = r"t\.csv: ±0\.2 mm about -3 mm is not steady, its last cycle ends [\d.]+ % of its force range"
     assert re.search(named, out), out
     assert out.count("is not steady") == 1
-    assert re.search(named, (folder / "a-report" / "report.md").read_text(encoding="utf-8"))
+    assert re.search(named, (folder / "a-report" / "report.html").read_text(encoding="utf-8"))
 
 
 def test_a_record_that_does_not_begin_unloaded_is_named(folder, simple, capsys):
@@ -184,7 +191,7 @@ def test_a_fit_that_does_not_converge_exits_1_with_its_report_and_no_isolator(fo
     assert "NOT CONVERGED: stopped after 100 evaluations" in out
     assert "not written: a.toml, because the fit did not converge" in out
     assert not (folder / "a.toml").exists()
-    assert "NOT CONVERGED" in (folder / "a-report" / "report.md").read_text(encoding="utf-8")
+    assert "NOT CONVERGED" in (folder / "a-report" / "report.html").read_text(encoding="utf-8")
     (folder / "a.toml").touch()
     out = run(capsys, *arguments, "--force", code=1)
     assert "a.toml stands there from before: it is not of this fit" in out
@@ -200,13 +207,13 @@ def test_files_that_are_there_are_replaced_only_with_force(folder, simple, capsy
     assert main(arguments) == 2
     assert "a.toml: there is an isolator file already. Replace it with --force" in capsys.readouterr().err
     report = folder / "a-report"
-    (report / "report.md").write_text("old", encoding="utf-8")
+    (report / "report.html").write_text("old", encoding="utf-8")
     (report / "notes.txt").write_text("mine", encoding="utf-8")
     (report / "photos").mkdir()
     (report / "photos" / "rig.txt").write_text("also mine", encoding="utf-8")
     assert main([*arguments, "--force"]) == 0
     assert (folder / "a.toml").read_bytes() == first  # nothing is drawn by chance
-    assert (report / "report.md").read_text(encoding="utf-8") != "old"
+    assert (report / "report.html").read_text(encoding="utf-8") != "old"
     assert (report / "notes.txt").read_text(encoding="utf-8") == "mine"
     assert (report / "photos" / "rig.txt").read_text(encoding="utf-8") == "also mine"
     capsys.readouterr()

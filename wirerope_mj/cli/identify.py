@@ -23,17 +23,18 @@ from wirerope_mj.runs.folder import atomic_run, check_target
 from wirerope_mj.views.report.identification import (
     PICTURES,
     findings,
+    identification_content,
     law_text,
     loop_table,
     parameter_table,
-    report_text,
     stage_table,
 )
 
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
 
-_REPORT = "report.md"
+_REPORT = "report.html"
+_OLD_REPORT = "report.md"  # of older versions, which may be replaced
 _ELEMENTS = 5  # of a Masing law: with eleven parameters within what an identification of four amplitudes can fix
 
 
@@ -87,7 +88,7 @@ def identify_command(request: Request) -> int:
         known=known,
     )  # fmt: skip
     wanted = result.converged or request.accept_unconverged
-    with atomic_run(request.folder, force=request.force, kind="report", marks=(_REPORT,)) as folder:
+    with atomic_run(request.folder, force=request.force, kind="report", marks=_marks(request.folder)) as folder:
         _write_report(folder, request, result, fits, tests)
         _keep_others(request.folder, folder)
         if wanted:
@@ -172,13 +173,18 @@ def _check_outputs(request: Request) -> None:
         raise ValueError(f"`--out`: {out} is a folder.")
     if out.exists() and not request.force:
         raise ValueError(f"{out}: there is an isolator file already. Replace it with --force, or choose another path.")
-    check_target(request.folder, force=request.force, kind="report", marks=(_REPORT,))
+    check_target(request.folder, force=request.force, kind="report", marks=_marks(request.folder))
+
+
+def _marks(folder: Path) -> tuple[str]:
+    """Return the file by which a folder is known as a report."""
+    return (_OLD_REPORT,) if (folder / _OLD_REPORT).is_file() else (_REPORT,)
 
 
 def _keep_others(before: Path, folder: Path) -> None:
     """Copy the other files of a report's folder into the one that replaces it."""
     for path in before.iterdir() if before.is_dir() else ():
-        if path.name == _REPORT or path.name in PICTURES:
+        if path.name in (_REPORT, _OLD_REPORT) or path.name in PICTURES:
             continue
         if path.is_dir() and not path.is_symlink():
             shutil.copytree(path, folder / path.name, symlinks=True)
@@ -191,14 +197,17 @@ def _write_report(
 ) -> None:
     """Write text and pictures into a folder."""
     from wirerope_mj.views.plots.identification import fit_figure, measures_figure, residual_figure
+    from wirerope_mj.views.report import report_html
 
     kinds = " and ".join(law.name for law in result.law.components)
     title = f"{request.name or request.out.stem}, {request.axis}: {kinds}"
     for name, figure in zip(PICTURES, (fit_figure, residual_figure, measures_figure), strict=True):
         figure(fits, title=title).savefig(folder / name)
     sources = [f"{path}: {contents(loops)}" for path, loops in tests.items()] + loop_warnings(tests, result)
-    text = report_text(result, fits, title=title, sources=sources, given=assumptions(result, request.given))
-    (folder / _REPORT).write_text(text, encoding="utf-8")
+    content = identification_content(
+        result, fits, title=title, sources=sources, given=assumptions(result, request.given)
+    )
+    (folder / _REPORT).write_text(report_html(content), encoding="utf-8")
 
 
 def _print(request: Request, name: str, result: Identification, fits: Sequence[FittedLoop], tests: Tests) -> None:

@@ -2,14 +2,14 @@
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from importlib.metadata import version
 
-from wirerope_mj.foundation.plain_text import markdown
-from wirerope_mj.foundation.tables import Cell, Column, Table
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.mounts.identification.records import millimetres
 from wirerope_mj.mounts.identification.result import FittedLoop, Identification, neighbours_correlation
 from wirerope_mj.mounts.laws import Law, Stop
-from wirerope_mj.views.recording.markdown_tables import markdown_table
+from wirerope_mj.views.plots.identification_charts import MOST, fit_chart, measures_chart, residual_chart
+from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture, ReportContent, Section
 
 PICTURES = {
     "loops.png": "Measured loops and those of the law",
@@ -92,7 +92,7 @@ def correlation_table(result: Identification) -> Table:
         [name, *[f"{value:+.2f}" for value in row]]
         for name, row in zip(free, result.uncertainty.correlation, strict=True)
     ]
-    return Table(title="Correlations", columns=[Column(align="left"), *map(Column, free)], rows=rows)
+    return Table(title="Correlations", columns=[Column("parameter", align="left"), *map(Column, free)], rows=rows)
 
 
 def law_text(result: Identification) -> str:
@@ -143,10 +143,10 @@ def findings(result: Identification, fits: Sequence[FittedLoop]) -> list[str]:
     return texts
 
 
-def report_text(
+def identification_content(
     result: Identification, fits: Sequence[FittedLoop], *, title: str, sources: Sequence[str], given: Sequence[str]
-) -> str:
-    """Return the report as Markdown.
+) -> ReportContent:
+    """Return the report of a fit.
 
     Args:
         result: the fit.
@@ -156,34 +156,64 @@ def report_text(
         given: what was given and not searched for, one text each.
     """
     singular = ", ".join(f"{value:.3g}" for value in result.uncertainty.singular_values)
-    pictures = [f"![{caption}]({name})\n\n{caption}." for name, caption in PICTURES.items()]
-    blocks = [
-        f"# {markdown(title)}",
-        pictures[0],
-        f"Law: {markdown(law_text(result))}",
-        _bullets([*findings(result, fits), *given]),
+    drawn = f" {MOST} of {len(fits)} loops." if len(fits) > MOST else ""
+    meanings = _meanings(result)
+    error = (
         f"Error over all loops {100.0 * result.residual:.3g} % of half their force range; {result.evaluations} evaluations "
-        f"from all starts.",
-        *_section(parameter_table(result)),
-        _bullets(_meanings(result)),
-        *(
-            block
-            for table in (loop_table(fits), stage_table(result), correlation_table(result))
-            for block in _section(table)
+        "from all starts."
+    )
+    parameters: list[Block] = [Paragraph(text=f"Law: {law_text(result)}"), parameter_table(result)]
+    parameters += [Listing(items=tuple(meanings))] if meanings else []
+    return ReportContent(
+        title=title,
+        facts=(("Loops", str(len(fits))), ("By", f"wirerope-mj {version('wirerope-mj')}")),
+        question=("Which parameters of the law follow the measured loops, and how well are they known?",),
+        verdict=_verdict(result),
+        answer=(
+            Picture(
+                image=fit_chart(fits), caption=f"{PICTURES['loops.png']}.{drawn}", alt="Loops, measured and fitted."
+            ),
+            Listing(items=(*findings(result, fits), error, *given)),
         ),
-        "## Singular values",
-        f"{singular}\n\nOf the residual's change with the parameters, over its noise: one over each is the standard error of "
-        "one combination of them, in logarithms or in the size that it can have. Small ones are not identifiable.",
-        *pictures[1:],
-        "## Read from",
-        _bullets(sources),
-    ]
-    return "\n\n".join(block for block in blocks if block) + "\n"
+        sections=(
+            Section(title="Parameters", blocks=tuple(parameters)),
+            Section(
+                title="Loops and residuals",
+                blocks=(
+                    loop_table(fits),
+                    Picture(
+                        image=residual_chart(fits),
+                        caption="Fitted minus measured force. A law that fits leaves noise; what bends is beyond it.",
+                        alt="Residuals over the deflection.",
+                    ),
+                    Picture(
+                        image=measures_chart(fits),
+                        caption=f"{PICTURES['measures.png']}.",
+                        alt="Measures over the amplitude.",
+                    ),
+                ),
+            ),
+            Section(
+                title="How well the parameters are known",
+                blocks=(
+                    stage_table(result),
+                    correlation_table(result),
+                    Paragraph(
+                        text=f"Singular values: {singular}. Of the residual's change with the parameters, over its noise: one "
+                        "over each is the standard error of one combination of them, in logarithms or in the size that it can "
+                        "have. Small ones are not identifiable."
+                    ),
+                ),
+            ),
+            Section(title="Read from", blocks=(Listing(items=tuple(sources)),)),
+        ),
+    )
 
 
-def _section(table: Table) -> tuple[str, str]:
-    return f"## {table.title}", markdown_table(replace(table, title=""))
-
-
-def _bullets(texts: Sequence[str]) -> str:
-    return "\n".join(f"- {markdown(text)}" for text in texts)
+def _verdict(result: Identification) -> Mark:
+    """Return whether the fit converged, and whether the data fix every parameter."""
+    if not result.converged:
+        return Mark("NOT CONVERGED", "exceeded")
+    if result.non_identifiable:
+        return Mark("Converged; not every parameter is identifiable", "near")
+    return Mark("Converged; the data identify every free parameter", "within")
