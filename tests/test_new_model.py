@@ -4,6 +4,7 @@ import csv
 import os
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
@@ -141,6 +142,7 @@ def test_stops_close_after_their_gap_and_stand_in_files_of_their_own(here):
 def test_the_folder_is_complete_and_its_tables_make_it_again(here):
     assert main(["new", "genset", "--template", "genset", "--pdf"]) == 0
     first = Path("genset/genset.xml").read_bytes()
+    assert ElementTree.fromstring(first).get("model") == "genset"  # stricter than MuJoCo about comments
     assert Path("genset/genset_plan.png").read_bytes()[:4] == b"\x89PNG"
     assert Path("genset/genset_plan.pdf").read_bytes()[:4] == b"%PDF"
     assert {path.name for path in Path("genset/tables").iterdir()} == {path.name for path in TABLES.iterdir()}

@@ -12,7 +12,7 @@ from wirerope_mj.mounts.isolator import load_isolator
 
 _ABOUT = """
     A payload on isolators above a deck that is driven along x, y and z, written by wirerope new from the tables in
-    tables/. Change a table and write the model again with --force, or edit this file.
+    tables/. Change a table and write the model again (option force), or edit this file.
 
     Frame: that of the tables. SI units: m, kg, kg m^2, N. Gravity points down along z.
     Mounts: both sites of a mount lie at its isolator's mid-height and coincide in the unloaded geometry that is drawn.
