@@ -9,7 +9,9 @@ from scipy.signal import lfilter
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import judge_random, random_verdicts
+from wirerope_mj.cli import main
 from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.runs.summary import read_summary
 
 RATE, F, Q, DENSITY = 1000.0, 20.0, 10.0, 0.5
 MILES = math.sqrt(0.5 * math.pi * F * Q * DENSITY)  # 12.5 m/s^2
@@ -135,3 +137,22 @@ def test_too_short_a_record_is_refused():
         random_verdicts(*oscillator(1.0), subject="rack", discard=0.999)
     with pytest.raises(ValueError, match="one history"):
         random_verdicts([0.0, 1.0] * 0 + list(range(100)), np.ones((100, 2)), subject="rack", discard=0.0)
+
+
+@pytest.mark.slow
+def test_a_run_of_random_vibration_says_rms_and_three_sigma_everywhere(tmp_path, capsys):
+    assert main(["run", "cabinet_random", "--duration", "3", "--out", str(tmp_path / "run")]) == 0
+    printed = capsys.readouterr().out
+    assert "3-sigma" in printed
+    rows = read_summary(tmp_path / "run")["random"]
+    response = wr.load_response(tmp_path / "run")
+    expected = [row for row in wr.judge_random(response) if row.criterion.startswith(("rms", "3-sigma"))]
+    assert [(row["criterion"], row["subject"], row["value"]) for row in rows] == [
+        (row.criterion, row.subject, row.value) for row in expected
+    ]
+    along_z = next(row for row in rows if row["subject"] == "rack" and row["criterion"] == "rms acceleration along z")
+    assert f"{along_z['value'] / wr.STANDARD_GRAVITY:.3f}" in printed
+    report = (tmp_path / "run" / "report.html").read_text()
+    assert f"{along_z['value'] / wr.STANDARD_GRAVITY:.3f}" in report
+    judged = {row["criterion"] for row in read_summary(tmp_path / "run")["judged"] if row["subject"] == "rack"}
+    assert "3-sigma acceleration along z" in judged  # the model limits the rack's acceleration

@@ -1,5 +1,6 @@
 """`wirerope shock`: a measured record becomes a run that can be shown, replayed and judged like any other."""
 
+import json
 import tomllib
 
 import numpy as np
@@ -177,3 +178,77 @@ def test_a_run_is_replaced_only_by_force(record, capsys, tmp_path):
     (tmp_path / "r" / "summary.json").write_text("")
     assert main(["shock", "shock_table", "--record", record("z"), "--out", "r", *QUICK]) == 2
     assert "Replace it with --force" in capsys.readouterr().err
+
+
+def test_motions_of_several_options_are_added_and_named(asked):
+    made = asked(
+        "cabinet", "--half-sine", "15 g 11 ms z", "--half-sine", "8 g 11 ms x", "--velocity-step", "1 m/s y", *QUICK
+    )
+    assert made.name == "shock-cabinet-half-sine-velocity-step"
+    assert made.options["half-sine"] == "15 g 11 ms z; 8 g 11 ms x"
+    assert made.motion.acceleration([0.0055])[0] / G == pytest.approx([8.0, 0.0, 15.0])
+    assert made.motion.velocity([0.05])[0, 1] == pytest.approx(1.0)
+
+
+def test_a_record_and_a_pulse_are_played_together(asked, record):
+    made = asked("cabinet", "--half-sine", "15 g 11 ms x", "--record", record("z"), *QUICK)
+    assert made.motion.acceleration([0.0055])[0, 0] == pytest.approx(15 * G)
+    assert made.motion.acceleration([0.0555])[0, 2] == pytest.approx(10 * G, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_a_limit_of_the_command_is_judged_stored_and_replayed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    pulse = ["--half-sine", "15 g 11 ms z at 20 ms", "--duration", "0.2"]
+    assert main(["shock", "cabinet", *pulse, "--limit", "acceleration/rack = 1 g", "--out", "run"]) == 0
+    assert "acceleration of rack" in capsys.readouterr().out
+    summary = json.loads((tmp_path / "run" / "summary.json").read_text())
+    row = next(row for row in summary["judged"] if (row["criterion"], row["subject"]) == ("acceleration", "rack"))
+    assert row["verdict"] == "exceeded"
+    assert row["limit"] == pytest.approx(G)
+    assert tomllib.loads((tmp_path / "run" / "scenario.toml").read_text())["judge"]["limits"] == {
+        "acceleration/rack": [G]
+    }
+    assert wr.replay(tmp_path / "run").identical
+    capsys.readouterr()
+    assert (
+        main(["run", "cabinet_shock", "--duration", "0.1", "--limit", "acceleration/rack = 1 g", "--out", "other"]) == 0
+    )
+    assert "acceleration of rack" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ([], "say how the base moves"),
+        (["--half-sine", "15 g z"], "a time must stand there"),
+        (["--half-sine", "15 g 11 ms z", "--direction", "x"], "belong to a `--record`"),
+        (["--half-sine", "15 g 11 ms z", "--limit", "acceleration/rack = 15"], "is written like"),
+        (["--half-sine", "15 g 11 ms z", "--limit", "acceleration/nothing = 15 g", *QUICK], "no point 'nothing'"),
+        (["--levels", "missing.toml"], "missing.toml"),
+    ],
+)
+def test_what_cannot_be_played_is_one_message_and_nothing_is_written(arguments, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["shock", "cabinet", *arguments]) == 2
+    assert said in capsys.readouterr().err
+    assert list(tmp_path.rglob("*")) == [] or list(tmp_path.iterdir()) == [tmp_path / "runs"]
+
+
+def test_levels_are_listed_and_written_to_be_filled_in(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["levels"]) == 0
+    assert "BV 043" in capsys.readouterr().out
+    assert main(["levels", "bv_043"]) == 0
+    assert "?" in (tmp_path / "bv_043.toml").read_text()
+    assert main(["levels", "bv_043"]) == 2
+    assert main(["levels", "bv_044"]) == 2
+    assert main(["shock", "cabinet", "--levels", "bv_043.toml"]) == 2
+    assert "still open" in capsys.readouterr().err
+
+
+def test_a_sweep_ends_the_run_and_a_pulse_is_followed_by_its_ring_down(asked):
+    sweep = asked("cabinet", "--sweep", "0.5 g 5 to 20 Hz 60 oct/min z")
+    assert sweep.simulate["duration"] == sweep.motion.end == pytest.approx(2.0)
+    pulse = asked("cabinet", "--half-sine", "15 g 11 ms z at 50 ms")
+    assert 0.061 + 5.0 / 11.3 < pulse.simulate["duration"] < 0.061 + 15.0 / 11.3  # ten periods of some 11 Hz

@@ -65,7 +65,10 @@ from .motions import DecayingSine as DecayingSine
 from .motions import DesignSpectrum as DesignSpectrum
 from .motions import DoubleHalfSine as DoubleHalfSine
 from .motions import DoubleTriangle as DoubleTriangle
+from .motions import ForceTable as ForceTable
 from .motions import HalfSine as HalfSine
+from .motions import HarmonicForce as HarmonicForce
+from .motions import PayloadForce as PayloadForce
 from .motions import RandomVibration as RandomVibration
 from .motions import Sawtooth as Sawtooth
 from .motions import Scaled as Scaled
@@ -75,6 +78,7 @@ from .motions import SpectrumMatch as SpectrumMatch
 from .motions import Sweep as Sweep
 from .motions import Trapezoid as Trapezoid
 from .motions import Turned as Turned
+from .motions import Unbalance as Unbalance
 from .motions import VelocityStep as VelocityStep
 from .motions import VibrationLines as VibrationLines
 from .motions import ac156_spectrum as ac156_spectrum

@@ -74,7 +74,11 @@ COMMANDS = {
     ),
     "shock": (
         "shock:shock",
-        "Play a measured record into a model: a run like those of `wirerope run`, and a picture of the baseline correction.",
+        "Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.",
+    ),
+    "levels": (
+        "levels:levels",
+        "List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.",
     ),
     "select": (
         "select_options:select",

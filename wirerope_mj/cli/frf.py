@@ -8,8 +8,9 @@ from pathlib import Path
 from rich.markup import escape
 
 from wirerope_mj.cli.frf_tables import print_response
-from wirerope_mj.cli.screen import console
+from wirerope_mj.cli.screen import console, print_lines
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
+from wirerope_mj.dynamics.frequency_response.orders import OrderBand, order_statements
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.directions import Direction
@@ -25,7 +26,15 @@ DEFAULT = 1.0
 """Level where none is said [m/s^2]: a tenth of a g, as a resonance search on a shaker takes."""
 
 
-def frf_command(model: str, options: ResponseOptions, *, keep: Path | None, out: Path | None, force: bool) -> int:
+def frf_command(
+    model: str,
+    options: ResponseOptions,
+    *,
+    bands: Sequence[OrderBand],
+    keep: Path | None,
+    out: Path | None,
+    force: bool,
+) -> int:
     """Compute a frequency response, write its folder, print its peaks and events; return the exit code."""
     system = load_system(model)
     folder = out or Path("runs") / f"{system.name}-frf-{datetime.now():%Y%m%d-%H%M%S}"
@@ -36,8 +45,9 @@ def frf_command(model: str, options: ResponseOptions, *, keep: Path | None, out:
     if watched:
         _report("writing tables, pictures and the recording")
     findings = level_summaries(result)
-    write_frequency_response(result, findings, folder, force=force)
+    write_frequency_response(result, findings, folder, force=force, bands=bands)
     print_response(result, findings)
+    print_lines([*order_statements(bands, findings)])
     _print_written(folder)
     return 0 if result.complete else NOT_COMPLETE
 

@@ -22,6 +22,8 @@ def frf(
     largest_step: float = 0.02,
     smallest_step: float = 1e-5,
     smoothing: float | None = None,
+    orders: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
+    speed_rpm: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
     keep: Path | None = None,
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
@@ -47,13 +49,19 @@ def frf(
         largest_step: largest relative change of the frequency between two points of a branch.
         smallest_step: smallest one before a branch is given up.
         smoothing: fraction of the mounts' largest velocity over which the continuation smooths the laws; none by default.
+        orders: orders of a machine's speed that are shaded in the pictures, such as 0.5 1 2, and held against the resonances.
+        speed_rpm: its speed [1/min], or the lowest and the highest.
         keep: folder that keeps the points as they are found: the same command resumes there after it was interrupted.
         out: folder of the result; runs/MODEL-frf-DATE-TIME by default.
         force: replace a frequency response that is there.
     """
     from wirerope_mj.cli.frf import direction_of, frf_command, levels
     from wirerope_mj.dynamics.frequency_response import ResponseOptions
+    from wirerope_mj.dynamics.frequency_response.orders import order_bands
 
+    if (orders is None) != (speed_rpm is None):
+        raise ValueError("`--orders` and `--speed-rpm` belong together: give both.")
+    bands = () if orders is None or speed_rpm is None else order_bands(orders, speed_rpm)
     options = ResponseOptions(
         accelerations=levels(acceleration, acceleration_g), method=method, start=start, stop=stop,
         direction=direction_of("--direction", direction), payload=payload, rate=rate,
@@ -62,4 +70,4 @@ def frf(
         else direction_of("--response-direction", response_direction),
         largest_step=largest_step, smallest_step=smallest_step, smoothing=smoothing,
     )  # fmt: skip
-    return frf_command(model, options, keep=keep, out=out, force=force)
+    return frf_command(model, options, bands=bands, keep=keep, out=out, force=force)

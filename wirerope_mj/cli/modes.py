@@ -11,6 +11,8 @@ def modes(
     *,
     history: Literal["virgin", "relaxed"] = "virgin",
     amplitude_mm: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
+    ddam: Literal["hull", "deck", "shell"] | None = None,
+    ship: Literal["surface", "submarine"] = "surface",
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
@@ -25,9 +27,12 @@ def modes(
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
         history: virgin, after the weight was laid on slowly, or relaxed, after long vibration.
         amplitude_mm: amplitudes of the mount that moves most [mm], one or several.
+        ddam: print the design accelerations of DDAM for equipment on a ship's hull, deck or shell, too: x fore and aft, y
+            athwartship, z vertical.
+        ship: for which ship.
         out: folder of the result, or a .rrd file for the recording alone; runs/MODEL-modes-DATE-TIME by default.
         force: replace what is there.
     """
     from wirerope_mj.cli.modes_tables import modes_command
 
-    return modes_command(model, history, amplitude_mm or [], out=out, force=force)
+    return modes_command(model, history, amplitude_mm or [], ddam=ddam and (ship, ddam), out=out, force=force)

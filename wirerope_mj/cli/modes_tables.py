@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rich.markup import escape
 
+from wirerope_mj.assessment.criteria.ddam import Direction, Location, Ship, ddam_design_values
 from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.dynamics.modes.carried import carried
@@ -16,14 +17,26 @@ from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.foundation.tables import Column, Row, Table
+from wirerope_mj.foundation.tables import Cell, Column, Row, Table
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 from wirerope_mj.runs.folder import check_target
 from wirerope_mj.runs.modes import KIND, MARKS, write_modes
 
+_SHIP_AXES: tuple[Direction, ...] = ("fore-and-aft", "athwartship", "vertical")
+
+LEAST_WEIGHT = 1e-3
+"""Fraction of a mode's weight along which it is said to move."""
+
 
 def modes_command(
-    model: str, history: History, amplitudes_mm: Sequence[float], *, out: Path | None, force: bool
+    model: str,
+    history: History,
+    amplitudes_mm: Sequence[float],
+    *,
+    ddam: tuple[Ship, Location] | None = None,
+    out: Path | None,
+    force: bool,
 ) -> int:
     """Find the modes of a model, write them, print them; return the exit code."""
     for size in amplitudes_mm:
@@ -48,6 +61,8 @@ def modes_command(
         write_modes(system, system.name, [small, *large], target, force=force)
     print_modes(system.name, small, large)
     print_lines([*about_small(system, small), *beyond_rating(system, large), *about_rest(system, small, large)])
+    if ddam is not None:
+        print_ddam(small, *ddam)
     screen, written = console(), f"{target}" if alone else f"{target}/"
     screen.print(f"\n  written to {escape(written)}", soft_wrap=True)
     screen.print(f"  [bold]wirerope show {escape(str(target))}[/] opens the view", soft_wrap=True)
@@ -66,6 +81,35 @@ def print_modes(name: str, small: Modes, large: Sequence[Modes]) -> None:
             "Damping in brackets. x, y, z: fraction of the moving mass that takes part.",
         ]
     )
+
+
+def print_ddam(small: Modes, ship: Ship, location: Location) -> None:
+    """Print modal weight and design acceleration of every mode along the directions in which it takes part."""
+    mass = sum(payload.mass for payload in small.payloads.values())
+    rows: list[Row] = []
+    for number, frequency in enumerate(small.frequencies):
+        weights = mass * STANDARD_GRAVITY * small.participation[number]
+        cells: list[Cell] = [str(number + 1), float(frequency)]
+        for weight, direction in zip(weights, _SHIP_AXES, strict=True):
+            there = frequency > 0.0 and weight > LEAST_WEIGHT * weights.sum()
+            if not there:
+                cells += [None, None]
+                continue
+            values = ddam_design_values(
+                float(weight), float(frequency), location=location, direction=direction, ship=ship
+            )
+            cells += [values.weight, values.acceleration]
+        rows.append(cells)
+    columns = [Column("mode", align="left"), Column("small", "Hz", ".2f")]
+    for axis in "xyz":
+        columns += [Column(f"weight {axis}", "kN", ".3f"), Column(f"D {axis}", "g", ".1f")]
+    note = (
+        "x fore and aft, y athwartship, z vertical; modal weights of small cycles. The unclassified interim values of NRL "
+        "memorandum 1396, elastic, at least 6 g; a linear method, in which large deflections of mounts have no place."
+    )
+    console().print()
+    title = f"DDAM: design accelerations, {ship}, {location}"
+    print_table(Table(title=title, columns=columns, rows=rows, note=note))
 
 
 def about_small(system: System, small: Modes) -> Iterator[str]:

@@ -13,13 +13,19 @@ from wirerope_mj.cli.function_options import own_option, run_with_options
 from wirerope_mj.cli.numerics_options import NUMERICS, with_numerics
 from wirerope_mj.cli.printed_run import run_and_print
 from wirerope_mj.cli.tables import print_questions
+from wirerope_mj.foundation.payload_limits import limit_from_text
 from wirerope_mj.runs.scenario import load_scenario, shipped_scenarios
+
+LIMIT = (
+    '"acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm": a limit of the payload, in place of the model\'s'
+)
 
 _OWN = (
     own_option("out", Path | None, None, "folder of the run; runs/NAME-DATE-TIME if it is not given"),
     own_option("force", bool, False, "replace a run that is there", negative=()),
     own_option("state", bool, False, "keep every sample in the recording, too", negative=()),
     own_option("combined_travel", bool, True, "judge mounts on all axes at once, by this program's own rule"),
+    own_option("limit", list[str] | None, None, LIMIT, negative=()),
 )
 
 
@@ -32,7 +38,7 @@ def run(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)
     """Simulate a scenario into one folder and print its peaks against the limits.
 
     wirerope run SCENARIO [OPTIONS] [--accuracy A | --timestep SECONDS] [--out FOLDER] [--force] [--state]
-        [--no-combined-travel]
+        [--limit TEXT] [--no-combined-travel]
 
     SCENARIO is the path of a scenario file or the name of one that ships with the package; `wirerope run --list` shows
     those, and `wirerope run SCENARIO --help` the options of one. The folder is runs/NAME-DATE-TIME unless --out names
@@ -68,7 +74,10 @@ def run_command(name: str, tokens: Sequence[str]) -> None:
         made = scenario.make(**options)
         asked = {option.name: own.get(option.name) for option in NUMERICS}
         made = replace(made, simulate=with_numerics(made.simulate, **asked))
-        made = replace(made, combined_travel=made.combined_travel and own["combined_travel"])
+        limits = [limit_from_text(text) for text in own["limit"] or ()]
+        made = replace(
+            made, combined_travel=made.combined_travel and own["combined_travel"], limits=[*made.limits, *limits]
+        )
         run_and_print(made, folder, force=own["force"], state=own["state"])
 
     run_with_options(f"wirerope run {scenario.name}", scenario.function, [*numerics, *_OWN], action, tokens)

@@ -16,6 +16,7 @@ from wirerope_mj.studies.folder import dead
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
+from wirerope_mj.studies.results.stated_limits import limit_of_text, limit_statement
 from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.results.tables import varied_table
 from wirerope_mj.studies.search.result import SearchResult
@@ -31,6 +32,7 @@ def compute_and_print(
     out: Path | None,
     by: str | None,
     open_worst: int,
+    limit: Sequence[str] | None = None,
     **how: Any,
 ) -> None:
     """Compute a study or a search and print its results.
@@ -42,6 +44,7 @@ def compute_and_print(
         out: its folder.
         by: measure by which variants are worst.
         open_worst: how many of them become runs and are opened.
+        limit: limits on measures, for each of which it is printed how often it is exceeded.
         how: other arguments of `Study.run`.
     """
     from wirerope_mj.runs.study import checked_count
@@ -55,10 +58,13 @@ def compute_and_print(
     names = measure_names(study.base)
     if by is not None and by not in names:
         raise ValueError(f"`--by`: there is no measure {by!r}; there are {', '.join(names[:8])}, ...")
+    limits = [limit_of_text(text, names) for text in limit or ()]
     print_table(varied_table(study.study if isinstance(study, Search) else study))
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     result = _computed(study, folder, resume=resume, **how)
     _print(result, by, open_worst)
+    for stated in limits:
+        console().print(f"  {escape(limit_statement(stated, result.independent, sampled=result.is_sampled))}")
     if dead(folder):  # tables and pictures are there, but a script must not take them for those of the whole study
         raise WireRopeError(f"{folder}: {NOT_COMPUTED}")
 

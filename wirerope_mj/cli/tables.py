@@ -22,12 +22,14 @@ from wirerope_mj.assessment.criteria import (
 from wirerope_mj.assessment.criteria.sentences import rule_lines
 from wirerope_mj.cli.screen import console, print_table
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.runs.judged import JudgedRun
 from wirerope_mj.runs.scenario import Scenario
+from wirerope_mj.views.random_table import random_table
 
 _NEAR = 0.9  # utilisation from which it is coloured as a warning
 
@@ -43,6 +45,7 @@ def print_verdict(scenario: Scenario, response: Response, judged: JudgedRun, *, 
     out, verdicts = console(), judged.verdicts
     out.print(f"\n[bold]{escape(scenario.name)}[/]  {escape(scenario.motion.description)}")
     print_table(_accelerations(scenario, response, verdicts))
+    _print_random(judged)
     if response.scene.isolating:
         out.print()
         print_table(_mounts(response, verdicts))
@@ -55,6 +58,15 @@ def print_verdict(scenario: Scenario, response: Response, judged: JudgedRun, *, 
     for line in [*verdict_lines(response, verdicts), *rule_lines(verdicts)]:
         out.print(f"  {escape(line)}")
     out.print(f"\n  {_numerics(response)}; verdict after {seconds:.1f} s")
+
+
+def _print_random(judged: JudgedRun) -> None:
+    """Print rms and 3-sigma accelerations of random vibration, or why there are none."""
+    if isinstance(judged.random, Absent):
+        console().print(f"  No rms and 3-sigma values: {escape(judged.random.reason)}")
+    elif (table := random_table(judged.random)) is not None:
+        console().print()
+        print_table(table)
 
 
 def print_written(folder: Path, *, seconds: float) -> None:

@@ -1,14 +1,21 @@
 """Limits of a payload: the acceleration of a body or a point, and the clearance around it."""
 
 import math
+import re
 from dataclasses import dataclass
 
 from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, LENGTH_UNITS, in_si
 
 SIZES = {"acceleration": (1, 3), "clearance": (3, 6)}
 """Kinds of limits and how many values each may have."""
 
 UNITS = {"acceleration": "m/s^2", "clearance": "m"}
+
+_KNOWN = {"acceleration": ACCELERATION_UNITS, "clearance": LENGTH_UNITS}
+_EXAMPLES = '"acceleration/rack = 15 g", "acceleration/rack = 0 0 15 g" or "clearance/rack_top = 30 30 20 mm"'
+_TEXT = re.compile(r"\s*(\w+)/(.+?)\s*=\s*([-+.\deE\s]+?)\s*([^\d\s.+-][^\s]*)\s*")
 
 _LABELS = {1: ("",), 3: ("x", "y", "z"), 6: ("-x", "+x", "-y", "+y", "-z", "+z")}
 
@@ -43,3 +50,23 @@ class PayloadLimit:
     def judged(self) -> dict[str, float]:
         """Limits by what they hold for: "" (the norm), "x", "y", "z" or "-x", "+x", ..; those of zero are left out."""
         return {axis: value for axis, value in zip(_LABELS[len(self.values)], self.values, strict=True) if value}
+
+
+def limit_from_text(text: str) -> PayloadLimit:
+    """Return the limit of a text such as `acceleration/rack = 15 g` or `clearance/rack_top = 30 30 20 mm`.
+
+    Raises:
+        ValueError: the text is no limit, its unit is none of its kind, or it has the wrong number of values.
+    """
+    match = _TEXT.fullmatch(text)
+    if match is None:
+        raise ValueError(f"a limit is written like {_EXAMPLES}; got {short(text)!r}.")
+    kind, name, numbers, unit = match.groups()
+    try:
+        one_of("kind", kind, SIZES)
+        if unit not in _KNOWN[kind]:
+            raise ValueError(f"{unit!r} is no unit of {kind}; known are {', '.join(_KNOWN[kind])}.")
+        values = tuple(in_si(float(number), _KNOWN[kind][unit]) for number in numbers.split())
+        return PayloadLimit(kind=kind, name=name, values=values)
+    except ValueError as error:
+        raise ValueError(f"limit {short(text)!r}: {error} It is written like {_EXAMPLES}.") from None

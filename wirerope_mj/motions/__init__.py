@@ -6,6 +6,7 @@ from wirerope_mj.motions.double_half_sine import DoubleHalfSine
 from wirerope_mj.motions.double_triangle import DoubleTriangle
 from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
+from wirerope_mj.motions.payload_forces import ForceTable, HarmonicForce, PayloadForce
 from wirerope_mj.motions.psd_lines import psd_from_g, psd_level, psd_rms
 from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
 from wirerope_mj.motions.random_vibration import RandomVibration
@@ -15,6 +16,7 @@ from wirerope_mj.motions.scaled import Scaled, Turned
 from wirerope_mj.motions.spectrum_match import SpectrumMatch, match_spectrum
 from wirerope_mj.motions.table_shock import ShockTableImpact
 from wirerope_mj.motions.target_spectra import EN1998_TYPE_1, ac156_spectrum, en1998_spectrum
+from wirerope_mj.motions.unbalance import Unbalance
 from wirerope_mj.motions.vibration_lines import VibrationLines, banded_lines
 
 __all__ = [
@@ -24,7 +26,10 @@ __all__ = [
     "DesignSpectrum",
     "DoubleHalfSine",
     "DoubleTriangle",
+    "ForceTable",
     "HalfSine",
+    "HarmonicForce",
+    "PayloadForce",
     "RandomVibration",
     "Record",
     "Sawtooth",
@@ -36,6 +41,7 @@ __all__ = [
     "Sweep",
     "Trapezoid",
     "Turned",
+    "Unbalance",
     "VelocityStep",
     "VibrationLines",
     "ac156_spectrum",

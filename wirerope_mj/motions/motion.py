@@ -90,6 +90,15 @@ class BaseMotion(ABC):
         """Vectors that span the directions in which the base moves, (n, 3)."""
 
     @property
+    def loaded_sites(self) -> tuple[str, ...]:
+        """Sites of the payload at which forces come with the motion; none but for `PayloadForce` and sums with it."""
+        return ()
+
+    def load(self, site: str, time: ArrayLike) -> Array:
+        """Return force [N] and moment [N m] at a site of the payload at the times [s], along the site's axes, (n_t, 6)."""
+        return np.zeros((as_times(time).size, 6))
+
+    @property
     def files(self) -> tuple[Path, ...]:
         """Files that the motion was read from and that are needed to rebuild it."""
         return ()
@@ -226,6 +235,15 @@ class SumOfMotions(BaseMotion):
     def shortest_time(self) -> float:
         """Shortest time scale of all terms [s]."""
         return min(term.shortest_time for term in self.terms)
+
+    @property
+    def loaded_sites(self) -> tuple[str, ...]:
+        """Sites at which forces of any term act, each once."""
+        return tuple(dict.fromkeys(site for term in self.terms for site in term.loaded_sites))
+
+    def load(self, site: str, time: ArrayLike) -> Array:
+        """Return the sum of all terms' forces [N] and moments [N m] at a site, (n_t, 6)."""
+        return np.asarray(sum(term.load(site, time) for term in self.terms))
 
     @property
     def files(self) -> tuple[Path, ...]:

@@ -11,11 +11,13 @@ from wirerope_mj.motions.double_half_sine import DoubleHalfSine
 from wirerope_mj.motions.double_triangle import DoubleTriangle
 from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
+from wirerope_mj.motions.payload_forces import ForceTable, HarmonicForce
 from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
 from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.records.record import Record, load_record
 from wirerope_mj.motions.scaled import Scaled, Turned
 from wirerope_mj.motions.table_shock import ShockTableImpact
+from wirerope_mj.motions.unbalance import Unbalance
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
 _FACTORIES: dict[str, Callable[..., BaseMotion]] = {
@@ -34,6 +36,9 @@ _FACTORIES: dict[str, Callable[..., BaseMotion]] = {
     Record.kind: load_record,
     Scaled.kind: Scaled,
     Turned.kind: Turned,
+    Unbalance.kind: Unbalance,
+    HarmonicForce.kind: HarmonicForce,
+    ForceTable.kind: ForceTable,
 }
 
 

@@ -66,6 +66,15 @@ class _Changed(BaseMotion):
         return self.motion.shortest_time
 
     @property
+    def loaded_sites(self) -> tuple[str, ...]:
+        """Sites at which forces of the other motion act."""
+        return self.motion.loaded_sites
+
+    def load(self, site: str, time: ArrayLike) -> Array:
+        """Return the other motion's forces [N] and moments [N m] at a site, (n_t, 6); the body turns them."""
+        return self.motion.load(site, time)
+
+    @property
     def files(self) -> tuple[Path, ...]:
         """Files of the other motion."""
         return self.motion.files
@@ -108,6 +117,10 @@ class Scaled(_Changed):
     def description(self) -> str:
         """For instance `1.5 x half-sine 15 g 11 ms along z`."""
         return f"{self.factor:.4g} x {self._quoted}"
+
+    def load(self, site: str, time: ArrayLike) -> Array:
+        """Return the other motion's forces [N] and moments [N m] at a site times the factor, (n_t, 6)."""
+        return self.factor * self.motion.load(site, time)
 
     def _changed(self, vectors: Array) -> Array:
         return self.factor * vectors

@@ -1,6 +1,7 @@
 """A frequency response as one folder: settings, summary, tables, pictures, the recording, and the model as it was used."""
 
 import json
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 import tomli_w
 
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
+from wirerope_mj.dynamics.frequency_response.orders import OrderBand
 from wirerope_mj.dynamics.frequency_response.storage import save_tables
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, summary
 from wirerope_mj.engine.system.model_files import model_table, write_model
@@ -24,7 +26,12 @@ _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rer
 
 
 def write_frequency_response(
-    result: FrequencyResponse, findings: list[LevelSummary], folder: Path, *, force: bool = False
+    result: FrequencyResponse,
+    findings: list[LevelSummary],
+    folder: Path,
+    *,
+    force: bool = False,
+    bands: Sequence[OrderBand] = (),
 ) -> None:
     """Write a frequency response as `folder`, atomically.
 
@@ -33,6 +40,7 @@ def write_frequency_response(
         findings: what is read off it, level by level.
         folder: must not exist, or be empty, or hold a frequency response that `force` replaces.
         force: whether one that is there is replaced.
+        bands: frequencies of a machine's orders, shaded in the pictures.
 
     Raises:
         RecordError: the folder exists and must not be replaced.
@@ -46,7 +54,7 @@ def write_frequency_response(
             json.dumps(summary_content, indent=2, allow_nan=False) + "\n", encoding="utf-8"
         )
         save_tables(result, temporary)
-        _write_pictures(result, findings, temporary)
+        _write_pictures(result, findings, temporary, bands)
 
 
 def _settings(result: FrequencyResponse, model: dict[str, str]) -> dict[str, Any]:
@@ -80,7 +88,9 @@ def _settings(result: FrequencyResponse, model: dict[str, str]) -> dict[str, Any
     return content | {"versions": {name: version(name) for name in _PACKAGES}}
 
 
-def _write_pictures(result: FrequencyResponse, findings: list[LevelSummary], folder: Path) -> None:
+def _write_pictures(
+    result: FrequencyResponse, findings: list[LevelSummary], folder: Path, bands: Sequence[OrderBand]
+) -> None:
     # Here, because matplotlib and rerun take longer to import than checking the options.
     from wirerope_mj.views.plots.frequency_response import save_amplitudes, save_transmissibilities
     from wirerope_mj.views.plots.orbit_loops import save_resonance_loops
@@ -89,8 +99,8 @@ def _write_pictures(result: FrequencyResponse, findings: list[LevelSummary], fol
     assert options.response_direction is not None
     what = f"{options.payload} along {direction_text(options.response_direction)}"
     title = f"{result.name}, base along {direction_text(options.direction)}"
-    save_amplitudes(findings, folder / "frequency_response.png", title=title, what=what)
-    save_transmissibilities(findings, folder / "transmissibility.png", title=title, what=what)
+    save_amplitudes(findings, folder / "frequency_response.png", title=title, what=what, bands=bands)
+    save_transmissibilities(findings, folder / "transmissibility.png", title=title, what=what, bands=bands)
     if result.branches and result.system.mounts:
         save_resonance_loops(result.branches, folder / "loops.png", title=title)
     if result.branches:

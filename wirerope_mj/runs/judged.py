@@ -1,11 +1,13 @@
 """The verdicts on a run and its headline, for every output of its folder."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from typing import TypeVar
 
-from wirerope_mj.assessment.criteria import Verdict, headline, judge
+from wirerope_mj.assessment.criteria import Verdict, headline, judge, judge_random
+from wirerope_mj.assessment.criteria.steady import steady_interval
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable, static_table
 from wirerope_mj.engine.system import System
@@ -22,10 +24,13 @@ class JudgedRun:
     Attributes:
         statics: where the system rests, on the first loading and relaxed.
         verdicts: on everything; static loads on the first loading and relaxed, not those at the start of the run.
+        random: rms and 3-sigma acceleration of everything on the payload, where the base vibrates at random and does nothing
+            else; those of them with a limit are among the verdicts. Absent where the run is too short for them.
     """
 
     statics: StaticTable | Absent
     verdicts: tuple[Verdict, ...]
+    random: tuple[Verdict, ...] | Absent = ()
 
     @property
     def headline(self) -> str:
@@ -38,7 +43,17 @@ def judged_run(system: System, response: Response) -> JudgedRun:
     statics = result_or_absent(partial(static_table, system))
     has_gravity = bool(system.model.opt.gravity.any())  # without a load there is no static load to judge
     known = statics if has_gravity and isinstance(statics, StaticTable) else None
-    return JudgedRun(statics=statics, verdicts=judge(response, statics=known))
+    random = result_or_absent(partial(_random, response))
+    limited = () if isinstance(random, Absent) else tuple(row for row in random if row.limit is not None)
+    return JudgedRun(statics=statics, verdicts=(*judge(response, statics=known), *limited), random=random)
+
+
+def _random(response: Response) -> tuple[Verdict, ...]:
+    """Return rms and 3-sigma values; the largest of every step is among the other verdicts."""
+    alone, first, _ = steady_interval(response.motion)
+    if not alone or first == -math.inf:
+        return ()
+    return tuple(row for row in judge_random(response) if not row.criterion.startswith("largest"))
 
 
 def result_or_absent(compute: Callable[[], Result]) -> Result | Absent:

@@ -96,6 +96,7 @@ def report_page(
         spectra=run_spectra(motion, response, names, float(arguments["sample_rate"])),
         densities=run_densities(motion, response, names),
         verdicts=judged.verdicts,
+        random=judged.random,
         versions=content.get("versions", {}),
         selection=selection or select(response, judged.verdicts),
     )

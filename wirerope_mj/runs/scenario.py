@@ -7,6 +7,7 @@ from typing import Any
 
 from wirerope_mj.engine.system import Changes
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.resources import model_source, scenarios_folder
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
@@ -29,6 +30,7 @@ class Scenario:
         folder: where a relative model path starts.
         combined_travel: whether mounts are judged on all axes at once, by this project's own rule, if the model does not
             forbid it.
+        limits: what the payload can bear, in place of what the model states for the same subjects.
         changes: what the system differs by from the model, as `changes` of what `wirerope_mj.varied` returns says it.
     """
 
@@ -42,6 +44,7 @@ class Scenario:
     folder: Path | None = None
     changes: Sequence[Changes] = ()
     combined_travel: bool = True
+    limits: Sequence[PayloadLimit] = ()
 
     def model_source(self) -> str | Path:
         """Return the MJCF text, or the path of the model file; ModelError names where it was looked for."""

@@ -9,6 +9,7 @@ from wirerope_mj.engine.response.checked import check_motion
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.runs.folder import FORMAT, SCENARIO
+from wirerope_mj.runs.judging import read_judge_table
 
 _TABLES = {
     "model": ("file", "changes"),
@@ -82,8 +83,9 @@ def _check(content: dict[str, Any]) -> None:
                 raise ValueError(f"`{table}.{key}` must be a string, got {content[table][key]!r}.")
     _check_simulate(content["simulate"])
     judge = content.get("judge", {})  # only where it says something
-    if judge not in ({}, {"combined_travel": False}, {"combined_travel": True}):
-        raise ValueError("the table `judge` holds `combined_travel`, true or false, and nothing else.")
+    if not isinstance(judge, dict):
+        raise ValueError(f"`judge` must be a table, got {judge!r}.")
+    read_judge_table(judge)
     check_motion("motion", content["motion"])
 
 

@@ -1,7 +1,6 @@
 """System and motion of a run, read from its folder alone, and the check that its response is theirs."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +18,7 @@ from wirerope_mj.motions.copies import check_records
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.restore import motion_from_dict
 from wirerope_mj.runs.folder import SCENARIO
+from wirerope_mj.runs.judging import judged_by, read_judge_table
 
 _REMEDY = "One of the two was changed or belongs to another run: take them from one copy of the folder."
 
@@ -45,8 +45,7 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
             "folder."
         )
     system = with_changes(system, _changes(folder, content["model"]))
-    if not content.get("judge", {}).get("combined_travel", True):
-        system = replace(system, combined_travel=False)
+    system = judged_by(system, **read_judge_table(content.get("judge", {})))
     try:
         return system, motion_from_dict(motion, folder=folder)
     except (ModelError, ValueError) as error:

@@ -6,6 +6,7 @@ from typing import Any
 
 from wirerope_mj.assessment.criteria import summary
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.json_values import json_values
 from wirerope_mj.motions import BaseMotion
@@ -27,6 +28,7 @@ def summary_content(
         "motion": motion.description,
         "record_warnings": list(record_warnings(motion)),
         **summary(response, judged.verdicts),
+        **_random_content(judged),
         "numerics": {
             "timestep_s": numerics.timestep,
             "steps": numerics.steps,
@@ -41,6 +43,14 @@ def summary_content(
             "versions": numerics.versions,
         },
     }
+
+
+def _random_content(judged: JudgedRun) -> dict[str, Any]:
+    """Return rms and 3-sigma accelerations of random vibration [m/s^2], standard errors in their notes; nothing without any."""
+    if isinstance(judged.random, Absent) or not judged.random:
+        return {}
+    names = ("criterion", "subject", "value", "unit", "note")
+    return {"random": [{name: getattr(row, name) for name in names} for row in judged.random]}
 
 
 def read_summary(folder: str | Path) -> dict[str, Any]:

@@ -5,7 +5,6 @@ import math
 import sys
 import tomllib
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -27,6 +26,7 @@ from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.runs.checksums import write_checksums
 from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target
 from wirerope_mj.runs.judged import JudgedRun, judged_run
+from wirerope_mj.runs.judging import judge_table, judged_by
 from wirerope_mj.runs.progress_line import progress_line
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.summary import summary_content
@@ -87,8 +87,7 @@ def write_run(
     check_target(target, force=force)
     arguments = checked_arguments(scenario)
     system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
-    if not scenario.combined_travel:
-        system = replace(system, combined_travel=False)
+    system = judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits)
     with atomic_run(target, force=force) as beside:
         started = perf_counter()
         model = write_model(system, beside / "model")
@@ -168,8 +167,9 @@ def _scenario_text(
         | scenario.motion.to_dict(files=copy_records([scenario.motion], folder)),
         "versions": {name: version(name) for name in _PACKAGES},
     }
-    if not scenario.combined_travel:
-        content["judge"] = {"combined_travel": False}
+    judge = judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits)
+    if judge:
+        content["judge"] = judge
     return tomli_w.dumps(content, multiline_strings=True)
 
 

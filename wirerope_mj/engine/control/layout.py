@@ -24,7 +24,8 @@ PARAMETERS = "wirerope/parameters"
 N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
 MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONTACTS, N_STOPS = range(7, 18)
 USER_MOUNTS, USER_RATES, USER_ACCELERATIONS, USER_CHANNELS, USER_CONTACTS, USER_STOPS = range(18, 24)  # see `UserData`
-HEADER = 24
+N_FORCES, FORCES, USER_FORCES = range(24, 27)
+HEADER = 27
 
 # columns of the tables
 # payload site, base site, payload body, base body, payload root, base root, base takes the reaction, and what follows
@@ -37,6 +38,7 @@ DRIVEN_COLUMNS = 5  # dof, effective mass, row of the map from base acceleration
 BODY_COLUMNS = 2  # body, root
 POINT_COLUMNS = 7  # site, body, root, base body, point from the base body's centre of mass as modelled (3)
 TREE_COLUMNS = 3  # parent, first dof, number of dofs; one row per body of the model
+FORCE_COLUMNS = 2  # site, body; a row for every site at which a force may act
 CHANNEL_COLUMNS = 1  # index of a 3-vector among the system's sensor values
 
 # userdata, relative to the system's first entry
@@ -78,6 +80,7 @@ class UserData:
     n_channels: int
     n_contacts: int
     n_stops: int = 0
+    n_forces: int = 0
 
     @property
     def mounts(self) -> int:
@@ -110,9 +113,14 @@ class UserData:
         return self.contacts + CONTACT_MEMORY * self.n_contacts
 
     @property
+    def forces(self) -> int:
+        """Forces and moments on the payload at the half steps of a segment, (2 MAX_STEPS + 1, n_forces, 6)."""
+        return self.stops + CONTACT_MEMORY * self.n_stops
+
+    @property
     def size(self) -> int:
         """Number of entries."""
-        return self.stops + CONTACT_MEMORY * self.n_stops
+        return self.forces + 6 * self.n_forces * (2 * MAX_STEPS + 1)
 
     def mount_rows(self, user: Array) -> Array:
         """Return deflection and force of every mount from the system's userdata, a view, (..., n_mounts, 2, 3)."""
@@ -128,4 +136,4 @@ class UserData:
 
     def stop_rows(self, user: Array) -> Array:
         """Return the memory of the mounts' stops from the system's userdata, a view, (n_stops, CONTACT_MEMORY)."""
-        return user[self.stops : self.size].reshape(self.n_stops, CONTACT_MEMORY)
+        return user[self.stops : self.forces].reshape(self.n_stops, CONTACT_MEMORY)

@@ -20,14 +20,21 @@ AXIAL = 2
 
 
 @inlined
-def drive_base(lay, i, u, w, time, qfrc_applied, qfrc_bias, qfrc_passive):
-    """Give the base's slides the acceleration that stands in the stage table for this instant."""
+def stage_row(u, w, time):
+    """Return the row of the stage tables that belongs to an instant."""
     n_points = int(u[w + at.STAGE_POINTS])
     row = 0
     if n_points > 0:
         row = int(round((time - u[w + at.STAGE_START]) * u[w + at.STAGE_RATE]))
         row = min(max(row, 0), n_points - 1)
-    table = w + at.STAGES + 3 * row
+    return row
+
+
+@inlined
+def drive_base(lay, i, u, w, time, qfrc_applied, qfrc_bias, qfrc_passive):
+    """Give the base's slides the acceleration that stands in the stage table for this instant."""
+    n_points = int(u[w + at.STAGE_POINTS])
+    table = w + at.STAGES + 3 * stage_row(u, w, time)
     j = i + index(lay[i + at.DRIVEN])
     for _ in range(index(lay[i + at.N_DRIVEN])):
         dof = index(lay[j])

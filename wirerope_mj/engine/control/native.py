@@ -8,6 +8,7 @@ from numba import types
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.contacts import begin_contacts, normal_force, track_contact
+from wirerope_mj.engine.control.loads import apply_loads, clear_loads
 from wirerope_mj.engine.control.mounts import apply_mounts, copy_rates, drive_base, remove_overshoot
 from wirerope_mj.engine.control.observer import observe
 from wirerope_mj.engine.control.pointers import float64_array, int32_array, int32_member, int64_array, member
@@ -55,6 +56,7 @@ def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
         member(d, field[2]),
         member(d, field[3]),
     )  # fmt: skip
+    clear_loads(lay, 0, member(d, field[11]))
     apply_mounts(
         lay, 0, par, 0, u, 0, member(d, field[4], activation), 0,
         member(d, field[5]),
@@ -62,6 +64,13 @@ def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
         member(d, field[7]),
         member(d, field[8]),
         member(d, field[9]),
+        member(d, field[10]),
+        member(d, field[11]),
+    )  # fmt: skip
+    apply_loads(
+        lay, 0, u, 0, float64_array(d + time)[0],
+        member(d, field[5]),
+        member(d, field[6]),
         member(d, field[10]),
         member(d, field[11]),
     )  # fmt: skip

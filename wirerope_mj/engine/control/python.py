@@ -6,6 +6,7 @@ import mujoco
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.contacts import begin_contacts, normal_force, track_contact
+from wirerope_mj.engine.control.loads import apply_loads, clear_loads
 from wirerope_mj.engine.control.mounts import apply_mounts, copy_rates, drive_base, remove_overshoot
 from wirerope_mj.engine.control.native import ACCELERATION_STAGE, Callbacks
 from wirerope_mj.engine.control.observer import observe
@@ -43,9 +44,14 @@ def python_callbacks() -> Callbacks:
         drive_base(
             v.numeric, v.layout, v.d_userdata, v.userdata, data.time, v.d_qfrc_applied, v.d_qfrc_bias, v.d_qfrc_passive
         )
+        clear_loads(v.numeric, v.layout, v.d_xfrc_applied)
         apply_mounts(
             v.numeric, v.layout, v.numeric, v.parameters, v.d_userdata, v.userdata, v.d_act, v.states,
             v.d_site_xpos, v.d_site_xmat, v.d_site_xquat, v.d_subtree_com, v.d_cvel, v.d_xipos, v.d_xfrc_applied,
+        )  # fmt: skip
+        apply_loads(
+            v.numeric, v.layout, v.d_userdata, v.userdata, data.time, v.d_site_xpos, v.d_site_xmat, v.d_xipos,
+            v.d_xfrc_applied,
         )  # fmt: skip
 
     def act_dyn(model: mujoco.MjModel, data: mujoco.MjData, actuator: int) -> float:

@@ -75,6 +75,8 @@ def refused(why: str) -> str:
 
 def leap(system: System, motion: BaseMotion) -> str:
     """Return why the kernel does not follow a motion, "" if it does."""
+    if motion.loaded_sites:
+        return "forces act on the payload"
     if motion.velocity_jumps and riding_dofs(system.model, system.assembly.driven_dofs).size:
         return "the base's velocity jumps under what rides on it through joints of its own"
     return ""

@@ -14,7 +14,7 @@ from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.simulation.grid import Grid, TimeGrid
 from wirerope_mj.engine.simulation.run import CHECK_EVERY, peaks_of
 from wirerope_mj.engine.simulation.same_layout import expand_differences
-from wirerope_mj.engine.simulation.stages import Segment, Stages, StageTables
+from wirerope_mj.engine.simulation.stages import Segment, Stages, StageTables, loads_at
 from wirerope_mj.engine.simulation.stepper import (
     Stepper,
     acceleration_before,
@@ -52,7 +52,7 @@ class Lockstep:
         numbers = {key: number for number, key in enumerate(distinct)}
         self._distinct, self._which = list(distinct.values()), np.array([numbers[id(motion)] for motion in motions])
         assembly = systems[0].assembly
-        self._drive = assembly.tables.drive
+        self._drive, self._force_sites = assembly.tables.drive, assembly.subjects.force_names
         self._model, self.live = systems[0].model, np.arange(len(systems))
         self.errors: dict[int, SimulationError] = {}
         self.steps, self.largest_step = 0, 0.0
@@ -77,7 +77,7 @@ class Lockstep:
         """
         if sink is not None:
             self._sink, self._sensors = sink, self._batch.bind("sensordata")[:, self.systems[0].assembly.sensor :]
-        tables = [StageTables(motion, self._drive) for motion in self._distinct]
+        tables = [StageTables(motion, self._drive, self._force_sites) for motion in self._distinct]
         # Equal for motions whose segments have the same events.
         keys = [(one.corners.tobytes(), tuple(time for time, _ in one.velocity_jumps)) for one in self._distinct]
         by_corners = dict(zip(keys, self._distinct, strict=True))
@@ -124,6 +124,7 @@ class Lockstep:
             self._set_table(
                 accelerations[:, 3 * ends[segment] : 3 * ends[segment + 1]], start, 2.0 * steps / (stop - start)
             )
+            self._set_loads([own.forces[ends[segment] : ends[segment + 1]] for own in stages])
             self._batch.state[:, 0] = start  # so that rounding does not add up over the steps
             self._timestep[:] = (stop - start) / steps
             if self._sink is not None and block.sampled[first + segment]:
@@ -148,6 +149,13 @@ class Lockstep:
         user, size = self._user, accelerations.shape[1]
         user[:, at.STAGE_POINTS], user[:, at.STAGE_START], user[:, at.STAGE_RATE] = size // 3, start, rate
         user[:, at.STAGES : at.STAGES + size] = self._of_each(accelerations)
+
+    def _set_loads(self, forces: Sequence[Array]) -> None:
+        """Give every system the forces on its payload, (n_points, n_forces, 6) for every motion, or nothing."""
+        first = self.systems[0].assembly.tables.user.forces
+        for number, own in enumerate(forces):
+            if own.size:
+                self._user[self._which == number, first : first + own.size] = own.ravel()
 
     def _of_each(self, rows: Array) -> Array:
         """Return the rows of the systems from those of the distinct motions."""
@@ -205,5 +213,7 @@ class Lockstep:
         self._finals[:] = self._batch.state
         user[:] = kept
         self._set_table(np.array([acceleration_before(motion, stop) for motion in self._distinct]), stop, 0.0)
+        now = np.array([stop])
+        self._set_loads([loads_at(one, self._force_sites if one.loaded_sites else (), now) for one in self._distinct])
         self._call(partial(self._batch.forward, self.live))
         self._drop_failed()

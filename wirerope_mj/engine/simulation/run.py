@@ -62,7 +62,7 @@ def run(
     stepper = Stepper(system, motion, initial)
     data, values = stepper.data, stepper.data.sensordata[system.assembly.sensor :]
     sample, all_steps, largest = 0, 0, 0.0
-    tables = StageTables(motion, system.assembly.tables.drive)
+    tables = StageTables(motion, system.assembly.tables.drive, system.assembly.subjects.force_names)
     with installed(stepper.model, data, callback) as kind:
         for block in grid.blocks():
             stepper.enter(block)

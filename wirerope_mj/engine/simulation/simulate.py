@@ -169,7 +169,14 @@ def checked_step(system: System, timestep: float, duration: float) -> float:
 
 
 def check_direction(system: System, motion: BaseMotion) -> None:
-    """Raise ModelError if the motion has a component that no driven slide of the base can follow."""
+    """Raise ModelError if the motion has a component that no driven slide can follow, or a force where no site is for one."""
+    sites = system.assembly.subjects.force_names
+    for site in motion.loaded_sites:
+        if site not in sites:
+            raise ModelError(
+                f"a force acts at {site!r}, and the model has no site 'force/{site}' on what the mounts carry. Its sites for "
+                f"forces: {', '.join(sites) or 'none'}."
+            )
     drive = system.assembly.tables.drive
     if len(drive) == 3:
         return  # slides are independent: three follow any motion

@@ -1,6 +1,6 @@
 """The base motion for the steps of a grid, segment by segment."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,12 +19,16 @@ POINTS = 4096
 
 @dataclass(frozen=True, kw_only=True)
 class Segment:
-    """The base in one segment, as `Stages` has it: positions and rates (n_driven,), accelerations (2 steps + 1, 3)."""
+    """The base in one segment, as `Stages` has it: positions and rates (n_driven,), accelerations (2 steps + 1, 3).
+
+    `forces` are forces and moments on the payload at the same instants, (2 steps + 1, n_forces, 6), or nothing.
+    """
 
     number: int
     positions: Array
     rates: Array
     accelerations: Array
+    forces: Array
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +41,7 @@ class Stages:
         first: number of the first segment.
         positions, rates: of the driven slides at the start of every segment, as the motion has them, (n, n_driven).
         accelerations: of the base at all half steps, 2 steps + 1 for every segment, one segment after the other, (n_points, 3).
+        forces: forces and moments at the sites for them, at the same instants, (n_points, n_forces, 6), or (0,) without any.
         ends: where a segment's accelerations end among them, (n,).
     """
 
@@ -44,6 +49,7 @@ class Stages:
     positions: Array
     rates: Array
     accelerations: Array
+    forces: Array
     ends: npt.NDArray[np.int64]
 
     def segments(self, begin: int = 0, end: int | None = None) -> Iterator[Segment]:
@@ -55,15 +61,23 @@ class Stages:
                 positions=self.positions[segment],
                 rates=self.rates[segment],
                 accelerations=self.accelerations[ends[segment] : ends[segment + 1]],
+                forces=self.forces[ends[segment] : ends[segment + 1]],
             )
 
 
 class StageTables:
     """The base motion segment by segment, evaluated block by block, and the extremes of its acceleration so far."""
 
-    def __init__(self, motion: BaseMotion, drive: Array) -> None:
-        """Prepare for the segments of grids; `drive` gives slides from base vectors, (n_driven, 3)."""
+    def __init__(self, motion: BaseMotion, drive: Array, sites: Sequence[str] = ()) -> None:
+        """Prepare for the segments of grids.
+
+        Args:
+            motion: of the base, and the forces that come with it.
+            drive: slides from base vectors, (n_driven, 3).
+            sites: at which forces may act.
+        """
         self._motion, self._drive, self._running = motion, drive, RunningPeak()
+        self._sites = sites if motion.loaded_sites else ()
 
     @property
     def peak(self) -> Peak:
@@ -94,6 +108,7 @@ class StageTables:
                 positions=positions[first - begin : last - begin],
                 rates=rates[first - begin : last - begin],
                 accelerations=accelerations,
+                forces=loads_at(self._motion, self._sites, times),
                 ends=total[block] - before,
             )
             first = last
@@ -102,6 +117,13 @@ class StageTables:
         """Yield every segment of a grid."""
         for stages in self.blocks(grid):
             yield from stages.segments()
+
+
+def loads_at(motion: BaseMotion, sites: Sequence[str], times: Array) -> Array:
+    """Return forces [N] and moments [N m] at the sites, along their axes, (n_times, n_sites, 6); (0,) without a site."""
+    if not sites:
+        return np.empty(0)
+    return np.stack([motion.load(site, times) for site in sites], axis=1)
 
 
 def _half_steps(start: Array, stop: Array, points: npt.NDArray[np.int64], low: Array, high: Array) -> Array:

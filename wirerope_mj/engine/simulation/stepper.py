@@ -10,7 +10,7 @@ import numpy.typing as npt
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.state import STATE, state_of
 from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
-from wirerope_mj.engine.simulation.stages import Segment, along_slides
+from wirerope_mj.engine.simulation.stages import Segment, along_slides, loads_at
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
@@ -55,6 +55,7 @@ class Stepper:
         user[at.STAGE_POINTS], user[at.STAGE_START] = accelerations.shape[0], start
         user[at.STAGE_RATE] = 2.0 * grid.steps[segment] / length
         user[at.STAGES : at.STAGES + accelerations.size] = accelerations.ravel()
+        self._set_loads(base.forces)
         self.data.time = start  # so that rounding does not add up over the steps
         self.model.opt.timestep = length / grid.steps[segment]
 
@@ -72,8 +73,15 @@ class Stepper:
         user[:] = kept
         user[at.STAGE_POINTS], user[at.STAGE_START], user[at.STAGE_RATE] = 1.0, data.time, 0.0
         user[at.STAGES : at.STAGES + 3] = acceleration_before(self.motion, float(data.time))
+        sites = self.system.assembly.subjects.force_names if self.motion.loaded_sites else ()
+        self._set_loads(loads_at(self.motion, sites, np.array([float(data.time)])))
         mujoco.mj_forward(model, data)
         return final
+
+    def _set_loads(self, forces: Array) -> None:
+        if forces.size:
+            first = self.system.assembly.tables.user.forces
+            self.user[first : first + forces.size] = forces.ravel()
 
     def _place_base(self, positions: Array, rates: Array) -> None:
         self.data.qpos[self._slides] = self._origin + positions

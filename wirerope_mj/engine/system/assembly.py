@@ -17,7 +17,7 @@ from wirerope_mj.foundation.errors import ModelError
 SOLVER_TOLERANCE = 1e-15
 """The drive's inertia enters MuJoCo's termination scale: with the default 1e-8 contacts stop iterating too early."""
 
-POINT = "point/"
+POINT, FORCE = "point/", "force/"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,6 +61,13 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
     plain = spec.compile()
     bodies = tuple(body for body in range(1, plain.nbody) if plain.body_weldid[body] != 0)
     points = tuple(site for site in range(plain.nsite) if POINT in plain.site(site).name)
+    forces = tuple(site for site in range(plain.nsite) if FORCE in plain.site(site).name)
+    for site in forces:
+        if plain.body_weldid[plain.site_bodyid[site]] in (0, base):
+            raise ModelError(
+                f"site {plain.site(site).name!r}: a force acts on what the mounts carry, and this site is fixed to the base or "
+                "the world."
+            )
     subjects = Subjects(
         base=base,
         driven=_drive(spec, plain, base),
@@ -68,6 +75,8 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
         points=points,
         body_names=tuple(plain.body(body).name for body in bodies),
         point_names=tuple(plain.site(site).name.replace(POINT, "", 1) for site in points),
+        forces=forces,
+        force_names=tuple(plain.site(site).name.replace(FORCE, "", 1) for site in forces),
     )
     # Whatever is added stands after what the model has, so that all addresses are known before it is compiled.
     tables = make_tables(plain, mujoco.MjData(plain), declared, subjects, sensor=int(plain.nsensordata))

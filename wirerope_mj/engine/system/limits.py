@@ -20,13 +20,7 @@ def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...
     Raises:
         ModelError: a limit names no body of the payload and no point, is of an unknown kind, or has the wrong number of values.
     """
-    points = [model.site(s).name.replace(POINT, "", 1) for s in range(model.nsite) if POINT in model.site(s).name]
-    bodies = [b for b in range(1, model.nbody) if model.body_weldid[b] not in (0, base)]
-    shaped = [b for b in bodies if model.body_geomnum[b]]  # a body without geoms has no corners
-    known = {
-        "acceleration": [*(model.body(b).name for b in bodies), *points],
-        "clearance": [*(model.body(b).name for b in shaped), *points],
-    }
+    known = limit_subjects(model, base)
     limits: list[PayloadLimit] = []
     for i in range(model.nnumeric):
         name = model.numeric(i).name
@@ -50,3 +44,14 @@ def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...
             raise ModelError(f"numeric {name!r}: the {kind} of {subject!r} is limited twice.")
         limits.append(limit)
     return tuple(limits)
+
+
+def limit_subjects(model: mujoco.MjModel, base: int) -> dict[str, list[str]]:
+    """Return the names of the bodies and points that a limit of each kind may be on."""
+    points = [model.site(s).name.replace(POINT, "", 1) for s in range(model.nsite) if POINT in model.site(s).name]
+    bodies = [b for b in range(1, model.nbody) if model.body_weldid[b] not in (0, base)]
+    shaped = [b for b in bodies if model.body_geomnum[b]]  # a body without geoms has no corners
+    return {
+        "acceleration": [*(model.body(b).name for b in bodies), *points],
+        "clearance": [*(model.body(b).name for b in shaped), *points],
+    }

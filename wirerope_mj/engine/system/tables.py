@@ -22,7 +22,8 @@ DRIVE_ARMATURE = 1e10
 class Subjects:
     """Parts of a compiled model that matter: ids of the base (0: the world), its driven slides, observed bodies and points.
 
-    A point's name is what follows `point/` in that of its site, prefixes of an attached model included.
+    A point's name is what follows `point/` in that of its site, prefixes of an attached model included; so with the sites at
+    which forces may act, which are called `force/NAME`.
     """
 
     base: int
@@ -31,6 +32,8 @@ class Subjects:
     points: tuple[int, ...]
     body_names: tuple[str, ...]
     point_names: tuple[str, ...]
+    forces: tuple[int, ...] = ()
+    force_names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,13 +107,15 @@ def make_tables(
         _point_rows(model, data, on),
         list(zip(model.body_parentid, model.body_dofadr, model.body_dofnum, strict=True)),
         channels,
+        [[site, model.site_bodyid[site]] for site in on.forces],
     ]
     flat = [np.array(part, dtype=np.float64).ravel() for part in parts]
     starts = at.HEADER + np.concatenate([[0], np.cumsum([part.size for part in flat])])
     header = np.zeros(at.HEADER)
     counts = (len(declared), len(on.driven), len(on.bodies), len(on.points), model.nbody, n_states, len(channels))
     header[: len(counts)] = counts
-    header[at.MOUNTS : at.CHANNELS + 1] = starts[:-1]
+    header[at.MOUNTS : at.CHANNELS + 1], header[at.FORCES] = starts[:-2], starts[-2]
+    header[at.N_FORCES] = len(on.forces)
     header[at.SENSOR] = sensor
     header[at.N_SLIPPING] = _slipping(axes)
     header[at.N_CONTACTS] = n_contacts = contact_capacity(model)
@@ -122,9 +127,10 @@ def make_tables(
         n_channels=len(channels),
         n_contacts=n_contacts,
         n_stops=n_stops,
+        n_forces=len(on.forces),
     )
     addresses = (user.mounts, user.rates, user.accelerations, user.channels, user.contacts, user.stops)
-    header[at.USER_MOUNTS : at.USER_STOPS + 1] = addresses
+    header[at.USER_MOUNTS : at.USER_STOPS + 1], header[at.USER_FORCES] = addresses, user.forces
     return Tables(
         layout=np.concatenate([header, *flat]),
         parameters=np.concatenate([*parameters, []]),

@@ -167,7 +167,7 @@ _Laws = dict[Any, tuple[Array, tuple[float, float, float], tuple[float, float, f
 def _plain(draft: Draft) -> bool:
     """Return whether only parameters of laws vary, of isolators that act as written."""
     mounts = draft.system.mounts
-    return all(
+    return not draft.isolators and all(
         mounts[mount].written.stiffening is None and all(part in AXES for part, _ in parameters)
         for mount, parameters in draft.parameters.items()
     )

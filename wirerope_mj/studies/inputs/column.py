@@ -20,6 +20,9 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution
 
+WHOLE = "whole"
+"""Stands in the key of a parameter where a law has its axis: the factor is on all of a mount."""
+
 FAR = 10.0
 """Factor between the model's value and all of a study's beyond which these may have been meant as factors."""
 
@@ -29,7 +32,8 @@ class Draft:
     """Changes of a variant's system, gathered column by column.
 
     Attributes:
-        parameters: by mount, and there by ("axial", parameter) or ("stiffening", parameter).
+        parameters: by mount, and there by ("axial", parameter), ("stiffening", parameter) or (WHOLE, "stiffness" or "damping").
+        isolators: in place of the model's, by mount.
         failed, absent: mounts.
         masses: factors by body.
         centres: positions of centres of mass in the body's axes [m], by body.
@@ -39,6 +43,7 @@ class Draft:
 
     system: System
     parameters: dict[str, dict[tuple[str, ...], Any]] = field(default_factory=dict)
+    isolators: dict[str, Isolator] = field(default_factory=dict)
     failed: set[str] = field(default_factory=set)
     absent: set[str] = field(default_factory=set)
     masses: dict[str, float] = field(default_factory=dict)

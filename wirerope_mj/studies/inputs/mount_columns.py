@@ -1,8 +1,8 @@
 """Parameters, positions, absence and failure of mounts that vary."""
 
 import re
-from collections.abc import Sequence
-from dataclasses import fields
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 from typing import Any
 
 import numpy.typing as npt
@@ -11,9 +11,9 @@ import pyarrow as pa
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
+from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening, find_isolator, load_isolator
 from wirerope_mj.mounts.laws import Parallel
-from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, ValueOrFactor, matching
+from wirerope_mj.studies.inputs.column import WHOLE, Draft, Entry, InputColumn, ValueOrFactor, matching
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Specimens
 from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.studies.inputs.shift import WORLD, Shift
@@ -124,6 +124,28 @@ class StiffeningParameter(LawParameter):
         return []
 
 
+class MountFactor(InputColumn):
+    """Factor on all forces of a mount, or on what dissipates in it; its key is "stiffness" or "damping"."""
+
+    form = "mount/NAME/stiffness, mount/NAME/damping"
+    pattern = re.compile(r"mount/(.*)/(stiffness|damping)")
+    nature = "factor"
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return the columns of the matching mounts."""
+        return cls.split(entry, _mounts(entry))
+
+    def nominal_of(self, system: System, target: str) -> float:
+        """Return 1: the mount as it is."""
+        return 1.0
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put a value into a variant."""
+        for mount in self.targets:
+            draft.parameters.setdefault(mount, {})[WHOLE, self.key[0]] = float(value)
+
+
 class Spread(LawParameter):
     """Parameters that scatter together from specimen to specimen; each is a column of `LawParameter`."""
 
@@ -156,6 +178,41 @@ class Spread(LawParameter):
             for (group, targets), isolator in zip(groups, isolators, strict=False)
             for key in (tuple(one.split(".", 1)) for one in (isolator.spread.parameters if isolator.spread else ()))
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class OtherIsolator(InputColumn):
+    """Isolators in place of the model's, by the names of their files.
+
+    Attributes:
+        devices: isolators by name.
+    """
+
+    form = "mount/NAME/isolator"
+    pattern = re.compile(r"mount/(.*)/isolator")
+    nature = "choice"
+    type = pa.string()
+
+    devices: Mapping[str, Isolator] = field(default_factory=dict, repr=False)
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return the columns of the matching mounts, every isolator loaded from beside the model or from the catalogue."""
+        mounts, distribution = _mounts(entry), entry.distribution
+        if not _all_of(str, distribution):
+            raise ValueError(f"`vary`: {entry.name!r} must be a Choice of isolators' names, got {distribution!r}.")
+        assert isinstance(distribution, Choice)
+        folder = entry.system.path.parent if entry.system.path else None
+        devices = {name: load_isolator(find_isolator(name, beside=folder)) for name in distribution.choices}
+        return tuple(replace(column, devices=devices) for column in cls.split(entry, mounts))
+
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+        """Return nothing: the model's isolators are no numbers."""
+        return []
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put a value into a variant."""
+        draft.isolators |= dict.fromkeys(self.targets, self.devices[value])
 
 
 class PositionShift(Shift):

@@ -13,14 +13,16 @@ from wirerope_mj.studies.inputs.mount_columns import (
     Failed,
     Fitted,
     LawParameter,
+    MountFactor,
+    OtherIsolator,
     PositionShift,
     Spread,
     StiffeningParameter,
 )
 
 KINDS: tuple[type[InputColumn], ...] = (
-    Spread, Fitted, Failed, PositionShift, StiffeningParameter, LawParameter, Mass, Centre, CentreShift, Level, Azimuth,
-    Elevation, Record,
+    Spread, Fitted, Failed, PositionShift, StiffeningParameter, LawParameter, MountFactor, OtherIsolator, Mass, Centre,
+    CentreShift, Level, Azimuth, Elevation, Record,
 )  # fmt: skip
 """Kinds of quantities, in the order in which a name is held against them."""
 

@@ -10,7 +10,7 @@ from wirerope_mj.engine.system.varied import changed
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator, Limits
-from wirerope_mj.studies.inputs.column import Draft, InputColumn
+from wirerope_mj.studies.inputs.column import WHOLE, Draft, InputColumn
 from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.studies.inputs.motion_columns import MotionSettings
 
@@ -71,7 +71,7 @@ class Maker:
     def changes(self, row: Row) -> Changes:
         """Return the changes that make a variant's system of the base system."""
         draft = self.draft(row)
-        edited = dict.fromkeys([*draft.parameters, *sorted(draft.failed | draft.absent)])
+        edited = dict.fromkeys([*draft.isolators, *draft.parameters, *sorted(draft.failed | draft.absent)])
         return self.moves(draft, {mount: self._isolator(mount, draft) for mount in edited})
 
     def draft(self, row: Row) -> Draft:
@@ -100,7 +100,7 @@ class Maker:
         return [float(one) for one in self._axes[body] @ (centre - centre_of_mass(self._system, body))]
 
     def _isolator(self, mount: str, draft: Draft) -> Isolator:
-        base = self._system.mounts[mount].written
+        base = draft.isolators.get(mount) or self._system.mounts[mount].written
         parameters = draft.parameters.get(mount, {})
         absent, failed = mount in draft.absent, mount in draft.failed
         key = (id(base), absent, failed, tuple(sorted(parameters.items())))
@@ -110,6 +110,8 @@ class Maker:
                     bare = without_force(base)
                     self._isolators[key] = replace(bare, limits=Limits()) if absent else bare  # nothing there to judge
                 else:
+                    if mount in draft.isolators and any(part != WHOLE for part, _ in parameters):
+                        raise ValueError("its isolator varies, and so do parameters of it; vary one or the other.")
                     self._isolators[key] = _edited(base, parameters)
             except ValueError as error:
                 raise ValueError(f"mount {mount!r}: {error}") from None
@@ -119,8 +121,10 @@ class Maker:
 def _edited(isolator: Isolator, parameters: Mapping[tuple[str, ...], Any]) -> Isolator:
     """Return an isolator with other parameters of its laws and its stiffening."""
     values: dict[str, dict[str, Any]] = {}
+    factors = {name: value for (part, name), value in parameters.items() if part == WHOLE}
     for (part, name), value in parameters.items():
-        values.setdefault(part, {})[name] = value
+        if part != WHOLE:
+            values.setdefault(part, {})[name] = value
     edited: dict[str, Any] = {}
     for part, own in values.items():
         law = isolator.axes.get(part)
@@ -128,4 +132,6 @@ def _edited(isolator: Isolator, parameters: Mapping[tuple[str, ...], Any]) -> Is
             edited[part] = replace(law, **law.completed(own)) if law else replace(getattr(isolator, part), **own)
         except ValueError as error:
             raise ValueError(f"[{part}] {error}") from None
-    return replace(isolator, **edited)
+    isolator = replace(isolator, **edited)
+    isolator = isolator.scaled(factors["stiffness"]) if "stiffness" in factors else isolator
+    return isolator.with_damping(factors["damping"]) if "damping" in factors else isolator

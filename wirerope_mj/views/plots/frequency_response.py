@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wirerope_mj.dynamics.frequency_response.curve import BranchCurve
+from wirerope_mj.dynamics.frequency_response.orders import OrderBand
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.plots.plain_figure import PlainFigure
@@ -20,15 +21,19 @@ _MARKED = 24
 """Marks along an envelope: enough to tell its way, few enough to see the branch below."""
 
 
-def save_amplitudes(findings: Sequence[LevelSummary], path: Path, *, title: str, what: str) -> None:
+def save_amplitudes(
+    findings: Sequence[LevelSummary], path: Path, *, title: str, what: str, bands: Sequence[OrderBand] = ()
+) -> None:
     """Write a picture of the payload's largest acceleration over frequency, all levels; `what` says whose it is."""
-    figure = _figure(findings, title, f"largest acceleration of {what} [m/s²]", lambda level: 1.0)
+    figure = _figure(findings, title, f"largest acceleration of {what} [m/s²]", lambda level: 1.0, bands)
     figure.savefig(path)
 
 
-def save_transmissibilities(findings: Sequence[LevelSummary], path: Path, *, title: str, what: str) -> None:
+def save_transmissibilities(
+    findings: Sequence[LevelSummary], path: Path, *, title: str, what: str, bands: Sequence[OrderBand] = ()
+) -> None:
     """Write a picture of the same over the base's acceleration."""
-    figure = _figure(findings, title, f"transmissibility of {what} [-]", lambda level: 1.0 / level)
+    figure = _figure(findings, title, f"transmissibility of {what} [-]", lambda level: 1.0 / level, bands)
     figure.savefig(path)
 
 
@@ -37,7 +42,13 @@ def colour_of(number: int) -> str:
     return COLOURS[number % len(COLOURS)]
 
 
-def _figure(findings: Sequence[LevelSummary], title: str, label: str, factor: Callable[[float], float]) -> Figure:
+def _figure(
+    findings: Sequence[LevelSummary],
+    title: str,
+    label: str,
+    factor: Callable[[float], float],
+    bands: Sequence[OrderBand],
+) -> Figure:
     """Return a figure; `factor` of a level is what amplitudes are multiplied by."""
     figure = PlainFigure(figsize=(11.0, 6.6), layout="constrained", dpi=120)
     figure.suptitle(title, fontsize=12, fontweight="bold")
@@ -49,8 +60,25 @@ def _figure(findings: Sequence[LevelSummary], title: str, label: str, factor: Ca
         drawn += _level(panel, summary, colour_of(number), factor(summary.level.acceleration))
     _backbone(panel, findings, factor)
     _dress(panel, np.concatenate(drawn, axis=1), label)
+    _draw_bands(panel, bands)
     figure.legend(handles=_legend(findings), loc="outside right upper", fontsize=9, frameon=False)
     return figure
+
+
+def _draw_bands(panel: Any, bands: Sequence[OrderBand]) -> None:
+    """Shade the frequencies of a machine's orders that lie in the range, each with its name at the upper edge."""
+    left, right = panel.get_xlim()
+    for number, band in enumerate(bands):
+        low, high = max(band.low, left), min(band.high, right)
+        if low > high:
+            continue
+        panel.axvspan(low, high, color="0.5", alpha=0.15, lw=1.0 if low == high else 0.0, zorder=1)
+        overlapped = sum(other.low <= band.high and band.low <= other.high for other in bands[:number])
+        height = 0.985 - 0.035 * overlapped
+        panel.text(
+            (low * high) ** 0.5, height, band.label, transform=panel.get_xaxis_transform(), ha="center", va="top",
+            fontsize=9, color="0.25",
+        )  # fmt: skip
 
 
 def _level(panel: Any, summary: LevelSummary, colour: str, factor: float) -> list[Array]:

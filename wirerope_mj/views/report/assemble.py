@@ -36,7 +36,7 @@ def report_content(run: FinishedRun) -> ReportContent:
         title=run.title,
         facts=(
             ("Model", run.model),
-            ("Base motion", run.motion.description),
+            ("Excitation" if run.motion.loaded_sites else "Base motion", run.motion.description),
             ("Simulated", run.written),
             ("By", f"wirerope-mj {run.versions.get('wirerope-mj', 'unknown')}"),
         ),

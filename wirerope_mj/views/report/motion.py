@@ -11,7 +11,7 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.views.display import fixed, listed, several
-from wirerope_mj.views.plots.report_motion import base_acceleration, motion_chart, moving_axes
+from wirerope_mj.views.plots.report_motion import base_acceleration, loads_chart, motion_chart, moving_axes
 from wirerope_mj.views.plots.report_response import (
     MOST,
     acceleration_along,
@@ -23,6 +23,7 @@ from wirerope_mj.views.plots.report_response import (
     used_chart,
 )
 from wirerope_mj.views.plots.report_spectra import base_spectrum_chart, densities_chart, payload_spectra_chart
+from wirerope_mj.views.random_table import random_table
 from wirerope_mj.views.recording.events import events_of
 from wirerope_mj.views.report.content import Block, Folded, Paragraph, Picture, Section
 from wirerope_mj.views.report.record import record_blocks
@@ -36,7 +37,17 @@ _MOST_EVENTS = 12  # in the table of what the base does: a record may have any n
 
 def motion_section(run: FinishedRun) -> Section:
     """Return the base's motion: histories and shock response spectrum."""
-    blocks: list[Block] = [Paragraph(text=f"Base motion: {run.motion.description}.")]
+    kind = "Excitation" if run.motion.loaded_sites else "Base motion"
+    blocks: list[Block] = [Paragraph(text=f"{kind}: {run.motion.description}.")]
+    if run.motion.loaded_sites:
+        blocks.append(
+            Picture(
+                image=loads_chart(run.response, run.motion, run.selection.window),
+                caption="What acts on the payload, along the axes of its site, and what the mounts pass on to the foundation, "
+                "along the world's, without what they carry at the beginning.",
+                alt="Histories of the forces on the payload and on the foundation.",
+            )
+        )
     axes = moving_axes(run.response)
     if not axes:
         blocks += [Paragraph(text="The base rests.", tone="quiet"), *record_blocks(run)]
@@ -74,6 +85,8 @@ def response_section(run: FinishedRun) -> Section:
         )
         if isinstance(run.motion, Sweep):
             blocks.append(_over_frequency(run, run.motion, worst))
+        table = None if isinstance(run.random, Absent) else random_table(run.random)
+        blocks += [table] if table is not None else []
         blocks += _payload_spectra(run) + _densities(run)
     return Section(title="What reaches the payload", blocks=tuple(blocks))
 

@@ -45,6 +45,7 @@ class FinishedRun:
         spectra: shock response spectra by axis ("x", "y", "z") and name of body or point; that of the base is `BASE`.
         densities: power spectral densities in the same way, if the base vibrates at random.
         verdicts: on every judged value.
+        random: rms and 3-sigma accelerations of random vibration.
         versions: of the packages that computed it.
         selection: what is shown of it, with its colours.
     """
@@ -69,6 +70,7 @@ class FinishedRun:
     verdicts: tuple[Verdict, ...]
     versions: Mapping[str, str]
     selection: Selection
+    random: tuple[Verdict, ...] | Absent = ()
 
     @property
     def title(self) -> str:

@@ -1,0 +1,209 @@
+"""Forces and moments on the payload: what they have in common, a harmonic one, and a table."""
+
+import math
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from wirerope_mj.foundation.arguments import as_times, finite, positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.motions.motion import BaseMotion
+
+MOST_ROWS = 20_000
+"""Rows of a table of forces, which is stored with its run as text: two megabytes."""
+
+
+class PayloadForce(BaseMotion):
+    """Force and moment on the payload, along the axes of a site and turning with it; the base stands still.
+
+    It adds to base motions and other forces with `+`. The model names where it acts: a site `force/NAME` on what the mounts
+    carry.
+
+    Attributes:
+        site: the site's name, what follows `force/`.
+    """
+
+    site: str
+    start: float
+    duration: float
+
+    @property
+    def end(self) -> float:
+        """Instant after which the force is over [s]."""
+        return self.start + self.duration
+
+    @property
+    def loaded_sites(self) -> tuple[str, ...]:
+        """The site."""
+        return (self.site,)
+
+    def load(self, site: str, time: ArrayLike) -> Array:
+        """Return force [N] and moment [N m] at a site at the times [s], (n_t, 6); zero at other sites, and outside its time."""
+        times = as_times(time)
+        wrench = np.zeros((times.size, 6))
+        acting = (times >= self.start) & (times <= self.end)
+        if site == self.site and acting.any():
+            wrench[acting] = self._wrench(times[acting] - self.start)
+        return wrench
+
+    @abstractmethod
+    def _wrench(self, t: Array) -> Array:
+        """Return force and moment at times since the start [s], (n_t, 6)."""
+
+    @property
+    def corners(self) -> Array:
+        """Start and end of the force [s], (n,)."""
+        return np.array([time for time in (self.start, self.end) if math.isfinite(time)])
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """Start of the force, and its end if it has one."""
+        ends = ((self.end, f"{self.kind} ends"),) if math.isfinite(self.end) else ()
+        return ((self.start, f"{self.kind} at {self.site} begins"), *ends)
+
+    @property
+    def directions(self) -> Array:
+        """None: the base stands still, (0, 3)."""
+        return np.zeros((0, 3))
+
+    def _derivative(self, t: Array, order: int) -> Array:
+        return np.zeros((t.size, 3))
+
+    def _check(self) -> None:
+        """Raise ValueError unless site and start are what they must be."""
+        if not isinstance(self.site, str) or not self.site:
+            raise ValueError(f"`site` must be the name of a site, got {self.site!r}.")
+        object.__setattr__(self, "start", finite("start", self.start))
+
+
+@dataclass(frozen=True, kw_only=True)
+class HarmonicForce(PayloadForce):
+    """Harmonic force and moment, (force, moment) sin(2 pi f t + phase).
+
+    Attributes:
+        frequency: frequency f [Hz].
+        force: amplitude of the force along the site's axes [N], (3,).
+        moment: amplitude of the moment about the site's axes [N m], (3,).
+        phase: phase at the start [rad].
+        start: instant at which it begins [s].
+        duration: length [s]; endless by default.
+    """
+
+    kind: ClassVar[str] = "harmonic-force"
+
+    site: str
+    frequency: float
+    force: Sequence[float] = (0.0, 0.0, 0.0)
+    moment: Sequence[float] = (0.0, 0.0, 0.0)
+    phase: float = 0.0
+    start: float = 0.0
+    duration: float = math.inf
+
+    def __post_init__(self) -> None:
+        self._check()
+        object.__setattr__(self, "frequency", positive("frequency", self.frequency, unit="Hz"))
+        object.__setattr__(self, "phase", finite("phase", self.phase))
+        if self.duration != math.inf:
+            object.__setattr__(self, "duration", positive("duration", self.duration, unit="s"))
+        for name in ("force", "moment"):
+            object.__setattr__(self, name, _three(name, getattr(self, name)))
+        if not any((*self.force, *self.moment)):
+            raise ValueError("`force` or `moment` must not be zero.")
+
+    def _wrench(self, t: Array) -> Array:
+        wave = np.sin(2.0 * math.pi * self.frequency * t + self.phase)
+        return np.asarray(wave[:, np.newaxis] * np.array([*self.force, *self.moment]))
+
+    @property
+    def description(self) -> str:
+        """For instance `force (0, 0, 500) N at engine, 12 Hz`."""
+        parts = []
+        if any(self.force):
+            parts.append(f"force ({', '.join(f'{one:.4g}' for one in self.force)}) N")
+        if any(self.moment):
+            parts.append(f"moment ({', '.join(f'{one:.4g}' for one in self.moment)}) N m")
+        return f"{' and '.join(parts)} at {self.site}, {self.frequency:.4g} Hz"
+
+    @property
+    def shortest_time(self) -> float:
+        """Period [s]."""
+        return 1.0 / self.frequency
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        values = {
+            "site": self.site, "frequency": self.frequency, "force": list(self.force), "moment": list(self.moment),
+            "phase": self.phase, "start": self.start,
+        }  # fmt: skip
+        return values | ({"duration": self.duration} if math.isfinite(self.duration) else {})
+
+
+@dataclass(frozen=True, kw_only=True)
+class ForceTable(PayloadForce):
+    """Force and moment given at instants, straight between them; zero before the first and after the last.
+
+    Attributes:
+        times: instants since the start [s], increasing, (n,).
+        loads: force [N] and moment [N m] at them, (n, 6).
+        start: instant from which the times count [s].
+    """
+
+    kind: ClassVar[str] = "force-table"
+
+    site: str
+    times: Sequence[float] = field(repr=False)
+    loads: Sequence[Sequence[float]] = field(repr=False)
+    start: float = 0.0
+    duration: float = field(init=False)
+
+    def __post_init__(self) -> None:
+        self._check()
+        times, loads = np.asarray(self.times, dtype=float), np.asarray(self.loads, dtype=float)
+        if times.ndim != 1 or times.size < 2 or loads.shape != (times.size, 6):
+            raise ValueError(f"`times` (n,) and `loads` (n, 6) must fit, n >= 2, got {times.shape} and {loads.shape}.")
+        if times.size > MOST_ROWS:
+            raise ValueError(f"a table of forces may have {MOST_ROWS} rows, got {times.size}; leave out what repeats.")
+        if not (np.isfinite(times).all() and np.isfinite(loads).all()):
+            raise ValueError("`times` and `loads` must be finite.")
+        if times[0] < 0.0 or (np.diff(times) <= 0.0).any():
+            raise ValueError("`times` must increase from 0 on.")
+        object.__setattr__(self, "times", tuple(times.tolist()))
+        object.__setattr__(self, "loads", tuple(tuple(row) for row in loads.tolist()))
+        object.__setattr__(self, "duration", float(times[-1]))
+
+    def _wrench(self, t: Array) -> Array:
+        table = np.array(self.loads)
+        return np.stack([np.interp(t, self.times, column, left=0.0) for column in table.T], axis=1)
+
+    @property
+    def corners(self) -> Array:
+        """All instants [s], (n,)."""
+        return self.start + np.array(self.times)
+
+    @property
+    def description(self) -> str:
+        """For instance `force table at engine, 120 rows, up to 4.3 kN`."""
+        largest = float(np.abs(np.array(self.loads)[:, :3]).max())
+        return f"force table at {self.site}, {len(self.times)} rows, up to {largest / 1e3:.4g} kN"
+
+    @property
+    def shortest_time(self) -> float:
+        """None: between the corners it is straight."""
+        return math.inf
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        return {
+            "site": self.site, "times": list(self.times), "loads": [list(row) for row in self.loads], "start": self.start,
+        }  # fmt: skip
+
+
+def _three(name: str, values: Sequence[float]) -> tuple[float, float, float]:
+    try:
+        x, y, z = (finite(name, value) for value in values)
+    except (TypeError, ValueError):
+        raise ValueError(f"`{name}` must be three finite numbers, got {values!r}.") from None
+    return (x, y, z)

@@ -1,0 +1,136 @@
+"""Phrases that say a base motion, as `15 g 11 ms z at 50 ms`: numbers with units, a direction, and words before a number."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from wirerope_mj.foundation.directions import Direction
+from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, in_si
+
+UNITS: dict[str, Mapping[str, float]] = {
+    "acceleration": ACCELERATION_UNITS,
+    "velocity": {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": 0.0254, "ft/s": 0.3048},
+    "displacement": LENGTH_UNITS,
+    "time": TIME_UNITS,
+    "frequency": {"Hz": 1.0, "kHz": 1e3},
+    "sweep rate": {"oct/min": 1.0, "octaves/min": 1.0, "oct/s": 60.0},
+    "ratio": {"%": 0.01},
+    "force": FORCE_UNITS,
+    "moment": {"N.m": 1.0, "Nm": 1.0, "kN.m": 1e3, "kNm": 1e3},
+    "unbalance": {"kg.m": 1.0, "kg.mm": 1e-3, "g.m": 1e-3, "g.mm": 1e-6},
+}
+"""Quantities that a unit tells apart, and what one of each unit is in SI; of a sweep rate in octaves/min."""
+
+_OF_UNIT = {unit: (quantity, factor) for quantity, units in UNITS.items() for unit, factor in units.items()}
+_NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
+_AXES = re.compile(r"[xyz]{1,3}")
+_SIGNED_AXIS = re.compile(r"([-+])([xyz])")
+_VECTOR = re.compile(r"[^,]+,[^,]+,[^,]+")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Phrase:
+    """What a phrase says.
+
+    Attributes:
+        quantities: values in SI by quantity ("acceleration", "time", ...), in the order of the phrase.
+        named: value in SI of every word that stood before a number, such as "at"; an integer of "seed".
+        directions: directions of motion; several where axes were named together, as in "xyz".
+    """
+
+    quantities: dict[str, tuple[float, ...]]
+    named: dict[str, float]
+    directions: tuple[Direction, ...]
+
+
+def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
+    """Return what a phrase says.
+
+    Args:
+        text: numbers with units, a direction and words, in any order, separated by spaces: "15 g 11 ms z at 50 ms". A range is
+            written "5 to 50 Hz".
+        words: quantity of the number that follows each known word; "" for one without a unit.
+
+    Raises:
+        ValueError: a part of it is not understood, or said twice, or has been left open as `?`; says which.
+    """
+    quantities: dict[str, list[float]] = {}
+    named: dict[str, float] = {}
+    directions: tuple[Direction, ...] = ()
+    parts, word, waiting = text.split(), "", []
+    while parts:
+        part = parts.pop(0)
+        if part == "?":
+            left = f"{part} {parts[0]}" if parts else part
+            raise ValueError(
+                f'"{left}" is still open: put the level of your specification in place of the question mark.'
+            )
+        if part in words and not word:
+            if part in named:
+                raise ValueError(f'"{part}" stands there twice.')
+            word = part
+            continue
+        found = _direction(part)
+        if found and not word:
+            if directions:
+                raise ValueError(f'"{part}" is a second direction; name axes together, as in "xz", or give a vector.')
+            directions = found
+            continue
+        value, unit = _number(part, text)
+        if word and words[word] == "" and not unit:
+            named[word], word = value, ""
+            continue
+        unit = unit or (parts.pop(0) if parts else "")
+        if unit == "to":
+            waiting.append(value)
+            continue
+        quantity, factor = _quantity(unit, part, words.get(word, ""))
+        values = [in_si(one, factor) for one in (*waiting, value)]
+        waiting = []
+        if word:
+            named[word], word = values[-1], ""
+        else:
+            quantities.setdefault(quantity, []).extend(values)
+    if word:
+        raise ValueError(f'nothing follows "{word}".')
+    return Phrase(
+        quantities={name: tuple(some) for name, some in quantities.items()}, named=named, directions=directions
+    )
+
+
+def _direction(part: str) -> tuple[Direction, ...]:
+    """Return the directions that a part names; none if it is not one."""
+    if _AXES.fullmatch(part) and len(set(part)) == len(part):
+        return tuple(part)
+    signed = _SIGNED_AXIS.fullmatch(part)
+    if signed:
+        sign = -1.0 if signed[1] == "-" else 1.0
+        x, y, z = (sign if axis == signed[2] else 0.0 for axis in "xyz")
+        return (signed[2],) if sign > 0.0 else ((x, y, z),)
+    if _VECTOR.fullmatch(part):
+        try:
+            x, y, z = (float(number) for number in part.split(","))
+        except ValueError:
+            return ()
+        return ((x, y, z),)
+    return ()
+
+
+def _number(part: str, text: str) -> tuple[float, str]:
+    match = _NUMBER.fullmatch(part)
+    if match is None:
+        raise ValueError(f'"{short(part)}" is neither a number with a unit nor a direction such as z, -y or 1,1,0.')
+    if match[2].startswith(","):
+        raise ValueError(f'"{short(part)}": decimals are written with a point.')
+    return float(match[1]), match[2]
+
+
+def _quantity(unit: str, part: str, expected: str) -> tuple[str, float]:
+    """Return quantity and factor into SI of a unit; ValueError if it is unknown, or of another quantity than expected."""
+    known = UNITS[expected] if expected else _OF_UNIT
+    if unit not in known:
+        bare = not unit or _NUMBER.match(unit)
+        fault = f'"{short(part)}" has no unit' if bare else f'"{short(unit)}" is no unit known here'
+        raise ValueError(f"{fault}; known are {', '.join(known)}.")
+    return _OF_UNIT[unit]

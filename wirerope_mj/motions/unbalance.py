@@ -1,0 +1,155 @@
+"""Unbalance of what rotates or reciprocates on the payload."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from wirerope_mj.foundation.arguments import as_times, finite, nonzero, not_negative, positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
+from wirerope_mj.motions.payload_forces import PayloadForce
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unbalance(PayloadForce):
+    """Inertia force of a mass that rotates or reciprocates with a shaft, at constant speed or running up or down.
+
+    The shaft turns by phi with phi' = w and phi'' = a: at `frequency`, or from `frequency` to `final_frequency` at a constant
+    rate within `run_up`. With k the order, U the unbalance, u and v the axes across the shaft,
+
+        rotating:        F = U [(k^2 w^2 cos k phi + k a sin k phi) u + (k^2 w^2 sin k phi - k a cos k phi) v]
+        reciprocating:   F = U  (k^2 w^2 cos k phi + k a sin k phi) along the line
+
+    which is minus mass times acceleration of the eccentric mass; that mass itself is part of the body's.
+
+    Attributes:
+        unbalance: mass times eccentricity, or reciprocating mass times amplitude, U [kg m].
+        frequency: speed of the shaft [Hz]; at the start where it runs up, >= 0 then.
+        axis: shaft about which it rotates, `"x"`, `"y"`, `"z"` or a 3-vector, site axes; None with `line`.
+        line: line along which it reciprocates, so too; None with `axis`.
+        order: multiple of the shaft's speed.
+        final_frequency: speed at the end of the run-up [Hz]; None: constant speed.
+        run_up: length of the run-up [s]; the final speed stays after it.
+        phase: k phi at the start [rad].
+        start: instant at which it begins [s].
+        duration: length [s]; endless by default.
+    """
+
+    kind: ClassVar[str] = "unbalance"
+
+    site: str
+    unbalance: float
+    frequency: float
+    axis: Direction | None = None
+    line: Direction | None = None
+    order: float = 1.0
+    final_frequency: float | None = None
+    run_up: float = 0.0
+    phase: float = 0.0
+    start: float = 0.0
+    duration: float = math.inf
+
+    def __post_init__(self) -> None:
+        self._check()
+        if (self.axis is None) == (self.line is None):
+            raise ValueError(
+                "one of `axis`, about which it rotates, and `line`, along which it reciprocates, must be given."
+            )
+        runs_up = self.final_frequency is not None
+        values = {
+            "unbalance": nonzero("unbalance", self.unbalance),
+            "frequency": (not_negative if runs_up else positive)("frequency", self.frequency, unit="Hz"),
+            "order": positive("order", self.order),
+            "run_up": (positive if runs_up else not_negative)("run_up", self.run_up, unit="s"),
+            "phase": finite("phase", self.phase),
+            "duration": self.duration if self.duration == math.inf else positive("duration", self.duration, unit="s"),
+        }
+        if runs_up:
+            values["final_frequency"] = not_negative("final_frequency", self.final_frequency, unit="Hz")
+        elif self.run_up:
+            raise ValueError("`run_up` needs `final_frequency`.")
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+        for name in ("axis", "line"):
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, checked_direction(getattr(self, name), name))
+
+    @cached_property
+    def _across(self) -> tuple[Array, Array]:
+        """Unit vectors u and v: across the shaft, right-handed with it; of a line, it and nothing."""
+        if self.line is not None:
+            return unit_vector(self.line), np.zeros(3)
+        assert self.axis is not None
+        shaft = unit_vector(self.axis)
+        u = np.roll(np.eye(3)[int(np.argmax(np.abs(shaft)))], 1)  # the next axis: y of x, z of y, x of z
+        u -= (u @ shaft) * shaft
+        u /= np.linalg.norm(u)
+        return u, np.cross(shaft, u)
+
+    def shaft_frequency(self, time: ArrayLike) -> Array:
+        """Return the speed of the shaft at the times [s], in Hz, (n_t,)."""
+        t = as_times(time) - self.start
+        if self.final_frequency is None:
+            return np.full(t.size, self.frequency)
+        gone = np.clip(t / self.run_up, 0.0, 1.0)
+        return self.frequency + (self.final_frequency - self.frequency) * gone
+
+    def _wrench(self, t: Array) -> Array:
+        omega = 2.0 * math.pi * self.shaft_frequency(t + self.start)
+        turn, alpha = 2.0 * math.pi * self.frequency * t, np.zeros(t.size)
+        if self.final_frequency is not None:
+            rate = 2.0 * math.pi * (self.final_frequency - self.frequency) / self.run_up
+            during = np.minimum(t, self.run_up)
+            turn = turn + rate * during * (t - 0.5 * during)
+            alpha[t < self.run_up] = rate
+        angle, k = self.order * turn + self.phase, self.order
+        (cosine, sine), square = (np.cos(angle), np.sin(angle)), (k * omega) ** 2
+        u, v = self._across
+        wrench = np.zeros((t.size, 6))
+        wrench[:, :3] = self.unbalance * (
+            (square * cosine + k * alpha * sine)[:, np.newaxis] * u
+            + (square * sine - k * alpha * cosine)[:, np.newaxis] * v
+        )
+        return wrench
+
+    @property
+    def corners(self) -> Array:
+        """Start and end, and the end of the run-up [s], (n,)."""
+        if self.final_frequency is None or self.run_up >= self.duration:
+            return super().corners
+        return np.sort(np.append(super().corners, self.start + self.run_up))
+
+    @property
+    def description(self) -> str:
+        """For instance `unbalance 0.02 kg m at engine about x, 25 Hz`."""
+        way = (
+            f"about {direction_text(self.axis)}"
+            if self.axis is not None
+            else f"along {direction_text(self.line or 'z')}"
+        )
+        speed = f"{self.frequency:.4g} Hz"
+        if self.final_frequency is not None:
+            speed = f"{self.frequency:.4g} to {self.final_frequency:.4g} Hz in {self.run_up:.4g} s"
+        order = f", order {self.order:g}" if self.order != 1.0 else ""
+        return f"unbalance {self.unbalance:.4g} kg m at {self.site} {way}, {speed}{order}"
+
+    @property
+    def shortest_time(self) -> float:
+        """Period at the highest speed [s]."""
+        return 1.0 / (self.order * max(self.frequency, self.final_frequency or 0.0))
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        values: dict[str, Any] = {"site": self.site, "unbalance": self.unbalance, "frequency": self.frequency}
+        for name in ("axis", "line"):
+            if getattr(self, name) is not None:
+                values[name] = plain_direction(getattr(self, name))
+        values |= {"order": self.order, "phase": self.phase, "start": self.start}
+        if self.final_frequency is not None:
+            values |= {"final_frequency": self.final_frequency, "run_up": self.run_up}
+        return values | ({"duration": self.duration} if math.isfinite(self.duration) else {})
