@@ -48,16 +48,18 @@ def _draw(panel: Any, layout: Layout, across: int, up: int) -> None:
         position, axial = _MILLI * mount.position[pick], 0.12 * reach * mount.axes[2][pick]
         panel.plot(*position, "s", color=_MOUNT, markersize=5)
         panel.annotate("", position + axial, position, arrowprops={"arrowstyle": "->", "color": _MOUNT})
-        labelled.setdefault(tuple(np.rint(position).astype(int)), []).append(mount.name)
+        aside = -11 if axial[1] >= 0.0 else 5  # points: on the side where the arrow is not
+        labelled.setdefault((*np.rint(position).astype(int).tolist(), aside), []).append(mount.name)
     for stop in layout.stops:
         position = _MILLI * stop.position[pick]
         panel.plot(*position, "o", color=_STOP, markersize=5, fillstyle="none")
+    for (x, y, aside), names in labelled.items():
+        text, where = _listed(names), {"xytext": (4, aside), "textcoords": "offset points"}
+        panel.annotate(text, (x, y), fontsize=8, color=_MOUNT, **where)
     for point in layout.points:
         position = _MILLI * point.position[pick]
         panel.plot(*position, "+", color=_POINT, markersize=9)
         panel.annotate(point.name, position, xytext=(5, 3), textcoords="offset points", fontsize=7, color=_POINT)
-    for place, names in labelled.items():
-        panel.annotate(", ".join(names), place, xytext=(4, -11), textcoords="offset points", fontsize=8, color=_MOUNT)
     centre = _MILLI * layout.payload.centre[pick]
     panel.plot(*centre, marker="o", color="black", markersize=9, fillstyle="left", markerfacecoloralt="white")
     _dimension(panel, layout, across, up)
@@ -76,9 +78,8 @@ def _draw_mass(panel: Any, mass: Mass, pick: list[int]) -> None:
     centre = _MILLI * properties.centre
     x, y = centre[pick] - 0.5 * lengths[pick]
     panel.add_patch(Rectangle((x, y), *lengths[pick], color=_BODY, alpha=0.18))
-    panel.annotate(
-        mass.name, centre[pick], xytext=(0, 7), textcoords="offset points", fontsize=7, color=_BODY, ha="center"
-    )
+    corner = (x, y + lengths[pick][1])
+    panel.annotate(mass.name, corner, xytext=(3, -9), textcoords="offset points", fontsize=7, color=_BODY)
 
 
 def _dimension(panel: Any, layout: Layout, across: int, up: int) -> None:
