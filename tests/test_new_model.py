@@ -312,6 +312,67 @@ def test_what_is_no_workbook_says_so(here, capsys):
     assert "mounts.xlsx: this is no XLSX file" in capsys.readouterr().err
 
 
+CAD = """Mass properties of genset
+     Configuration: Default
+     Coordinate system: -- default --
+
+Mass = 1200000.00 grams
+
+Volume = 200000000.00 cubic millimeters
+
+Center of mass: ( millimeters )
+\tX = 10.00
+\tY = -20.00
+\tZ = 450.00
+
+Principal axes of inertia and principal moments of inertia: ( grams *  square millimeters )
+Taken at the center of mass.
+\t Ix = (1.00, 0.00, 0.00)   \tPx = 100000000000.00
+
+Moments of inertia: ( grams *  square millimeters )
+Taken at the center of mass and aligned with the output coordinate system. (Using positive tensor notation.)
+\tLxx = 100000000000.00\tLxy = 5000000000.00\tLxz = 0.00
+\tLyx = 5000000000.00\tLyy = 450000000000.00\tLyz = -2000000000.00
+\tLzx = 0.00\tLzy = -2000000000.00\tLzz = 440000000000.00
+
+Moments of inertia: ( grams *  square millimeters )
+Taken at the output coordinate system. (Using positive tensor notation.)
+\tIxx = 343000000000.00\tIxy = 5000000000.00\tIxz = 0.00
+"""
+
+
+def test_mass_properties_of_a_cad_program_are_read_with_their_sign(here):
+    write("mounts.csv", MOUNTS, FEET)
+    Path("genset.txt").write_text(CAD)
+    for products, sign in (("tensor", 1.0), ("positive", -1.0)):
+        options = ["--mounts", "mounts.csv", "--masses", "genset.txt", "--products", products, "--force"]
+        assert main(["new", "genset", *options]) == 0
+        mass, centre, inertia = compiled()
+        wanted = [[100, 5 * sign, 0], [5 * sign, 450, -2 * sign], [0, -2 * sign, 440]]
+        assert mass == pytest.approx(1200.0, rel=1e-12)
+        np.testing.assert_allclose(centre, [0.01, -0.02, 0.45], rtol=1e-12)
+        np.testing.assert_allclose(inertia, wanted, rtol=1e-9, atol=1e-9)  # as for tables
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("grams\n", "stones\n", 'the unit "stones" is unknown'),
+        ("Center of mass", "Schwerpunkt", "the centre of mass is not found"),
+        ("Lyx = 5", "Lyx = 6", "are not symmetric"),
+        ("Lxx = 1", "Lxx = 9", "no body has these moments of inertia"),
+        ("Mass = 12", "Mass = -12", "the mass must be > 0"),
+    ],
+)
+def test_a_bad_text_of_a_cad_program_is_answered_in_one_message(here, old, new, message, capsys):
+    write("mounts.csv", MOUNTS, FEET)
+    Path("genset.txt").write_text(CAD.replace(old, new))
+    code = main(["new", "genset", "--mounts", "mounts.csv", "--masses", "genset.txt"])
+    assert code == 2
+    assert message in capsys.readouterr().err
+    assert not Path("genset").exists()
+
+
 def test_names_of_users_are_text_in_the_model(here):
     write("mounts.csv", MOUNTS, [changed(row, c0=f'<m{n}>&"\u00e9') for n, row in enumerate(FEET)])
     write("masses.csv", MASSES, PARTS)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from wirerope_mj.engine.from_tables.cad_text import read_cad_text
 from wirerope_mj.engine.from_tables.layout import Layout, Mass, Placed, Point, StopLaw, axes_along
 from wirerope_mj.engine.from_tables.mass_properties import MassProperties, why_impossible
 from wirerope_mj.engine.from_tables.placing import check_places
@@ -31,7 +32,7 @@ def read_layout(
     Args:
         name: of the model and its payload.
         mounts: table with name, x, y, z, isolator, and a direction or inclination and azimuth.
-        masses: table with name, mass, x, y, z of the centre of mass and the inertia about it.
+        masses: table with name, mass, x, y, z of the centre of mass and the inertia about it; or a CAD program's text, .txt.
         stops: table with name, x, y, z, direction, and gap, stiffness, damping or an isolator.
         points: table with name, x, y, z.
         positive_products: products of inertia are +sum x y dm, as CAD programs may write them; else elements of the tensor.
@@ -62,11 +63,23 @@ def _check_name(name: str) -> None:
 
 
 def _read_masses(path: Path, *, sign: float) -> tuple[Mass, ...]:
+    if path.suffix.lower() == ".txt":
+        return (_cad_mass(path, sign),)
     needed = {"name": TEXT, "mass": "mass", **{axis: "length" for axis in "xyz"}}
     rows = read_sheet(
         path, kind="table of masses", needed=needed, further=dict.fromkeys((*_MOMENTS, *_PRODUCTS), "inertia")
     )
     return tuple(_mass(row, sign) for row in rows)
+
+
+def _cad_mass(path: Path, sign: float) -> Mass:
+    """Return the one mass that a CAD program's text describes."""
+    properties = read_cad_text(path, sign=sign)
+    if properties.mass <= 0.0:
+        raise RecordError(f"{path}: the mass must be > 0, got {properties.mass:g} kg.")
+    if why := why_impossible(properties.inertia):
+        raise RecordError(f"{path}: no body has these moments of inertia: {why}.")
+    return Mass(path.stem, properties)
 
 
 def _mass(row: Row, sign: float) -> Mass:
