@@ -26,7 +26,7 @@ HOUSE = {
         ("estimate",),
     ),
     "motions": (("spectra",), ("records",)),
-    "engine": (("response", "control"), ("system",), ("kernel",), ("statics",), ("simulation",)),
+    "engine": (("response", "control"), ("system", "from_tables"), ("kernel",), ("statics",), ("simulation",)),
     "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
     "assessment": (("criteria",), ("comparison", "selection")),
     "studies": (("inputs",), ("engines",), ("results",), ("search",)),

@@ -26,6 +26,10 @@ from wirerope_mj.foundation.errors import (
 from wirerope_mj.foundation.plain_text import plain_lines
 
 COMMANDS = {
+    "new": (
+        "new:new",
+        "Make a model from tables of mounts, masses, stops and points, or from a template: model, plan, statics.",
+    ),
     "run": ("run:run_app", "Simulate a scenario into one folder and print its peaks against the limits."),
     "study": (
         "study:study_app",

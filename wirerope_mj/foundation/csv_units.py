@@ -158,8 +158,13 @@ def _parsed(path: Path, line: int, text: str) -> Header:
             f"{path}, line {line}: the header holds {kind} characters: this is no text, or text in UTF-16. Save it in UTF-8."
         )
     delimiter = next((sign for sign in _DELIMITERS if sign in text), ",")
+    return header_of_cells(path, line, text.split(delimiter), delimiter)
+
+
+def header_of_cells(path: Path, line: int, cells: Sequence[str], delimiter: str = "") -> Header:
+    """Return the header that cells make, each a name with a unit in brackets or without."""
     names, units = [], []
-    for cell in text.split(delimiter):
+    for cell in cells:
         match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", _bare(cell))
         names.append(match[1] if match else cell.strip())
         units.append(match[2].strip() if match and match[2] is not None else None)

@@ -1,0 +1,45 @@
+"""The page of the first model: its tables and its commands as they stand, without Python."""
+
+import json
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from wirerope_mj.cli import main
+from wirerope_mj.foundation.resources import models_folder
+
+PAGE = (Path(__file__).parents[1] / "docs" / "first_model.md").read_text(encoding="utf-8")
+TABLES = {text.split()[1]: text for text in re.findall(r"```csv\n(.*?)```", PAGE, flags=re.DOTALL)}
+COMMANDS = [line for block in re.findall(r"```bash\n(.*?)```", PAGE, flags=re.DOTALL) for line in block.splitlines()]
+
+
+@pytest.mark.slow
+def test_tables_become_a_report_in_at_most_twelve_commands(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name, text in TABLES.items():
+        Path(name).write_text(text, encoding="utf-8")
+    assert len(COMMANDS) <= 12
+    for command in COMMANDS:
+        program, *arguments = shlex.split(command)
+        assert program == "wirerope"
+        assert main(arguments) == 0, command
+    assert Path("runs/shock/report.html").is_file()
+    assert Path("statics.json").is_file()
+    printed = capsys.readouterr().out
+    assert printed.count("16.7 / 16.7") == 12  # six mounts, after `new` and after `statics`
+    bounce = re.search(r"^\d +([\d.]+) .*bounce z", printed, flags=re.MULTILINE)
+    assert bounce
+    assert float(bounce[1]) == pytest.approx(10.0, abs=0.5)  # the page says 10 Hz
+    assert "of 6 g" in json.loads(Path("runs/shock/summary.json").read_text())["verdicts"][0]
+
+
+def test_the_tables_of_the_page_are_those_of_the_template():
+    for name in ("mounts", "masses", "stops", "points"):
+        shipped = (models_folder() / "templates" / "genset" / f"{name}.csv").read_text(encoding="utf-8")
+        rows = [
+            [line for line in text.splitlines() if not line.startswith("#")]
+            for text in (shipped, TABLES[f"{name}.csv"])
+        ]
+        assert rows[0] == rows[1]

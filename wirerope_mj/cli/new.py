@@ -1,0 +1,62 @@
+"""`wirerope new`: a model from tables, or from a template."""
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+
+def new(
+    folder: Path,
+    *,
+    mounts: Path | None = None,
+    masses: Path | None = None,
+    stops: Path | None = None,
+    points: Path | None = None,
+    template: Literal["cabinet", "floor", "genset", "two-stage"] | None = None,
+    products: Literal["tensor", "positive"] = "tensor",
+    pdf: Annotated[bool, Parameter(negative=())] = False,
+    force: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Make a model from tables of mounts, masses, stops and points, or from a template: model, plan, statics.
+
+    Writes FOLDER/NAME.xml, the isolators it uses, the tables, and a dimensioned plan; NAME is the folder's last part. Nothing
+    is written where a table is wrong. Exits 1, as `wirerope statics` does, where the model has no equilibrium.
+
+    Args:
+        folder: folder to write, such as genset.
+        mounts: table (CSV or XLSX): name, x, y, z [mm], isolator, and direction_x, direction_y, direction_z, or inclination
+            and azimuth [deg].
+        masses: table: name, mass [kg], x, y, z [mm] of the centre of mass, ixx, iyy, izz, ixy, ixz, iyz [kg m^2] about it;
+            or the mass properties that SolidWorks prints, as a .txt file.
+        stops: table: name, x, y, z [mm], gap [mm], stiffness [MN/m], damping [kN s/m], or isolator; a direction as of mounts.
+        points: table: name, x, y, z [mm] of points on the payload to observe.
+        template: start from a model of the house, without tables; that of genset is made of tables to edit.
+        products: sign of the products of inertia: tensor (ixy = -sum x y dm), or positive (+sum x y dm).
+        pdf: write the plan as PDF, too.
+        force: replace the model's folder that is there.
+    """
+    from wirerope_mj.cli.statics import statics
+    from wirerope_mj.foundation.plain_text import plain
+    from wirerope_mj.runs.new_model import from_template, new_model
+
+    tables = {"mounts": mounts, "masses": masses, "stops": stops, "points": points}
+    given = [f"`--{name}`" for name, table in tables.items() if table is not None]
+    formats = ("png", "pdf") if pdf else ("png",)
+    if template is not None:
+        if given:
+            raise ValueError(f"`--template` comes with tables of its own: leave out {given[0]}, or `--template`.")
+        layout = from_template(folder, template, formats=formats, force=force)
+    elif mounts is None or masses is None:
+        raise ValueError(
+            "a model is made from `--mounts FILE` and `--masses FILE`, or from `--template cabinet`, `floor`, `genset` or "
+            "`two-stage`."
+        )
+    else:
+        layout = new_model(
+            folder, mounts=mounts, masses=masses, stops=stops, points=points,
+            positive_products=products == "positive", formats=formats, force=force,
+        )  # fmt: skip
+    model = folder / f"{folder.resolve().name}.xml"
+    print(plain(f"written: {model}" + (f", and its plan {folder.resolve().name}_plan.png" if layout else "")))
+    return statics(str(model))

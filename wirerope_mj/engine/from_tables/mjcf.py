@@ -1,0 +1,150 @@
+"""The MJCF of a payload on mounts, with comments, as one would write it by hand."""
+
+from collections.abc import Iterable
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from wirerope_mj.engine.from_tables.layout import Layout, Mass, Placed
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.mounts.isolator import load_isolator
+
+_ABOUT = """
+    A payload on isolators above a deck that is driven along x, y and z, written by wirerope new from the tables in
+    tables/. Change a table and write the model again (option force), or edit this file.
+
+    Frame: that of the tables. SI units: m, kg, kg m^2, N. Gravity points down along z.
+    Mounts: both sites of a mount lie at its isolator's mid-height and coincide in the unloaded geometry that is drawn.
+    Axes of a site: x roll (across the bars), y shear (along the bars), z axial, from the base's bar to the payload's.
+    Boxes show the masses, each the uniform box of its inertia; deck plate, boxes and balls are drawn only.
+  """
+_SPHERE = 0.03
+"""Radius of what is drawn for a point mass and for a stop [m]."""
+
+
+def mjcf_of(layout: Layout) -> str:
+    """Return the MJCF of a layout as text: a driven deck, the payload, its mounts and stops as tuples.
+
+    Isolators are named as files in the folder isolators/ beside the model.
+    """
+    root = ET.Element("mujoco", model=layout.name)
+    root.append(ET.Comment(_ABOUT))
+    ET.SubElement(root, "option", gravity=f"0 0 {-STANDARD_GRAVITY}", integrator="RK4", timestep="0.0005")
+    _add_appearance(root, layout)
+    world = ET.SubElement(root, "worldbody")
+    ET.SubElement(world, "light", pos="2 -3 5", dir="-0.4 0.5 -1")
+    _add_deck(world, layout)
+    _add_payload(world, layout)
+    _add_mounts(root, layout)
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _add_appearance(root: ET.Element, layout: Layout) -> None:
+    low, high = _extent(layout)
+    ET.SubElement(
+        root, "statistic", center=_numbers(0.5 * (low + high)), extent=_numbers([float(np.linalg.norm(high - low))])
+    )
+    visual = ET.SubElement(root, "visual")
+    ET.SubElement(visual, "headlight", ambient="0.4 0.4 0.4", diffuse="0.5 0.5 0.5")
+    default = ET.SubElement(root, "default")
+    ET.SubElement(default, "geom", type="box", contype="0", conaffinity="0")
+    for name, colour in (("mount_site", "0.9 0.2 0.2 1"), ("point", "0.2 0.8 0.4 1")):
+        ET.SubElement(ET.SubElement(default, "default", {"class": name}), "site", size="0.015", rgba=colour)
+
+
+def _add_deck(world: ET.Element, layout: Layout) -> None:
+    deck = ET.SubElement(world, "body", name="deck")
+    for axis, along in zip("xyz", ("1 0 0", "0 1 0", "0 0 1"), strict=True):
+        ET.SubElement(deck, "joint", name=f"deck_{axis}", type="slide", axis=along)
+    low, high = _extent(layout)
+    centre, half = 0.5 * (low + high), 0.5 * (high - low) + 0.1
+    top = min(_lower_end(mount, layout) for mount in layout.mounts)
+    ET.SubElement(
+        deck, "geom", name="deck_plate", size=_numbers([half[0], half[1], 0.01]), mass="1000", rgba="0.46 0.52 0.58 1",
+        pos=_numbers([centre[0], centre[1], top - 0.01]),
+    )  # fmt: skip
+    _add_sites(deck, "deck", layout)
+
+
+def _add_payload(world: ET.Element, layout: Layout) -> None:
+    payload = layout.payload
+    body = ET.SubElement(world, "body", name=layout.name)
+    ET.SubElement(body, "freejoint", name=layout.name)
+    body.append(
+        ET.Comment(
+            f" {len(layout.masses)} masses together: the inertia is about the centre of mass, xx yy zz xy xz yz of the tensor"
+            " (xy = -sum of x y dm) "
+        )
+    )
+    i = payload.inertia
+    ET.SubElement(
+        body, "inertial", pos=_numbers(payload.centre), mass=_numbers([payload.mass]),
+        fullinertia=_numbers([i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]),
+    )  # fmt: skip
+    for mass in layout.masses:
+        ET.SubElement(
+            body, "geom", {"name": f"mass/{mass.name}", "mass": "0", "rgba": "0.20 0.36 0.52 0.6", **_drawn(mass)}
+        )
+    for stop in layout.stops:
+        ET.SubElement(
+            body, "geom", name=f"stop/{stop.name}", type="sphere", mass="0", size=_numbers([_SPHERE]),
+            pos=_numbers(stop.position), rgba="0.93 0.62 0.13 1",
+        )  # fmt: skip
+    _add_sites(body, layout.name, layout)
+    for point in layout.points:
+        ET.SubElement(body, "site", {"name": f"point/{point.name}", "class": "point", "pos": _numbers(point.position)})
+
+
+def _add_sites(body: ET.Element, owner: str, layout: Layout) -> None:
+    for placed in (*layout.mounts, *layout.stops):
+        ET.SubElement(
+            body, "site",
+            {
+                "name": f"{owner}/{placed.name}", "class": "mount_site", "pos": _numbers(placed.position),
+                "xyaxes": _numbers([*placed.axes[0], *placed.axes[1]]),
+            },
+        )  # fmt: skip
+
+
+def _add_mounts(root: ET.Element, layout: Layout) -> None:
+    custom = ET.SubElement(root, "custom")
+    for isolator in dict.fromkeys(placed.isolator for placed in (*layout.mounts, *layout.stops)):
+        ET.SubElement(custom, "text", name=f"isolator/{isolator}", data=f"isolators/{isolator}.toml")
+    custom.append(ET.Comment(" A mount: its payload site, its base site, its isolator. Stops are mounts too. "))
+    for placed in (*layout.mounts, *layout.stops):
+        mount = ET.SubElement(custom, "tuple", name=f"mount/{placed.name}")
+        for kind, name in (
+            ("site", f"{layout.name}/{placed.name}"), ("site", f"deck/{placed.name}"), ("text", f"isolator/{placed.isolator}")
+        ):  # fmt: skip
+            ET.SubElement(mount, "element", objtype=kind, objname=name)
+
+
+def _drawn(mass: Mass) -> dict[str, str]:
+    """Return the attributes of the geom that stands for a mass: the uniform box with its moments of inertia, or a ball."""
+    properties = mass.properties
+    moments = np.diag(properties.inertia)
+    squares = 6.0 * (moments.sum() - 2.0 * moments) / properties.mass
+    if not moments.any():
+        return {"type": "sphere", "size": _numbers([_SPHERE]), "pos": _numbers(properties.centre)}
+    half = np.maximum(0.5 * np.sqrt(np.maximum(squares, 0.0)), 1e-3)  # a plate is drawn 2 mm thick
+    return {"size": _numbers(half), "pos": _numbers(properties.centre)}
+
+
+def _lower_end(mount: Placed, layout: Layout) -> float:
+    """Return the height of a mount's lower bar, where its isolator states a height [m]."""
+    geometry = load_isolator(layout.isolators[mount.isolator]).geometry
+    height = geometry.height if geometry is not None and geometry.height else 0.0
+    return float(mount.position[2] - 0.5 * height * abs(mount.axes[2, 2]))
+
+
+def _extent(layout: Layout) -> tuple[Array, Array]:
+    """Return the lowest and highest coordinates (3,) of mounts, stops and the centre of mass [m]."""
+    positions = np.array([placed.position for placed in (*layout.mounts, *layout.stops)] + [layout.payload.centre])
+    return positions.min(axis=0), positions.max(axis=0)
+
+
+def _numbers(values: Iterable[float]) -> str:
+    """Return numbers as MJCF writes them, to twelve digits; what is nothing but rounding is 0."""
+    return " ".join(f"{0.0 if abs(value) < 1e-12 else value:.12g}" for value in values)

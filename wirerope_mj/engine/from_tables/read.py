@@ -1,0 +1,216 @@
+"""The tables of a model read and checked row by row."""
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from wirerope_mj.engine.from_tables.cad_text import read_cad_text
+from wirerope_mj.engine.from_tables.layout import Layout, Mass, Placed, Point, StopLaw, axes_along
+from wirerope_mj.engine.from_tables.mass_properties import MassProperties, why_impossible
+from wirerope_mj.engine.from_tables.placing import check_places
+from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.mounts.isolator import find_isolator, load_isolator
+
+_POSITION = {"name": TEXT, "x": "length", "y": "length", "z": "length"}
+_DIRECTION = dict.fromkeys(("direction_x", "direction_y", "direction_z", "bars_x", "bars_y", "bars_z"), PURE)
+_ANGLES = {"inclination": "angle", "azimuth": "angle"}
+_MOMENTS, _PRODUCTS = ("ixx", "iyy", "izz"), ("ixy", "ixz", "iyz")
+_ROUNDING = 1e-3
+"""Depth over which a stop closes softly unless its row says another: that of the stops of the models that ship [m]."""
+
+
+def read_layout(
+    name: str, *, mounts: Path, masses: Path, stops: Path | None = None, points: Path | None = None,
+    positive_products: bool = False,
+) -> Layout:  # fmt: skip
+    """Return what the tables of a model say, checked.
+
+    Args:
+        name: of the model and its payload.
+        mounts: table with name, x, y, z, isolator, and a direction or inclination and azimuth.
+        masses: table with name, mass, x, y, z of the centre of mass and the inertia about it; or a CAD program's text, .txt.
+        stops: table with name, x, y, z, direction, and gap, stiffness, damping or an isolator.
+        points: table with name, x, y, z.
+        positive_products: products of inertia are +sum x y dm, as CAD programs may write them; else elements of the tensor.
+
+    Raises:
+        RecordError: a table is wrong; says file, row and column.
+        ModelError: an isolator's file is wrong.
+    """
+    _check_name(name)
+    heavy = _read_masses(masses, sign=-1.0 if positive_products else 1.0)
+    isolators: dict[str, Path] = {}
+    placed = _read_mounts(mounts, isolators)
+    stopped = _read_stops(stops, isolators) if stops else ()
+    for stop in stopped:
+        if stop.name in {mount.name for mount in placed}:
+            raise RecordError(f'{stop.location}: a mount is called "{stop.name}" too. Give the stop another name.')
+    observed = _read_points(points) if points else ()
+    layout = Layout(name=name, masses=heavy, mounts=placed, stops=stopped, points=observed, isolators=isolators)
+    check_places(layout, masses)
+    return layout
+
+
+def _check_name(name: str) -> None:
+    if not name or name == "deck" or not all(c.isalnum() or c in "_-." for c in name) or name.startswith("."):
+        raise ValueError(
+            f'the model\'s name must be letters, digits, "_" and "-", and not "deck"; got {short(name)!r}.'
+        )
+
+
+def _read_masses(path: Path, *, sign: float) -> tuple[Mass, ...]:
+    if path.suffix.lower() == ".txt":
+        return (_cad_mass(path, sign),)
+    needed = {"name": TEXT, "mass": "mass", **{axis: "length" for axis in "xyz"}}
+    rows = read_sheet(
+        path, kind="table of masses", needed=needed, further=dict.fromkeys((*_MOMENTS, *_PRODUCTS), "inertia")
+    )
+    return tuple(_mass(row, sign) for row in rows)
+
+
+def _cad_mass(path: Path, sign: float) -> Mass:
+    """Return the one mass that a CAD program's text describes."""
+    properties = read_cad_text(path, sign=sign)
+    if properties.mass <= 0.0:
+        raise RecordError(f"{path}: the mass must be > 0, got {properties.mass:g} kg.")
+    if why := why_impossible(properties.inertia):
+        raise RecordError(f"{path}: no body has these moments of inertia: {why}.")
+    return Mass(path.stem, properties)
+
+
+def _mass(row: Row, sign: float) -> Mass:
+    name, mass = row.text("name"), row.number("mass")
+    if mass <= 0.0:
+        raise RecordError(f'{row.location}: column "mass" of "{short(name)}" must be > 0, got {row.cells["mass"]}.')
+    given = [column for column in (*_MOMENTS, *_PRODUCTS) if row.has(column)]
+    missing = [column for column in _MOMENTS if column not in given]
+    if given and missing:
+        raise RecordError(
+            f'{row.location}: column "{missing[0]}" of "{short(name)}" is empty though "{given[0]}" is given; fill in '
+            "ixx, iyy and izz, or leave all empty: then it is a point mass."
+        )
+    tensor = np.zeros((3, 3))
+    if given:
+        tensor[np.diag_indices(3)] = [row.number(column) for column in _MOMENTS]
+        for column, (i, j) in zip(_PRODUCTS, ((0, 1), (0, 2), (1, 2)), strict=True):
+            tensor[i, j] = tensor[j, i] = sign * row.number(column, 0.0)
+    if why := why_impossible(tensor):
+        raise RecordError(
+            f'{row.location}: no body has the inertia in columns "ixx" to "iyz" of "{short(name)}": {why}. It is taken '
+            "about the part's own centre of mass."
+        )
+    return Mass(name, MassProperties(mass, np.array(row.vector("x", "y", "z")), tensor))
+
+
+def _read_mounts(path: Path, isolators: dict[str, Path]) -> tuple[Placed, ...]:
+    needed = {**_POSITION, "isolator": TEXT}
+    rows = read_sheet(path, kind="table of mounts", needed=needed, further={**_DIRECTION, **_ANGLES})
+    mounts: list[Placed] = []
+    for row in rows:
+        name = _site_name(row)
+        isolator = _isolator(row, path, isolators)
+        mounts.append(Placed(name, _position(row), _axes(row), isolator, row.location))
+    return tuple(mounts)
+
+
+def _read_stops(path: Path, isolators: dict[str, Path]) -> tuple[Placed, ...]:
+    figures = {"gap": "length", "stiffness": "stiffness", "damping": "damping", "rounding": "length"}
+    rows = read_sheet(
+        path, kind="table of stops", needed=_POSITION, further={"isolator": TEXT, **figures, **_DIRECTION, **_ANGLES}
+    )
+    laws: dict[StopLaw, str] = {}
+    stops = []
+    for row in rows:
+        name = _site_name(row)
+        if row.has("isolator"):
+            if given := [column for column in figures if row.has(column)]:
+                raise RecordError(
+                    f'{row.location}: "{short(name)}" has an isolator and a {given[0]}; the isolator\'s file says '
+                    f'all of it. Leave column "isolator" or column "{given[0]}" empty.'
+                )
+            law, isolator = None, _isolator(row, path, isolators)
+        else:
+            law = _stop_law(row)
+            isolator = laws.setdefault(law, f"stop_of_table_{len(laws) + 1}")
+        stops.append(Placed(name, _position(row), _axes(row), isolator, row.location, law))
+    return tuple(stops)
+
+
+def _stop_law(row: Row) -> StopLaw:
+    gap, stiffness = row.number("gap"), row.number("stiffness")
+    damping, rounding = row.number("damping", 0.0), row.number("rounding", _ROUNDING)
+    for column, value, fine in (
+        ("gap", gap, gap >= 0.0), ("stiffness", stiffness, stiffness > 0.0),
+        ("damping", damping, damping >= 0.0), ("rounding", rounding, rounding > 0.0),
+    ):  # fmt: skip
+        if not fine:
+            least = ">" if column in {"stiffness", "rounding"} else ">="
+            raise RecordError(f'{row.location}: column "{column}" must be {least} 0, got {value:g} in SI units.')
+    return StopLaw(gap, stiffness, damping, rounding)
+
+
+def _read_points(path: Path) -> tuple[Point, ...]:
+    rows = read_sheet(path, kind="table of points", needed=_POSITION, further={})
+    return tuple(Point(_site_name(row), _position(row)) for row in rows)
+
+
+def _site_name(row: Row) -> str:
+    name = row.text("name")
+    if "/" in name or any(character.isspace() for character in name):
+        raise RecordError(
+            f'{row.location}: column "name": "{short(name)}" holds a space or "/", which names in a model cannot. Write "_".'
+        )
+    return name
+
+
+def _position(row: Row) -> Array:
+    return np.array(row.vector("x", "y", "z"))
+
+
+def _axes(row: Row) -> Array:
+    """Return the axes of a mount from its direction, or inclination and azimuth; upright where a row has none of them."""
+    vector = [column for column in ("direction_x", "direction_y", "direction_z") if row.has(column)]
+    angles = [column for column in ("inclination", "azimuth") if row.has(column)]
+    if vector and angles:
+        raise RecordError(
+            f'{row.location}: columns "{vector[0]}" and "{angles[0]}" both say the direction; leave one empty.'
+        )
+    axial = np.array([0.0, 0.0, 1.0])
+    if vector:
+        axial = np.array(row.vector("direction_x", "direction_y", "direction_z"))
+        if not axial.any():
+            raise RecordError(f'{row.location}: columns "direction_x" to "direction_z" are all zero.')
+    elif angles:
+        inclination, azimuth = row.number("inclination"), row.number("azimuth", 0.0)
+        if not 0.0 <= inclination <= math.pi * (1.0 + 1e-12):
+            raise RecordError(f'{row.location}: column "inclination" must lie between 0 and 180 degrees.')
+        flat = math.sin(inclination)
+        axial = np.array([flat * math.cos(azimuth), flat * math.sin(azimuth), math.cos(inclination)])
+    if not any(row.has(column) for column in ("bars_x", "bars_y", "bars_z")):
+        return axes_along(axial)
+    bars = np.array(row.vector("bars_x", "bars_y", "bars_z"))
+    if np.linalg.norm(np.cross(bars, axial)) <= 1e-3 * np.linalg.norm(bars) * np.linalg.norm(axial):
+        raise RecordError(
+            f'{row.location}: columns "bars_x" to "bars_z" are zero or along the direction, not across it.'
+        )
+    return axes_along(axial, bars)
+
+
+def _isolator(row: Row, path: Path, isolators: dict[str, Path]) -> str:
+    """Return the name of a row's isolator, and its file, from beside the table or from the catalogue, noted in `isolators`."""
+    given = row.text("isolator")
+    try:
+        file = find_isolator(given, beside=path.parent)
+        if file.stem not in isolators:
+            load_isolator(file)
+        if any(character.isspace() for character in file.stem):
+            raise ModelError(f"{file}: the file's name holds a space, which names in a model cannot. Rename the file.")
+    except ModelError as error:
+        raise RecordError(f'{row.location}: column "isolator": {error}') from None
+    if not file.samefile(first := isolators.setdefault(file.stem, file)):
+        raise RecordError(f'{row.location}: column "isolator": {file} and {first} have one name. Rename one of them.')
+    return file.stem

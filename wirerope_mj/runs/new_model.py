@@ -1,0 +1,117 @@
+"""A model's folder from tables: MJCF, isolators, the tables themselves, and a dimensioned drawing."""
+
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+
+from wirerope_mj.engine.from_tables import Layout, StopLaw, mjcf_of, read_layout
+from wirerope_mj.engine.system import load_system
+from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.mounts.isolator import Isolator, Provenance, load_isolator
+from wirerope_mj.mounts.laws import Stop
+
+KIND = "folder of a model"
+_MODELS = {"cabinet": "cabinet.xml", "floor": "floating_floor.xml", "two-stage": "templates/two_stage.xml"}
+
+
+def new_model(
+    folder: Path, *, mounts: Path, masses: Path, stops: Path | None = None, points: Path | None = None,
+    positive_products: bool = False, formats: Sequence[str] = ("png",), force: bool = False,
+) -> Layout:  # fmt: skip
+    """Write the folder of a model from tables and return what they say.
+
+    It holds NAME.xml, the isolators as used, the tables, and NAME_plan in each of the formats. The model has been loaded
+    before the folder stands.
+
+    Args:
+        folder: to write; its last part is the model's name.
+        mounts: table, CSV or XLSX.
+        masses: table.
+        stops: table.
+        points: table.
+        positive_products: products of inertia are +sum x y dm; else elements of the tensor.
+        formats: of the drawing: "png", "pdf", "svg".
+        force: replace a model's folder that is there.
+
+    Raises:
+        RecordError: a table is wrong, or the folder cannot be written; nothing is written then.
+        ModelError: an isolator or the model is wrong.
+    """
+    name = folder.resolve().name
+    tables = {"mounts": mounts, "masses": masses, "stops": stops, "points": points}
+    check_folder(folder, force=force, kind=KIND, marks=marks(name))
+    layout = read_layout(
+        name, mounts=mounts, masses=masses, stops=stops, points=points, positive_products=positive_products
+    )
+    with atomic_folder(folder, force=force, kind=KIND, marks=marks(name)) as temporary:
+        _write_isolators(layout, temporary / "isolators")
+        model = temporary / f"{name}.xml"
+        model.write_text(mjcf_of(layout), encoding="utf-8")
+        load_system(model)
+        (temporary / "tables").mkdir()
+        for kind, table in tables.items():
+            if table is not None:
+                shutil.copyfile(table, temporary / "tables" / f"{kind}{table.suffix.lower()}")
+        for ending in formats:
+            from wirerope_mj.views.plots.model_plan import save_plan
+
+            save_plan(layout, temporary / f"{name}_plan.{ending}")
+    return layout
+
+
+def from_template(
+    folder: Path, template: str, *, formats: Sequence[str] = ("png",), force: bool = False
+) -> Layout | None:
+    """Write the folder of a model that one edits: tables and model of "genset", the commented model of the others.
+
+    Returns:
+        The layout where the template is one of tables, else None.
+    """
+    if template == "genset":
+        tables = models_folder() / "templates" / "genset"
+        mounts, masses, stops, points = (tables / f"{kind}.csv" for kind in ("mounts", "masses", "stops", "points"))
+        return new_model(folder, mounts=mounts, masses=masses, stops=stops, points=points, formats=formats, force=force)
+    source = models_folder() / _MODELS[template]
+    name = folder.resolve().name
+    with atomic_folder(folder, force=force, kind=KIND, marks=marks(name)) as temporary:
+        target = temporary / f"{name}.xml"
+        shutil.copyfile(source, target)
+        (temporary / "isolators").mkdir()
+        for isolator in _isolators_in(source):
+            shutil.copyfile(models_folder() / isolator, temporary / isolator)
+        load_system(target)
+    return None
+
+
+def marks(name: str) -> tuple[str, ...]:
+    """Return the files by which a model's folder is known."""
+    return (f"{name}.xml",)
+
+
+def _isolators_in(model: Path) -> list[str]:
+    """Return the isolators' files that a model of the house names, relative to its folder."""
+    from xml.etree import ElementTree as ET
+
+    texts = ET.parse(model).iter("text")
+    return [data for text in texts if (data := text.get("data", "")).startswith("isolators/")]
+
+
+def _write_isolators(layout: Layout, folder: Path) -> None:
+    folder.mkdir()
+    for name, file in layout.isolators.items():
+        load_isolator(file).save(folder / f"{name}.toml")
+    for stop in layout.stops:
+        if stop.law is not None:
+            _stop_isolator(stop.law).save(folder / f"{stop.isolator}.toml")
+
+
+def _stop_isolator(law: StopLaw) -> Isolator:
+    axial = Stop(gap_below=law.gap, k=law.stiffness, c=law.damping, rounding=law.rounding)
+    return Isolator(
+        name=f"Stop, {law.stiffness / 1e6:g} MN/m behind {1e3 * law.gap:g} mm",
+        axial=axial,
+        provenance=Provenance(
+            kind="illustrative", source="table of stops", assumed=("stiffness and damping are those of the table",)
+        ),
+    )

@@ -1,0 +1,142 @@
+"""A model from tables as a dimensioned plan and side view."""
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from wirerope_mj.engine.from_tables import Layout, Mass
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.views.plots.plain_figure import PlainFigure
+
+_VIEWS = (("plan", 0, 1), ("side view", 0, 2), ("end view", 1, 2))
+_MOUNT, _STOP, _POINT, _BODY = "#b2182b", "#d95f0e", "#1b7837", "#33648a"
+_MILLI = 1e3
+
+
+def plan_figure(layout: Layout) -> Figure:
+    """Return a figure with plan, side and end view in mm: mounts with their directions, stops, points, masses, dimensions."""
+    figure = PlainFigure(figsize=(11.7, 8.3), layout="constrained")  # A4, lying
+    payload = layout.payload
+    figure.suptitle(f"{layout.name}: {payload.mass:.6g} kg on {len(layout.mounts)} mounts, dimensions in mm")
+    panels: dict[str, Any] = figure.subplot_mosaic(
+        [["plan", "key"], ["side view", "end view"]], width_ratios=(1.6, 1.0)
+    )
+    for title, across, up in _VIEWS:
+        _draw(panels[title], layout, across, up)
+        panels[title].set_title(title)
+    _write_key(panels["key"], layout)
+    return figure
+
+
+def save_plan(layout: Layout, path: Path) -> None:
+    """Write the drawing; the path's ending says in which format."""
+    with matplotlib.rc_context({"svg.hashsalt": "wirerope", "pdf.fonttype": 42}):
+        plan_figure(layout).savefig(path, dpi=150)
+
+
+def _draw(panel: Any, layout: Layout, across: int, up: int) -> None:
+    pick = [across, up]
+    for mass in layout.masses:
+        _draw_mass(panel, mass, pick)
+    reach = _MILLI * np.ptp([mount.position for mount in layout.mounts], axis=0).max() or 100.0
+    labelled: dict[tuple[int, ...], list[str]] = {}
+    for mount in layout.mounts:
+        position, axial = _MILLI * mount.position[pick], 0.12 * reach * mount.axes[2][pick]
+        panel.plot(*position, "s", color=_MOUNT, markersize=5)
+        panel.annotate("", position + axial, position, arrowprops={"arrowstyle": "->", "color": _MOUNT})
+        aside = -11 if axial[1] >= 0.0 else 5  # points: on the side where the arrow is not
+        labelled.setdefault((*np.rint(position).astype(int).tolist(), aside), []).append(mount.name)
+    for stop in layout.stops:
+        position = _MILLI * stop.position[pick]
+        panel.plot(*position, "o", color=_STOP, markersize=5, fillstyle="none")
+    for (x, y, aside), names in labelled.items():
+        text, where = _listed(names), {"xytext": (4, aside), "textcoords": "offset points"}
+        panel.annotate(text, (x, y), fontsize=8, color=_MOUNT, **where)
+    for point in layout.points:
+        position = _MILLI * point.position[pick]
+        panel.plot(*position, "+", color=_POINT, markersize=9)
+        panel.annotate(point.name, position, xytext=(5, 3), textcoords="offset points", fontsize=7, color=_POINT)
+    centre = _MILLI * layout.payload.centre[pick]
+    panel.plot(*centre, marker="o", color="black", markersize=9, fillstyle="left", markerfacecoloralt="white")
+    _dimension(panel, layout, across, up)
+    panel.set_aspect("equal", adjustable="datalim")
+    panel.margins(0.15)
+    panel.set_xlabel(f"{'xyz'[across]} [mm]")
+    panel.set_ylabel(f"{'xyz'[up]} [mm]")
+    panel.grid(alpha=0.25)
+
+
+def _draw_mass(panel: Any, mass: Mass, pick: list[int]) -> None:
+    """Draw the uniform box that has a mass's moments of inertia, and its name."""
+    properties = mass.properties
+    moments = np.diag(properties.inertia)
+    lengths = _MILLI * np.sqrt(np.maximum(6.0 * (moments.sum() - 2.0 * moments) / properties.mass, 0.0))
+    centre = _MILLI * properties.centre
+    x, y = centre[pick] - 0.5 * lengths[pick]
+    panel.add_patch(Rectangle((x, y), *lengths[pick], color=_BODY, alpha=0.18))
+    corner = (x, y + lengths[pick][1])
+    panel.annotate(mass.name, corner, xytext=(3, -9), textcoords="offset points", fontsize=7, color=_BODY)
+
+
+def _dimension(panel: Any, layout: Layout, across: int, up: int) -> None:
+    """Draw chains of dimensions between the mounts' positions along both axes, beyond the outermost of what is drawn."""
+    positions = _MILLI * np.array([mount.position for mount in layout.mounts])
+    centre = _MILLI * layout.payload.centre
+    low = np.minimum(positions.min(axis=0), centre)
+    span = max(float(np.ptp(np.vstack([positions, centre]), axis=0).max()), 100.0)
+    below, left = low[up] - 0.22 * span, low[across] - 0.30 * span
+    for first, second in _gaps(positions[:, across], centre[across]):
+        _arrow(panel, (first, below), (second, below), second - first, 0)
+    for first, second in _gaps(positions[:, up], centre[up]):
+        _arrow(panel, (left, first), (left, second), second - first, 90)
+
+
+def _gaps(values: Array, centre: float) -> list[tuple[float, float]]:
+    """Return neighbours of the distinct coordinates of mounts and centre of mass, 1 mm apart or more."""
+    marks: list[float] = []
+    for value in sorted([*values, centre]):
+        if not marks or value - marks[-1] >= 1.0:
+            marks.append(float(value))
+    return list(zip(marks, marks[1:], strict=False))
+
+
+def _arrow(panel: Any, start: tuple[float, float], end: tuple[float, float], length: float, turned: int) -> None:
+    panel.annotate("", end, start, arrowprops={"arrowstyle": "<->", "linewidth": 0.7, "shrinkA": 0, "shrinkB": 0})
+    panel.plot(*zip(start, end, strict=True), marker="|" if turned == 0 else "_", color="black", linewidth=0)
+    middle = (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1]))
+    offset = (0, 3) if turned == 0 else (-3, 0)
+    panel.annotate(
+        f"{length:.0f}", middle, xytext=offset, textcoords="offset points", fontsize=7, rotation=turned,
+        ha="center" if turned == 0 else "right", va="bottom" if turned == 0 else "center",
+    )  # fmt: skip
+
+
+def _write_key(panel: Any, layout: Layout) -> None:
+    payload = layout.payload
+    i = payload.inertia
+    x, y, z = _MILLI * payload.centre
+    kinds: dict[str, list[str]] = {}
+    for placed in (*layout.mounts, *layout.stops):
+        kinds.setdefault(placed.isolator, []).append(placed.name)
+    lines = [
+        f"mass {payload.mass:.6g} kg",
+        f"centre of mass x {x:.1f}, y {y:.1f}, z {z:.1f} mm",
+        f"inertia about it [kg m^2]: xx {i[0, 0]:.5g}, yy {i[1, 1]:.5g}, zz {i[2, 2]:.5g}",
+        f"   xy {i[0, 1]:.4g}, xz {i[0, 2]:.4g}, yz {i[1, 2]:.4g} (of the tensor)",
+        "",
+        *(f"{isolator}: {_listed(names)}" for isolator, names in kinds.items()),
+        "",
+        "red: mounts, arrow from the base to the payload; orange: stops",
+        "green: points; blue: boxes of the masses' inertia",
+        "half-filled circle: centre of mass",
+    ]
+    panel.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=8, transform=panel.transAxes)
+    panel.set_axis_off()
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names) if len(names) <= 8 else f"{', '.join(names[:7])} and {len(names) - 7} more"
