@@ -147,7 +147,7 @@ def test_the_folder_is_complete_and_its_tables_make_it_again(here):
     assert Path("genset/genset_plan.pdf").read_bytes()[:4] == b"%PDF"
     assert {path.name for path in Path("genset/tables").iterdir()} == {path.name for path in TABLES.iterdir()}
     assert b"<!--" in first
-    tables = [word for kind in ("mounts", "masses", "stops", "points")
+    tables = [word for kind in ("mounts", "masses", "stops", "points", "forces")
               for word in (f"--{kind}", f"genset/tables/{kind}.csv")]  # fmt: skip
     assert main(["new", "genset", *tables]) == 2  # there is one
     assert main(["new", "genset", *tables, "--force"]) == 0

@@ -13,6 +13,7 @@ def new(
     masses: Path | None = None,
     stops: Path | None = None,
     points: Path | None = None,
+    forces: Path | None = None,
     template: Literal["cabinet", "floor", "genset", "two-stage"] | None = None,
     products: Literal["tensor", "positive"] = "tensor",
     pdf: Annotated[bool, Parameter(negative=())] = False,
@@ -31,6 +32,7 @@ def new(
             or the mass properties that SolidWorks prints, as a .txt file.
         stops: table: name, x, y, z [mm], gap [mm], stiffness [MN/m], damping [kN s/m], or isolator; a direction as of mounts.
         points: table: name, x, y, z [mm] of points on the payload to observe.
+        forces: table: name, x, y, z [mm] of points at which forces may act, such as a crankshaft's unbalance.
         template: start from a model of the house, without tables; that of genset is made of tables to edit.
         products: sign of the products of inertia: tensor (ixy = -sum x y dm), or positive (+sum x y dm).
         pdf: write the plan as PDF, too.
@@ -40,7 +42,7 @@ def new(
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.runs.new_model import from_template, new_model
 
-    tables = {"mounts": mounts, "masses": masses, "stops": stops, "points": points}
+    tables = {"mounts": mounts, "masses": masses, "stops": stops, "points": points, "forces": forces}
     given = [f"`--{name}`" for name, table in tables.items() if table is not None]
     formats = ("png", "pdf") if pdf else ("png",)
     if template is not None:
@@ -54,7 +56,7 @@ def new(
         )
     else:
         layout = new_model(
-            folder, mounts=mounts, masses=masses, stops=stops, points=points,
+            folder, mounts=mounts, masses=masses, stops=stops, points=points, forces=forces,
             positive_products=products == "positive", formats=formats, force=force,
         )  # fmt: skip
     model = folder / f"{folder.resolve().name}.xml"

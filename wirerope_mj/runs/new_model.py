@@ -17,7 +17,7 @@ _MODELS = {"cabinet": "cabinet.xml", "floor": "floating_floor.xml", "two-stage":
 
 def new_model(
     folder: Path, *, mounts: Path, masses: Path, stops: Path | None = None, points: Path | None = None,
-    positive_products: bool = False, formats: Sequence[str] = ("png",), force: bool = False,
+    forces: Path | None = None, positive_products: bool = False, formats: Sequence[str] = ("png",), force: bool = False,
 ) -> Layout:  # fmt: skip
     """Write the folder of a model from tables and return what they say.
 
@@ -30,6 +30,7 @@ def new_model(
         masses: table.
         stops: table.
         points: table.
+        forces: table of points at which forces may act.
         positive_products: products of inertia are +sum x y dm; else elements of the tensor.
         formats: of the drawing: "png", "pdf", "svg".
         force: replace a model's folder that is there.
@@ -39,11 +40,12 @@ def new_model(
         ModelError: an isolator or the model is wrong.
     """
     name = folder.resolve().name
-    tables = {"mounts": mounts, "masses": masses, "stops": stops, "points": points}
+    tables = {"mounts": mounts, "masses": masses, "stops": stops, "points": points, "forces": forces}
     check_folder(folder, force=force, kind=KIND, marks=marks(name))
     layout = read_layout(
-        name, mounts=mounts, masses=masses, stops=stops, points=points, positive_products=positive_products
-    )
+        name, mounts=mounts, masses=masses, stops=stops, points=points, forces=forces,
+        positive_products=positive_products,
+    )  # fmt: skip
     with atomic_folder(folder, force=force, kind=KIND, marks=marks(name)) as temporary:
         _write_isolators(layout, temporary / "isolators")
         model = temporary / f"{name}.xml"
@@ -70,8 +72,19 @@ def from_template(
     """
     if template == "genset":
         tables = models_folder() / "templates" / "genset"
-        mounts, masses, stops, points = (tables / f"{kind}.csv" for kind in ("mounts", "masses", "stops", "points"))
-        return new_model(folder, mounts=mounts, masses=masses, stops=stops, points=points, formats=formats, force=force)
+        mounts, masses, stops, points, forces = (
+            tables / f"{kind}.csv" for kind in ("mounts", "masses", "stops", "points", "forces")
+        )
+        return new_model(
+            folder,
+            mounts=mounts,
+            masses=masses,
+            stops=stops,
+            points=points,
+            forces=forces,
+            formats=formats,
+            force=force,
+        )
     source = models_folder() / _MODELS[template]
     name = folder.resolve().name
     with atomic_folder(folder, force=force, kind=KIND, marks=marks(name)) as temporary:

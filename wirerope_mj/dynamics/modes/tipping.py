@@ -65,9 +65,9 @@ class TippingStability:
             return f"{self.word}, far from tipping over."
         limits = []
         if np.isfinite(self.gravity_factor):
-            limits.append(f"at {self.gravity_factor:.3g} times its weight")
+            limits.append(f"at {self.gravity_factor:.2g} times its weight")
         if np.isfinite(self.rise):
-            limits.append(f"with its centre of mass, or that of a part on a joint, {self.rise:.3g} m higher")
+            limits.append(f"with its centre of mass, or that of a part on a joint, {self.rise:.2g} m higher")
         return f"{self.word}; it would tip over {', or '.join(limits)}."
 
     def to_dict(self) -> dict[str, Any]:

@@ -60,6 +60,7 @@ class Layout:
 
     Attributes:
         name: of the model and of the payload.
+        forces: points at which forces may act on the payload.
         isolators: files of those that mounts and stops name, by name.
     """
 
@@ -68,6 +69,7 @@ class Layout:
     mounts: tuple[Placed, ...]
     stops: tuple[Placed, ...] = ()
     points: tuple[Point, ...] = ()
+    forces: tuple[Point, ...] = ()
     isolators: Mapping[str, Path] = field(default_factory=dict)
 
     @property

@@ -95,6 +95,8 @@ def _add_payload(world: ET.Element, layout: Layout) -> None:
     _add_sites(body, layout.name, layout)
     for point in layout.points:
         ET.SubElement(body, "site", {"name": f"point/{point.name}", "class": "point", "pos": _numbers(point.position)})
+    for point in layout.forces:
+        ET.SubElement(body, "site", {"name": f"force/{point.name}", "class": "point", "pos": _numbers(point.position)})
 
 
 def _add_sites(body: ET.Element, owner: str, layout: Layout) -> None:

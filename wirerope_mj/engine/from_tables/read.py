@@ -25,7 +25,7 @@ _ROUNDING = 1e-3
 
 def read_layout(
     name: str, *, mounts: Path, masses: Path, stops: Path | None = None, points: Path | None = None,
-    positive_products: bool = False,
+    forces: Path | None = None, positive_products: bool = False,
 ) -> Layout:  # fmt: skip
     """Return what the tables of a model say, checked.
 
@@ -35,6 +35,7 @@ def read_layout(
         masses: table with name, mass, x, y, z of the centre of mass and the inertia about it; or a CAD program's text, .txt.
         stops: table with name, x, y, z, direction, and gap, stiffness, damping or an isolator.
         points: table with name, x, y, z.
+        forces: table with name, x, y, z, of points at which forces may act.
         positive_products: products of inertia are +sum x y dm, as CAD programs may write them; else elements of the tensor.
 
     Raises:
@@ -50,7 +51,10 @@ def read_layout(
         if stop.name in {mount.name for mount in placed}:
             raise RecordError(f'{stop.location}: a mount is called "{stop.name}" too. Give the stop another name.')
     observed = _read_points(points) if points else ()
-    layout = Layout(name=name, masses=heavy, mounts=placed, stops=stopped, points=observed, isolators=isolators)
+    loaded = _read_points(forces) if forces else ()
+    layout = Layout(
+        name=name, masses=heavy, mounts=placed, stops=stopped, points=observed, forces=loaded, isolators=isolators
+    )
     check_places(layout, masses)
     return layout
 

@@ -56,7 +56,7 @@ def _draw(panel: Any, layout: Layout, across: int, up: int) -> None:
     for (x, y, aside), names in labelled.items():
         text, where = _listed(names), {"xytext": (4, aside), "textcoords": "offset points"}
         panel.annotate(text, (x, y), fontsize=8, color=_MOUNT, **where)
-    for point in layout.points:
+    for point in (*layout.points, *layout.forces):
         position = _MILLI * point.position[pick]
         panel.plot(*position, "+", color=_POINT, markersize=9)
         panel.annotate(point.name, position, xytext=(5, 3), textcoords="offset points", fontsize=7, color=_POINT)
@@ -131,7 +131,7 @@ def _write_key(panel: Any, layout: Layout) -> None:
         *(f"{isolator}: {_listed(names)}" for isolator, names in kinds.items()),
         "",
         "red: mounts, arrow from the base to the payload; orange: stops",
-        "green: points; blue: boxes of the masses' inertia",
+        "green: points, and where forces act; blue: boxes of the masses' inertia",
         "half-filled circle: centre of mass",
     ]
     panel.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=8, transform=panel.transAxes)
