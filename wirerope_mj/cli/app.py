@@ -76,6 +76,10 @@ COMMANDS = {
         "shock:shock",
         "Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.",
     ),
+    "export": (
+        "export:export",
+        "Write the samples of a run, or the table of a study, for other programs: CSV, HDF5 or MATLAB.",
+    ),
     "levels": (
         "levels:levels",
         "List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.",

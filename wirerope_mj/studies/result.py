@@ -14,6 +14,7 @@ import pyarrow.compute as pc
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arguments import finite, integer
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.exports import Exportable, Exported
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import FAILED
@@ -22,7 +23,7 @@ from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.inputs.sampling import LISTED
 from wirerope_mj.studies.old_names import todays_table
 from wirerope_mj.studies.responses import RESPONSES, kept_numbers, kept_response
-from wirerope_mj.studies.results.measure import checked_measure, measure_of, values_of
+from wirerope_mj.studies.results.measure import checked_measure, measure_of, unit_of, values_of
 from wirerope_mj.studies.results.statistics import Exceedance, exceedance_of, quantiles, worst
 
 NOT_COMPUTED = (
@@ -32,7 +33,7 @@ NOT_COMPUTED = (
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class StudyResult(Summarised):
+class StudyResult(Exportable, Summarised):
     """The result of a study.
 
     Columns of the table: `variant` (int64), inputs (one for every sampled number, by its name in `vary`, or with the
@@ -70,6 +71,19 @@ class StudyResult(Summarised):
         if not numbers:
             raise RecordError(f"{self.folder}: no variant of this study is done yet.")
         return todays_table(pa.concat_tables(parts(self.folder, numbers)), self.inputs)
+
+    @property
+    def exported(self) -> Exported:
+        """The table as other programs take it, SI units."""
+        names = self.table.column_names
+        return Exported(
+            names=names,
+            units=[unit_of(name) for name in names],
+            column=lambda number: self.table.column(number).to_numpy(),
+            blocks=lambda: iter([[column.to_numpy() for column in self.table.columns]]),
+            about={"study": str(self.inputs.get("name", "study"))},
+            grouped=False,  # "acceleration" and "acceleration/rack"
+        )
 
     def narrowed(self, columns: Sequence[str]) -> "StudyResult":
         """Return the result of a study that is complete with those of `columns` alone that its table has; no others are read.

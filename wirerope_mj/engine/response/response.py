@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.engine.response.columns import ColumnPlan
+from wirerope_mj.engine.response.export import exported_samples
 from wirerope_mj.engine.response.histories import (
     BaseResponse,
     BodyResponse,
@@ -18,6 +19,7 @@ from wirerope_mj.engine.response.histories import (
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.scene import Scene, scene_to_dict
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.exports import Exportable, Exported
 from wirerope_mj.foundation.parquet_files import write_rows
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Summarised, quantity
@@ -27,7 +29,7 @@ FORMAT = 1
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Response(Summarised):
+class Response(Exportable, Summarised):
     """Response of a system to a base motion.
 
     Attributes:
@@ -98,6 +100,11 @@ class Response(Summarised):
         """
         index = self.samples.names.index(name)
         return self.samples.columns(index, index + 1)[:, 0]
+
+    @property
+    def exported(self) -> Exported:
+        """The samples as a table for other programs."""
+        return exported_samples(self.samples, {"motion": str(self.motion.get("kind", "")), "model": self.scene.name})
 
     def save(self, folder: str | Path) -> None:
         """Write `response.parquet` into `folder` (made if missing), atomically; one that is there is replaced."""

@@ -66,6 +66,13 @@ def measure_of(name: str) -> Measure:
     return Measure(name=name, text=f"{text}, {rest}" if rest else text, unit=unit, factor=factor, limit=limit)
 
 
+def unit_of(name: str) -> str:
+    """Return the SI unit of a column of a study's table; "" of ratios, counts and inputs."""
+    return {"acceleration": "m/s^2", "deflection": "m", "displacement": "m", "force": "N"}.get(
+        name.partition("/")[0], ""
+    )
+
+
 def input_names(table: pa.Table) -> list[str]:
     """Return the names of the columns that were sampled."""
     names = table.column_names

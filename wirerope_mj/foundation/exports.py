@@ -1,0 +1,176 @@
+"""Tables written for other programs: CSV, HDF5, MATLAB and pandas; h5py and pandas are imported where they are asked for."""
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy
+
+from wirerope_mj.foundation.atomic_files import atomic_file, check_writable
+from wirerope_mj.foundation.errors import RecordError
+
+Column = npt.NDArray[Any]
+
+ENDINGS = {".csv": "csv", ".h5": "hdf5", ".hdf5": "hdf5", ".mat": "mat"}
+"""Endings of files, and what is written into them."""
+
+_LONGEST = 63
+"""Letters of a name that MATLAB reads."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exported:
+    """A table as other programs take it.
+
+    Attributes:
+        names: of the columns, parts of a name apart by "/".
+        units: of each column; "" for none.
+        column: returns one column by its position, (n,), numbers or texts.
+        blocks: yields all columns some rows after the other, so that a long table is never in memory as a whole.
+        about: texts that are kept with it where the format has room.
+        grouped: whether "/" makes groups in HDF5; else "." stands for it there, as where a name is also that of a group.
+    """
+
+    names: Sequence[str]
+    units: Sequence[str]
+    column: Callable[[int], Column]
+    blocks: Callable[[], Iterator[Sequence[Column]]]
+    about: Mapping[str, str]
+    grouped: bool = True
+
+    @property
+    def headings(self) -> list[str]:
+        """Names with their units, as `acceleration/rack [m/s^2]`."""
+        return [f"{name} [{unit}]" if unit else name for name, unit in zip(self.names, self.units, strict=True)]
+
+
+class Exportable:
+    """Base of results that are tables: written for other programs by the ending of a file, or by what it is."""
+
+    @property
+    def exported(self) -> Exported:
+        """The table as other programs take it, SI units."""
+        raise NotImplementedError
+
+    def export(self, path: str | Path, *, force: bool = False) -> Path:
+        """Write the table to a file whose ending says how, .csv, .h5 or .hdf5, .mat, and return its path.
+
+        Names and units of the columns stand in the header (CSV), with every dataset (HDF5), or in the variables `variables`,
+        `names` and `units` (MATLAB). Long tables are read and written some rows or columns after the other, but for MATLAB.
+
+        Raises:
+            ValueError: the ending is none of these.
+            RecordError: the file cannot be written, or is there and `force` is not given, or h5py is missing for HDF5.
+        """
+        return write_export(self.exported, path, force=force)
+
+    def to_csv(self, path: str | Path, *, force: bool = False) -> Path:
+        """Write the table as CSV, whatever the ending, as `export` does."""
+        return write_export(self.exported, path, force=force, kind="csv")
+
+    def to_hdf5(self, path: str | Path, *, force: bool = False) -> Path:
+        """Write the table as HDF5, whatever the ending, as `export` does."""
+        return write_export(self.exported, path, force=force, kind="hdf5")
+
+    def to_mat(self, path: str | Path, *, force: bool = False) -> Path:
+        """Write the table as a MATLAB file, whatever the ending, as `export` does."""
+        return write_export(self.exported, path, force=force, kind="mat")
+
+    def to_dataframe(self) -> Any:
+        """Return the table as a pandas DataFrame, units in the names of its columns; RecordError without pandas."""
+        return data_frame(self.exported)
+
+
+def write_export(table: Exported, path: str | Path, *, force: bool = False, kind: str = "") -> Path:
+    """Write a table as `kind`, "csv", "hdf5" or "mat", or as the file's ending says, .csv, .h5, .hdf5, .mat; return its path.
+
+    Raises:
+        ValueError: the ending is none of these.
+        RecordError: the file cannot be written, or is there and `force` is not given, or a package that it needs is missing.
+    """
+    target = Path(path)
+    kind = kind or ENDINGS.get(target.suffix.lower(), "")
+    if not kind:
+        raise ValueError(f"{target}: the ending says what is written, one of {', '.join(ENDINGS)}.")
+    check_writable(target)
+    if target.exists() and not force:
+        raise RecordError(f"{target}: the file exists. Replace it with --force (`force=True`), or choose another name.")
+    with atomic_file(target) as temporary:
+        {"csv": _write_csv, "hdf5": _write_hdf5, "mat": _write_mat}[kind](table, temporary)
+    return target
+
+
+def data_frame(table: Exported) -> Any:
+    """Return a table as a pandas DataFrame; its columns are called as in the CSV file, units included."""
+    pandas = _needed("pandas")
+    return pandas.DataFrame({heading: table.column(number) for number, heading in enumerate(table.headings)})
+
+
+def _write_csv(table: Exported, path: Path) -> None:
+    """Write numbers with as many digits as they have, a header of names with units."""
+    import pyarrow as pa
+    import pyarrow.csv as pc
+
+    writer = None
+    for block in table.blocks():
+        batch = pa.table([pa.array(column) for column in block], names=table.headings)
+        if writer is None:
+            writer = pc.CSVWriter(path, batch.schema)
+        writer.write_table(batch)
+    if writer is not None:
+        writer.close()
+
+
+def _write_hdf5(table: Exported, path: Path) -> None:
+    """Write a dataset for every column, called as it is, its unit an attribute."""
+    h5py = _needed("h5py")
+    with h5py.File(path, "w", locking=False) as file:  # whoever writes atomically holds the temporary file already
+        file.attrs.update(table.about)
+        for number, (name, unit) in enumerate(zip(table.names, table.units, strict=True)):
+            values = table.column(number)
+            name = name if table.grouped else name.replace("/", ".")
+            if values.dtype.kind in "OUT":
+                values = np.array([str(value) for value in values], dtype=object)
+                file.create_dataset(name, data=values, dtype=h5py.string_dtype())
+            else:
+                file.create_dataset(name, data=values).attrs["unit"] = unit
+
+
+def _write_mat(table: Exported, path: Path) -> None:
+    """Write a variable for every column; MATLAB's names hold letters and digits only: `names` and `units` say what each is."""
+    names = _matlab_names(table.names)
+    values: dict[str, Any] = {name: table.column(number)[:, np.newaxis] for number, name in enumerate(names)}
+    for extra, texts in (("variables", names), ("names", table.names), ("units", table.units)):
+        values[extra] = np.array([*texts, ""], dtype=object)[:-1]
+    values["about"] = dict(table.about)
+    scipy.io.savemat(path, values, long_field_names=True, do_compression=True)
+
+
+def _matlab_names(names: Sequence[str]) -> list[str]:
+    """Return names that MATLAB takes, each another one."""
+    taken: dict[str, None] = dict.fromkeys(("variables", "names", "units", "about"))
+    result = []
+    for name in names:
+        plain = re.sub(r"\W", "_", name.replace("/", "_"), flags=re.ASCII)
+        plain = (plain if plain[:1].isalpha() else f"x_{plain}")[:_LONGEST]
+        number, unique = 1, plain
+        while unique in taken:
+            number += 1
+            unique = f"{plain[: _LONGEST - 1 - len(str(number))]}_{number}"
+        taken[unique] = None
+        result.append(unique)
+    return result
+
+
+def _needed(package: str) -> Any:
+    try:
+        return import_module(package)
+    except ImportError:
+        raise RecordError(
+            f"this needs {package}, which is not installed: pip install 'wirerope-mj[export]', or write CSV or MAT."
+        ) from None
