@@ -1,10 +1,20 @@
 """Results in a few lines: as text in a terminal, as a small table in a notebook."""
 
 import math
+from collections.abc import Iterable, Mapping
+from dataclasses import fields
 from html import escape
+from typing import Any, TypeVar
 
-from wirerope_mj.foundation.plain_text import plain
+import numpy as np
+
+from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.units import shown_in
+
+Item = TypeVar("Item")
+
+_LONGEST = 90
+"""Letters of a value in a summary."""
 
 MOST_LINES = 12
 """Lines of a summary: what is longer is looked up by name rather than read."""
@@ -36,6 +46,40 @@ class Summarised:
             for name, value in rows
         )
         return f"<table><caption>{escape(heading)}</caption>{cells}</table>"
+
+
+class Brief(Summarised):
+    """Base of dataclasses that say of each field in a few words what it holds: arrays by their shape, names by their number."""
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        values = {item.name: getattr(self, item.name) for item in fields(self) if item.repr}  # type: ignore[arg-type]
+        name = values.pop("name", "")
+        return f"{type(self).__name__} {name}".rstrip(), {key: in_brief(value) for key, value in values.items()}
+
+
+class ByName(dict[str, Item]):
+    """A dictionary whose text is its names, and not all that stands behind them."""
+
+    def __repr__(self) -> str:
+        return f"{len(self)} by name: {_listed(self)}"
+
+
+def in_brief(value: Any) -> str:
+    """Return a value in a few words."""
+    if isinstance(value, np.ndarray):
+        return f"array of shape {value.shape}"
+    if isinstance(value, Summarised):
+        return value._lines()[0]
+    if isinstance(value, Mapping):
+        return f"{len(value)}: {_listed(value)}" if value else "none"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    text = value if isinstance(value, str) else repr(value)
+    return short(text, _LONGEST) if len(text) <= 10 * _LONGEST or isinstance(value, str) else f"{type(value).__name__}"
+
+
+def _listed(names: Iterable[object]) -> str:
+    return short(", ".join(map(str, names)), _LONGEST)
 
 
 def quantity(value: float, unit: str) -> str:

@@ -11,6 +11,7 @@ from wirerope_mj.foundation.arguments import finite, integer, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import checked_direction
 from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
 from wirerope_mj.motions.psd_lines import Points, checked_points
 from wirerope_mj.motions.random_phases import random_phases
@@ -42,8 +43,8 @@ FORGOTTEN = 1e-6
 """Fraction of an impulse response below which it does not matter for a correction."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class SpectrumMatch:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SpectrumMatch(Brief):
     """A motion and how well its response spectrum meets the target.
 
     Attributes:

@@ -5,6 +5,8 @@ from collections.abc import Sequence
 from wirerope_mj.assessment.criteria.contact import STOP
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, STRUCK, WITHIN, Verdict
 
+_SHOWN = 5
+
 
 def headline(verdicts: Sequence[Verdict]) -> str:
     """Return the answer in one sentence: how many limits are exceeded, how many stops are struck, how much is not judged."""
@@ -26,6 +28,17 @@ def headline(verdicts: Sequence[Verdict]) -> str:
     if judged and left:
         clauses.append(f"{_several(left, 'figure')} {'is' if left == 1 else 'are'} not judged")
     return f"{'; '.join(clauses)}."
+
+
+class Verdicts(tuple[Verdict, ...]):
+    """Verdicts whose text is the answer, and those that are nearest to their limits or beyond."""
+
+    def __repr__(self) -> str:
+        judged = sorted((row for row in self if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
+        lines = [
+            f"  {row.criterion} of {row.subject}: {100.0 * (row.utilisation or 0.0):.0f} %" for row in judged[:_SHOWN]
+        ]
+        return "\n".join([f"{len(self)} verdicts. {headline(self)}", *lines])
 
 
 def _several(count: int, thing: str) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts
 from wirerope_mj.assessment.criteria.contact import contact_verdicts
+from wirerope_mj.assessment.criteria.headline import Verdicts
 from wirerope_mj.assessment.criteria.mount_load import (
     missing_load_verdicts,
     starting_load_verdicts,
@@ -36,5 +37,5 @@ def judge(
     )
     contacts = contact_verdicts(response)
     if statics is None:
-        return (*begin, *starting_load_verdicts(response), *contacts)
-    return (*begin, *contacts, *static_load_verdicts(statics), *missing_load_verdicts(statics))
+        return Verdicts((*begin, *starting_load_verdicts(response), *contacts))
+    return Verdicts((*begin, *contacts, *static_load_verdicts(statics), *missing_load_verdicts(statics)))

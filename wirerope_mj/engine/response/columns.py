@@ -11,6 +11,7 @@ from wirerope_mj.engine.response.histories import (
     PointResponse,
     SampledColumns,
 )
+from wirerope_mj.foundation.summary import ByName
 from wirerope_mj.mounts.isolator import AXES
 
 _XYZ = ("x", "y", "z")
@@ -79,7 +80,7 @@ class ColumnPlan:
         for (name, states), z in zip(self.mounts, self._hysteretic, strict=True):
             mounts[name] = MountResponse(samples, column, z, states)
             column += 6 + len(states)
-        return base, bodies, points, mounts
+        return base, ByName(bodies), ByName(points), ByName(mounts)
 
 
 def _size(parts: Sequence[tuple[str, Sequence[str]]]) -> int:

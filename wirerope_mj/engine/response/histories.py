@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.summary import Brief, Summarised
 
 BLOCK_ROWS = 1 << 16
 """Rows of samples that are handed on at once where a long response must not stand in memory as a whole."""
@@ -47,10 +48,17 @@ class MemorySamples:
             yield self.values[row : row + BLOCK_ROWS, first:last]
 
 
-@dataclass(frozen=True)
-class _Columns:
+@dataclass(frozen=True, repr=False)
+class _Columns(Summarised):
     samples: SampledColumns
     first: int
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        kinds = {name: part for one in reversed(type(self).__mro__) for name, part in vars(one).items()}
+        parts = {name: part for name, part in kinds.items() if isinstance(part, cached_property)}
+        return type(self).__name__, {
+            name: str(part.__doc__).partition(":")[0].rstrip(".") for name, part in parts.items()
+        }
 
     def _part(self, offset: int, size: int) -> Array:
         return self.samples.columns(self.first + offset, self.first + offset + size)
@@ -82,7 +90,7 @@ class PointResponse(BodyResponse):
     )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class MountResponse(_Columns):
     """Deflection, force and internal states of a mount in its axes roll, shear, axial."""
 
@@ -105,8 +113,8 @@ class MountResponse(_Columns):
         return {name: states[:, i] for i, name in enumerate(self.state_names)}
 
 
-@dataclass(frozen=True, kw_only=True)
-class BaseResponse:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class BaseResponse(Brief):
     """Motion of the base, from the closed form that drove it; right-hand limits at jumps.
 
     displacement [m], velocity [m/s], acceleration [m/s^2], world frame, (n_t, 3) each.

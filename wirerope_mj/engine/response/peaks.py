@@ -7,6 +7,7 @@ import numpy as np
 
 from wirerope_mj.engine.response.contacts import ContactPeak
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.summary import Brief, ByName
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -126,8 +127,8 @@ class MountPeaks:
 KINDS = {"bodies": BodyPeaks, "points": PointPeaks, "mounts": MountPeaks}
 
 
-@dataclass(frozen=True, kw_only=True)
-class Peaks:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Peaks(Brief):
     """Peaks by name of body, point, mount, and of what may touch.
 
     Attributes:
@@ -140,6 +141,10 @@ class Peaks:
     points: dict[str, PointPeaks]
     mounts: dict[str, MountPeaks]
     contacts: dict[str, ContactPeak] | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("bodies", "points", "mounts", *(["contacts"] if self.contacts is not None else [])):
+            object.__setattr__(self, name, ByName(getattr(self, name)))
 
     @property
     def struck(self) -> list[str]:

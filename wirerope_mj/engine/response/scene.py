@@ -7,6 +7,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.summary import Brief
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,8 +85,8 @@ class SceneMount:
     stop: bool = False
 
 
-@dataclass(frozen=True, kw_only=True)
-class Scene:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Scene(Brief):
     """Everything that can be drawn of a system, and what its payload can bear.
 
     Attributes:

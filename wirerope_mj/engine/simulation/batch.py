@@ -38,14 +38,15 @@ from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError, WireRopeError
 from wirerope_mj.foundation.state import State
+from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions import BaseMotion
 
 _OUTSIDE_THE_STATE = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mjENBL_IPC
 """Options with which MuJoCo keeps more from step to step than a state holds, so that threads cannot share its data."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class BatchResult:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class BatchResult(Brief):
     """Result of a variant that came to its end.
 
     Attributes:

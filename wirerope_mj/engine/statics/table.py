@@ -15,6 +15,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.json_values import json_values
+from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.isolator.static_rating import static_utilisation
 
 
@@ -64,8 +65,8 @@ class PayloadSag:
     rotation: Array
 
 
-@dataclass(frozen=True, kw_only=True)
-class Sag:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Sag(Brief):
     """Equilibrium of a system after one history.
 
     Attributes:
@@ -96,8 +97,8 @@ class Sag:
         return self.weight - self.on_mounts - self.on_contacts
 
 
-@dataclass(frozen=True, kw_only=True)
-class StaticTable:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class StaticTable(Brief):
     """Sag of a system by history.
 
     Attributes:

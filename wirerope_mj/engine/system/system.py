@@ -18,12 +18,12 @@ from wirerope_mj.foundation.errors import ModelError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.resources import model_file, shipped_models
-from wirerope_mj.foundation.summary import Summarised
+from wirerope_mj.foundation.summary import Brief, ByName, Summarised
 from wirerope_mj.mounts.isolator import Isolator
 
 
-@dataclass(frozen=True, kw_only=True)
-class Mount:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Mount(Brief):
     """An isolator between two sites of a model.
 
     Attributes:
@@ -147,7 +147,7 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
     roots = [int(model.body_rootid[model.site_bodyid[d.payload_site]]) for d in declared]
     return System(
         model=model,
-        mounts=_mounts(assembly, declared),
+        mounts=ByName(_mounts(assembly, declared)),
         payloads=[model.body(root).name for root in dict.fromkeys(roots)],
         base=model.body(base).name if base else "",
         mjcf=text,

@@ -13,6 +13,7 @@ from wirerope_mj.engine.system.system import Mount, System, load_system
 from wirerope_mj.engine.system.tables import Tables, make_tables, with_laws
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.summary import ByName
 from wirerope_mj.mounts.isolator import Isolator
 
 Shift = Sequence[float] | Array
@@ -81,7 +82,7 @@ def changed(system: System, changes: Changes) -> System:
     return replace(
         system,
         model=model,
-        mounts=mounts,
+        mounts=ByName(mounts),
         assembly=replace(system.assembly, model=model, tables=tables),
         changes=(*system.changes, changes),
     )

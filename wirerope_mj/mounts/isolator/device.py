@@ -9,6 +9,7 @@ from typing import Any
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, require_law_in_metres
 from wirerope_mj.mounts.isolator.stiffening import Stiffening
 from wirerope_mj.mounts.isolator.tables import AXES, read_tables, write_toml
@@ -19,8 +20,8 @@ COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}
 """The axes that a coupling couples, by its name."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Isolator:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Isolator(Brief):
     """A device between two sites: one restoring-force law for each axis, limits and provenance.
 
     Attributes:
