@@ -17,6 +17,7 @@ def results(tmp_path_factory):
     response = wr.simulate(floor, PULSE, duration=0.05, timestep=5e-4)
     law = floor.mounts["m01"].isolator.axial
     loops = wr.cyclic_test(law, [1e-3, 2e-3, 5e-3])
+    deflection, force = (np.tile(values[:-1], 4) for values in (loops[0].deflection, loops[0].force))
     study = wr.Study(
         model="shock_table.xml", motion=PULSE, duration=0.05, timestep=5e-4, variants=4,
         vary={"motion/level": wr.Uniform(0.5, 1.0)},
@@ -25,6 +26,7 @@ def results(tmp_path_factory):
     return {
         "system": floor, "mount": floor.mounts["m01"], "mounts": floor.mounts, "isolator": floor.mounts["m01"].isolator,
         "law": law, "loop": law.trace(np.linspace(0.0, 1e-3, 300)), "loops": loops,
+        "recorded": wr.steady_loops(deflection, force, time=np.arange(force.size) / 400),
         "identification": wr.identify(loops, law=wr.AsymmetricBoucWen), "equilibrium": wr.equilibrium(floor),
         "statics": wr.static_table(floor), "modes": wr.modes(floor), "changes": wr.varied(floor, masses={"floor": 1.1}).changes,
         "response": response, "peaks": response.peaks, "one peak": response.peaks.bodies["floor"].acceleration,

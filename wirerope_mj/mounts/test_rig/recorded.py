@@ -8,7 +8,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Loop
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class RecordedLoop(Loop):
     """The mean of a run's last cycles, without drift, and the turning points of the deflection that led there.
 
