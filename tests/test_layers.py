@@ -28,7 +28,7 @@ HOUSE = {
     "motions": (("spectra",), ("records",)),
     "engine": (("response", "control"), ("system", "from_tables"), ("kernel",), ("statics",), ("simulation",)),
     "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
-    "assessment": (("criteria",), ("comparison", "selection")),
+    "assessment": (("criteria",), ("comparison", "selection", "durability")),
     "studies": (("inputs",), ("engines",), ("results",), ("search",)),
     "views": (("plots", "recording"), ("report",), ("explore",), ("share",)),
     "runs": (),

@@ -12,6 +12,8 @@ from .assessment.criteria import judge as judge
 from .assessment.criteria import judge_random as judge_random
 from .assessment.criteria import random_verdicts as random_verdicts
 from .assessment.criteria import spectrum_verdict as spectrum_verdict
+from .assessment.durability import mount_cycles as mount_cycles
+from .assessment.durability import rainflow_cycles as rainflow_cycles
 from .assessment.selection import select_isolators as select_isolators
 from .dynamics.frequency_response import FrequencyResponse as FrequencyResponse
 from .dynamics.frequency_response import frequency_response as frequency_response
@@ -87,8 +89,10 @@ from .motions import load_record as load_record
 from .motions import match_spectrum as match_spectrum
 from .motions.spectra import PowerSpectralDensity as PowerSpectralDensity
 from .motions.spectra import ShockResponseSpectrum as ShockResponseSpectrum
+from .motions.spectra import VibrationSpectrum as VibrationSpectrum
 from .motions.spectra import power_spectral_density as power_spectral_density
 from .motions.spectra import shock_response_spectrum as shock_response_spectrum
+from .motions.spectra import vibration_response_spectrum as vibration_response_spectrum
 from .mounts.identification import compare_laws as compare_laws
 from .mounts.identification import compare_methods as compare_methods
 from .mounts.identification import identify_specimens as identify_specimens

@@ -80,6 +80,10 @@ COMMANDS = {
         "export:export",
         "Write the samples of a run, or the table of a study, for other programs: CSV, HDF5 or MATLAB.",
     ),
+    "durability": (
+        "durability:durability",
+        "Count the cycles of a run's mounts by the rainflow method, and compare the damage that they do.",
+    ),
     "levels": (
         "levels:levels",
         "List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.",

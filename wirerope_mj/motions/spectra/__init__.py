@@ -4,3 +4,5 @@ from wirerope_mj.motions.spectra.psd import PowerSpectralDensity as PowerSpectra
 from wirerope_mj.motions.spectra.psd import power_spectral_density as power_spectral_density
 from wirerope_mj.motions.spectra.srs import ShockResponseSpectrum as ShockResponseSpectrum
 from wirerope_mj.motions.spectra.srs import shock_response_spectrum as shock_response_spectrum
+from wirerope_mj.motions.spectra.vibration import VibrationSpectrum as VibrationSpectrum
+from wirerope_mj.motions.spectra.vibration import vibration_response_spectrum as vibration_response_spectrum
