@@ -75,7 +75,26 @@ def test_the_damage_of_the_spectrum_is_that_of_counted_cycles():
     counted = wr.rainflow_cycles(w * response[int(20 * rate) :]).damage(4.0) / (seconds - 20.0)
     spectrum = wr.vibration_response_spectrum([(1e-3, level), (1000.0, level)], [natural], q=q)
     assert spectrum.pseudo_velocity[0] == pytest.approx(w * np.std(response), rel=0.03)  # 2000 s of a band of 0.6 Hz
-    assert spectrum.fatigue_damage(4.0, 1.0)[0] == pytest.approx(counted, rel=0.12)  # the fourth power of that
+    for method in ("dirlik", "narrow-band"):
+        damage = spectrum.fatigue_damage(4.0, 1.0, method=method)[0]
+        assert damage == pytest.approx(counted, rel=0.12)  # the fourth power of that
+    with pytest.raises(ValueError, match="method"):
+        spectrum.fatigue_damage(4.0, 1.0, method="guess")
+
+
+FLIFE = {  # damage by Dirlik and narrow-band, FLife 2.3, of 1 (m/s^2)^2/Hz from 5 to 2000 Hz in an hour, Q = 10, b = 8
+    2: (1.221252e-07, 1.393940e-07),
+    30: (1.481551e00, 1.234692e00),
+    901: (4.272599e-05, 4.610207e-05),
+}
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("natural", FLIFE)
+def test_damage_below_within_and_above_a_band_is_that_of_another_program(natural):
+    spectrum = wr.vibration_response_spectrum([(5.0, 1.0), (2000.0, 1.0)], [natural], q=10)
+    found = [spectrum.fatigue_damage(8.0, 3600.0, method=method)[0] for method in ("dirlik", "narrow-band")]
+    assert found == pytest.approx(FLIFE[natural], rel=1e-4)  # its integrals are sums over steps of 10 mHz
 
 
 @pytest.mark.quick

@@ -3,15 +3,21 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
 import scipy
 
-from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions.psd_lines import Points, checked_points
+
+Method = Literal["dirlik", "narrow-band"]
+
+_POWERS = (0, 1, 2, 4)
+"""Powers of the frequency in the moments that the rules of damage take."""
 
 _NEAR = 40.0
 """Half-power bandwidths to either side of a resonance between which the integral is parted, so that it sees the peak."""
@@ -25,12 +31,14 @@ class VibrationSpectrum(Brief):
         frequencies: natural frequencies [Hz], (n,).
         acceleration: rms of the absolute acceleration [m/s^2], (n,).
         deflection: rms of the deflection relative to the base [m], (n,).
+        moments: of the deflection's density W, the integrals of f^k W for k = 0, 1, 2 and 4 [m^2 Hz^k], (n, 4).
         q: quality, 1/(2 damping ratio).
     """
 
     frequencies: Array
     acceleration: Array
     deflection: Array
+    moments: Array
     q: float
 
     @property
@@ -38,18 +46,37 @@ class VibrationSpectrum(Brief):
         """Rms of the deflection times 2 pi f [m/s], (n,), to which the stress in a part is in proportion."""
         return 2.0 * math.pi * self.frequencies * self.deflection
 
-    def fatigue_damage(self, exponent: float, duration: float) -> Array:
-        """Return the damage of a duration [s] at every frequency, (n,), of pseudo-velocity amplitudes with C = 1.
+    @property
+    def upcrossings(self) -> Array:
+        """Expected rate at which the deflection passes zero upwards [Hz], (n,): the natural frequency only near resonance."""
+        return np.asarray(np.sqrt(self.moments[:, 2] / self.moments[:, 0]))
 
-        The response is taken as narrow-band: f0 T cycles with Rayleigh's amplitudes, D = f0 T (sqrt(2) s)^b Gamma(1 + b/2).
+    def fatigue_damage(self, exponent: float, duration: float, *, method: Method = "dirlik") -> Array:
+        """Return the damage of a duration [s] at every frequency, (n,), of pseudo-velocity amplitudes with C = 1.
 
         Args:
             exponent: b of N = C / A^b.
             duration: T [s].
+            method: "dirlik" (1985): rainflow amplitudes of a Gaussian process of any bandwidth; "narrow-band": as many cycles
+                as upward crossings, with Rayleigh's amplitudes, D = v0 T (sqrt(2) s)^b Gamma(1 + b/2).
+
+        Raises:
+            ValueError: an argument is out of its range.
         """
         b, time = positive("exponent", exponent), positive("duration", duration, unit="s")
-        size = (math.sqrt(2.0) * self.pseudo_velocity) ** b
-        return np.asarray(self.frequencies * time * size * math.gamma(1.0 + 0.5 * b))
+        one_of("method", method, get_args(Method))
+        rayleigh = 2.0 ** (0.5 * b) * math.gamma(1.0 + 0.5 * b)
+        if method == "narrow-band":
+            return np.asarray(self.upcrossings * time * self.pseudo_velocity**b * rayleigh)
+        m0, m1, m2, m4 = self.moments.T
+        mean, regular = m1 / m0 * np.sqrt(m2 / m4), m2 / np.sqrt(m0 * m4)
+        d1 = 2.0 * (mean - regular**2) / (1.0 + regular**2)
+        r = (regular - mean - d1**2) / (1.0 - regular - d1 + d1**2)
+        d2 = (1.0 - regular - d1 + d1**2) / (1.0 - r)
+        d3 = 1.0 - d1 - d2
+        scale = 1.25 * (regular - d3 - d2 * r) / d1
+        power = d1 * scale**b * math.gamma(1.0 + b) + rayleigh * (d2 * np.abs(r) ** b + d3)
+        return np.asarray(np.sqrt(m4 / m2) * time * self.pseudo_velocity**b * power)
 
 
 def vibration_response_spectrum(
@@ -72,29 +99,38 @@ def vibration_response_spectrum(
     at = np.atleast_1d(np.asarray(frequencies, dtype=np.float64))
     if at.ndim != 1 or not (np.isfinite(at).all() and (at > 0.0).all()):
         raise ValueError("`frequencies` must be finite numbers > 0, (n,).")
-    squares = np.array([_mean_squares(points, float(f), quality) for f in at])
+    integrals = np.array([_integrals(points, float(f), quality) for f in at])
     return VibrationSpectrum(
-        frequencies=at, acceleration=np.sqrt(squares[:, 0]), deflection=np.sqrt(squares[:, 1]), q=quality
+        frequencies=at,
+        acceleration=np.sqrt(integrals[:, -1]),
+        deflection=np.sqrt(integrals[:, 0]),
+        moments=integrals[:, :-1],
+        q=quality,
     )
 
 
-def _mean_squares(points: Points, natural: float, q: float) -> tuple[float, float]:
-    """Return mean squares of absolute acceleration and of deflection of one oscillator."""
-    damping, total = 0.5 / q, np.zeros(2)
+def _integrals(points: Points, natural: float, q: float) -> Array:
+    """Return the moments of the deflection's density and the mean square of the absolute acceleration, (5,)."""
+    total = np.zeros(len(_POWERS) + 1)
     near = natural * (1.0 + _NEAR * np.array([-1.0, 0.0, 1.0]) / q)
     for (f1, s1), (f2, s2) in zip(points[:-1], points[1:], strict=True):
         slope = math.log(s2 / s1) / math.log(f2 / f1)
 
         def density(f: float, *, start: float = f1, level: float = s1, slope: float = slope) -> float:
+            """Return the density of the pseudo-acceleration."""
             ratio = f / natural
-            return level * (f / start) ** slope / ((1.0 - ratio**2) ** 2 + (2.0 * damping * ratio) ** 2)
+            return level * (f / start) ** slope / ((1.0 - ratio**2) ** 2 + (ratio / q) ** 2)
+
+        def parts(f: float) -> Array:
+            moments = [f**power * density(f) / (2.0 * math.pi * natural) ** 4 for power in _POWERS]
+            return np.array([*moments, density(f) * (1.0 + (f / natural / q) ** 2)])
 
         ends = [f1, *(f for f in near if f1 < f < f2), f2]
         for low, high in zip(ends[:-1], ends[1:], strict=True):
-            deflection = scipy.integrate.quad(density, low, high, limit=200, epsabs=0.0, epsrel=1e-10)[0]
-            acceleration = scipy.integrate.quad(
-                lambda f: density(f) * (1.0 + (2.0 * damping * f / natural) ** 2), low, high, limit=200, epsabs=0.0,
-                epsrel=1e-10,
-            )[0]  # fmt: skip
-            total += acceleration, deflection / (2.0 * math.pi * natural) ** 4
-    return float(total[0]), float(total[1])
+            total += [
+                scipy.integrate.quad(
+                    lambda f, k: parts(f)[k], low, high, args=(k,), limit=200, epsabs=0.0, epsrel=1e-10
+                )[0]
+                for k in range(total.size)
+            ]
+    return total
