@@ -91,6 +91,61 @@ def test_forces_and_depths_are_those_of_mujoco(cone, dimension, callback):
     assert (contact.geoms, contact.bodies) == (("crate", "plate"), ("box", "deck"))
 
 
+@pytest.mark.parametrize("callback", ["native", "python"])
+def test_a_strike_takes_up_the_energy_that_the_motion_loses(callback):
+    world = deck({"d": 'pos="0 0 .1"'}, inside='<geom name="plate" type="box" size="1 1 .05"/>')
+    ball = '<geom name="bump" type="sphere" size=".05" mass="20"/><site name="p" pos="0 0 -.2"/>'
+    world += f'<body name="ball" pos="0 0 .3"><freejoint/>{ball}</body>'
+    pair = (
+        '<contact><pair geom1="bump" geom2="plate" condim="1" solref="-40000 -150" solimp=".001 .001 .001"/></contact>'
+    )
+    law = wr.KelvinVoigt(k=1e-6, c=0.0)  # as good as no spring
+    isolator = wr.Isolator(name="a", roll=law, shear=law, axial=law)
+    system = wr.load_system(mjcf(world, [("m", "p", "d", "a")], gravity=G, other=pair), isolators={"a": isolator})
+    lost = {}
+    for step in (1e-4, 1.25e-5):
+        with pytest.warns(wr.AccuracyWarning):
+            r = wr.simulate(
+                system, quiet(), duration=0.35, timestep=step, initial="unloaded", callback=callback, sample_rate=5000.0
+            )
+        ball, (name,) = r.bodies["ball"], r.contacts
+        energy = 20.0 * (0.5 * (ball.velocity**2).sum(axis=1) + G * ball.position[:, 2])
+        lost[step] = float(energy[0] - energy[-1])
+        assert r.peaks.contacts[name].touches == 1
+        assert lost[step] > 5.0
+        # The damping begins with its full power m b v^2 somewhere within a step: half a step of it is not known.
+        power = 20.0 * 150.0 * 2.0 * G * 0.2
+        assert r.peaks.contacts[name].energy == pytest.approx(lost[step], abs=0.5 * step * power)
+        # All that touches the ball is the plate: its force is m (a + g), and its gap is its height above it.
+        pressed = 20.0 * (ball.acceleration[:, 2] + G)
+        np.testing.assert_allclose(r.contacts[name].force, pressed, rtol=1e-6, atol=1e-5)
+        np.testing.assert_allclose(r.contacts[name].gap, ball.position[:, 2] - 0.05 - 0.05, atol=1e-12)
+    assert lost[1e-4] == pytest.approx(lost[1.25e-5], rel=2e-3)
+
+
+def test_histories_of_contacts_come_back_from_a_streamed_file_and_have_their_peaks(table, struck, tmp_path):
+    with pytest.warns(wr.AccuracyWarning):
+        streamed = wr.simulate(table, shock(60.0), duration=0.12, timestep=STEP, out=tmp_path)
+    assert list(streamed.contacts) == list(table.assembly.contacts) == list(struck.contacts)
+    for name, pair in struck.contacts.items():
+        np.testing.assert_array_equal(streamed.contacts[name].force, pair.force)
+        np.testing.assert_array_equal(streamed.contacts[name].gap, pair.gap)
+        peak = struck.peaks.contacts[name]
+        assert pair.force.max() <= peak.force <= 1.02 * pair.force.max()  # samples at 1 kHz, steps at 2 kHz
+        assert -pair.gap.min() == pytest.approx(peak.penetration, rel=1e-2)
+        assert ((pair.force > 0.0) <= (pair.gap < 0.0)).all()
+
+
+def test_a_gap_is_there_when_the_kernel_computes_the_run(table):
+    r = wr.simulate(table, shock(10.0), duration=0.12, timestep=STEP)
+    assert r.numerics.engine == "kernel"
+    by_mujoco = wr.simulate(table, shock(10.0), duration=0.12, timestep=STEP, engine="mujoco")
+    for name, pair in r.contacts.items():
+        assert not pair.force.any()
+        assert pair.gap.min() > 0.0
+        np.testing.assert_allclose(pair.gap, by_mujoco.contacts[name].gap, atol=1e-9)
+
+
 def test_stops_that_carry_from_the_start_are_not_struck():
     r = wr.simulate(floor_on_stops(), quiet(), duration=0.1, timestep=STEP)  # without a warning
     assert [(c.from_start, c.touches, c.first_touch, c.struck) for c in r.peaks.contacts.values()] == [

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.columns import same_columns
 from wirerope_mj.engine.response.response import FILE
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.system import Changes, System, load_system
@@ -80,7 +81,7 @@ def check_one_run(folder: Path, content: Mapping[str, Any], system: System, resp
             raise RecordError(
                 f"{folder / SCENARIO}: `{name}` is {here}, and {FILE} was computed with {there}. {_REMEDY}"
             )
-    if column_plan(system).names != response.samples.names:
+    if not same_columns(response.samples.names, column_plan(system).names):
         raise RecordError(
             f"{folder}: the bodies, points and mounts of {content['model']['file']} are not those of {FILE}. {_REMEDY}"
         )

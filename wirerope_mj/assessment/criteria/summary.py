@@ -67,5 +67,6 @@ def _contacts(response: Response, verdicts: Sequence[Verdict]) -> list[dict[str,
             "penetration_m": contact.penetration,
             "penetration_time_s": contact.penetration_time,
         }
+        | ({} if contact.energy is None else {"energy_J": contact.energy})
         for name, contact in response.peaks.contacts.items()
     ]

@@ -59,13 +59,11 @@ def animated_modes(system: System, modes: Modes) -> ModeAnimation:
     )
     values = _values(system, modes, rest, plan, amplitude)
     samples = MemorySamples(names=plan.names, values=values)
-    base, bodies, points, mounts = plan.parts(samples)
+    parts = plan.parts(samples)
+    bodies, points, mounts = (parts[name] for name in ("bodies", "points", "mounts"))
     response = Response(
         time=values[:, 0].copy(),
-        base=base,
-        bodies=bodies,
-        points=points,
-        mounts=mounts,
+        **parts,
         peaks=Peaks(
             bodies={name: BodyPeaks(acceleration=_peak(body.acceleration)) for name, body in bodies.items()},
             points={

@@ -1,11 +1,11 @@
-"""Memory of contacts, updated at every step: first touch, largest normal force, deepest penetration of each pair of geoms.
+"""Memory of contacts, updated at every step: first touch, largest normal force, deepest point, work of each pair of geoms.
 
-A pair takes a row of the tracker's memory when it first touches; pairs beyond the last row share that one. A step without
-contacts costs one comparison.
+The first rows of the tracker's memory belong to the pairs that the model declares, in their order; any other takes a row when
+it first touches, and pairs beyond the last row share that one. A step without contacts costs one comparison.
 """
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.foundation.jit import inlined, njit
+from wirerope_mj.foundation.jit import index, inlined, njit
 
 FRICTIONLESS, PYRAMIDAL, ELLIPTIC = 5, 6, 7
 """mjCNSTR_CONTACT_FRICTIONLESS, _PYRAMIDAL and _ELLIPTIC: how the forces of a contact stand in efc_force."""
@@ -22,6 +22,22 @@ def normal_force(force, address, kind, dimension):
     return total
 
 
+@njit
+def absorbed_power(force, rate, address, kind, dimension):
+    """Return the power that a contact takes up from what meets in it, friction included [W]."""
+    rows = 2 * (dimension - 1) if kind == PYRAMIDAL else 1 if kind == FRICTIONLESS else dimension
+    total = 0.0
+    for row in range(rows):
+        total -= force[address + row] * rate[address + row]
+    return total
+
+
+@inlined
+def pair_number(one, other):
+    """Return one number for two geoms in any order; MuJoCo calls a flexible body -1."""
+    return (min(one, other) + 1.0) * at.MOST_GEOMS + max(one, other) + 1.0
+
+
 @inlined
 def begin_contacts(lay, i, u, w, n_contacts):
     """Prepare the memory for the contacts of a step: empty at the first one, without forces of this step at the others."""
@@ -34,39 +50,45 @@ def begin_contacts(lay, i, u, w, n_contacts):
         if first:
             for c in range(at.CONTACT_MEMORY):
                 u[m + at.CONTACT_MEMORY * row + c] = 0.0
+            geoms = i + int(lay[i + at.PAIRS]) + at.PAIR_COLUMNS * row
+            declared = row < lay[i + at.N_PAIRS]
+            u[m + at.CONTACT_MEMORY * row + at.GEOMS] = pair_number(lay[geoms], lay[geoms + 1]) if declared else at.FREE
         u[m + at.CONTACT_MEMORY * row + at.FORCE_NOW] = 0.0
 
 
 @njit
 def contact_row(u, m, n_rows, one, other):
     """Return the row of a pair of geoms, a free one if it has not touched before; the last one is shared."""
+    pair = pair_number(one, other)
     for row in range(n_rows):
         k = m + at.CONTACT_MEMORY * row
-        if u[k + at.TOUCHES] == 0.0:
-            u[k + at.GEOMS], u[k + at.GEOMS + 1] = one, other
-            return k
-        if (u[k + at.GEOMS] == one and u[k + at.GEOMS + 1] == other) or (
-            u[k + at.GEOMS] == other and u[k + at.GEOMS + 1] == one
-        ):
+        if u[k + at.GEOMS] == at.FREE:
+            u[k + at.GEOMS] = pair
+        if u[k + at.GEOMS] == pair:
             return k
     k = m + at.CONTACT_MEMORY * (n_rows - 1)
-    u[k + at.GEOMS], u[k + at.GEOMS + 1] = at.SEVERAL, at.SEVERAL
+    u[k + at.GEOMS] = at.SEVERAL
     return k
 
 
 @njit
-def track_contact(lay, i, u, w, time, one, other, distance, force):
-    """Update the memory of a pair of geoms with one of its contact points: distance [m], negative inside, and force [N]."""
+def track_contact(lay, i, u, w, time, one, other, distance, force, power):
+    """Update the memory of a pair of geoms with one contact point: distance [m], negative inside, force [N], power [W]."""
     if distance >= 0.0 and force <= 0.0:  # within a margin, but not pressed
         return
     row = contact_row(u, w + int(lay[i + at.USER_CONTACTS]), int(lay[i + at.N_CONTACTS]), one, other)
-    touch(u, w, row, time, -distance, force)
+    touch(u, w, row, time, -distance, force, power)
 
 
 @njit
-def touch(u, w, k, time, depth, force):
-    """Update the memory in row `k` with a touch at this step: depth [m] and force [N], which adds to what pressed already."""
+def touch(u, w, k, time, depth, force, power):
+    """Update the memory in row `k` with a touch at this step: depth [m], force [N], which adds to what presses, power [W].
+
+    The work is the sum of power times step: the trapezoidal rule, as a touch begins and ends without a force.
+    """
     before = u[w + at.TIME_1]
+    if u[w + at.HISTORY] > 0.0:
+        u[k + at.WORK] += power * (time - before)
     if u[k + at.TOUCHES] == 0.0:
         u[k + at.FIRST_TOUCH], u[k + at.TOUCHES] = time, 1.0
         u[k + at.FROM_START] = 1.0 if u[w + at.HISTORY] == 0.0 else 0.0
@@ -80,3 +102,13 @@ def touch(u, w, k, time, depth, force):
         u[k + at.FORCE_PEAK], u[k + at.FORCE_TIME] = u[k + at.FORCE_NOW], time
     if depth > u[k + at.DEPTH]:
         u[k + at.DEPTH], u[k + at.DEPTH_TIME] = depth, time
+
+
+@inlined
+def write_forces(lay, i, u, w, time, s, o):
+    """Write the normal force of every declared pair at this instant to the sensor values from `o` on [N]."""
+    m = w + index(lay[i + at.USER_CONTACTS])
+    for pair in range(index(lay[i + at.N_PAIRS])):
+        k = m + at.CONTACT_MEMORY * pair
+        touching = u[k + at.TOUCHES] > 0.0 and u[k + at.LAST_TOUCH] == time
+        s[o + pair] = u[k + at.FORCE_NOW] if touching else 0.0

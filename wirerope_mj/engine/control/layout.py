@@ -24,8 +24,8 @@ PARAMETERS = "wirerope/parameters"
 N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
 MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONTACTS, N_STOPS = range(7, 18)
 USER_MOUNTS, USER_RATES, USER_ACCELERATIONS, USER_CHANNELS, USER_CONTACTS, USER_STOPS = range(18, 24)  # see `UserData`
-N_FORCES, FORCES, USER_FORCES = range(24, 27)
-HEADER = 27
+N_FORCES, FORCES, USER_FORCES, N_PAIRS, PAIRS = range(24, 29)
+HEADER = 29
 
 # columns of the tables
 # payload site, base site, payload body, base body, payload root, base root, base takes the reaction, and what follows
@@ -39,6 +39,7 @@ BODY_COLUMNS = 2  # body, root
 POINT_COLUMNS = 7  # site, body, root, base body, point from the base body's centre of mass as modelled (3)
 TREE_COLUMNS = 3  # parent, first dof, number of dofs; one row per body of the model
 FORCE_COLUMNS = 2  # site, body; a row for every site at which a force may act
+PAIR_COLUMNS = 2  # the two geoms; a row for every pair that the model declares
 CHANNEL_COLUMNS = 1  # index of a 3-vector among the system's sensor values
 
 # userdata, relative to the system's first entry
@@ -64,10 +65,12 @@ PEAK, PEAK_TIME, PEAK_VECTOR = 18, 19, 20  # of the norm
 CHANNEL_MEMORY = 23
 
 # memory of the contacts of one pair of geoms, and of one stop among the mounts' laws (which has no geoms)
-GEOMS, TOUCHES, FROM_START, FIRST_TOUCH, LAST_TOUCH, TOUCHED_FOR, FORCE_NOW = 0, 2, 3, 4, 5, 6, 7
+GEOMS, WORK, TOUCHES, FROM_START, FIRST_TOUCH, LAST_TOUCH, TOUCHED_FOR, FORCE_NOW = range(8)
 FORCE_PEAK, FORCE_TIME, DEPTH, DEPTH_TIME = 8, 9, 10, 11
 CONTACT_MEMORY = 12
 SEVERAL = -2.0  # instead of geoms: the row is shared by all pairs for which there was none left
+FREE = -3.0  # instead of geoms: nothing has the row yet
+MOST_GEOMS = 1 << 24  # by which the number of a pair is that of its first geom and of its second
 
 
 @dataclass(frozen=True, kw_only=True)

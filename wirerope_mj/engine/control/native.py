@@ -7,7 +7,7 @@ from typing import NamedTuple
 from numba import types
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.contacts import begin_contacts, normal_force, track_contact
+from wirerope_mj.engine.control.contacts import absorbed_power, begin_contacts, normal_force, track_contact
 from wirerope_mj.engine.control.loads import apply_loads, clear_loads
 from wirerope_mj.engine.control.mounts import apply_mounts, copy_rates, drive_base, remove_overshoot
 from wirerope_mj.engine.control.observer import observe
@@ -92,14 +92,16 @@ def _contacts(d, lay, u, time, in_data, in_contact):  # type: ignore[no-untyped-
     if number == 0 or lay[at.N_CONTACTS] == 0.0:
         return
     contact, force, kinds = int64_array(d + in_data[1])[0], member(d, in_data[2], 0), int32_member(d, in_data[3])
+    rate = member(d, in_data[4], 0)
     for _ in range(number):
         address = int32_array(contact + in_contact[3])[0]
         if address >= 0:  # otherwise MuJoCo left it out
             geoms = int32_array(contact + in_contact[1])
-            pressed = normal_force(force, address, kinds[address], int32_array(contact + in_contact[2])[0])
+            kind, dimension = kinds[address], int32_array(contact + in_contact[2])[0]
             track_contact(
-                lay, 0, u, 0, time, float(geoms[0]), float(geoms[1]), float64_array(contact + in_contact[0])[0], pressed
-            )
+                lay, 0, u, 0, time, float(geoms[0]), float(geoms[1]), float64_array(contact + in_contact[0])[0],
+                normal_force(force, address, kind, dimension), absorbed_power(force, rate, address, kind, dimension),
+            )  # fmt: skip
         contact += in_contact[4]
 
 
@@ -154,7 +156,7 @@ def native_callbacks() -> Callbacks:
     control_fields = tuple(data[name] for name in CONTROL_FIELDS)
     sensor_fields = tuple(data[name] for name in SENSOR_FIELDS)
     time, userdata, act_dot = data["time"], data["userdata"], data["act_dot"]
-    in_data = tuple(data[name] for name in ("ncon", "contact", "efc_force", "efc_type"))
+    in_data = tuple(data[name] for name in ("ncon", "contact", "efc_force", "efc_type", "efc_vel"))
     contact = offsets("mjContact")
     in_contact = (*(contact[name] for name in ("dist", "geom", "dim", "efc_address")), size_of("mjContact"))
 

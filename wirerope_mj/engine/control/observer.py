@@ -8,6 +8,7 @@ around an extreme; a parabola is never drawn across a corner of the base motion.
 import math
 
 from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.contacts import write_forces
 from wirerope_mj.foundation.jit import index, inlined, njit
 
 
@@ -179,5 +180,6 @@ def observe(
                 s[o] = act[a + index(lay[axis + 2]) + k]
                 o += 1
             axis += at.AXIS_COLUMNS
+    write_forces(lay, i, u, w, time, s, o)
     if u[w + at.OBSERVING] != 0.0:
         track_peaks(lay, i, u, w, time, s, first)

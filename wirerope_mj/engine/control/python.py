@@ -5,7 +5,7 @@ from typing import Any
 import mujoco
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.contacts import begin_contacts, normal_force, track_contact
+from wirerope_mj.engine.control.contacts import absorbed_power, begin_contacts, normal_force, track_contact
 from wirerope_mj.engine.control.loads import apply_loads, clear_loads
 from wirerope_mj.engine.control.mounts import apply_mounts, copy_rates, drive_base, remove_overshoot
 from wirerope_mj.engine.control.native import ACCELERATION_STAGE, Callbacks
@@ -85,11 +85,13 @@ def _track_contacts(v: Any, data: mujoco.MjData) -> None:
     begin_contacts(v.numeric, v.layout, v.d_userdata, v.userdata, data.ncon)
     if not data.ncon or not v.numeric[v.layout + at.N_CONTACTS]:
         return
-    force, kinds = data.efc_force, data.efc_type
+    force, rate, kinds = data.efc_force, data.efc_vel, data.efc_type
     for contact in data.contact:
-        if contact.efc_address >= 0:
+        address, dimension = contact.efc_address, contact.dim
+        if address >= 0:
             track_contact(
                 v.numeric, v.layout, v.d_userdata, v.userdata, data.time,
                 float(contact.geom[0]), float(contact.geom[1]), contact.dist,
-                normal_force(force, contact.efc_address, kinds[contact.efc_address], contact.dim),
+                normal_force(force, address, kinds[address], dimension),
+                absorbed_power(force, rate, address, kinds[address], dimension),
             )  # fmt: skip

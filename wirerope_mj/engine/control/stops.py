@@ -1,4 +1,4 @@
-"""Memory of the stops among the mounts' laws, updated at every step: first touch, largest force and deepest point of each.
+"""Memory of the stops among the mounts' laws, updated at every step: first touch, largest force, deepest point, work of each.
 
 Every `Stop`, alone on an axis or in parallel with other laws, has a row of its own behind those of contacts, in the order of
 mounts, axes and laws. A system without stops costs one comparison.
@@ -9,7 +9,7 @@ from wirerope_mj.engine.control.contacts import touch
 from wirerope_mj.engine.control.mounts import point_velocity
 from wirerope_mj.foundation.jit import index, njit
 from wirerope_mj.mounts.laws.kernels import PARALLEL, STOP
-from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, LOSS, VISCOUS, stop_force
+from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, LOSS, stop_force
 
 
 @njit
@@ -49,15 +49,11 @@ def track_stops(lay, i, par, q, u, w, act, a, time, site_xpos, site_xmat, subtre
                 x = u[record + c]
                 depth = max(-x - par[p + BELOW], x - par[p + ABOVE])
                 if depth > 0.0:
-                    v = (
-                        rate_along(lay, m, c, site_xpos, site_xmat, subtree_com, cvel)
-                        if par[p + VISCOUS] != 0.0
-                        else 0.0
-                    )
-                    force = abs(stop_force(par, p, x, v, act[z] if par[p + LOSS] != 0.0 else 0.0))
-                    if force > 0.0:
+                    v = rate_along(lay, m, c, site_xpos, site_xmat, subtree_com, cvel)
+                    pull = stop_force(par, p, x, v, act[z] if par[p + LOSS] != 0.0 else 0.0)
+                    if pull != 0.0:
                         u[row + at.FORCE_NOW] = 0.0
-                        touch(u, w, row, time, depth, force)
+                        touch(u, w, row, time, depth, abs(pull), pull * v)
                 row += at.CONTACT_MEMORY
             axis += at.AXIS_COLUMNS
         record += 6

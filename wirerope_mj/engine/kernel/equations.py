@@ -91,6 +91,7 @@ def equations_of(system: System) -> Equations:
     n_links, n_states = len(bodies.links), tables.user.n_states
     n_values = int(sum(control.POINT_VALUES if row[3] else control.KINEMATICS for row in frames))
     n_values += control.MOUNT_VALUES * len(mounts) + n_states
+    n_values += int(tables.layout[control.N_PAIRS])  # no pair of geoms touches here, and their forces stay zero
     counts = {
         at.N_LINKS: n_links, at.N_TREES: len(parts[1]), at.NQ: model.nq, at.NV: model.nv, at.N_STATES: n_states,
         at.N_MOUNTS: len(mounts), at.N_FRAMES: len(frames), at.N_CHANNELS: tables.tracked.size, at.N_STOPS: len(stops),

@@ -174,9 +174,12 @@ def tick(clock, time):
 
 
 @njit
-def touch(work, k, clock, time, depth, force):
-    """Update the memory of a stop where it pushes, force > 0 [N] at a depth [m]."""
-    pushes, before = force > 0.0, clock[TIME_1]
+def touch(work, k, clock, time, depth, pull, rate):
+    """Update the memory of a stop where it pushes: its restoring force [N] at a depth [m], and the deflection's rate [m/s]."""
+    force, before = abs(pull), clock[TIME_1]
+    pushes = force > 0.0
+    if clock[HISTORY] > 0.0:
+        work[k + control.WORK] += pull * rate * (time - before)
     fresh = pushes & (work[k + control.TOUCHES] == 0.0)
     last, again = work[k + control.LAST_TOUCH], pushes & (work[k + control.TOUCHES] > 0.0)
     stays = again & (last == before) if before < time else again & (last > time)
@@ -203,5 +206,5 @@ def track_stops(lay, num, y, work, clock, time):
         depth = max(-x - num[p + BELOW], x - num[p + ABOVE])
         if some(depth > 0.0):
             w = y[z + lay[row + 2]] if lay[row + 3] else 0.0 * x
-            touch(work, k, clock, time, depth, where(depth > 0.0, abs(stop_force(num, p, x, rate, w)), 0.0))
+            touch(work, k, clock, time, depth, where(depth > 0.0, stop_force(num, p, x, rate, w), 0.0), rate)
         k, row = k + control.CONTACT_MEMORY, row + 4

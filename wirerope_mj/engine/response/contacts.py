@@ -22,6 +22,8 @@ class ContactPeak:
         force_time: its instant [s]; None without a force.
         penetration: deepest penetration [m].
         penetration_time: its instant [s]; None without one.
+        energy: what it took up from the motion, friction included [J]: dissipated once it is open again; None if they
+            never touch, and in older responses.
     """
 
     geoms: tuple[str, str]
@@ -35,6 +37,7 @@ class ContactPeak:
     force_time: float | None = None
     penetration: float = 0.0
     penetration_time: float | None = None
+    energy: float | None = None
 
     @property
     def struck(self) -> bool:

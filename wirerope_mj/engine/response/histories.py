@@ -122,6 +122,23 @@ class MountResponse(_Columns):
         return {name: states[:, i] for i, name in enumerate(self.state_names)}
 
 
+@dataclass(frozen=True, repr=False)
+class ContactResponse(_Columns):
+    """Force and gap of a pair of geoms that the model declares; the forces of all such pairs stand before their gaps."""
+
+    n_pairs: int
+
+    @cached_property
+    def force(self) -> Array:
+        """Normal force of all contact points together [N], (n_t,)."""
+        return self._part(0, 1)[:, 0]
+
+    @cached_property
+    def gap(self) -> Array:
+        """Gap between the two [m], negative where they are pressed into each other, (n_t,)."""
+        return self._part(self.n_pairs, 1)[:, 0]
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class BaseResponse(Brief):
     """Motion of the base, from the closed form that drove it; right-hand limits at jumps.

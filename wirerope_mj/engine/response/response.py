@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +11,7 @@ from wirerope_mj.engine.response.export import exported_samples
 from wirerope_mj.engine.response.histories import (
     BaseResponse,
     BodyResponse,
+    ContactResponse,
     MountResponse,
     Numerics,
     PointResponse,
@@ -38,6 +39,7 @@ class Response(Exportable, Summarised):
         bodies: motion of every moving body by name.
         points: motion of every site `point/NAME` by NAME.
         mounts: every mount by name.
+        contacts: every pair of geoms that the model declares, by name; what else touched has peaks alone.
         peaks: peaks over every step, not only over the samples.
         scene: what can be drawn.
         motion: the base motion as plain values, as `BaseMotion.to_dict` wrote it.
@@ -52,6 +54,7 @@ class Response(Exportable, Summarised):
     bodies: Mapping[str, BodyResponse]
     points: Mapping[str, PointResponse]
     mounts: Mapping[str, MountResponse]
+    contacts: Mapping[str, ContactResponse] = field(default_factory=dict)
     peaks: Peaks
     scene: Scene
     motion: dict[str, Any]
@@ -106,16 +109,21 @@ class Response(Exportable, Summarised):
         """The samples as a table for other programs."""
         return exported_samples(self.samples, {"motion": str(self.motion.get("kind", "")), "model": self.scene.name})
 
-    def save(self, folder: str | Path) -> None:
-        """Write `response.parquet` into `folder` (made if missing), atomically; one that is there is replaced."""
-        names = self.samples.names
-        plan = ColumnPlan(
+    @property
+    def plan(self) -> ColumnPlan:
+        """What the samples' columns mean."""
+        return ColumnPlan(
             bodies=list(self.bodies),
             points=list(self.points),
             mounts=[(name, mount.state_names) for name, mount in self.mounts.items()],
+            contacts=list(self.contacts),
         )
+
+    def save(self, folder: str | Path) -> None:
+        """Write `response.parquet` into `folder` (made if missing), atomically; one that is there is replaced."""
+        names = self.samples.names
         parts = ("peaks", "scene", "motion", "events", "numerics", "initial_state", "final_state")
-        content = response_metadata(plan=plan, **{part: getattr(self, part) for part in parts})
+        content = response_metadata(plan=self.plan, **{part: getattr(self, part) for part in parts})
         write_rows(Path(folder) / FILE, names, self.samples.columns(0, len(names)), content)
 
 
@@ -133,13 +141,9 @@ def response_of(
     path: Path | None = None,
 ) -> Response:
     """Return the response whose samples stand in the columns of `plan`."""
-    base, bodies, points, mounts = plan.parts(samples)
     return Response(
         time=samples.columns(0, 1)[:, 0],
-        base=base,
-        bodies=bodies,
-        points=points,
-        mounts=mounts,
+        **plan.parts(samples),
         peaks=peaks,
         scene=scene,
         motion=motion,
@@ -175,4 +179,5 @@ def response_metadata(
         "bodies": list(plan.bodies),
         "points": list(plan.points),
         "mounts": [[name, list(states)] for name, states in plan.mounts],
+        "contacts": list(plan.contacts),
     }

@@ -120,6 +120,7 @@ def _response(samples: FileSamples, content: dict[str, Any], path: Path) -> Resp
         bodies=content["bodies"],
         points=content["points"],
         mounts=[(name, tuple(states)) for name, states in content["mounts"]],
+        contacts=content.get("contacts", ()),  # older responses have none
     )
     initial, final = (State.from_plain(state) for state in content["states"])
     return response_of(

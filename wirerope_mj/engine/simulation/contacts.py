@@ -25,7 +25,8 @@ def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
         if row[at.GEOMS] == at.SEVERAL:
             contacts[OTHERS] = _touched(ContactPeak(geoms=(OTHERS, ""), bodies=("", "")), row)
         else:
-            pair = payload_first(model, base, (int(row[at.GEOMS]), int(row[at.GEOMS + 1])))
+            one, other = divmod(int(row[at.GEOMS]), at.MOST_GEOMS)
+            pair = payload_first(model, base, (one - 1, other - 1))
             contacts[contact_name(model, pair)] = _touched(untouched(model, pair), row)
     if OTHERS in contacts:
         contacts = {name: contact for name, contact in contacts.items() if contact.touches}
@@ -59,4 +60,5 @@ def _touched(contact: ContactPeak, row: Array) -> ContactPeak:
         force_time=float(row[at.FORCE_TIME]) if force else None,
         penetration=depth,
         penetration_time=float(row[at.DEPTH_TIME]) if depth else None,
+        energy=float(row[at.WORK]),
     )

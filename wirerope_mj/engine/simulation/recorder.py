@@ -10,6 +10,7 @@ from wirerope_mj.engine.response.histories import MemorySamples, Numerics
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import FILE, Response, response_metadata, response_of
 from wirerope_mj.engine.response.storage import load_response
+from wirerope_mj.engine.simulation.gaps import Gaps
 from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.simulation.scene import scene_of
 from wirerope_mj.engine.system import System, once_per_system
@@ -30,6 +31,8 @@ class Recorder:
         self._system, self._motion, self._times = system, motion, grid.sample_times
         self.plan = column_plan(system)
         self._names = self.plan.names.copy()
+        self._first_gap = len(self._names) - len(self.plan.contacts)
+        self._gaps = Gaps(system) if self.plan.contacts else None
         self._writer = TableWriter(out / FILE, self._names) if out is not None else None
         rows = min(STREAM_ROWS, self._times.size) if out is not None else self._times.size
         self._block = np.empty((rows, len(self._names)))
@@ -43,19 +46,21 @@ class Recorder:
         while len(values):
             row = first - self._written
             some = values[: self._block.shape[0] - row]
-            self._block[row : row + len(some), self.plan.first_sensor :] = some[
-                :, : len(self._names) - self.plan.first_sensor
-            ]
+            self._block[row : row + len(some), self.plan.first_sensor : self._first_gap] = some
             first, values = first + len(some), values[len(some) :]
             if self._writer is not None and first - self._written == self._block.shape[0]:
-                self._writer.write(self._with_base(self._block.shape[0]))
+                self._writer.write(self._completed(self._block.shape[0]))
                 self._written = first
 
-    def _with_base(self, rows: int) -> Array:
+    def _completed(self, rows: int) -> Array:
+        """Return the block's first rows with instants, base and gaps."""
         times = self._times[self._written : self._written + rows]
         self._block[:rows, 0] = times
         for column, part in enumerate((self._motion.displacement, self._motion.velocity, self._motion.acceleration)):
             self._block[:rows, 1 + 3 * column : 4 + 3 * column] = part(times)
+        if self._gaps is not None:
+            sensors = self._block[:rows, self.plan.first_sensor : self._first_gap]
+            self._block[:rows, self._first_gap :] = self._gaps.of(sensors)
         return self._block[:rows]
 
     def finish(self, start: State, final: State, peaks: Peaks, numerics: Numerics) -> Response:
@@ -69,7 +74,7 @@ class Recorder:
             "initial_state": State(values=start.values.copy(), time=start.time),  # others may start from it, too
             "final_state": final,
         }
-        rest = self._with_base(self._times.size - self._written)
+        rest = self._completed(self._times.size - self._written)
         if self._writer is None:
             return response_of(self.plan, MemorySamples(self._names, rest), **parts)
         if rest.size:
@@ -91,6 +96,7 @@ def column_plan(system: System) -> ColumnPlan:
         bodies=subjects.body_names,
         points=subjects.point_names,
         mounts=[(name, _state_names(system, name)) for name in system.mounts],
+        contacts=list(system.assembly.contacts),
     )
 
 

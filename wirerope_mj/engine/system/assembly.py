@@ -7,7 +7,7 @@ import numpy as np
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.response.contacts import ContactPeak
-from wirerope_mj.engine.system.contact_pairs import declared_contacts
+from wirerope_mj.engine.system.contact_pairs import declared_contacts, declared_pairs
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.engine.system.scratch import Scratch
 from wirerope_mj.engine.system.tables import DRIVE_ARMATURE, Subjects, Tables, make_tables
@@ -149,6 +149,7 @@ def _add_sensors(spec: mujoco.MjSpec, model: mujoco.MjModel, declared: list[Decl
     for mount in declared:
         n_states = sum(law.n_states for law in mount.isolator.axes.values() if law is not None)
         sizes[f"mount/{mount.name}"] = at.MOUNT_VALUES + n_states
+    sizes |= {f"contact/{pair}": 1 for pair in range(len(declared_pairs(model)))}
     for name, size in sizes.items():
         spec.add_sensor(
             name=name,

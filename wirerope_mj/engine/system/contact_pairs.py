@@ -18,12 +18,15 @@ def contact_capacity(model: mujoco.MjModel) -> int:
     return int(model.npair) + min(_pairs_by_type(model), MOST)
 
 
+def declared_pairs(model: mujoco.MjModel) -> list[tuple[int, int]]:
+    """Return the geoms of the model's declared pairs, in its order; none where contacts are disabled."""
+    pairs = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
+    return list(pairs)[: contact_capacity(model)]
+
+
 def declared_contacts(model: mujoco.MjModel, base: int) -> dict[str, ContactPeak]:
     """Return the model's declared pairs by name, as contacts that have not touched."""
-    if not contact_capacity(model):
-        return {}
-    declared = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
-    pairs = [payload_first(model, base, pair) for pair in declared]
+    pairs = [payload_first(model, base, pair) for pair in declared_pairs(model)]
     return {contact_name(model, pair): untouched(model, pair) for pair in pairs}
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.system.contact_pairs import contact_capacity
+from wirerope_mj.engine.system.contact_pairs import contact_capacity, declared_pairs
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
@@ -108,14 +108,15 @@ def make_tables(
         list(zip(model.body_parentid, model.body_dofadr, model.body_dofnum, strict=True)),
         channels,
         [[site, model.site_bodyid[site]] for site in on.forces],
+        declared_pairs(model),
     ]
     flat = [np.array(part, dtype=np.float64).ravel() for part in parts]
     starts = at.HEADER + np.concatenate([[0], np.cumsum([part.size for part in flat])])
     header = np.zeros(at.HEADER)
     counts = (len(declared), len(on.driven), len(on.bodies), len(on.points), model.nbody, n_states, len(channels))
     header[: len(counts)] = counts
-    header[at.MOUNTS : at.CHANNELS + 1], header[at.FORCES] = starts[:-2], starts[-2]
-    header[at.N_FORCES] = len(on.forces)
+    header[at.MOUNTS : at.CHANNELS + 1], header[at.FORCES], header[at.PAIRS] = starts[:-3], starts[-3], starts[-2]
+    header[at.N_FORCES], header[at.N_PAIRS] = len(on.forces), len(declared_pairs(model))
     header[at.SENSOR] = sensor
     header[at.N_SLIPPING] = _slipping(axes)
     header[at.N_CONTACTS] = n_contacts = contact_capacity(model)

@@ -10,6 +10,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import SIDES
+from wirerope_mj.views.contact_histories import Touching
 from wirerope_mj.views.plots.report_image import crest, short
 from wirerope_mj.views.plots.svg_chart import BASE, OTHERS, Chart, Curve, Panel
 from wirerope_mj.views.selection import NAMED, Selection
@@ -84,6 +85,23 @@ def deflections_chart(response: Response, names: Sequence[str], selection: Selec
         limits = [(f"rated travel of {short(names[0])}", level) for level in _ratings(travel, axis)]
         panels.append((curves, f"{axis} [mm]", limits))
     return _histories(panels, selection.window, "mm")
+
+
+def contacts_chart(struck: Sequence[Touching], time: Array, window: tuple[float, float]) -> Chart:
+    """Return forces of some contacts over time, at most `MOST`, and below them the gaps that are known."""
+    few = struck[:MOST]
+    forces = [
+        Curve(x=time, y=in_unit(one.force, "kN"), name=short(one.name), kind=kind) for kind, one in enumerate(few)
+    ]
+    gaps = [
+        Curve(x=time, y=in_unit(one.gap, "mm"), name=short(one.name), kind=kind)
+        for kind, one in enumerate(few)
+        if one.gap is not None
+    ]
+    panels = [Panel(curves=forces, ylabel="force [kN]", xlabel="" if gaps else "time [s]", xlim=window, unit="kN")]
+    if gaps:
+        panels.append(Panel(curves=gaps, ylabel="gap [mm]", xlabel="time [s]", xlim=window, unit="mm"))
+    return Chart(rows=[[panel] for panel in panels], height=110.0 if gaps else 190.0)
 
 
 def mount_loops_chart(response: Response, name: str, selection: Selection) -> Chart:

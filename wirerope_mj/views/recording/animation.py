@@ -8,7 +8,6 @@ from wirerope_mj.dynamics.frequency_response.samples import Points, along_branch
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.columns import ColumnPlan
 from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import unit_vector
@@ -109,20 +108,5 @@ def _largest(branch: Branch, orbit: PeriodicOrbit) -> int:
 
 def with_values(like: Response, values: Array) -> Response:
     """Return a response of other samples, (n_t, n_columns), with the same columns, scene and peaks."""
-    plan = ColumnPlan(
-        bodies=list(like.bodies),
-        points=list(like.points),
-        mounts=[(name, mount.state_names) for name, mount in like.mounts.items()],
-    )
     samples = MemorySamples(names=like.samples.names, values=values)
-    base, bodies, points, mounts = plan.parts(samples)
-    return replace(
-        like,
-        time=values[:, 0].copy(),
-        base=base,
-        bodies=bodies,
-        points=points,
-        mounts=mounts,
-        events=(),
-        samples=samples,
-    )
+    return replace(like, time=values[:, 0].copy(), **like.plan.parts(samples), events=(), samples=samples)

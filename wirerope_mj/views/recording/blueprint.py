@@ -11,7 +11,7 @@ from wirerope_mj.views.recording.cursor import PATH as CURSOR
 from wirerope_mj.views.recording.documents import VERDICT
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.graphs import Graphs
-from wirerope_mj.views.recording.histories import DIRECTIONS, UNITS, USED
+from wirerope_mj.views.recording.histories import CONTACT, DIRECTIONS, UNITS, USED
 from wirerope_mj.views.recording.lanes import lane_paths
 from wirerope_mj.views.recording.large import ROOT as LARGE
 from wirerope_mj.views.recording.large import large_factor
@@ -94,6 +94,8 @@ def _tabs(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], tab: str) ->
         for quantity in UNITS:
             views = [graph_view(graphs[quantity, axis], window) for axis in axes]
             tabs.append(rrb.Vertical(*views, name=f"{quantity.capitalize()}s"))
+    if contacts := [graph_view(graph, window) for key, graph in graphs.items() if key[0] == CONTACT]:
+        tabs.append(rrb.Vertical(*contacts, name="Contacts"))
     for axis in axes:
         views = [_loop_view(selection, plot) for plot in plots if plot.axis == axis]
         tabs.append(rrb.Grid(*views, grid_columns=grid_shape(len(views))[0], name=f"{axis.capitalize()} loops"))
@@ -116,7 +118,7 @@ def _overview(run: DrawnRun, graphs: Graphs) -> Any:
             origin=entity(), contents=lanes, name="Base, stops and limits", time_view=time_axis(selection.window)
         )
     )
-    return rrb.Vertical(*views, row_shares=[*([4.0] * (len(views) - 1)), 0.9 + 0.85 * len(lanes)], name="Overview")
+    return rrb.Vertical(*views, row_shares=[*([4.0] * (len(views) - 1)), 1.1 + 0.95 * len(lanes)], name="Overview")
 
 
 def _loop_view(selection: Selection, plot: LoopPlot) -> Any:

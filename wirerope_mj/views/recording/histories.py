@@ -14,6 +14,7 @@ from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.views.colours import DARK
+from wirerope_mj.views.contact_histories import touching
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
 from wirerope_mj.views.recording.graphs import (
     Graph,
@@ -47,6 +48,9 @@ _LATE = 10.0
 USED = "used"
 """Graph of the utilisation of limits."""
 
+CONTACT = "contact"
+"""Graphs of what stops and pairs of geoms do."""
+
 _ENTIRE = 1.0
 """Utilisation at which a limit is reached."""
 
@@ -62,6 +66,7 @@ def graphs_of_run(run: DrawnRun) -> Graphs:
     for axis in selection.axes:
         for quantity in UNITS:
             _add_mounts(graphs, run, quantity, axis)
+    _add_contacts(graphs, run)
     return graphs
 
 
@@ -119,6 +124,33 @@ def _add_mounts(graphs: Graphs, run: DrawnRun, quantity: str, axis: str) -> None
         near = _near_limits(response, worst, axis)
         limits = [_travel_limit((f"{side}_rated",), f"rated travel of {worst}", limit) for side, limit in near.items()]
     _add(graphs, (quantity, axis), f"{axis.capitalize()} {quantity} [{unit}]: {markers[0].text}", lines, limits)
+
+
+def _add_contacts(graphs: Graphs, run: DrawnRun) -> None:
+    """Add forces of stops and pairs of geoms that touched, and the gaps of these pairs."""
+    found, time = touching(run.response), run.response.time
+    gaps = [(one, one.gap) for one in found if one.gap is not None]
+    if found:
+        first = found[0].contact
+        marker = _peak_marker(found[0].name, first.force_time or 0.0, in_unit(first.force, "kN"), "kN")
+        labels = [f"{one.name} {in_unit(one.contact.force, 'kN'):.4g} kN" for one in found]
+        values = in_unit(np.stack([one.force for one in found], axis=1), "kN")
+        _add(
+            graphs,
+            (CONTACT, "force"),
+            f"Force of stops and contacts [kN]: {marker.text}",
+            _series(time, values, labels, marker),
+        )
+    if gaps:
+        values = in_unit(np.stack([gap for _, gap in gaps], axis=1), "mm")
+        lines = _series(time, values, [one.name for one, _ in gaps], None)
+        _add(graphs, (CONTACT, "gap"), "Gap of contacts [mm], below zero pressed", lines)
+
+
+def _series(time: Array, values: Array, labels: Sequence[str], marker: Marker | None) -> list[Lines]:
+    """Return histories of contacts, (n_t, n), the first with the colours of the table in its order."""
+    colors = [DARK.series[number % len(DARK.series)] for number in range(len(labels))]
+    return named_lines(time, values, labels, colors, _FINE * max(float(np.ptp(values)), 1e-9), marker)
 
 
 def _travel_limit(below: tuple[str, ...], name: str, limit: float) -> Limit:

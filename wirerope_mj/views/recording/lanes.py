@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.colours import DARK
@@ -27,15 +28,15 @@ _TAKEN = (
 
 def lane_paths(response: Response, selection: Selection) -> list[str]:
     """Return the entities of the lanes in their order; the viewer writes them beside the lanes."""
-    stops = [_path("stops")] if response.scene.stops else []
+    stops = [_path("stops")] if _pressing(response) is not None else []
     return [_path("base"), *stops, *(_path(name) for name in _subjects(selection))]
 
 
 def log_lanes(rec: Any, response: Response, selection: Selection) -> None:
     """Log the lanes of a run that is alone."""
     _log_lane(rec, "base", _phases(response), _PHASES)
-    if response.scene.stops:
-        closed = closed_at(response, response.scene.stops)
+    closed = _pressing(response)
+    if closed is not None:
         _log_lane(rec, "stops", [(float(response.time[row]), int(closed[row])) for row in changes(closed)], _STOPS)
     names = _subjects(selection)
     for used in selection.used:
@@ -50,6 +51,13 @@ def _subjects(selection: Selection) -> list[str]:
     """Return what comes near its limits, or else what comes nearest."""
     near = [used.subject for used in selection.used if used.largest >= NEAR]
     return (near or [used.subject for used in selection.used[:1]])[:_MOST]
+
+
+def _pressing(response: Response) -> npt.NDArray[np.bool_] | None:
+    """Return whether any stop or declared pair of geoms presses at each sample, (n_t,); None where there are none."""
+    pairs = [pair.force > 0.0 for pair in response.contacts.values()]
+    stops = [closed_at(response, response.scene.stops)] if response.scene.stops else []
+    return np.any([*pairs, *stops], axis=0) if pairs or stops else None
 
 
 def _path(name: str) -> str:
