@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.columns import same_columns
 from wirerope_mj.engine.response.scene import scene_to_dict
 from wirerope_mj.runs.folder import SUMMARY
 
@@ -30,10 +31,7 @@ _LABELS = ("criterion", "subject", "name")
 def sample_differences(stored: Response, again: Response) -> Iterator[Difference]:
     """Yield the differences of samples, relative to the largest of their vector: a component may be all but nothing."""
     names = stored.samples.names
-    same = (
-        again.samples.names if stored.contacts else again.samples.names[: len(names)]
-    )  # older ones end before contacts
-    if names != same or not np.array_equal(stored.time, again.time):
+    if not same_columns(names, again.samples.names) or not np.array_equal(stored.time, again.time):
         yield np.inf, "the columns or the sample instants themselves"
         return
     largest: dict[str, float] = {}
