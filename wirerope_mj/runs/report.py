@@ -19,10 +19,10 @@ from wirerope_mj.runs.checksums import update_checksums, warn_of_alterations
 from wirerope_mj.runs.frequency_response import KIND, MARKS
 from wirerope_mj.runs.judged import JudgedRun, judged_run, result_or_absent
 from wirerope_mj.runs.page import page_files, write_page
-from wirerope_mj.runs.run_spectra import run_densities, run_spectra
+from wirerope_mj.runs.run_spectra import RunSpectra, spectra_of
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
-from wirerope_mj.views.report import FinishedRun, report_content, report_html, worst_names
+from wirerope_mj.views.report import FinishedRun, report_content, report_html
 from wirerope_mj.views.selection import Selection, select
 
 
@@ -61,6 +61,7 @@ def report_page(
     response: Response,
     judged: JudgedRun,
     selection: Selection | None = None,
+    spectra: RunSpectra | None = None,
 ) -> str:
     """Return the report of a run as one HTML page.
 
@@ -71,12 +72,13 @@ def report_page(
         response: what came out.
         judged: verdicts on it.
         selection: what is shown of it; made here if it is not given.
+        spectra: of the run, in the same way.
     """
     arguments, written = content["simulate"], content.get("written")
     initial = str(arguments.get("initial", "settled"))
     gravity = float(np.linalg.norm(system.model.opt.gravity))
     histories = HISTORIES if gravity else HISTORIES[:1]  # without a load there is nothing to relax
-    names = worst_names(response)
+    spectra = spectra or spectra_of(motion, response, float(arguments["sample_rate"]))
     run = FinishedRun(
         name=str(content.get("name", response.scene.name)),
         question=str(content.get("question", "")),
@@ -93,8 +95,8 @@ def report_page(
         gravity=gravity,
         statics=judged.statics,
         modes={history: result_or_absent(partial(modes, system, history=history)) for history in histories},
-        spectra=run_spectra(motion, response, names, float(arguments["sample_rate"])),
-        densities=run_densities(motion, response, names),
+        spectra=spectra.shock,
+        densities=spectra.densities,
         verdicts=judged.verdicts,
         random=judged.random,
         versions=content.get("versions", {}),

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from wirerope_mj.motions.spectra.arguments import octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD
 from wirerope_mj.views.plots.report_motion import moving_axes
 from wirerope_mj.views.plots.report_response import acceleration_along
-from wirerope_mj.views.report import BASE
+from wirerope_mj.views.report import BASE, worst_names
 
 Q = 10.0
 """Amplification of the oscillators: the convention where nothing else is agreed."""
@@ -32,6 +33,21 @@ _LONG = 200_000  # samples from which spectra have fewer lines: each takes a hun
 _LINES, _FEW_LINES = 12, 6  # to an octave
 _STEADY = ("sweep", "sine", "vibration-lines")
 _LEAST_STEADY = 1.0  # [s] of stationary vibration below which a density is too uncertain to be shown
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunSpectra:
+    """Spectra of a run: shock response spectra, or why there are none, and densities, by axis and name."""
+
+    shock: Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent
+    densities: Mapping[str, Mapping[str, PowerSpectralDensity]]
+
+
+def spectra_of(motion: BaseMotion, response: Response, sample_rate: float) -> RunSpectra:
+    """Return the spectra of a run's base and of the bodies and points that are drawn."""
+    names = worst_names(response)
+    shock = run_spectra(motion, response, names, sample_rate)
+    return RunSpectra(shock=shock, densities=run_densities(motion, response, names))
 
 
 def run_spectra(

@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import tomli_w
 
@@ -31,6 +31,9 @@ from wirerope_mj.runs.progress_line import progress_line
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.summary import summary_content
 from wirerope_mj.views.selection import Selection, select
+
+if TYPE_CHECKING:
+    from wirerope_mj.runs.run_spectra import RunSpectra
 
 STREAM_SAMPLES = 10_000
 """Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
@@ -105,9 +108,10 @@ def write_run(
             content = summary_content(scenario.name, scenario.motion, response, judged, seconds=round(seconds, 3))
             (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
             selection = select(response, judged.verdicts)
-            _write_views(scenario, response, selection, beside, writing, state=state)
+            spectra = _spectra(scenario.motion, response, arguments)
+            _write_views(scenario, response, selection, spectra, beside, writing, state=state)
             writing("the report")
-            _write_report(text, system, scenario.motion, response, judged, selection, beside)
+            _write_report(text, system, scenario.motion, response, judged, selection, spectra, beside)
             write_checksums(beside)
 
 
@@ -173,16 +177,24 @@ def _scenario_text(
     return tomli_w.dumps(content, multiline_strings=True)
 
 
+def _spectra(motion: BaseMotion, response: Response, arguments: Mapping[str, Any]) -> "RunSpectra":
+    from wirerope_mj.runs.run_spectra import spectra_of  # late, as the pictures
+
+    return spectra_of(motion, response, float(arguments.get("sample_rate", SAMPLE_RATE)))
+
+
 def _write_views(
     scenario: Scenario,
     response: Response,
     selection: Selection,
+    spectra: "RunSpectra",
     folder: Path,
     writing: Callable[[str], None],
     *,
     state: bool,
 ) -> None:
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
+    from wirerope_mj.runs.over_frequency import panel_over_frequency
     from wirerope_mj.views.display import title_of
     from wirerope_mj.views.plots.histories import save_histories, save_mount_loops
     from wirerope_mj.views.plots.record_baseline import save_record_baseline
@@ -192,7 +204,8 @@ def _write_views(
     title, text = title_of(scenario.name), _scenario_markdown(scenario)
     writing("the recording")
     run = run_alone(response, selection)
-    write_alone(run, folder / "run.rrd", title=title, scenario_text=text, state=state)
+    panel = panel_over_frequency(scenario.motion, response, selection, spectra)
+    write_alone(run, folder / "run.rrd", title=title, scenario_text=text, state=state, panel=panel)
     writing("the pictures")
     save_histories(response, folder / "histories.png", selection, title=f"{title}: {scenario.motion.description}")
     if response.scene.isolating:
@@ -209,12 +222,13 @@ def _write_report(
     response: Response,
     judged: JudgedRun,
     selection: Selection,
+    spectra: "RunSpectra",
     folder: Path,
 ) -> None:
     from wirerope_mj.runs.page import REPORT  # late, as the pictures
     from wirerope_mj.runs.report import report_page
 
-    page = report_page(tomllib.loads(text), system, motion, response, judged, selection)
+    page = report_page(tomllib.loads(text), system, motion, response, judged, selection, spectra)
     (folder / REPORT).write_text(page, encoding="utf-8")
 
 

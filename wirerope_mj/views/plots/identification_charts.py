@@ -8,7 +8,8 @@ import numpy as np
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.identification.records import millimetres
 from wirerope_mj.mounts.identification.result import FittedLoop
-from wirerope_mj.views.plots.svg_chart import Chart, Curve, Panel
+from wirerope_mj.views.curves import Curve, Panel
+from wirerope_mj.views.plots.svg_chart import Chart
 
 MOST = 12
 """Loops of one chart: more cannot be read."""

@@ -9,7 +9,8 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.views.plots.svg_chart import Chart, Curve, Panel
+from wirerope_mj.views.curves import Curve, Panel
+from wirerope_mj.views.plots.svg_chart import Chart
 
 _FAINT = 1e-6  # of the largest component of a force, what is not drawn
 _STILL = 1e-12  # m: an axis that moves less does not move

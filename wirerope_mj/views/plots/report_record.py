@@ -4,7 +4,8 @@ import numpy as np
 
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Record
-from wirerope_mj.views.plots.svg_chart import Chart, Curve, Panel
+from wirerope_mj.views.curves import Curve, Panel
+from wirerope_mj.views.plots.svg_chart import Chart
 
 
 def record_chart(measured: Record, played: Record) -> Chart:

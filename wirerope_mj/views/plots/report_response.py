@@ -11,8 +11,9 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.views.contact_histories import Touching
+from wirerope_mj.views.curves import BASE, OTHERS, Curve, Panel
 from wirerope_mj.views.plots.report_image import crest, short
-from wirerope_mj.views.plots.svg_chart import BASE, OTHERS, Chart, Curve, Panel
+from wirerope_mj.views.plots.svg_chart import Chart
 from wirerope_mj.views.selection import NAMED, Selection
 
 MOST = 3

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
+from wirerope_mj.views.curves import BASE, Curve, Panel
 from wirerope_mj.views.plots.report_image import short
 from wirerope_mj.views.plots.report_response import kind_of
-from wirerope_mj.views.plots.svg_chart import BASE, Chart, Curve, Panel
+from wirerope_mj.views.plots.svg_chart import Chart
 from wirerope_mj.views.selection import Selection
 
 _DECADES, _POWER_DECADES = 2.5, 4.0  # below the largest that are drawn: less is nothing to design for

@@ -15,13 +15,11 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
 from wirerope_mj.views.colours import LIGHT, Color
+from wirerope_mj.views.curves import BASE, OTHERS, Curve, Panel
 from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
 WIDTH = 760.0
 """Width of a chart, in units of about a pixel of a page."""
-
-BASE, OTHERS = "base", "others"
-"""Kinds of curves beside the numbered ones of the table of colours."""
 
 _LEFT, _RIGHT, _GAP = 58.0, 12.0, 66.0
 _TITLE, _LEGEND, _BELOW, _BETWEEN = 18.0, 17.0, 34.0, 14.0
@@ -29,43 +27,6 @@ _LETTER = 6.1  # width of a letter of a legend, on the average
 _SWATCH = 24.0
 _FINE = 1 / 500  # of a panel's height, that a line may be off
 _ROOM = 0.05  # of the range, left free above and below
-
-
-@dataclass(frozen=True, kw_only=True)
-class Curve:
-    """A line: positions (n,), a name, and its kind, the number of a colour, `BASE` or `OTHERS`."""
-
-    x: Array
-    y: Array
-    name: str
-    kind: int | str
-
-
-@dataclass(frozen=True, kw_only=True)
-class Panel:
-    """Curves between two axes.
-
-    Attributes:
-        curves: the first in front.
-        ylabel, xlabel, title: texts; "" for none.
-        limits: levels that are dashed, with their names.
-        dots: positions of single points.
-        xlim, ylim: ranges; None for what the curves take.
-        log: whether both axes are logarithmic, or only the one across ("x").
-        unit, xunit: of the values that are read.
-    """
-
-    curves: Sequence[Curve]
-    ylabel: str
-    xlabel: str = ""
-    title: str = ""
-    limits: Sequence[tuple[str, float]] = ()
-    dots: Sequence[tuple[float, float]] = ()
-    xlim: tuple[float, float] | None = None
-    ylim: tuple[float, float] | None = None
-    log: str = ""
-    unit: str = ""
-    xunit: str = "s"
 
 
 @dataclass(frozen=True, kw_only=True)

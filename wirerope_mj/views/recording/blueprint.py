@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.curves import Panel
 from wirerope_mj.views.recording.camera import whole_scene
 from wirerope_mj.views.recording.cursor import PATH as CURSOR
 from wirerope_mj.views.recording.documents import VERDICT
@@ -17,6 +18,7 @@ from wirerope_mj.views.recording.large import ROOT as LARGE
 from wirerope_mj.views.recording.large import large_factor
 from wirerope_mj.views.recording.loops import LoopPlot, grid_shape
 from wirerope_mj.views.recording.mounts import BESIDE, close_up_of
+from wirerope_mj.views.recording.over_frequency import over_frequency_view
 from wirerope_mj.views.recording.paths import entity
 from wirerope_mj.views.recording.plan import ROOT as PLAN
 from wirerope_mj.views.recording.plan import plan_bounds
@@ -33,7 +35,7 @@ from wirerope_mj.views.recording.views import (
 from wirerope_mj.views.selection import Selection, main_direction
 
 
-def blueprint_of(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], *, tab: str) -> Any:
+def blueprint_of(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], panel: Panel | None, *, tab: str) -> Any:
     """Return the layout of the viewer for a run alone, with `tab` in front.
 
     Raises:
@@ -41,7 +43,7 @@ def blueprint_of(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], *, ta
     """
     import rerun.blueprint as rrb
 
-    top = rrb.Horizontal(_scenes(run), _tabs(run, graphs, plots, tab), column_shares=[5, 6], name="run")
+    top = rrb.Horizontal(_scenes(run), _tabs(run, graphs, plots, panel, tab), column_shares=[5, 6], name="run")
     banner = rrb.TextDocumentView(origin=entity(VERDICT), name="Verdict")
     texts = rrb.Tabs(
         rrb.TextDocumentView(origin=entity(*CURSOR), name="At the time cursor"),
@@ -83,7 +85,7 @@ def _scenes(run: DrawnRun) -> Any:
     return rrb.Vertical(whole, near, row_shares=[3, 2])
 
 
-def _tabs(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], tab: str) -> Any:
+def _tabs(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], panel: Panel | None, tab: str) -> Any:
     import rerun.blueprint as rrb
 
     selection = run.selection
@@ -99,6 +101,8 @@ def _tabs(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], tab: str) ->
     for axis in axes:
         views = [_loop_view(selection, plot) for plot in plots if plot.axis == axis]
         tabs.append(rrb.Grid(*views, grid_columns=grid_shape(len(views))[0], name=f"{axis.capitalize()} loops"))
+    if panel is not None:
+        tabs.append(rrb.Vertical(over_frequency_view(panel), name="Over frequency"))
     tabs.append(rrb.TextDocumentView(origin=entity("peaks"), name="Peaks"))
     tabs.append(rrb.TextDocumentView(origin=entity("verdicts"), name="Verdicts"))
     return tabs_with(tabs, "tab", tab)

@@ -22,6 +22,7 @@ _PHASES = (("at rest", _QUIET), ("base moves", _NEAR), ("free", _MOVING))
 
 _TAKEN = (
     "world", "histories", "loops", "events", "peaks", "scenario", "verdict", "verdicts", "cursor", "state", "plan", "large",
+    "frequencies",
 )  # fmt: skip
 """Entities at the root of a recording: a mount of such a name has its lane elsewhere."""
 

@@ -25,6 +25,7 @@ from wirerope_mj.assessment.comparison import Align, Inputs
 from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.tables import Table
+from wirerope_mj.views.curves import Panel
 from wirerope_mj.views.recording.blueprint import blueprint_of
 from wirerope_mj.views.recording.comparison_blueprint import loop_widths, overlay_blueprint
 from wirerope_mj.views.recording.comparison_text import overlay_texts
@@ -38,6 +39,7 @@ from wirerope_mj.views.recording.histories import graphs_of_overlay, graphs_of_r
 from wirerope_mj.views.recording.lanes import log_lanes
 from wirerope_mj.views.recording.large import large_factor, log_large
 from wirerope_mj.views.recording.loops import drawn_loops, frame_width, log_loops, loop_plots
+from wirerope_mj.views.recording.over_frequency import log_over_frequency
 from wirerope_mj.views.recording.paths import AtEvents, Below
 from wirerope_mj.views.recording.plan import log_plan
 from wirerope_mj.views.recording.properties import send_properties
@@ -93,13 +95,17 @@ def write_alone(
     scenario_text: str,
     tab: str = "Overview",
     state: bool = False,
+    panel: Panel | None = None,
 ) -> Path:
-    """Write a run alone, and return the path; the rest is as for `record_rerun`."""
+    """Write a run alone, and return the path; the rest is as for `record_rerun`.
+
+    `panel` is what is drawn over frequency.
+    """
     response = run.response
     graphs, loops = graphs_of_run(run), drawn_loops([run], run.selection)
     widths = {axis: frame_width(len(run.selection.shown(axis))) for axis in run.selection.axes}
     plots = loop_plots(loops, run.selection, widths)
-    layout = blueprint_of(run, graphs, plots, tab=tab)
+    layout = blueprint_of(run, graphs, plots, panel, tab=tab)
     texts = texts_of(run, title=title, scenario_text=scenario_text)
     target = target_of(path)
     with atomic_recording(target) as rec:
@@ -112,6 +118,8 @@ def write_alone(
         log_plan(shown, response, run.selection)
         if (factor := large_factor(run)) > 1.0:
             log_large(shown, run, factor)
+        if panel is not None:
+            log_over_frequency(shown, response, run.selection, panel)
         log_loops(shown, loops, plots)
         if state:
             log_state(rec, response)

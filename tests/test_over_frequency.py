@@ -1,0 +1,60 @@
+"""The tab of a recording with what stands over frequency, read back from its file, and contacts beside it."""
+
+import numpy as np
+import pytest
+from house import sdof
+from test_recording import column, entities
+
+import wirerope_mj as wr
+from wirerope_mj.runs.over_frequency import panel_over_frequency
+from wirerope_mj.runs.run_spectra import spectra_of
+from wirerope_mj.views.recording.drawn_runs import run_alone
+from wirerope_mj.views.recording.record import write_alone
+from wirerope_mj.views.selection import select
+
+G = wr.STANDARD_GRAVITY
+
+
+@pytest.fixture(scope="module")
+def mass():
+    return sdof(wr.KelvinVoigt(k=4e4, c=120.0))
+
+
+def recorded(response, motion, path):
+    """Return what is drawn over frequency, and the entities of the recording."""
+    selection, spectra = select(response), spectra_of(motion, response, 1000.0)
+    panel = panel_over_frequency(motion, response, selection, spectra)
+    write_alone(run_alone(response, selection), path, title="", scenario_text="", panel=panel)
+    return panel, entities(path)
+
+
+def over_time(batches):
+    """Return the instants [s] of a batch on the timeline of the simulation, and the batch."""
+    batch = next(batch for batch in batches if "sim_time" in batch.schema.names)
+    return np.asarray(batch["sim_time"]).astype("timedelta64[ns]").astype(float) * 1e-9, [batch]
+
+
+def test_the_cursor_of_a_sweep_stands_at_the_frequency_of_the_instant(mass, tmp_path):
+    sweep = wr.Sweep(start=2.0, stop=20.0, rate=60.0, acceleration=0.5 * G, direction="z")
+    response = wr.simulate(mass, sweep, duration=sweep.duration, timestep=1e-3)
+    _, found = recorded(response, sweep, tmp_path / "run.rrd")
+    times, now = over_time(found["/frequencies/data/now"])
+    places = np.array([spot[0] for spot in column(now, "Points2D:positions").to_pylist()])
+    octaves = np.log2(10.0 ** places[:, 0] / 2.0)
+    np.testing.assert_allclose(octaves, times * 60.0 / 60.0, atol=1e-5)  # an octave a second; positions are float32
+    assert column(now, "Points2D:labels")[0].as_py() == ["2 Hz"]
+
+
+def test_densities_and_shock_spectra_are_drawn_as_they_are(mass, tmp_path):
+    random = wr.RandomVibration(psd=[(5.0, 1.0), (100.0, 1.0)], duration=6.0, direction="z", seed=1)
+    shock = wr.HalfSine(peak=5.0 * G, duration=0.011, direction="z", start=0.05)
+    for motion, duration in ((random, 6.0), (shock, 0.5)):
+        response = wr.simulate(mass, motion, duration=duration, timestep=1e-3)
+        panel, found = recorded(response, motion, tmp_path / f"{duration}.rrd")
+        line = np.array(column(found["/frequencies/data/mass"], "LineStrips2D:strips")[0][0].as_py())
+        curve = next(curve for curve in panel.curves if curve.name == "mass")
+        across = 10.0 ** line[:, 0]
+        np.testing.assert_allclose(across, curve.x[: across.size], rtol=1e-5)
+        expected = np.maximum(curve.y[: across.size], panel.ylim[0])
+        np.testing.assert_allclose(10.0 ** line[:, 1], expected, rtol=1e-5)
+        assert "/frequencies/data/now" not in found

@@ -1,0 +1,139 @@
+"""What stands over frequency: accelerations of a sweep, with its frequency at the time cursor, or spectra of other runs."""
+
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
+from wirerope_mj.motions import Sweep, motion_from_dict
+from wirerope_mj.views.colours import DARK, Color
+from wirerope_mj.views.curves import BASE, Curve, Panel
+from wirerope_mj.views.recording.cursor import cursor_rows
+from wirerope_mj.views.recording.frame import HEIGHT, Plot, log_frame
+from wirerope_mj.views.recording.letters import known_letters
+from wirerope_mj.views.recording.paths import at, child, entity
+from wirerope_mj.views.selection import Selection
+
+ROOT = "frequencies"
+
+WIDTH = 150.0
+"""Width of the frame, so that it fills its pane."""
+
+_CURSOR: Color = (255, 255, 255)
+_LIFT = 2.4  # as `frame.LARGE`, for a view of three quarters of the screen's height
+_LEGEND, _LINE = (32.0, 2.0), 5.0  # where the first text stands and how far the next is below it, in units of the view
+
+
+def sweep_of(response: Response) -> Sweep | None:
+    """Return the sweep that the base does, None if it does something else."""
+    if response.motion.get("kind") != Sweep.kind:
+        return None
+    motion = motion_from_dict({name: value for name, value in response.motion.items() if name != "description"})
+    assert isinstance(motion, Sweep)
+    return motion
+
+
+def log_over_frequency(rec: Any, response: Response, selection: Selection, panel: Panel) -> None:
+    """Log frame and curves of a panel over frequency; of a sweep the frequency at the time cursor besides."""
+    plot, upright = _plot(panel), panel.log == "xy"
+    across = log_ticks(*(10.0**end for end in plot.across))
+    upward = log_ticks(*(10.0**end for end in plot.upward)) if upright else linear_ticks(*plot.upward)
+    names = [f"{value:.5g}" for value in across], [f"{value:.4g}" for value in upward]
+    path = entity(ROOT)
+    log_frame(
+        rec,
+        path,
+        plot,
+        across=np.log10(across),
+        upward=np.log10(upward) if upright else upward,
+        names=names,
+        lift=_LIFT,
+    )
+    data = child(path, "data")
+    rec.log(data, plot.transform(), static=True)
+    _log_curves(rec, data, panel, plot, upright=upright)
+    _log_now(rec, data, response, selection, plot)
+
+
+def _log_curves(rec: Any, data: str, panel: Panel, plot: Plot, *, upright: bool) -> None:
+    """Log the curves, the first in front, and the largest value of each."""
+    import rerun as rr
+
+    labels: list[tuple[str, Color]] = []
+    for number, curve in enumerate(reversed(panel.curves)):
+        inside = (curve.x > 0.0) & (np.log10(np.maximum(curve.x, 1e-300)) <= plot.across[1] + 1e-9)
+        across, upward = np.log10(curve.x[inside]), _height(curve.y[inside], plot, upright=upright)
+        color, order = _colour(curve), float(number)
+        line = rr.LineStrips2D(
+            [np.column_stack([across, upward])], colors=color, radii=rr.Radius.ui_points(1.0), draw_order=order
+        )
+        rec.log(child(data, curve.name), line, static=True)
+        top = int(np.argmax(upward))
+        text = f"{curve.name} {curve.y[inside][top]:.3g} {panel.unit} @ {curve.x[inside][top]:.4g} Hz"
+        dot = {"colors": color, "radii": rr.Radius.ui_points(3.0), "draw_order": 20.0 + order}
+        rec.log(child(data, curve.name, "peak"), rr.Points2D([[across[top], upward[top]]], **dot), static=True)
+        labels.append((text, color))
+    # Peaks often coincide: their texts stand in a column of their own.
+    places = [[_LEGEND[0], _LEGEND[1] + _LINE * row] for row in range(len(labels))]
+    texts, colors = zip(*reversed(labels), strict=True)
+    legend = rr.Points2D(places, labels=texts, colors=colors, radii=rr.Radius.ui_points(0.0), show_labels=True)
+    rec.log(entity(ROOT, "legend"), legend, static=True)
+
+
+def _log_now(rec: Any, data: str, response: Response, selection: Selection, plot: Plot) -> None:
+    """Log the frequency of a sweep at the time cursor as an upright line."""
+    import rerun as rr
+
+    sweep = sweep_of(response)
+    if sweep is None:
+        return
+    rows = cursor_rows(response.time, selection)
+    frequency = sweep.frequency(response.time[rows])
+    here = np.clip(np.log10(frequency), *plot.across)
+    low, high = plot.upward
+    spots = np.column_stack([here, np.full(rows.size, high)])
+    dot = {"colors": _CURSOR, "radii": rr.Radius.ui_points(4.0), "draw_order": 50.0, "show_labels": True}
+    rec.log(child(data, "now"), rr.Points2D.from_fields(**dot), static=True)
+    labels = [f"{value:.4g} Hz" for value in frequency]
+    times = at(response.time[rows])
+    rec.send_columns(child(data, "now"), times, rr.Points2D.columns(positions=spots, labels=labels))
+    look = {"colors": _CURSOR, "radii": rr.Radius.ui_points(0.7), "draw_order": 40.0}
+    rec.log(child(data, "cursor"), rr.LineStrips2D.from_fields(**look), static=True)
+    strips = [[[x, low], [x, high]] for x in here]
+    rec.send_columns(child(data, "cursor"), times, rr.LineStrips2D.columns(strips=strips))
+
+
+def over_frequency_view(panel: Panel) -> Any:
+    """Return the view of a panel over frequency."""
+    import rerun.blueprint as rrb
+
+    bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + 6.0], y_range=[-8.0, HEIGHT + 15.0])
+    name = f"{panel.ylabel or panel.title}, over frequency [Hz]"
+    return rrb.Spatial2DView(origin=entity(ROOT), name=known_letters(name), visual_bounds=bounds)
+
+
+def _plot(panel: Panel) -> Plot:
+    """Return the ranges of a panel, logarithms where its axes are."""
+    x = np.concatenate([curve.x for curve in panel.curves])
+    y = np.concatenate([curve.y for curve in panel.curves])
+    left, right = panel.xlim or (float(x.min()), float(x.max()))
+    if panel.log == "xy":
+        low, high = np.log10(panel.ylim or (float(y.min()), float(y.max())))
+    else:
+        low, high = panel.ylim or (0.0, 1.08 * float(y.max()))
+    return Plot(across=(float(np.log10(left)), float(np.log10(right))), upward=(float(low), float(high)), width=WIDTH)
+
+
+def _height(values: Array, plot: Plot, *, upright: bool) -> Array:
+    """Return where values stand in a plot; what is below it at its lower end."""
+    if not upright:
+        return values
+    return np.maximum(np.log10(np.maximum(values, 1e-300)), plot.upward[0])
+
+
+def _colour(curve: Curve) -> Color:
+    if isinstance(curve.kind, int):
+        return DARK.series[curve.kind % len(DARK.series)]
+    return DARK.base if curve.kind == BASE else DARK.others
