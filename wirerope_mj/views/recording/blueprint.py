@@ -11,6 +11,7 @@ from wirerope_mj.views.recording.camera import whole_scene
 from wirerope_mj.views.recording.cursor import PATH as CURSOR
 from wirerope_mj.views.recording.documents import VERDICT
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
+from wirerope_mj.views.recording.frame import GROUND
 from wirerope_mj.views.recording.graphs import Graphs
 from wirerope_mj.views.recording.histories import CONTACT, DIRECTIONS, UNITS, USED
 from wirerope_mj.views.recording.lanes import lane_paths
@@ -70,7 +71,9 @@ def _scenes(run: DrawnRun) -> Any:
         across, upward = plan_bounds(response)
         bounds = rrb.VisualBounds2D(x_range=across, y_range=upward)
         scenes.append(
-            rrb.Spatial2DView(origin=entity(PLAN), name="Mounts from above, % used now", visual_bounds=bounds)
+            rrb.Spatial2DView(
+                origin=entity(PLAN), name="Mounts from above, % used now", background=GROUND, visual_bounds=bounds
+            )
         )
     whole = rrb.Tabs(*scenes, active_tab=0, name="Scenes")
     name = selection.governing
@@ -122,7 +125,7 @@ def _overview(run: DrawnRun, graphs: Graphs) -> Any:
             origin=entity(), contents=lanes, name="Base, stops and limits", time_view=time_axis(selection.window)
         )
     )
-    return rrb.Vertical(*views, row_shares=[*([4.0] * (len(views) - 1)), 1.1 + 0.95 * len(lanes)], name="Overview")
+    return rrb.Vertical(*views, row_shares=[*([4.0] * (len(views) - 1)), 1.5 + 1.15 * len(lanes)], name="Overview")
 
 
 def _loop_view(selection: Selection, plot: LoopPlot) -> Any:

@@ -5,7 +5,7 @@ from typing import Any
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.along import POINT
 from wirerope_mj.views.recording.animation import Animation
-from wirerope_mj.views.recording.frame import HEIGHT, fitting_width
+from wirerope_mj.views.recording.frame import GROUND, HEIGHT, fitting_width
 from wirerope_mj.views.recording.letters import known_letters
 from wirerope_mj.views.recording.multipliers import PATH as MULTIPLIERS
 from wirerope_mj.views.recording.orbit_loops import SHAPE, loop_path, shown_loops
@@ -83,4 +83,4 @@ def _plane(origin: str, name: str, width: float) -> Any:
     import rerun.blueprint as rrb
 
     bounds = rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-8.0, HEIGHT + 15.0])
-    return rrb.Spatial2DView(origin=origin, name=known_letters(name), visual_bounds=bounds)
+    return rrb.Spatial2DView(origin=origin, name=known_letters(name), background=GROUND, visual_bounds=bounds)

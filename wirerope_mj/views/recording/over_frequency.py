@@ -11,7 +11,7 @@ from wirerope_mj.motions import Sweep, motion_from_dict
 from wirerope_mj.views.colours import DARK, Color
 from wirerope_mj.views.curves import BASE, Curve, Panel
 from wirerope_mj.views.recording.cursor import cursor_rows
-from wirerope_mj.views.recording.frame import HEIGHT, Plot, log_frame
+from wirerope_mj.views.recording.frame import GROUND, HEIGHT, Plot, log_frame
 from wirerope_mj.views.recording.letters import known_letters
 from wirerope_mj.views.recording.paths import at, child, entity
 from wirerope_mj.views.selection import Selection
@@ -111,7 +111,7 @@ def over_frequency_view(panel: Panel) -> Any:
 
     bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + 6.0], y_range=[-8.0, HEIGHT + 15.0])
     name = f"{panel.ylabel or panel.title}, over frequency [Hz]"
-    return rrb.Spatial2DView(origin=entity(ROOT), name=known_letters(name), visual_bounds=bounds)
+    return rrb.Spatial2DView(origin=entity(ROOT), name=known_letters(name), background=GROUND, visual_bounds=bounds)
 
 
 def _plot(panel: Panel) -> Plot:

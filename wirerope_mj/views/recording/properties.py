@@ -19,7 +19,7 @@ def send_properties(rec: Any, run: DrawnRun, title: str) -> None:
     verdicts = run.selection.verdicts
     known = {
         "model": response.scene.name,
-        "motion": str(response.motion.get("description", response.motion.get("type", ""))),
+        "motion": str(response.motion.get("kind", "")),
         "level_g": in_unit(base.acceleration.value, "g") if base else None,
         "verdict": headline(verdicts),
         "exceeded": sum(verdict.verdict == EXCEEDED for verdict in verdicts),

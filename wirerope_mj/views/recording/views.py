@@ -5,7 +5,7 @@ from typing import Any
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.camera import Camera, whole_scene
-from wirerope_mj.views.recording.frame import HEIGHT
+from wirerope_mj.views.recording.frame import GROUND, HEIGHT
 from wirerope_mj.views.recording.graphs import Graph
 from wirerope_mj.views.recording.letters import known_letters
 from wirerope_mj.views.recording.paths import TIMELINE, entity
@@ -13,8 +13,6 @@ from wirerope_mj.views.recording.poses import Frame
 
 SLOW_MOTION = 0.05
 """Playback speed for a shock: an event of half a second takes ten."""
-
-_BACKGROUND = [24, 27, 31]
 
 
 def layout(content: Any, window: tuple[float, float]) -> Any:
@@ -62,7 +60,7 @@ def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) 
         origin=origin,
         contents=list(contents),
         name=known_letters(name),
-        background=_BACKGROUND,
+        background=GROUND,
         line_grid=rrb.LineGrid3D(visible=False),
         eye_controls=rrb.EyeControls3D(
             kind=rrb.Eye3DKind.Orbital, position=camera.eye, look_target=camera.target, eye_up=[0.0, 0.0, 1.0]
@@ -96,6 +94,7 @@ def graph_view(graph: Graph, window: tuple[float, float]) -> Any:
         origin=graph.path,
         name=known_letters(graph.title),
         axis_x=time_axis(window),
+        background=rrb.archetypes.PlotBackground(color=GROUND),
         plot_legend=rrb.PlotLegend(visible=True, corner=getattr(rrb.Corner2D, graph.emptiest_corner(window))),
     )
 
@@ -126,6 +125,7 @@ def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, floa
     return rrb.Spatial2DView(
         origin=origin,
         name=known_letters(name),
+        background=GROUND,
         visual_bounds=rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-4.0, HEIGHT + 17.0]),
         overrides=overrides,
     )
