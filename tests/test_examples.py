@@ -1,0 +1,65 @@
+"""The examples run as they stand, assert their numbers, and end with one picture whose axes have units."""
+
+import ast
+import re
+import runpy
+
+import matplotlib
+import matplotlib.pyplot as plt
+import pytest
+
+from wirerope_mj.foundation.resources import models_folder
+
+FOLDER = models_folder().parent / "examples"
+EXAMPLES = sorted(FOLDER.glob("*.py"))
+SLOW = set()
+"""Those that take more than 5 s."""
+
+pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="examples stand in a checkout only")
+
+
+@pytest.fixture
+def shown(monkeypatch):
+    """Return the list of figures that a script shows; nothing opens a window."""
+    matplotlib.use("Agg")
+    plt.close("all")
+    figures = []
+    monkeypatch.setattr(plt, "show", lambda: figures.extend(map(plt.figure, plt.get_fignums())))
+    yield figures
+    plt.close("all")
+
+
+@pytest.mark.parametrize(
+    "path", [pytest.param(p, id=p.stem, marks=[pytest.mark.slow] * (p.stem in SLOW)) for p in EXAMPLES]
+)
+def test_an_example_runs_and_shows_one_picture_whose_axes_have_units(path, shown, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # what an example writes goes into a temporary folder of its own
+    runpy.run_path(str(path), run_name="__main__")
+    assert not list(tmp_path.iterdir())
+    assert len(shown) == 1
+    shown[0].canvas.draw()
+    for axes in shown[0].axes:
+        for label in (axes.get_xlabel(), axes.get_ylabel()):
+            assert re.search(r"\[[^\]]+\]$", label), f"the axis {label!r} says no unit"
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_an_example_is_short_asserts_and_uses_the_front_door(path):
+    text = path.read_text(encoding="utf-8")
+    assert len(text.splitlines()) < 60
+    tree = ast.parse(text)
+    title, rule = ast.get_docstring(tree).splitlines()[:2]
+    assert set(rule) == {"="}
+    assert len(rule) == len(title)
+    assert text.count("\n# %%\n# ") >= 2, "text stands between the blocks"
+    assert text.endswith("plt.show()\n")
+    assert "savefig" not in text
+    assert any(isinstance(node, ast.Assert) for node in ast.walk(tree))
+    froms = [node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    names = [alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names]
+    assert "wirerope_mj" in names
+    assert not any(name.startswith("wirerope_mj") for name in froms)
+
+
+def test_there_are_examples():
+    assert len(EXAMPLES) >= 5
