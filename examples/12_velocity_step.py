@@ -46,5 +46,6 @@ for one, name in ((response, "spring"), (damped, "with friction")):
 plt.axhline(velocity * omega, color="0.6", linestyle="--", label=r"$v\,\omega$")
 plt.xlabel("time [ms]")
 plt.ylabel("acceleration of the block [m/s²]")
-plt.legend(loc="lower right")
+plt.ylim(-60.0, 80.0)
+plt.legend(loc="upper right", ncols=3)
 plt.show()

@@ -43,7 +43,7 @@ density = wr.power_spectral_density(response.time[steady], history[steady], reso
 plt.loglog(density.frequency, density.density / wr.STANDARD_GRAVITY**2, label="simulated block")
 plt.loglog(f, transfer * 0.0005, "k--", label="transfer function")
 plt.loglog(*zip(*points, strict=True), color="0.6", label="base")
-plt.xlim(2.0, 60.0)
+plt.xlim(1.0, 100.0)
 plt.ylim(1e-6, 1e-1)
 plt.xlabel("frequency [Hz]")
 plt.ylabel("density [g²/Hz]")

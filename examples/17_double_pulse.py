@@ -45,6 +45,7 @@ assert np.isclose(pseudo_velocity[0] / branches[0], 1.05, atol=0.02)
 # %%
 plt.loglog(frequencies, branches, "k--", label="design spectrum")
 plt.loglog(frequencies, pseudo_velocity, label="double half-sine")
+plt.ylim(0.1, 10.0)
 plt.xlabel("natural frequency [Hz]")
 plt.ylabel("pseudo-velocity [m/s]")
 plt.legend()

@@ -39,8 +39,11 @@ def test_an_example_runs_and_shows_one_picture_whose_axes_have_units(path, shown
     assert len(shown) == 1
     shown[0].canvas.draw()
     for axes in shown[0].axes:
-        for label in (axes.get_xlabel(), axes.get_ylabel()):
-            assert re.search(r"\[[^\]]+\]$", label), f"the axis {label!r} says no unit"
+        for label in (axes.xaxis.label, axes.yaxis.label):
+            assert re.search(r"\[[^\]]+\]$", label.get_text()), f"the axis {label.get_text()!r} says no unit"
+            box, page = label.get_window_extent(), shown[0].bbox
+            assert page.x0 <= box.x0 < box.x1 <= page.x1, f"the label {label.get_text()!r} is cut off"
+            assert page.y0 <= box.y0 < box.y1 <= page.y1, f"the label {label.get_text()!r} is cut off"
 
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
