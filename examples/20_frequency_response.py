@@ -14,7 +14,7 @@ import wirerope_mj as wr
 # The shipped shaker model: 3.5 kg on an isolator that is tuned to resonate at 36.2 Hz under 0.5 g, as a thesis reports.
 
 system = wr.load_system("sdof_shaker")
-levels = {0.25: np.linspace(30.0, 44.0, 29), 0.5: np.linspace(30.0, 44.0, 29)}
+levels = {0.25: np.linspace(33.0, 42.0, 19), 0.5: np.linspace(33.0, 42.0, 19)}
 g = wr.STANDARD_GRAVITY
 found = {
     level: wr.stepped_sine(
@@ -32,7 +32,7 @@ assert np.isclose(resonance[0.25], 37.6, atol=0.5)
 
 law = system.mounts["m1"].isolator.axial
 for level, one in found.items():
-    for index in (0, 12, 28):
+    for index in (0, 6, 18):
         orbit = wr.harmonic_balance(law, mass=3.5, frequency=one.frequency[index], acceleration=level * g, gravity=g)
         assert np.isclose(one.amplitude[index], orbit.amplitude, rtol=5e-3)
 
