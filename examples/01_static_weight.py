@@ -28,8 +28,8 @@ deflection = rest.mounts["m1"].deflection[2]  # axial; compression is negative
 force = rest.mounts["m1"].force[2]
 
 # %%
-# On the first loading, and with n = 1, the law has a closed form: F = k x + z_max (1 - exp(-x / x_y)). The sag is where
-# this equals the weight.
+# On the first loading, and with n = 1, the law has a closed form: :math:`F = k x + z_{max} (1 - e^{-x / x_y})`. The
+# sag is where this equals the weight.
 
 weight = 50.0 * wr.STANDARD_GRAVITY
 

@@ -19,8 +19,8 @@ amplitudes = np.array([5e-3, 10e-3, 20e-3])
 loops = wr.cyclic_test(law, amplitudes)
 
 # %%
-# At the tips the friction is z = z_max tanh(A / x_y), because n = 1 and gamma = 0. So the two tip forces are known in
-# closed form, and their ratio is exp(2 c A ln b) whatever the rest of the law.
+# At the tips the friction is :math:`z_{max} \tanh(A / x_y)`, because n = 1 and gamma = 0. So the two tip forces are
+# known in closed form, and their ratio is :math:`e^{2 c A \ln b}` whatever the rest of the law.
 
 z_max, yields = law.alpha / law.beta, 1.0 / law.beta
 tip = z_max * np.tanh(amplitudes / yields) + law.k1 * amplitudes + law.k3 * amplitudes**3

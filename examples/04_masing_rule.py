@@ -21,7 +21,7 @@ amplitude = 6e-3
 loop = wr.cyclic_test(law, [amplitude])[0]
 
 # %%
-# An element that slips at the deflection h / c dissipates 4 h (A - h / c) in a cycle of amplitude A.
+# An element that slips at the deflection :math:`h / c` dissipates :math:`4 h (A - h / c)` in a cycle of amplitude A.
 
 energy = np.sum(4.0 * slip_force * (amplitude - slip_force / stiffness))
 print(f"energy of a cycle {loop.dissipated_energy:.6f} J, by hand {energy:.6f} J")

@@ -22,8 +22,8 @@ energy = np.array([loop.dissipated_energy for loop in loops])
 damping_ratio = np.array([loop.damping_ratio for loop in loops])
 
 # %%
-# Closed form: a cycle of amplitude A dissipates 4 d (A - u_c tanh(A / u_c)), and its tips are joined by the secant
-# k + d tanh(A / u_c) / A. The damping ratio is energy / (2 pi secant A^2).
+# Closed form: a cycle of amplitude A dissipates :math:`4 d (A - u_c \tanh(A / u_c))`, and its tips are joined by the
+# secant :math:`k + d \tanh(A / u_c) / A`. The damping ratio is :math:`W / (2 \pi K A^2)`.
 
 saturation = np.tanh(amplitudes / u_c)
 expected = 4.0 * d * (amplitudes - u_c * saturation)

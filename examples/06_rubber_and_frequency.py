@@ -21,7 +21,8 @@ amplitude = 1e-3
 energy = [wr.cyclic_test(rubber, [amplitude], frequency=f)[0].dissipated_energy for f in frequencies]
 
 # %%
-# Its complex stiffness is k0 + k1 i w c / (k1 + i w c). The energy of a cycle is pi A^2 times the imaginary part.
+# Its complex stiffness is :math:`k_0 + k_1 i \omega c / (k_1 + i \omega c)`. The energy of a cycle is :math:`\pi A^2`
+# times the imaginary part.
 
 omega = 2j * np.pi * frequencies
 stiffness = k0 + k1 * omega * c / (k1 + omega * c)
@@ -29,7 +30,7 @@ expected = np.pi * amplitude**2 * stiffness.imag
 assert np.allclose(energy, expected, rtol=1e-4)
 
 # %%
-# The loss is largest where w c = k1, at 31.8 Hz.
+# The loss is largest where :math:`\omega c = k_1`, at 31.8 Hz.
 
 best = k1 / c / (2.0 * np.pi)
 print(f"widest loop at {best:.1f} Hz; the test that comes nearest: {frequencies[np.argmax(energy)]:.1f} Hz")

@@ -28,8 +28,8 @@ assert np.allclose(np.interp(points, first.deflection, first.force), force, rtol
 assert np.isclose(wr.cyclic_test(law, [amplitude])[0].dissipated_energy, area, rtol=1e-6)
 
 # %%
-# With a loop of constant half-width h the area is W = 4 h (A - x_y tanh(A / x_y)). So one area says what every smaller
-# cycle dissipates.
+# With a loop of constant half-width h the area is :math:`W = 4 h (A - x_y \tanh(A / x_y))`. So one area says what
+# every smaller cycle dissipates.
 
 half_width = area / (4.0 * (amplitude - yields * np.tanh(amplitude / yields)))
 smaller = np.array([3e-3, 10e-3, 20e-3])

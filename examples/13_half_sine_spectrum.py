@@ -23,8 +23,8 @@ usual = wr.shock_response_spectrum(time, history, frequencies, q=10)
 undamped = wr.shock_response_spectrum(time, history, frequencies, q=1e6)
 
 # %%
-# Closed form of what follows the pulse, without damping: |2 r cos(pi f D) / (1 - r^2)| with r = 2 f D. It holds beyond
-# the pulse; below f D = 0.5 it is the largest value of all.
+# Closed form of what follows the pulse, without damping: :math:`|2 r \cos(\pi f D) / (1 - r^2)|` with :math:`r = 2 f
+# D`. It holds beyond the pulse; below f D = 0.5 it is the largest value of all.
 
 r = 2.0 * frequencies * duration
 residual = peak * np.abs(2.0 * r * np.cos(np.pi * frequencies * duration) / (1.0 - r**2))
@@ -40,7 +40,7 @@ for spectrum, expected in ((undamped, 1.7684), (usual, 1.652)):
     assert np.isclose(spectrum.maximax[top] / peak, expected, rtol=2e-3)
 
 # %%
-# Soft equipment sees nothing but the velocity change 2 A D / pi = 1.03 m/s: it answers with omega times that.
+# Soft equipment sees nothing but the velocity change :math:`2 A D / \pi` = 1.03 m/s: it answers with omega times that.
 
 change = 2.0 * peak * duration / np.pi
 assert np.isclose(undamped.maximax[0], 2.0 * np.pi * change, rtol=2e-3)

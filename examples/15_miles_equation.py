@@ -20,8 +20,8 @@ print(f"rms of the density {rms:.3f} g")
 assert np.isclose(rms, 7.69, atol=0.01)
 
 # %%
-# The vibration response spectrum integrates the squared transfer function over this density. Miles' equation does it for
-# a density that is flat from 0 to infinity: sqrt(pi/2 f Q S).
+# The vibration response spectrum integrates the squared transfer function over this density. Miles' equation does it
+# for a density that is flat from 0 to infinity: :math:`\sqrt{\pi f Q S / 2}`.
 
 frequencies = np.geomspace(10.0, 2000.0, 60)
 q = 10.0
@@ -29,8 +29,8 @@ spectrum = wr.vibration_response_spectrum(psd, frequencies, q=q)
 miles = np.sqrt(np.pi / 2.0 * frequencies * q * 0.04)
 
 # %%
-# Within the flat part both agree to 1 % (Miles' own rule leaves out 1/Q^2, which is 1 % of the square); outside, they do
-# not.
+# Within the flat part both agree to 1 % (Miles' own rule leaves out :math:`1/Q^2`, which is 1 % of the square);
+# outside, they do not.
 
 flat = (frequencies > 60.0) & (frequencies < 500.0)
 ratio = spectrum.acceleration[flat] / wr.STANDARD_GRAVITY / miles[flat]

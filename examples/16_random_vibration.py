@@ -29,7 +29,7 @@ history = response.bodies["block"].acceleration[:, 2]
 rms = np.sqrt(np.mean(history[steady] ** 2))
 
 # %%
-# By hand: |T|^2 of a mass on spring and damper, times the density, over the band.
+# By hand: :math:`|T|^2` of a mass on spring and damper, times the density, over the band.
 
 f = np.linspace(2.0, 60.0, 20001)
 r = f / 10.0

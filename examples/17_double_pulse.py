@@ -19,7 +19,8 @@ spectrum = wr.DesignSpectrum(displacement=0.05, velocity=3.0, acceleration=100.0
 pulse = spectrum.double_half_sine(direction="z", factors=(0.6, 0.75, 1.05))
 
 # %%
-# By hand, with a1 = 60 g, V = 2.25 m/s and D = 52.5 mm: t1 = pi V / (2 a1), t2 = 2 D / V - t1, a2 = a1 t1 / t2.
+# By hand, with a1 = 60 g, V = 2.25 m/s and D = 52.5 mm: :math:`t_1 = \pi V / (2 a_1)`, :math:`t_2 = 2 D / V -
+# t_1`, :math:`a_2 = a_1 t_1 / t_2`.
 
 first = np.pi * 2.25 / (2.0 * 60.0 * g)
 second = 2.0 * 0.0525 / 2.25 - first

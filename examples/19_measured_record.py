@@ -30,8 +30,8 @@ with tempfile.TemporaryDirectory() as folder:
     record = wr.load_record(path, channels={"z": "z"}, baseline="rest")
 
 # %%
-# The offset is gone: the peak is the deck's, and its velocity after the blow that of the deck, but for
-# what straight lines between 20 samples leave out of a half-sine, (pi / 20)^2 / 12 of it.
+# The offset is gone: the peak is the deck's, and its velocity after the blow that of the deck, but for what straight
+# lines between 20 samples leave out of a half-sine, :math:`(\pi / 20)^2 / 12` of it.
 
 error = np.abs(record.acceleration(time)[:, 2] - deck.acceleration(time)[:, 2]).max()
 print(f"largest error {error:.4f} m/s^2 of {np.abs(deck.acceleration(time)).max():.0f} m/s^2")

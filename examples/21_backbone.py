@@ -25,7 +25,7 @@ deflection = np.array([one.max() for one in largest])
 resonance = frequencies[np.argmax(largest, axis=1)]
 
 # %%
-# By hand: a cyclic test of that amplitude gives the secant K, and with it the frequency sqrt(K/m) / 2 pi.
+# By hand: a cyclic test of that amplitude gives the secant K, and with it the frequency :math:`\sqrt{K/m} / 2 \pi`.
 
 secant = np.array([loop.secant_stiffness for loop in wr.cyclic_test(law, deflection)])
 by_hand = np.sqrt(secant / mass) / (2.0 * np.pi)
@@ -34,7 +34,8 @@ assert (np.diff(resonance) < 0.0).all()
 assert np.allclose(resonance, by_hand, rtol=0.02)
 
 # %%
-# At resonance the loop takes what the base puts in: pi m a D each cycle, as the base is a quarter of a period ahead.
+# At resonance the loop takes what the base puts in: :math:`\pi m a D` each cycle, as the base is a quarter of a period
+# ahead.
 
 energy = np.array([loop.dissipated_energy for loop in wr.cyclic_test(law, deflection)])
 assert np.allclose(energy, np.pi * mass * np.array(levels) * deflection, rtol=1e-3)

@@ -21,8 +21,9 @@ system = wr.load_system("cabinet", isolators={"cb1400_15": spring})
 modes = wr.modes(system)
 
 # %%
-# By hand: every spring gives G^T R diag(k) R^T G, with its place r from the centre of mass in G = [I, -skew(r)]. The
-# forces that carry the weight turn with the rack; that adds skew(F) skew(r) to the rotations.
+# By hand: every spring gives :math:`G^T R \, \mathrm{diag}(k) R^T G`, with its place r from the centre of mass in
+# :math:`G = [I, -\mathrm{skew}(r)]`. The forces that carry the weight turn with the rack; that adds
+# :math:`\mathrm{skew}(F) \, \mathrm{skew}(r)` to the rotations.
 
 
 def skew(r):

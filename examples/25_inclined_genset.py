@@ -32,7 +32,7 @@ def genset(angle):
 
 # %%
 # Springs of 300 kN/m along a mount and 100 kN/m across. By hand: inclined by a, a mount has the vertical stiffness
-# k cos(a)^2 + k_s sin(a)^2, and six of them carry the weight.
+# :math:`k \cos^2 a + k_s \sin^2 a`, and six of them carry the weight.
 
 k, across = 300e3, 100e3
 side = wr.KelvinVoigt(k=across, c=0.0)

@@ -36,7 +36,8 @@ for f in frequencies:
     passed.append(np.hypot(*np.linalg.lstsq(waves, response.mounts["m1"].force[last, 2], rcond=None)[0]))
 
 # %%
-# Closed form: of the force m e omega^2 the fraction |k + i w c| / |k - M w^2 + i w c| reaches the foundation.
+# Closed form: of the force :math:`m e \omega^2` the fraction :math:`|k + i \omega c| / |k - M \omega^2 + i \omega c|`
+# reaches the foundation.
 
 
 def transmissibility(f):
@@ -46,7 +47,6 @@ def transmissibility(f):
 
 
 found = np.array(passed) / (unbalance * (2.0 * np.pi * frequencies) ** 2)
-print("transmissibility", np.round(found, 4))
 assert np.allclose(found, transmissibility(frequencies), rtol=2e-3)
 
 # %%

@@ -12,7 +12,7 @@ import wirerope_mj as wr
 
 # %%
 # The block of 50 kg of ``shock_table`` on a spring of 60 kN/m with a stop of 1 MN/m after 20 mm. A push and its return
-# give back (1 - loss) / (1 + loss) of the energy in the stop: 54 % with a loss of 0.3.
+# give back ``(1 - loss) / (1 + loss)`` of the energy in the stop: 54 % with a loss of 0.3.
 
 mass, k, stiff, gap, loss, velocity = 50.0, 60e3, 1e6, 20e-3, 0.3, 1.0
 g = wr.STANDARD_GRAVITY

@@ -29,7 +29,8 @@ for name, system in systems.items():
     peaks[name] = np.array([one.peaks.bodies["block"].acceleration.value for one in batch])
 
 # %%
-# Closed form of an undamped mass after a half-sine A of length D: A |2 r cos(pi f D) / (1 - r^2)| with r = 2 f D.
+# Closed form of an undamped mass after a half-sine A of length D: :math:`A |2 r \cos(\pi f D) / (1 - r^2)|` with
+# :math:`r = 2 f D`.
 
 f = np.sqrt(stiffness / 50.0) / (2.0 * np.pi)
 r = 2.0 * f * 0.011

@@ -36,8 +36,8 @@ with tempfile.TemporaryDirectory() as folder:
     beyond = result.exceedance("acceleration", limit)
 
 # %%
-# Closed form: the acceleration is v sqrt(k / m). To first order its coefficient of variation is that of
-# sqrt(0.05^2 + (0.1 / 2)^2) = 7.1 %, so that 10 % above its nominal value is 1.41 standard deviations away.
+# Closed form: the acceleration is :math:`v \sqrt{k / m}`. To first order its coefficient of variation is that of
+# :math:`\sqrt{0.05^2 + (0.1 / 2)^2}` = 7.1 %, so that 10 % above its nominal value is 1.41 standard deviations away.
 
 deviation = np.hypot(0.05, 0.05)
 scatter = acceleration.std() / acceleration.mean()

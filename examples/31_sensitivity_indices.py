@@ -32,8 +32,9 @@ with tempfile.TemporaryDirectory() as folder:
     indices = wr.sobol_indices(study.run(folder, workers=1), "acceleration")
 
 # %%
-# Closed form: the acceleration is a product x y of the level x and y = sqrt(k). A product of independent inputs has the
-# first-order indices V(x) E(y)^2 / V and V(y) E(x)^2 / V, and V(x) V(y) / V is what only both together explain.
+# Closed form: the acceleration is a product x y of the level x and :math:`y = \sqrt{k}`. A product of independent
+# inputs has the first-order indices :math:`V(x) E(y)^2 / V` and :math:`V(y) E(x)^2 / V`, and :math:`V(x) V(y) / V` is
+# what only both together explain.
 
 mean_y, square_y = np.array([2.0 / 3.0 * (1.5**1.5 - 0.5**1.5), 1.0])
 variance_x, variance_y = 1.0 / 12.0, square_y - mean_y**2

@@ -20,9 +20,9 @@ weight = 850.0 * wr.STANDARD_GRAVITY * modes.participation[:, 2]
 assert np.isclose(weight.sum(), 850.0 * wr.STANDARD_GRAVITY)
 
 # %%
-# By hand, for equipment on a deck and the vertical: A0 = 10 (37.5 + W)(12 + W) / (6 + W)^2 g and V0 = 30 (12 + W) /
-# (6 + W) inches a second, W in kip; these are the unclassified interim values of NRL memorandum 1396. The smaller of A0
-# and V0 omega counts, but not less than 6 g.
+# By hand, for equipment on a deck and the vertical: :math:`A_0 = 10 (37.5 + W)(12 + W) / (6 + W)^2` g and :math:`V_0 =
+# 30 (12 + W) / (6 + W)` inches a second, W in kip; these are the unclassified interim values of NRL memorandum 1396.
+# The smaller of A0 and V0 omega counts, but not less than 6 g.
 
 kip, inch, g = 4448.22, 0.0254, wr.STANDARD_GRAVITY
 

@@ -29,8 +29,8 @@ response = wr.simulate(system, sine, duration=20.0, accuracy=1e-3)
 found = next(one for one in wr.mount_cycles(response) if one.mount == "m1" and one.axis == "axial").cycles
 
 # %%
-# By hand: twice the amplitude a / |k/m - w^2 + i w c/m| is the range, 100 cycles of it in 20 s; with the exponent 5
-# they do the damage 100 A^5. The start-up adds a little.
+# By hand: twice the amplitude :math:`a / |k/m - \omega^2 + i \omega c/m|` is the range, 100 cycles of it in 20 s; with
+# the exponent 5 they do the damage :math:`100 A^5`. The start-up adds a little.
 
 omega = 2.0 * np.pi * f
 amplitude = 2.0 / np.abs(k / mass - omega**2 + 1j * omega * c / mass)

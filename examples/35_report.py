@@ -35,7 +35,7 @@ print({name: f"{size / 1024:.0f} kB" for name, size in sorted(sizes.items())})
 assert {"report.html", "run.rrd", "response.parquet", "summary.json"} <= set(sizes)
 
 # %%
-# The verdict is the largest |acceleration| of all steps over 10 g. The page says what the numbers say.
+# The verdict is the largest acceleration of all steps over 10 g. The page says what the numbers say.
 
 peak = response.peaks.bodies["rack"].acceleration.value
 verdict = next(one for one in verdicts if one.criterion == "acceleration" and one.subject == "rack")

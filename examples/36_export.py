@@ -42,7 +42,7 @@ assert np.allclose(read, stored, rtol=1e-12)
 
 # %%
 # What another program may do with them: the velocity of the base, from its acceleration. A half-sine of peak A and
-# length D leaves 2 A D / pi.
+# length D leaves :math:`2 A D / \pi`.
 
 by_hand = 2.0 * 20.0 * wr.STANDARD_GRAVITY * 0.011 / np.pi
 change = np.trapezoid(response.base.acceleration[:, 2], response.time)

@@ -22,7 +22,7 @@ table = wr.static_table(system)
 virgin, relaxed = (-one.mounts["m1"].deflection[2] for one in (table.virgin, table.relaxed))
 
 # %%
-# By hand: the weight is k x + z_max (1 - exp(-x / x_y)) at first, and k x in the end.
+# By hand: the weight is :math:`k x + z_{max} (1 - e^{-x / x_y})` at first, and k x in the end.
 
 weight = 50.0 * wr.STANDARD_GRAVITY
 first = brentq(lambda x: k * x + friction * (1.0 - np.exp(-x / yields)) - weight, 0.0, 0.1)

@@ -24,8 +24,8 @@ after = response.time >= 0.01
 time, deflection, force = response.time[after], mount.deflection[after, 2], mount.force[after, 2]
 
 # %%
-# Energies in the frame of the base, which moves steadily after the step. The elastic part of the law is
-# exp(c x ln b) (k1 x + k3 x^3); all other work of the mount went into friction, or is still held by it.
+# Energies in the frame of the base, which moves steadily after the step. The elastic part of the law is :math:`e^{c x
+# \ln b} (k_1 x + k_3 x^3)`; all other work of the mount went into friction, or is still held by it.
 
 velocity = (response.bodies["block"].velocity - response.base.velocity)[after, 2]
 kinetic, weight = mass * velocity**2 / 2.0, mass * g * (deflection - deflection[0])
@@ -35,7 +35,7 @@ friction = cumulative_trapezoid(force - elastic, deflection, initial=0.0)
 total = kinetic + weight + stored + friction
 
 # %%
-# The step gives m v^2 / 2 = 56.25 J; the sum stays at that.
+# The step gives :math:`m v^2 / 2` = 56.25 J; the sum stays at that.
 
 print(f"sum of energies {total.min():.3f} to {total.max():.3f} J, by hand {mass * 1.5**2 / 2:.3f} J")
 assert np.allclose(total, mass * 1.5**2 / 2.0, rtol=1e-3)

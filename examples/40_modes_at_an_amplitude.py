@@ -25,7 +25,7 @@ damping = np.array([one.damping_ratio[0] for one in found])
 
 # %%
 # By hand, with n = 1 and gamma = 0: the part of the friction in phase with a sine of amplitude A is that of the first
-# harmonic of the loop. Its energy is 4 z_max (A - x_y tanh(A / x_y)).
+# harmonic of the loop. Its energy is :math:`4 z_{max} (A - x_y \tanh(A / x_y))`.
 
 phase = np.linspace(0.0, np.pi, 20001)
 by_hand = []

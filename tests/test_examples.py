@@ -55,6 +55,7 @@ def test_an_example_is_short_asserts_and_uses_the_front_door(path):
     assert set(rule) == {"="}
     assert len(rule) == len(title)
     assert text.count("\n# %%\n# ") >= 2, "text stands between the blocks"
+    assert not [line for line in _unmarked(text) if set(line) & set("|*`")], "reStructuredText reads these as markup"
     assert text.endswith("plt.show()\n")
     assert "savefig" not in text
     assert any(isinstance(node, ast.Assert) for node in ast.walk(tree))
@@ -62,6 +63,12 @@ def test_an_example_is_short_asserts_and_uses_the_front_door(path):
     names = [alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names]
     assert "wirerope_mj" in names
     assert not any(name.startswith("wirerope_mj") for name in froms)
+
+
+def _unmarked(text):
+    """Return the text between the blocks without what is marked as formula or code."""
+    cells = re.findall(r"^# %%\n((?:# .*\n)+)", text, flags=re.MULTILINE)
+    return [re.sub(r":math:`[^`]*`|``[^`]*``", "", cell.replace("\n# ", " ")) for cell in cells]
 
 
 def test_there_are_thirty_examples():
