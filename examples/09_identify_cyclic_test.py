@@ -45,9 +45,9 @@ energy = device.trace(8e-3 * np.sin(np.linspace(0.0, 6.0 * np.pi, 1201))).work
 assert np.isclose(wr.cyclic_test(fit.law, [8e-3])[0].dissipated_energy, energy[1200] - energy[800], rtol=5e-3)
 
 # %%
-plt.plot(1e3 * deflection[::3], 1e-3 * force[::3], ".", color="0.7", markersize=2, label="record")
 for number, loop in enumerate(wr.cyclic_test(fit.law, [0.5e-3, 1.5e-3, 4e-3, 8e-3])):
     plt.plot(1e3 * loop.deflection, 1e-3 * loop.force, "C0", label="identified law" if number == 0 else None)
+plt.plot(1e3 * deflection[::7], 1e-3 * force[::7], ".", color="C1", markersize=3, label="record")
 plt.xlabel("deflection [mm]")
 plt.ylabel("force [kN]")
 plt.legend()

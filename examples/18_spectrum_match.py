@@ -43,8 +43,8 @@ end = np.array([match.motion.duration])
 assert np.allclose([match.motion.velocity(end)[0, 0], match.motion.displacement(end)[0, 0]], 0.0, atol=1e-9)
 
 # %%
-plt.loglog(frequencies, target, "k--", label="EN 1998-1, type 1, ground B")
 plt.loglog(match.frequencies, spectrum.maximax, label="spectrum of the motion")
+plt.loglog(frequencies, target, "k--", label="EN 1998-1, type 1, ground B")
 plt.xlabel("natural frequency [Hz]")
 plt.ylabel("largest acceleration [m/s²]")
 plt.ylim(1.0, 20.0)

@@ -46,5 +46,6 @@ for level, one in zip(levels, largest, strict=True):
 plt.semilogy(by_hand, 1e3 * deflection, "ko--", label="cyclic tests")
 plt.xlabel("frequency [Hz]")
 plt.ylabel("amplitude of the mount [mm]")
-plt.legend()
+plt.ylim(0.04, 30.0)
+plt.legend(ncols=3)
 plt.show()

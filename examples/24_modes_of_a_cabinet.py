@@ -50,7 +50,6 @@ for frequency, hand, text in zip(modes.frequencies, by_hand, modes.descriptions,
 assert np.allclose(modes.frequencies, by_hand, rtol=3e-3)
 
 # %%
-plt.figure(layout="constrained")
 plt.plot(np.arange(1, 7), by_hand, "o", markersize=12, fillstyle="none", label="by hand")
 plt.plot(np.arange(1, 7), modes.frequencies, "x", label="modes of the model")
 plt.xlabel("mode [-]")

@@ -42,7 +42,7 @@ assert virgin < means[0] < means[-1]
 assert np.isclose(means[-1], relaxed, rtol=0.01)
 
 # %%
-plt.plot(shaken.time[:-1], 1e3 * sag, color="0.8", linewidth=0.5, label="sag under vibration")
+plt.plot(shaken.time[:-1], 1e3 * sag, color="0.5", linewidth=0.5, label="sag under vibration")
 plt.plot(np.arange(10) + 0.5, 1e3 * means, "o", label="mean of a second")
 plt.axhline(1e3 * virgin, color="C2", label="virgin sag")
 plt.axhline(1e3 * relaxed, color="C3", label="relaxed sag")
