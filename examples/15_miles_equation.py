@@ -35,7 +35,7 @@ miles = np.sqrt(np.pi / 2.0 * frequencies * q * 0.04)
 flat = (frequencies > 60.0) & (frequencies < 500.0)
 ratio = spectrum.acceleration[flat] / wr.STANDARD_GRAVITY / miles[flat]
 print(f"spectrum over Miles between 60 and 500 Hz: {ratio.min():.4f} to {ratio.max():.4f}")
-assert np.allclose(ratio, 1.0, atol=0.02)
+assert np.allclose(ratio, 1.0, atol=0.01)
 assert spectrum.acceleration[0] / wr.STANDARD_GRAVITY < 0.5 * miles[0]
 
 # %%

@@ -11,8 +11,8 @@ import numpy as np
 import wirerope_mj as wr
 
 # %%
-# The levels are an example: 50 mm, 3 m/s, 100 g. The pulse takes 1.05, 0.75 and 0.6 of them, as the literature on BV 043
-# has it.
+# The levels are an example: 50 mm, 3 m/s, 100 g. The pulse takes 1.05, 0.75 and 0.6 of them, as we remember the
+# literature on BV 043.
 
 g = wr.STANDARD_GRAVITY
 spectrum = wr.DesignSpectrum(displacement=0.05, velocity=3.0, acceleration=100.0 * g)

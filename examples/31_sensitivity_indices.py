@@ -2,7 +2,7 @@
 Which input decides: Sobol's indices
 ====================================
 
-Level, stiffness and damping vary. What part of the variance of the acceleration does each of them explain?
+Level and stiffness vary. What part of the variance of the acceleration does each of them explain?
 """
 
 import tempfile
