@@ -76,6 +76,10 @@ COMMANDS = {
         "shock:shock",
         "Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.",
     ),
+    "fmu": (
+        "fmu:fmu",
+        "Write a model as a functional mock-up unit (FMI 3, co-simulation), which other programs run as a part of theirs.",
+    ),
     "export": (
         "export:export",
         "Write the samples of a run, or the table of a study, for other programs: CSV, HDF5 or MATLAB.",

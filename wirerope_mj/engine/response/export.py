@@ -7,7 +7,7 @@ from wirerope_mj.foundation.exports import Column, Exported
 
 _UNITS = {
     "position": "m", "velocity": "m/s", "acceleration": "m/s^2", "displacement": "m", "relative_displacement": "m",
-    "angular_velocity": "rad/s", "angular_acceleration": "rad/s^2", "deflection": "m", "force": "N",
+    "angular_velocity": "rad/s", "angular_acceleration": "rad/s^2", "deflection": "m", "force": "N", "gap": "m",
 }  # fmt: skip
 
 
@@ -21,14 +21,14 @@ def exported_samples(samples: SampledColumns, about: dict[str, str]) -> Exported
 
     return Exported(
         names=names,
-        units=[_unit(name) for name in names],
+        units=[unit_of(name) for name in names],
         column=lambda number: samples.columns(number, number + 1)[:, 0],
         blocks=blocks,
         about=about,
     )
 
 
-def _unit(name: str) -> str:
+def unit_of(name: str) -> str:
     """Return the unit of a column: of internal states that of the hysteretic force."""
     parts = name.split("/")
     if name == "time":

@@ -1,0 +1,131 @@
+"""A system that another program takes from instant to instant, and whose base and loads it gives as they come."""
+
+import math
+from collections.abc import Mapping
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike
+
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.simulation.grid import Grid
+from wirerope_mj.engine.simulation.initial import initial_state
+from wirerope_mj.engine.simulation.recorder import column_plan
+from wirerope_mj.engine.simulation.simulate import checked_step
+from wirerope_mj.engine.simulation.stages import Segment, along_slides
+from wirerope_mj.engine.simulation.stepper import Stepper
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.motions import HarmonicForce
+from wirerope_mj.mounts.isolator.travel import beyond_law
+
+_STILL = HarmonicForce(site="none", frequency=1.0, force=(1.0, 0.0, 0.0))
+"""What a run begins with: the base stands, and what moves it comes from outside. The force acts at no site of any system."""
+
+
+class Stepwise:
+    """A system on its way from one instant to the next, its base's acceleration and its loads held in between.
+
+    Attributes:
+        time: instant that was reached [s].
+        values: the system's sensor values there, as `plan` names them, (n_values,).
+        plan: what the values mean; the columns of time and base come before them.
+    """
+
+    def __init__(self, system: System, *, timestep: float, initial: str = "settled", start: float = 0.0) -> None:
+        """Begin at an instant.
+
+        Args:
+            system: the system.
+            timestep: largest step [s]; what lies between two instants is parted into equal ones.
+            initial: "settled", "relaxed" or "unloaded", as `simulate` takes it.
+            start: the first instant [s].
+
+        Raises:
+            SimulationError: RK4 is not stable with such a step.
+            ConvergenceError: there is no equilibrium to start from.
+        """
+        self.timestep = checked_step(system, positive("timestep", timestep), 1.0)
+        self.system, self.plan, self.time = system, column_plan(system), float(start)
+        self._stepper = Stepper(system, _STILL, initial_state(system, _STILL, initial))
+        self._drive, self._sites = system.assembly.tables.drive, system.assembly.subjects.force_names
+        self._moved, self._rate = np.zeros(3), np.zeros(3)
+        self._look(np.zeros(3), np.zeros((len(self._sites), 6)))
+
+    def advance(self, length: float, acceleration: ArrayLike, loads: Mapping[str, ArrayLike] | None = None) -> None:
+        """Go on by a time [s] with the base's acceleration [m/s^2], (3,), and loads [N, N m], (6,) by site, held.
+
+        Raises:
+            SimulationError: a mount went to where its law does not hold, or the state is not valid any more.
+        """
+        length = positive("length", length)
+        held = np.asarray(acceleration, dtype=np.float64)
+        wrench = np.array([np.asarray((loads or {}).get(site, np.zeros(6)), dtype=np.float64) for site in self._sites])
+        wrench = wrench.reshape(len(self._sites), 6)
+        steps = max(1, math.ceil(length / self.timestep - 1e-9))
+        with installed(self._stepper.model, self._stepper.data):
+            while steps:
+                some = min(steps, at.MAX_STEPS)
+                part = length * some / steps
+                self._take(part, some, held, wrench)
+                length, steps = length - part, steps - some
+        self._look(held, wrench)
+        self._require_lawful()
+
+    def _take(self, length: float, steps: int, held: Array, wrench: Array) -> None:
+        """Take equal steps that one stage table serves."""
+        stepper, points = self._stepper, 2 * steps + 1
+        one = np.ones(1, dtype=bool)
+        stepper.enter(
+            Grid(
+                start=np.array([self.time]), stop=np.array([self.time + length]), steps=np.array([steps]), sampled=one,
+                event=np.array([at.CORNER]), corner_after=one,
+            )
+        )  # fmt: skip
+        stepper.begin(self._segment(held, wrench, points))
+        mujoco.mj_step(stepper.model, stepper.data, nstep=steps)
+        stepper.check()
+        self._moved = self._moved + (self._rate + 0.5 * held * length) * length
+        self._rate = self._rate + held * length
+        self.time += length
+
+    def _segment(self, held: Array, wrench: Array, points: int) -> Segment:
+        return Segment(
+            number=0,
+            positions=along_slides(self._drive, self._moved[np.newaxis])[0],
+            rates=along_slides(self._drive, self._rate[np.newaxis])[0],
+            accelerations=np.tile(held, (points, 1)),
+            forces=np.tile(wrench, (points, 1, 1)) if self._sites else np.empty(0),
+        )
+
+    def _look(self, held: Array, wrench: Array) -> None:
+        """Compute the values of the instant that was reached."""
+        stepper, one = self._stepper, np.ones(1, dtype=bool)
+        now = np.array([self.time])
+        stepper.enter(
+            Grid(
+                start=now,
+                stop=now + self.timestep,
+                steps=np.array([1]),
+                sampled=one,
+                event=np.array([at.CORNER]),
+                corner_after=one,
+            )
+        )
+        with installed(stepper.model, stepper.data):
+            stepper.begin(self._segment(held, wrench, 3))
+            mujoco.mj_forward(stepper.model, stepper.data)
+        self.values: Array = stepper.data.sensordata[self.system.assembly.sensor :].copy()
+
+    def _require_lawful(self) -> None:
+        """Raise SimulationError if a mount stands where the law of an axis does not hold."""
+        rows = self.system.assembly.tables.user.mount_rows(self._stepper.user)[:, 0]
+        for (name, mount), row in zip(self.system.mounts.items(), rows, strict=True):
+            if beyond := beyond_law(mount.isolator.axes, row, row):
+                raise SimulationError(
+                    f"mount {name!r} was {beyond}, at {self.time:.6g} s: shake it more gently, or take an isolator with more "
+                    "travel."
+                )

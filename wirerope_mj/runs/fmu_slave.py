@@ -1,0 +1,106 @@
+"""What a functional mock-up unit runs: a system that the importing program takes from instant to instant.
+
+A copy of this file stands in the unit, beside the model and what `unit.toml` says of it; the package is that of the Python in
+which the unit is run.
+"""
+
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pythonfmu3 import Float64, Fmi3Causality, Fmi3Slave, Fmi3Status, Fmi3StepResult, Fmi3Variability, Unit
+
+from wirerope_mj.engine.response.export import unit_of
+from wirerope_mj.engine.simulation.stepwise import Stepwise
+from wirerope_mj.engine.system import load_system
+from wirerope_mj.foundation.errors import WireRopeError
+
+_UNITS = {
+    "s": {"s": 1}, "m": {"m": 1}, "m/s": {"m": 1, "s": -1}, "m/s^2": {"m": 1, "s": -2}, "N": {"kg": 1, "m": 1, "s": -2},
+    "N m": {"kg": 1, "m": 2, "s": -2},
+}  # fmt: skip
+_WRENCH = (("force", "N"), ("moment", "N m"))
+
+
+class WireRopeUnit(Fmi3Slave):
+    """A system of wire-rope mounts as a co-simulation unit of FMI 3: base acceleration and loads in, motion and forces out."""
+
+    def __init__(self, **arguments: Any) -> None:
+        """Read the model and name the variables."""
+        super().__init__(**arguments)
+        folder = Path(self.resources)
+        about = tomllib.loads((folder / "unit.toml").read_text(encoding="utf-8"))
+        self.modelName, self.description, self._about = about["identifier"], about["description"], about
+        self._system = load_system(folder / "model" / about["model"])
+        self._base = np.zeros(3)
+        sites = self._system.assembly.subjects.force_names
+        self._loads = {site: np.zeros(6) for site in sites}
+        self._going: Stepwise | None = None
+        self._start = 0.0
+        self.register_units([Unit(name, **parts) for name, parts in _UNITS.items()])
+        self._add("time", "s", lambda: self._going.time if self._going else 0.0, causality=Fmi3Causality.independent)
+        for number, axis in enumerate("xyz"):
+            self._add(f"base.acceleration.{axis}", "m/s^2", *_entry(self._base, number), causality=Fmi3Causality.input)
+        for site, wrench in self._loads.items():
+            for number, (part, unit) in enumerate((part, unit) for part, unit in _WRENCH for _ in "xyz"):
+                name = f"loads.{_quoted(site)}.{part}.{'xyz'[number % 3]}"
+                self._add(name, unit, *_entry(wrench, number), causality=Fmi3Causality.input)
+        self._begin()
+        assert self._going is not None
+        plan = self._going.plan
+        for number, name in enumerate(plan.names[plan.first_sensor :][: self._going.values.size]):
+            if about["outputs"] == "all" or name.split("/")[-2] in about["outputs"]:
+                dotted = ".".join(_quoted(part) for part in name.split("/"))
+                self._add(dotted, unit_of(name), self._output(number), causality=Fmi3Causality.output)
+
+    def _add(self, name: str, unit: str, getter: Callable[[], float], setter: Any = None, *, causality: Any) -> None:
+        self.register_variable(
+            Float64(
+                name, unit=unit or None, causality=causality, variability=Fmi3Variability.continuous, getter=getter,
+                setter=setter,
+            ),
+            nested=False,
+        )  # fmt: skip
+
+    def _output(self, number: int) -> Callable[[], float]:
+        return lambda: float(self._going.values[number]) if self._going is not None else 0.0
+
+    def _begin(self) -> None:
+        about = self._about
+        self._going = Stepwise(self._system, timestep=about["timestep"], initial=about["initial"], start=self._start)
+
+    def setup_experiment(self, start_time: float) -> None:
+        """Take the instant at which the run begins [s]."""
+        self._start = float(start_time)
+
+    def exit_initialization_mode(self) -> None:
+        """Begin anew, at rest."""
+        self._begin()
+
+    def do_step(self, current_time: float, step_size: float) -> Any:
+        """Go on by a step [s] with the inputs held."""
+        assert self._going is not None
+        if abs(current_time - self._going.time) > 1e-9 * max(1.0, abs(current_time)):
+            self.log(
+                f"The unit stands at {self._going.time:.9g} s and cannot go on from {current_time:.9g} s: it does not go back.",
+                Fmi3Status.error,
+            )
+            return Fmi3StepResult(status=Fmi3Status.error)
+        try:
+            self._going.advance(step_size, self._base, self._loads)
+        except WireRopeError as error:
+            self.log(str(error), Fmi3Status.error)
+            return Fmi3StepResult(status=Fmi3Status.error)
+        return Fmi3StepResult()
+
+
+def _entry(values: Any, number: int) -> tuple[Callable[[], float], Callable[[float], None]]:
+    """Return how an entry of an array is read and written."""
+    return lambda: float(values[number]), lambda value: values.__setitem__(number, float(value))
+
+
+def _quoted(name: str) -> str:
+    """Return a part of a structured name: in quotes where it is no identifier."""
+    return name if name.isidentifier() else "'" + name.replace("\\", "\\\\").replace("'", "\\'") + "'"
