@@ -78,7 +78,7 @@ COMMANDS = {
     ),
     "fmu": (
         "fmu:fmu",
-        "Write a model as a functional mock-up unit (FMI 3, co-simulation), which other programs run as a part of theirs.",
+        "Write a model as a co-simulation unit of FMI 3, which other programs run as a part of theirs.",
     ),
     "export": (
         "export:export",
