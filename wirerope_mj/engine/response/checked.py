@@ -82,6 +82,7 @@ def _check_scene(scene: Any, plan: ColumnPlan) -> None:
         bodies=_list(_record(SceneBody, position=_numbers(3), orientation=_quaternion, geoms=_list(_geom))),
         mounts=_list(_mount),
         limits=_list(_limit),
+        areas=_values(_list(_text)),
     )("scene", scene)
     bodies, mounts = ([entry["name"] for entry in scene[group]] for group in ("bodies", "mounts"))
     if not all(bodies.count(name) == 1 for name in plan.bodies):  # bodies without a name may be several
@@ -113,7 +114,7 @@ def _mount(key: str, mount: Any) -> None:
     point, size = _numbers(3), _or_nan(positive)
     _record(
         SceneMount, payload_point=point, base_point=point, axes=_list(_numbers(3), 3),
-        height=size, width=size, static_load=size, travel=_values(positive),
+        height=size, width=size, static_load=size, travel=_values(positive), bolts=_list(size, 3),
     )(key, mount)  # fmt: skip
     _table(f"{key}.travel", mount["travel"], known=RATINGS)
 

@@ -69,6 +69,7 @@ class SceneMount:
         static_load: rated static load [N]; NaN if not judged.
         travel: rated travel [m] by "compression", "tension", "shear", "roll"; absent if not judged.
         stop: whether it is a stop, see `wirerope_mj.mounts.isolator.Isolator.is_stop`.
+        bolts: number of bolts of its base side, and distances of the outermost along roll and shear [m]; NaN if unknown, (3,).
     """
 
     name: str
@@ -83,6 +84,7 @@ class SceneMount:
     static_load: float
     travel: dict[str, float]
     stop: bool = False
+    bolts: Array = field(default_factory=lambda: np.full(3, np.nan))
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -94,6 +96,7 @@ class Scene(Brief):
         bodies, mounts: what there is to draw.
         limits: of the payload; empty where the model states none: not judged.
         combined_travel: whether mounts are judged on the travel along all axes at once, by this project's own rule.
+        areas: names of the mounts on each area of the deck that the model names.
     """
 
     name: str
@@ -102,6 +105,7 @@ class Scene(Brief):
     mounts: tuple[SceneMount, ...]
     limits: tuple[PayloadLimit, ...] = ()
     combined_travel: bool = True
+    areas: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     @property
     def isolating(self) -> tuple[SceneMount, ...]:
@@ -137,6 +141,7 @@ def scene_from_dict(content: dict[str, Any]) -> Scene:
         mounts=mounts,
         limits=limits,
         combined_travel=content.get("combined_travel", True),  # older responses do not say it
+        areas={name: tuple(mounts) for name, mounts in content.get("areas", {}).items()},
     )
 
 
@@ -145,6 +150,8 @@ def _plain(value: Any) -> Any:
         return value.tolist()
     if isinstance(value, tuple):
         return [_plain(item) for item in value]
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
     if hasattr(value, "__dataclass_fields__"):
         return {key: _plain(getattr(value, key)) for key in value.__dataclass_fields__}
     return value

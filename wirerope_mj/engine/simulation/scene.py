@@ -34,6 +34,7 @@ def scene_of(system: System) -> Scene:
         mounts=mounts,
         limits=system.limits,
         combined_travel=system.combined_travel,
+        areas=system.areas,
     )
 
 
@@ -110,6 +111,11 @@ def _mount(model: mujoco.MjModel, data: mujoco.MjData, mount: Mount) -> SceneMou
         static_load=_number(limits.static_load),
         travel=limits.travel.stated,
         stop=isolator.is_stop,
+        bolts=np.full(3, _NAN)
+        if geometry is None
+        else np.array(
+            [_number(one) for one in (geometry.bolts, geometry.bolts_along_roll, geometry.bolts_along_shear)]
+        ),
     )
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import mujoco
 
+from wirerope_mj.engine.system.areas import declared_areas
 from wirerope_mj.engine.system.assembly import Assembly, assemble
 from wirerope_mj.engine.system.changes import Changes
 from wirerope_mj.engine.system.declared import DeclaredMount, base_body, check_names, check_visible, declared_mounts
@@ -72,6 +73,7 @@ class System(Summarised):
             `wirerope_mj.varied`. `mjcf`, `path` and `isolators` say nothing of it, `model` and `mounts` hold it.
         combined_travel: whether mounts are judged on the travel along all axes at once; a model that says
             <numeric name="limit/combined_travel" data="0"/> switches that off.
+        areas: the mounts on each area of the deck that the model names, <text name="area/NAME" data="m1 m2"/>.
     """
 
     model: mujoco.MjModel
@@ -85,6 +87,7 @@ class System(Summarised):
     assembly: Assembly = field(repr=False)
     changes: tuple[Changes, ...] = ()
     combined_travel: bool = True
+    areas: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         mass = float(self.model.body_mass.sum())
@@ -156,6 +159,7 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
         limits=declared_limits(model, base),
         assembly=assembly,
         combined_travel=judges_combined_travel(model),
+        areas=declared_areas(spec, [d.name for d in declared]),
     )
 
 

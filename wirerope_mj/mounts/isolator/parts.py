@@ -105,14 +105,26 @@ class Limits:
 
 @dataclass(frozen=True, kw_only=True)
 class Geometry:
-    """Unloaded envelope for drawing: height along the axial axis and width across the bars [m]."""
+    """Unloaded envelope: height along the axial axis and width across the bars [m]; and the bolts that hold its base side.
+
+    bolts is their number, 1, 2 or 4, bolts_along_roll and bolts_along_shear their distances along these axes [m]; None = not
+    stated.
+    """
 
     height: float | None = None
     width: float | None = None
+    bolts: float | None = None
+    bolts_along_roll: float | None = None
+    bolts_along_shear: float | None = None
 
     def __post_init__(self) -> None:
-        _require_positive(self, "height", "width")
-        _require_metres(self, "height", "width")
+        lengths = ("height", "width", "bolts_along_roll", "bolts_along_shear")
+        _require_positive(self, "bolts", *lengths)
+        _require_metres(self, *lengths)
+        if self.bolts not in (None, 1, 2, 4):
+            raise ValueError(f"`bolts` must be 1, 2 (in a line) or 4 (in a rectangle), got {self.bolts:g}.")
+        if self.bolts is None and (self.bolts_along_roll or self.bolts_along_shear):
+            raise ValueError("`bolts_along_roll` and `bolts_along_shear` need `bolts`, their number.")
 
     def require_room(self, travel: Travel) -> None:
         """Raise ValueError if a rated travel is larger than a mount of this height can have."""

@@ -125,7 +125,7 @@ def _overview(run: DrawnRun, graphs: Graphs) -> Any:
             origin=entity(), contents=lanes, name="Base, stops and limits", time_view=time_axis(selection.window)
         )
     )
-    return rrb.Vertical(*views, row_shares=[*([4.0] * (len(views) - 1)), 1.5 + 1.15 * len(lanes)], name="Overview")
+    return rrb.Vertical(*views, row_shares=[*([4.0] * (len(views) - 1)), 1.2 + 1.0 * len(lanes)], name="Overview")
 
 
 def _loop_view(selection: Selection, plot: LoopPlot) -> Any:

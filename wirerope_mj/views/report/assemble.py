@@ -8,6 +8,7 @@ from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.views.display import several, with_unit
 from wirerope_mj.views.report.contacts import contacts_section
 from wirerope_mj.views.report.content import Folded, ReportContent, Section
+from wirerope_mj.views.report.deck import deck_section
 from wirerope_mj.views.report.judged import answer, headline
 from wirerope_mj.views.report.model import model_section
 from wirerope_mj.views.report.motion import motion_section, mounts_section, response_section
@@ -51,6 +52,7 @@ def report_content(run: FinishedRun) -> ReportContent:
             response_section(run),
             mounts_section(run),
             contacts_section(run),
+            deck_section(run),
             _numerics_section(run),
             _annex(run),
         ),
