@@ -11,6 +11,7 @@ import scipy
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.engine.response import histories
 from wirerope_mj.foundation import exports
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import _matlab_names
@@ -61,6 +62,17 @@ def test_a_response_is_read_back_equal_to_the_last_bit(request, kind, tmp_path):
     frame = result.to_dataframe()
     np.testing.assert_array_equal(frame.to_numpy(), result.samples.columns(0, len(names)))
     assert frame["time [s]"].iloc[-1] == 0.05
+
+
+@pytest.mark.parametrize("kind", ["response", "streamed"])
+def test_a_csv_file_written_in_many_parts_is_the_one_written_at_once(request, kind, tmp_path, monkeypatch):
+    result = request.getfixturevalue(kind)
+    whole, columns = result.to_csv(tmp_path / "whole.csv").read_text(), len(result.samples.names)
+    monkeypatch.setattr(histories, "BLOCK_NUMBERS", 7 * columns)
+    sizes = [len(block) for block in result.samples.blocks(0, columns)]
+    assert max(sizes) == 7
+    assert sum(sizes) == len(result.time)
+    assert result.to_csv(tmp_path / "parts.csv").read_text() == whole
 
 
 def test_the_table_of_a_study_is_read_back_equal(study, tmp_path):

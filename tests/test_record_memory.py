@@ -111,8 +111,8 @@ def test_the_error_of_a_densely_sampled_record_is_estimated_and_not_taken_for_no
 def test_the_samples_of_a_long_run_are_read_and_recorded_block_by_block(tmp_path, monkeypatch):
     from wirerope_mj.views.recording.state import read_state
 
-    for module in ("wirerope_mj.engine.response.histories", "wirerope_mj.engine.response.storage"):
-        monkeypatch.setattr(f"{module}.BLOCK_ROWS", 70)  # 301 samples: five blocks, the last of them short
+    # 301 samples: five blocks, the last of them short
+    monkeypatch.setattr("wirerope_mj.engine.response.histories.BLOCK_ROWS", 70)
     system = wr.load_system(models_folder() / "shock_table.xml")
     memory = wr.simulate(system, wr.HalfSine(peak=50.0, duration=0.011, direction="z"), duration=0.3, timestep=1e-3)
     memory.save(tmp_path)

@@ -1,5 +1,7 @@
 """A cell of a notebook that ends in a public result prints at most two kilobytes of text."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,8 @@ from wirerope_mj.runs.scenario import load_scenario
 
 MOST = 2000
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.01)
+POINTS = ((5.0, 1.0), (50.0, 1.0))
+LONG = np.linspace(5.0, 25.0, 300)
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +50,14 @@ def results(tmp_path_factory):
         "sweep": wr.frequency_sweep(shaker, sweep, payload="mass", response_direction="z"),
         "orbit": wr.periodic_orbit(table, frequency=10.0, acceleration=1.0, direction="z"),
         "branch": wr.follow_branch(shaker, start=20, stop=30, acceleration=1.0, direction="z", payload="mass"),
+        "many forces": wr.equilibrium(floor).mounts, "laws compared": wr.compare_laws(loops),
+        "specimens": wr.identify_specimens([loops, wr.cyclic_test(replace(law, alpha=1.05 * law.alpha), [1e-3, 2e-3, 5e-3])]),
+        "linearised": wr.equivalent_linear(law, mass=300.0, frequencies=LONG, acceleration=1.0),
+        "selection": wr.select_isolators(mass=100.0, mounts=4, velocity=2.0, fragility=150.0),
+        "curve": wr.Tabulated(deflection=LONG - 15.0, upper=LONG + 50.0, lower=LONG - 50.0, yield_deflection=1e-3),
+        "long density": wr.RandomVibration(psd=[(f, 1.0) for f in LONG], duration=3.0, seed=1, direction="z"),
+        "lines": wr.VibrationLines(acceleration=[(f, 1.0) for f in LONG], duration=3.0, seed=1, direction="z"),
+        "many motions": sum((PULSE,) * 19, start=PULSE),
         "study": study, "study's result": study.run(tmp_path_factory.mktemp("studies") / "study"),
     }  # fmt: skip
 
@@ -63,3 +75,19 @@ def test_the_texts_say_what_there_is(results):
     assert repr(results["verdicts"]).startswith(f"{len(results['verdicts'])} verdicts. ")
     assert "Position [m], (n_t, 3)" in repr(results["body"])
     assert "array of shape" in repr(results["base"])
+
+
+@pytest.mark.quick
+def test_a_short_motion_says_itself_as_the_call_that_makes_it_and_a_long_one_cuts_its_points():
+    short, long = (
+        wr.RandomVibration(psd=psd, duration=3.0, seed=1, direction="z") for psd in (POINTS, [(f, 1.0) for f in LONG])
+    )
+    assert "psd=((5.0, 1.0), (50.0, 1.0)), duration=3.0, seed=1, direction='z'" in repr(short)
+    assert "duration=3.0, seed=1, direction='z'" in repr(long)
+    assert "...," in repr(long)
+    assert eval(repr(short), {"RandomVibration": wr.RandomVibration}) == short
+
+
+def test_a_comparison_of_laws_is_still_a_table_when_it_is_printed(results):
+    assert str(results["laws compared"]).startswith("law ")
+    assert "of LawRow" in repr(results["laws compared"])

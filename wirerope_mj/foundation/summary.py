@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from html import escape
 from typing import Any, TypeVar
 
@@ -15,6 +15,9 @@ Item = TypeVar("Item")
 
 _LONGEST = 90
 """Letters of a value in a summary."""
+
+_LONGEST_CALL = 1000
+"""Letters of a call that is shown as it is."""
 
 MOST_LINES = 12
 """Lines of a summary: what is longer is looked up by name rather than read."""
@@ -57,6 +60,16 @@ class Brief(Summarised):
         return f"{type(self).__name__} {name}".rstrip(), {key: in_brief(value) for key, value in values.items()}
 
 
+class AsCall:
+    """Base of dataclasses whose text is the call that makes them; in a long one each value is cut. They have `repr=False`."""
+
+    def __repr__(self) -> str:
+        values = {item.name: repr(getattr(self, item.name)) for item in fields(self) if item.repr}  # type: ignore[arg-type]
+        whole = sum(map(len, values.values())) <= _LONGEST_CALL
+        parts = [f"{name}={value if whole else short(value, _LONGEST)}" for name, value in values.items()]
+        return f"{type(self).__name__}({', '.join(parts)})"
+
+
 class ByName(dict[str, Item]):
     """A dictionary whose text is its names, and not all that stands behind them."""
 
@@ -74,6 +87,8 @@ def in_brief(value: Any) -> str:
         return f"{len(value)}: {_listed(value)}" if value else "none"
     if isinstance(value, float):
         return f"{value:.6g}"
+    if isinstance(value, tuple) and value and is_dataclass(value[0]):
+        return f"{len(value)} of {type(value[0]).__name__}"
     text = value if isinstance(value, str) else repr(value)
     return short(text, _LONGEST) if len(text) <= 10 * _LONGEST or isinstance(value, str) else f"{type(value).__name__}"
 

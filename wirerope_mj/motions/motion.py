@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from wirerope_mj.foundation.arguments import as_times
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, direction_text, unit_vector
+from wirerope_mj.foundation.summary import AsCall
 
 SAME_TIME = 1e-10
 """Corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours."""
@@ -177,8 +178,8 @@ class StartedMotion(StraightMotion):
         return f"along {direction_text(self.direction)}" + (f" at {self.start:.4g} s" if self.start else "")
 
 
-@dataclass(frozen=True, kw_only=True)
-class SumOfMotions(BaseMotion):
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SumOfMotions(AsCall, BaseMotion):
     """Several base motions at once; made by `a + b`.
 
     Attributes:

@@ -13,6 +13,7 @@ import scipy
 from wirerope_mj.foundation.arguments import finite, integer, one_of, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
+from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
 from wirerope_mj.motions.motion import StartedMotion
@@ -30,8 +31,8 @@ MOST_POINTS = 1e8
 """Points of a random vibration: a gigabyte, more than an hour up to 2 kHz."""
 
 
-@dataclass(frozen=True, init=False)
-class RandomVibration(StartedMotion):
+@dataclass(frozen=True, init=False, repr=False)
+class RandomVibration(AsCall, StartedMotion):
     """Gaussian vibration of a power spectral density, between a smooth rise from rest and a smooth fall back to it.
 
     The displacement is a sum of sines of all frequencies k/T in the band with independent random phases, T being the

@@ -12,6 +12,7 @@ import numpy as np
 from wirerope_mj.foundation.arguments import finite, integer, positive, the_one_given
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
+from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
 from wirerope_mj.motions.motion import StartedMotion
 from wirerope_mj.motions.psd_lines import Points, checked_points
@@ -21,8 +22,8 @@ _ORDER = {"acceleration": 2, "velocity": 1, "displacement": 0}
 _UNIT = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m"}
 
 
-@dataclass(frozen=True, init=False)
-class VibrationLines(StartedMotion):
+@dataclass(frozen=True, init=False, repr=False)
+class VibrationLines(AsCall, StartedMotion):
     """Sines of fixed frequencies along one direction, endless or between a smooth rise from rest and a fall back to it.
 
     With the envelope E(t), which is 1 for an endless motion without a rise,

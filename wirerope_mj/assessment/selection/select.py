@@ -16,6 +16,7 @@ from wirerope_mj.assessment.selection.worksheet import (
     mode_text,
 )
 from wirerope_mj.foundation.arguments import integer
+from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.vendor_parts.parts import ModeValues, VendorPart, vendor_parts
 
 UNSTATED, NOT_GIVEN = "the vendor states none", "no limit given"
@@ -89,8 +90,8 @@ class Rejected:
     undecided: bool = False
 
 
-@dataclass(frozen=True, kw_only=True)
-class PartSelection:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class PartSelection(Brief):
     """Parts of the tables that meet a worksheet, and those that do not.
 
     Attributes:

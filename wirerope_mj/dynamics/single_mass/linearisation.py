@@ -16,6 +16,7 @@ import scipy
 from wirerope_mj.dynamics.single_mass.cycle import steady_cycle
 from wirerope_mj.dynamics.single_mass.equivalent import SAMPLES, EquivalentOscillator, oscillator_at, require_oscillator
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.laws import Law
 
 _DECADES, _PER_DECADE = 6.0, 24
@@ -41,8 +42,8 @@ class LinearisedOrbit:
     states: Array
 
 
-@dataclass(frozen=True, kw_only=True)
-class EquivalentLinear:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class EquivalentLinear(Brief):
     """Response curve by equivalent linearisation: one column for each amplitude that a frequency has, the smallest first.
 
     Attributes:

@@ -13,6 +13,14 @@ from wirerope_mj.foundation.summary import Brief, Summarised
 BLOCK_ROWS = 1 << 16
 """Rows of samples that are handed on at once where a long response must not stand in memory as a whole."""
 
+BLOCK_NUMBERS = 1 << 22
+"""Numbers that are handed on at once: of hundreds of columns fewer rows."""
+
+
+def block_rows(columns: int) -> int:
+    """Return how many rows of so many columns are handed on at once."""
+    return min(BLOCK_ROWS, max(1, BLOCK_NUMBERS // max(columns, 1)))
+
 
 class SampledColumns(Protocol):
     """Sampled columns, in memory or in a file."""
@@ -27,7 +35,7 @@ class SampledColumns(Protocol):
         ...
 
     def blocks(self, first: int, last: int) -> Iterator[Array]:
-        """Yield these columns some rows after the other, at most `BLOCK_ROWS` of them at once."""
+        """Yield these columns some rows after the other, at most `block_rows` of them at once."""
         ...
 
 
@@ -44,8 +52,9 @@ class MemorySamples:
 
     def blocks(self, first: int, last: int) -> Iterator[Array]:
         """Yield these columns some rows after the other."""
-        for row in range(0, self.values.shape[0], BLOCK_ROWS):
-            yield self.values[row : row + BLOCK_ROWS, first:last]
+        rows = block_rows(last - first)
+        for row in range(0, self.values.shape[0], rows):
+            yield self.values[row : row + rows, first:last]
 
 
 @dataclass(frozen=True, repr=False)

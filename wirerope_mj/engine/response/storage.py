@@ -9,7 +9,7 @@ import numpy as np
 
 from wirerope_mj.engine.response.checked import check_content
 from wirerope_mj.engine.response.columns import ColumnPlan
-from wirerope_mj.engine.response.histories import BLOCK_ROWS, Numerics
+from wirerope_mj.engine.response.histories import Numerics, block_rows
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import FILE, FORMAT, Response, response_of
 from wirerope_mj.engine.response.scene import scene_from_dict
@@ -53,7 +53,12 @@ class FileSamples:
     def _blocks(self, file: Any, first: int, last: int) -> Iterator[Array]:
         if first == last:  # a mount without internal states
             return
-        batches, row = file.iter_batches(BLOCK_ROWS, columns=self.names[first:last]), 0
+        rows, names, row = block_rows(last - first), self.names[first:last], 0
+        batches = (  # of one row group after the other: pyarrow keeps what it has read of those that it is given at once
+            batch
+            for group in range(file.num_row_groups)
+            for batch in file.iter_batches(rows, row_groups=[group], columns=names)
+        )
         while (block := self._block(batches, first)) is not None:
             if not np.isfinite(block).all():
                 wrong, column = np.argwhere(~np.isfinite(block))[0]

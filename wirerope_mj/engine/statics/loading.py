@@ -13,6 +13,7 @@ from wirerope_mj.engine.statics.unresisted import unresisted
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.foundation.summary import ByName
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
 LOAD_STEPS = 20
@@ -107,9 +108,9 @@ class Loading:
         self._check_laws(rows[:, 0])
         return Equilibrium(
             state=state_of(model, data),
-            mounts={
-                name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(self.system.mounts, rows, strict=True)
-            },
+            mounts=ByName(
+                {name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(self.system.mounts, rows, strict=True)}
+            ),
             history=self.history,
             residual=residual,
             free=self._unresisted(qpos),

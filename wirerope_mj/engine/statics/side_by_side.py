@@ -20,6 +20,7 @@ from wirerope_mj.engine.statics.unresisted import unresisted
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
+from wirerope_mj.foundation.summary import ByName
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
 HELD = 1e-12
@@ -160,7 +161,9 @@ def found_in_lanes(system: System, history: History, data: mujoco.MjData) -> Equ
         return None
     return Equilibrium(
         state=state_of(model, data),
-        mounts={name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(system.mounts, rows, strict=True)},
+        mounts=ByName(
+            {name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(system.mounts, rows, strict=True)}
+        ),
         history=history,
         residual=residual,
         free=unheld,

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.identification.families import require_law
 from wirerope_mj.mounts.identification.identify import identify
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, require_loops
@@ -50,8 +51,8 @@ class LawRow:
     why_not_left_out: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
-class LawComparison:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class LawComparison(Brief):
     """Several laws on the same loops.
 
     Attributes:

@@ -8,6 +8,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.identification.coordinates import Family
 from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.identify import Identification, identify
@@ -43,8 +44,8 @@ class SpecimenRow:
     values: tuple[float, ...]
 
 
-@dataclass(frozen=True, kw_only=True)
-class SpecimenFits:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SpecimenFits(Brief):
     """Fits to several specimens of one isolator, and the scatter of their parameters.
 
     Attributes:

@@ -10,14 +10,15 @@ import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.table_cubics import cycle_area, held, level_cubics, monotone, packed
 
 TABULATED = 12
 
 
-@dataclass(frozen=True, kw_only=True)
-class Tabulated(Law):
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Tabulated(AsCall, Law):
     """A law from points of curves: a piecewise cubic and a fraction, another one, of an exponential hysteretic force.
 
         F = M(x) + g(x) z,    zdot = (z_max xdot - |xdot| z) / x_y
