@@ -13,7 +13,7 @@ from wirerope_mj.cli import identify as command
 from wirerope_mj.cli import main
 from wirerope_mj.mounts.identification.result import fitted_loops, neighbours_correlation
 from wirerope_mj.mounts.test_rig import cyclic_test, load_cycles
-from wirerope_mj.views.plots.identification import fit_figure, measures_figure, residual_figure
+from wirerope_mj.views.plots.identification import fit_chart, measures_chart, residual_chart
 
 TRUTH = wr.AsymmetricBoucWen.from_normalised(
     z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0
@@ -87,12 +87,7 @@ def test_records_of_several_files_become_an_isolator_that_repeats_loops_nobody_m
     )
     assert any("only the product c ln b" in words for words in provenance.assumed)
     report = folder / "my_isolator-report"
-    assert sorted(path.name for path in report.iterdir()) == [
-        "loops.png",
-        "measures.png",
-        "report.html",
-        "residuals.png",
-    ]
+    assert [path.name for path in report.iterdir()] == ["report.html"]
     text = (report / "report.html").read_text(encoding="utf-8")
     plain = " ".join(re.sub("<[^>]*>", " ", text).split())
     for heading in ("1 Parameters", "Loops and residuals", "Stages", "Correlations", "Singular values", "Read from"):
@@ -136,6 +131,9 @@ def test_a_law_that_cannot_follow_is_told_from_noise(folder, capsys):
     write_record(folder / "t.csv", *rig_record(TRUTH, [0.5e-3, 2e-3, 8e-3], seed=4))
     out = run(capsys, "t.csv", "--law", "enhanced-dry-friction", "--out", "a.toml")
     assert re.search(r"what is left is no noise \(neighbouring residuals correlate by 0\.[89]\d\)", out)
+    # A verdict on green ground would say that all is well.
+    page = (folder / "a-report" / "report.html").read_text(encoding="utf-8")
+    assert '<p class="verdict unjudged">Converged; the law does not follow the loops everywhere' in page
 
 
 def test_a_loop_that_still_changes_is_named(folder, simple, capsys):
@@ -211,7 +209,11 @@ def test_files_that_are_there_are_replaced_only_with_force(folder, simple, capsy
     (report / "notes.txt").write_text("mine", encoding="utf-8")
     (report / "photos").mkdir()
     (report / "photos" / "rig.txt").write_text("also mine", encoding="utf-8")
+    (report / "loops.png").write_text("an older version's", encoding="utf-8")
+    (report / "report.pdf").write_text("of another fit", encoding="utf-8")
     assert main([*arguments, "--force"]) == 0
+    assert not (report / "loops.png").exists()
+    assert not (report / "report.pdf").exists()
     assert (folder / "a.toml").read_bytes() == first  # nothing is drawn by chance
     assert (report / "report.html").read_text(encoding="utf-8") != "old"
     assert (report / "notes.txt").read_text(encoding="utf-8") == "mine"
@@ -222,6 +224,12 @@ def test_files_that_are_there_are_replaced_only_with_force(folder, simple, capsy
     assert main([*arguments, "--force", "--report", "notes"]) == 2
     assert "notes: this folder exists and is not a report" in capsys.readouterr().err
     assert [path.name for path in (folder / "notes").iterdir()] == ["mine.txt"]
+
+
+def test_a_pdf_of_the_report_is_written_beside_it(folder, simple, capsys):
+    out = run(capsys, simple, "--law", "enhanced-dry-friction", "--out", "a.toml", "--pdf")
+    assert "written: a-report/ (report.html, report.pdf)" in out
+    assert (folder / "a-report" / "report.pdf").read_bytes().startswith(b"%PDF")
 
 
 GOOD = ["good.csv", "--law", "bouc-wen", "--out", "a.toml"]
@@ -294,28 +302,19 @@ def test_pictures_show_what_was_measured_beside_what_was_fitted(simple):
     np.testing.assert_allclose(
         np.diff(zeros), 20.0, atol=12.0
     )  # 1 % of 1.2 kN, over sqrt(5 samples), at the four turning points
-    panels = fit_figure(fits, title="three").axes
-    assert [panel.get_title().split(":")[0] for panel in panels] == ["±1 mm", "±4 mm", "±8 mm"]
-    measured, fitted = panels[2].get_lines()
-    assert measured.get_xdata().max() == pytest.approx(8.0, rel=1e-3)
-    np.testing.assert_allclose(measured.get_ydata(), 1e-3 * fits[2].measured)
-    np.testing.assert_allclose(fitted.get_ydata(), 1e-3 * fits[2].fitted)
-    up = residual_figure(fits, title="three").axes[0].get_lines()[0]
-    assert np.abs(up.get_ydata()).max() < 5.0  # [%]: five standard deviations of the noise
-    assert (np.diff(up.get_xdata()) >= 0.0).all()
-    energy, stiffness = measures_figure(fits, title="three").axes
+    panels = [panel for row in fit_chart(fits).rows for panel in row]
+    assert [panel.title.split(":")[0] for panel in panels] == ["±1 mm", "±4 mm", "±8 mm"]
+    fitted, measured = panels[2].curves
+    assert measured.marks
+    assert measured.x.max() == pytest.approx(8.0, rel=1e-3)
+    np.testing.assert_allclose(measured.y, 1e-3 * fits[2].measured)
+    np.testing.assert_allclose(fitted.y, 1e-3 * fits[2].fitted)
+    up, _, samples = residual_chart(fits).rows[0][0].curves
+    assert np.abs(samples.y).max() < 5.0  # [%]: five standard deviations of the noise
+    assert (np.diff(up.x) >= 0.0).all()
+    energy, stiffness = measures_chart(fits).rows[0]
     exact = cyclic_test(SIMPLE, [1e-3, 4e-3, 8e-3])
-    for line in energy.get_lines():
-        np.testing.assert_allclose(line.get_ydata()[1:], [loop.dissipated_energy for loop in exact[1:]], rtol=0.01)
-    for line in stiffness.get_lines():
-        np.testing.assert_allclose(line.get_ydata(), [loop.secant_stiffness / 1e3 for loop in exact], rtol=0.02)
-
-
-def test_many_loops_are_drawn_from_the_smallest_to_the_largest(simple):
-    fits = fitted_loops(wr.identify(load_cycles(simple), law=wr.EnhancedDryFriction))
-    many = [replace(fit, deflection=fit.deflection * (1.0 + 0.01 * i)) for i in range(6) for fit in fits]
-    figure = fit_figure(sorted(many, key=lambda fit: fit.amplitude), title="many")
-    assert len(figure.axes) == 12
-    assert figure.axes[0].get_title().startswith("±1 mm")
-    assert figure.axes[-1].get_title().startswith("±8.4 mm")
-    assert "(12 of 18 loops)" in figure.get_suptitle()
+    for line in energy.curves:
+        np.testing.assert_allclose(line.y[1:], [loop.dissipated_energy for loop in exact[1:]], rtol=0.01)
+    for line in stiffness.curves:
+        np.testing.assert_allclose(line.y, [loop.secant_stiffness / 1e3 for loop in exact], rtol=0.02)

@@ -24,6 +24,7 @@ from hostile_names import (
     write_hostile_scenario,
 )  # fmt: skip
 from markdown_it import MarkdownIt
+from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main, screen
@@ -150,6 +151,19 @@ def test_the_page_of_a_run_shows_names_as_text(run):
         assert name in text
     assert plain(f"made up {NAME}{ESCAPE}{TITLE}") in text
     assert plain(f"Does [click](http://example.com) {NAME}{ESCAPE}") in text
+
+
+def test_the_page_of_an_identification_shows_names_as_text(place):
+    law = wr.EnhancedDryFriction(k=5e4, d=800.0, u_c=2e-3)
+    record = write_record(place / f"{FILE_NAME}.csv", *rig_record(law, [1e-3, 4e-3]))
+    out, folder = place / "identified.toml", place / f"fit{FILE_NAME}{ESCAPE}"
+    options = ("--law", "enhanced-dry-friction", "--out", out, "--report", folder, "--name", NAME)
+    shown = printed("identify", record, *options)
+    text = check_page(folder / "report.html")
+    for name in (NAME, FILE_NAME):
+        assert name in shown
+        assert name in text
+    assert plain(str(folder)) in shown
 
 
 def test_the_page_of_a_study_shows_names_as_text(study):

@@ -46,7 +46,7 @@ COMMANDS = {
     ),
     "identify": (
         "identify_options:identify_records",
-        "Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report with pictures.",
+        "Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report.",
     ),
     "frf": (
         "frf_options:frf",

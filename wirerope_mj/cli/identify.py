@@ -1,4 +1,4 @@
-"""`wirerope identify`: cyclic tests -> an isolator file, a table of the parameters, and a report with pictures."""
+"""`wirerope identify`: cyclic tests -> an isolator file, a table of the parameters, and a report."""
 
 import math
 import shutil
@@ -20,8 +20,9 @@ from wirerope_mj.mounts.identification.result import FittedLoop, Identification,
 from wirerope_mj.mounts.isolator import Isolator, load_isolator, read_law
 from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop
 from wirerope_mj.runs.folder import atomic_run, check_target
+from wirerope_mj.runs.page import REPORT, write_page
+from wirerope_mj.views.report import check_pdf
 from wirerope_mj.views.report.identification import (
-    PICTURES,
     findings,
     identification_content,
     law_text,
@@ -33,8 +34,10 @@ from wirerope_mj.views.report.identification import (
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
 
-_REPORT = "report.html"
+_PDF = "report.pdf"
 _OLD_REPORT = "report.md"  # of older versions, which may be replaced
+_OURS = (REPORT, _PDF, _OLD_REPORT, "loops.png", "residuals.png", "measures.png")
+"""Files of a report, and those of older versions: of another fit they would be wrong."""
 _ELEMENTS = 5  # of a Masing law: with eleven parameters within what an identification of four amplitudes can fix
 
 
@@ -56,6 +59,7 @@ class Request:
     start: Path | None = None
     force: bool = False
     accept_unconverged: bool = False
+    pdf: bool = False
 
     @property
     def folder(self) -> Path:
@@ -95,7 +99,8 @@ def identify_command(request: Request) -> int:
             isolator.save(request.out)
     _print(request, isolator.name, result, fits, tests)
     screen = console()
-    screen.print(f"written: {escape(str(request.folder))}/ ({_REPORT}, {', '.join(PICTURES)})", soft_wrap=True)
+    written = f"{REPORT}, {_PDF}" if request.pdf else REPORT
+    screen.print(f"written: {escape(str(request.folder))}/ ({written})", soft_wrap=True)
     if wanted:
         screen.print(f"written: {escape(str(request.out))}", soft_wrap=True)
     else:
@@ -173,18 +178,20 @@ def _check_outputs(request: Request) -> None:
         raise ValueError(f"`--out`: {out} is a folder.")
     if out.exists() and not request.force:
         raise ValueError(f"{out}: there is an isolator file already. Replace it with --force, or choose another path.")
+    if request.pdf:
+        check_pdf()
     check_target(request.folder, force=request.force, kind="report", marks=_marks(request.folder))
 
 
 def _marks(folder: Path) -> tuple[str]:
     """Return the file by which a folder is known as a report."""
-    return (_OLD_REPORT,) if (folder / _OLD_REPORT).is_file() else (_REPORT,)
+    return (_OLD_REPORT,) if (folder / _OLD_REPORT).is_file() else (REPORT,)
 
 
 def _keep_others(before: Path, folder: Path) -> None:
     """Copy the other files of a report's folder into the one that replaces it."""
     for path in before.iterdir() if before.is_dir() else ():
-        if path.name in (_REPORT, _OLD_REPORT) or path.name in PICTURES:
+        if path.name in _OURS:
             continue
         if path.is_dir() and not path.is_symlink():
             shutil.copytree(path, folder / path.name, symlinks=True)
@@ -195,19 +202,16 @@ def _keep_others(before: Path, folder: Path) -> None:
 def _write_report(
     folder: Path, request: Request, result: Identification, fits: Sequence[FittedLoop], tests: Tests
 ) -> None:
-    """Write text and pictures into a folder."""
-    from wirerope_mj.views.plots.identification import fit_figure, measures_figure, residual_figure
+    """Write the page into a folder, and its PDF."""
     from wirerope_mj.views.report import report_html
 
     kinds = " and ".join(law.name for law in result.law.components)
-    title = f"{request.name or request.out.stem}, {request.axis}: {kinds}"
-    for name, figure in zip(PICTURES, (fit_figure, residual_figure, measures_figure), strict=True):
-        figure(fits, title=title).savefig(folder / name)
     sources = [f"{path}: {contents(loops)}" for path, loops in tests.items()] + loop_warnings(tests, result)
     content = identification_content(
-        result, fits, title=title, sources=sources, given=assumptions(result, request.given)
-    )
-    (folder / _REPORT).write_text(report_html(content), encoding="utf-8")
+        result, fits, title=f"{request.name or request.out.stem}, {request.axis}: {kinds}", sources=sources,
+        given=assumptions(result, request.given),
+    )  # fmt: skip
+    write_page(report_html(content), [folder / REPORT, *([folder / _PDF] if request.pdf else [])])
 
 
 def _print(request: Request, name: str, result: Identification, fits: Sequence[FittedLoop], tests: Tests) -> None:

@@ -23,8 +23,9 @@ def identify_records(
     start: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
     accept_unconverged: Annotated[bool, Parameter(negative=())] = False,
+    pdf: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report with pictures.
+    """Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report.
 
     Records are CSV with units in the header, such as "time [s], deflection [mm], force [kN]", of any sampling, with several
     cycles, amplitudes and operating points one after the other or in several files. A fit that does not converge exits 1 and
@@ -36,7 +37,7 @@ def identify_records(
             vaiana-rosati, enhanced-dry-friction or masing; stop for a bump stop, alone or with --beside.
         out: isolator file to write.
         axis: along which the tests moved.
-        report: folder for text and pictures; NAME-report beside the isolator file by default.
+        report: folder of the report; NAME-report beside the isolator file by default.
         name: of the isolator; that of its file by default.
         constraint: on beta and gamma, where nothing else tells them apart.
         fix: parameters that are given, NAME=VALUE in SI units, by the names that the table prints.
@@ -47,6 +48,7 @@ def identify_records(
         start: law file or isolator file from which a search in three stages begins, besides those from a grid.
         force: replace an isolator file and a report that are there.
         accept_unconverged: write the isolator even of a fit that did not converge.
+        pdf: write a PDF of the report beside it, which needs the extra "pdf" (WeasyPrint).
     """
     from wirerope_mj.cli.identify import Request, identify_command
 
@@ -55,6 +57,6 @@ def identify_records(
     request = Request(
         files=files, law=law, out=out, axis=axis, report=report, name=name, constraint=constraint, fix=fix or (),
         free=free or (), beside=beside, elements=elements, start=start, force=force,
-        accept_unconverged=accept_unconverged,
+        accept_unconverged=accept_unconverged, pdf=pdf,
     )  # fmt: skip
     return identify_command(request)

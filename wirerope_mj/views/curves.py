@@ -11,12 +11,13 @@ BASE, OTHERS = "base", "others"
 
 @dataclass(frozen=True, kw_only=True)
 class Curve:
-    """A line: positions (n,), a name, and its kind, the number of a colour, `BASE` or `OTHERS`."""
+    """A line: positions (n,), a name, and its kind, the number of a colour, `BASE` or `OTHERS`; `marks`: dots instead."""
 
     x: Array
     y: Array
     name: str
     kind: int | str
+    marks: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.mounts.identification.result import Identification, fitted_loops
-from wirerope_mj.mounts.isolator import Isolator, Provenance
+from wirerope_mj.mounts.isolator import Isolator, Provenance, Validity
 from wirerope_mj.mounts.laws import AsymmetricBoucWen
 
 
@@ -45,9 +45,11 @@ def identified_isolator(
         assumed=tuple(assumed),
     )
     axes: Mapping[str, Any] = {axis: result.law}
-    if known is not None:
-        return replace(known.conditioned, name=name, provenance=provenance, spread=None, **axes)
-    return Isolator(name=name, provenance=provenance, **axes)
+    if known is None:
+        return Isolator(name=name, provenance=provenance, validity=Validity(**{axis: result.measured}), **axes)
+    both = result.measured.joined(known.validity.stated.get(axis))
+    validity = replace(known.validity, **{axis: both})
+    return replace(known.conditioned, name=name, provenance=provenance, spread=None, validity=validity, **axes)
 
 
 def assumptions(result: Identification, given: Sequence[str]) -> list[str]:

@@ -39,6 +39,7 @@ class MeasuredLoop:
         history: turning points from the unloaded device to the first of the measured cycles [m], (n,).
         elapsed: time since the cycle began over its period, (n_t,).
         averaged: cycles whose mean was measured; 0: the loop counts as steady.
+        period: of the cycle [s]; None where the record has no time.
     """
 
     deflection: Array
@@ -47,6 +48,7 @@ class MeasuredLoop:
     history: Array = field(default_factory=lambda: np.zeros(0))
     elapsed: Array = field(default_factory=lambda: np.zeros(0))
     averaged: int = 0
+    period: float | None = None
 
     @property
     def amplitude(self) -> float:
@@ -73,7 +75,7 @@ class MeasuredLoop:
         kept = np.unique(
             np.concatenate([np.linspace(0, x.size - 1, samples).astype(int), [np.argmax(x), np.argmin(x)]])
         )
-        elapsed = self.elapsed[kept] if self.averaged else self.elapsed
+        elapsed = self.elapsed[kept] if self.elapsed.size else self.elapsed
         return replace(self, deflection=x[kept], force=self.force[kept], elapsed=elapsed)
 
     def model_force(self, law: Law) -> Array:
@@ -163,7 +165,7 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False
         size = 0.5 * float(np.ptp(loop.force)) if weights == "range" else largest
         one = MeasuredLoop(deflection=_monotone(loop.deflection), force=loop.force, weight=size or 1.0)
         if isinstance(loop, RecordedLoop):
-            one = replace(one, history=loop.history, elapsed=loop.elapsed, averaged=loop.averaged)
+            one = replace(one, history=loop.history, elapsed=loop.elapsed, averaged=loop.averaged, period=loop.period)
         ready.append(one)
     return sorted(ready, key=lambda loop: float(np.ptp(loop.deflection)))
 

@@ -1,6 +1,5 @@
 """An identification: the law, its parameters with errors, its range of validity, and its loops beside the measured ones."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -8,12 +7,12 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
-from wirerope_mj.mounts.identification.coordinates import SEEN
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.stages import Stage
 from wirerope_mj.mounts.identification.uncertainty import Parameter, Uncertainty
+from wirerope_mj.mounts.identification.validity import measured_range, validity_of
+from wirerope_mj.mounts.isolator import MeasuredRange
 from wirerope_mj.mounts.laws import Law
-from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -56,6 +55,11 @@ class Identification(Summarised):
         }
         error = f"error {100.0 * self.residual:.3g} % of half the force range over {len(self.loops)} loops"
         return f"Identification of {type(self.law).__name__}: {ended}, {error}", lines
+
+    @property
+    def measured(self) -> MeasuredRange:
+        """The amplitudes, deflections, frequencies and rates of the loops, as an isolator file keeps them."""
+        return measured_range(self.loops)
 
     @property
     def validity(self) -> str:
@@ -137,25 +141,3 @@ def fitted_loops(result: Identification) -> list[FittedLoop]:
         zero = float(np.mean(loop.force - fitted))
         fits.append(FittedLoop(deflection=loop.deflection, measured=loop.force - zero, fitted=fitted, zero=zero))
     return fits
-
-
-def validity_of(law: Law, loops: Sequence[MeasuredLoop]) -> str:
-    """Return the range of validity of a law fitted to loops, smallest first: tested deflections, and whether small cycles show.
-
-    Half of a Bouc-Wen law's slope at z = 0, alpha, is lost at the deflection x_y (1/2)^(1/n). Where that is within 2 % of the
-    least amplitude no sample shows the slope, and alpha and n follow from the bend further on alone.
-    """
-    least, largest = 1e3 * loops[0].amplitude, 1e3 * loops[-1].amplitude
-    sizes = f"{least:.3g} mm" if f"{least:.3g}" == f"{largest:.3g}" else f"{least:.3g} to {largest:.3g} mm"
-    low = 1e3 * min(float(loop.deflection.min()) for loop in loops)
-    high = 1e3 * max(float(loop.deflection.max()) for loop in loops)
-    text = f"valid for cycles of {sizes} amplitude between {low:.3g} and {high:.3g} mm, which were tested; extrapolated beyond"
-    if not isinstance(law, Hysteresis) or not math.isfinite(law.z_max):
-        return text
-    half = 1e3 * law.normalised.x_y * 0.5 ** (1.0 / law.n)
-    if half > SEEN * least:
-        return text
-    return (
-        f"{text}. With n = {law.n:.3g} half of the slope alpha is lost within {half:.2g} mm, less than {100.0 * SEEN:g} % of "
-        "the least amplitude, which its samples do not show: the stiffness of smaller cycles is a guess"
-    )

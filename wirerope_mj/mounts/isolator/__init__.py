@@ -12,4 +12,6 @@ from wirerope_mj.mounts.isolator.parts import Travel as Travel
 from wirerope_mj.mounts.isolator.stiffening import Stiffening as Stiffening
 from wirerope_mj.mounts.isolator.tables import AXES as AXES
 from wirerope_mj.mounts.isolator.tables import read_law as read_law
+from wirerope_mj.mounts.isolator.validity import MeasuredRange as MeasuredRange
+from wirerope_mj.mounts.isolator.validity import Validity as Validity
 from wirerope_mj.mounts.laws import LoopCoupling as LoopCoupling

@@ -14,6 +14,7 @@ from wirerope_mj.mounts.isolator.parts import Geometry, Limits, Provenance, Rota
 from wirerope_mj.mounts.isolator.stiffening import Stiffening
 from wirerope_mj.mounts.isolator.tables import AXES, read_tables, write_toml
 from wirerope_mj.mounts.isolator.travel import SIDES
+from wirerope_mj.mounts.isolator.validity import Validity
 from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, Stop
 
 COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}
@@ -39,6 +40,7 @@ class Isolator(Brief):
         geometry: unloaded envelope, for drawing.
         provenance: where the parameters come from.
         spread: scatter of the parameters.
+        validity: cycles that the laws were identified from, by axis.
     """
 
     name: str
@@ -53,6 +55,7 @@ class Isolator(Brief):
     geometry: Geometry | None = None
     provenance: Provenance = Provenance()
     spread: Spread | None = None
+    validity: Validity = Validity()
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
@@ -65,7 +68,7 @@ class Isolator(Brief):
         if not any(self.axes.values()):
             raise ValueError(f"the isolator must have a law on at least one axis of {', '.join(AXES)}.")
         self._require_coupling()
-        for name, kind in (("limits", Limits), ("provenance", Provenance)):
+        for name, kind in (("limits", Limits), ("provenance", Provenance), ("validity", Validity)):
             if not isinstance(getattr(self, name), kind):
                 raise ValueError(f"`{name}` must be a {kind.__name__}, got {getattr(self, name)!r}.")
         for name, part in (("rotation", Rotation), ("stiffening", Stiffening)):
@@ -177,7 +180,7 @@ class Isolator(Brief):
         if self.coupling is not None:
             content["coupling"] = self.coupling
         content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
-        for name in ("loop", "rotation", "stiffening", "limits", "geometry", "provenance", "spread"):
+        for name in ("loop", "rotation", "stiffening", "limits", "geometry", "provenance", "spread", "validity"):
             part = getattr(self, name)
             table = {} if part is None else part.to_dict()
             if table:

@@ -14,6 +14,7 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator.curves import curve_in_si
 from wirerope_mj.mounts.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, Travel
 from wirerope_mj.mounts.isolator.stiffening import Stiffening
+from wirerope_mj.mounts.isolator.validity import MeasuredRange, Validity
 from wirerope_mj.mounts.laws import LAWS, Law, LoopCoupling, Parallel, Tabulated
 
 AXES = ("roll", "shear", "axial")
@@ -28,6 +29,7 @@ _PARTS = {
     "geometry": Geometry,
     "provenance": Provenance,
     "spread": Spread,
+    "validity": Validity,
 }
 
 
@@ -90,7 +92,18 @@ def _read_part(name: str, table: dict[str, Any], location: str) -> Any:
         if not isinstance(table["travel"], dict):
             raise ModelError(f"{location} `travel` must be a table of deflections, got {table['travel']!r}.")
         table = {**table, "travel": _make(Travel, table["travel"], f"{location} travel:", "travel")}
+    if name == "validity":  # a table for each axis
+        _require_keys(table, (), AXES, location, "the validity")
+        table = {axis: _range(one, f"{location[:-1]}.{axis}]") for axis, one in table.items()}
     return _make(_PARTS[name], table, location, f"the {name}")
+
+
+def _range(table: Any, location: str) -> MeasuredRange:
+    """Return the range of validity along one axis."""
+    if not isinstance(table, dict):
+        raise ModelError(f"{location} must be a table of ranges, got {table!r}.")
+    range_: MeasuredRange = _make(MeasuredRange, table, location, "a range of validity")
+    return range_
 
 
 def _make(kind: Callable[..., Any], table: dict[str, Any], location: str, title: str) -> Any:

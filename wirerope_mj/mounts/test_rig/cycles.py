@@ -112,7 +112,8 @@ def _steady(x: Array, f: Array, time: Array | None, locate: Locate, stop: bool) 
         raise ValueError(f"{whole}: {no_cycle_text(x)}")
     if trace.strokes.size <= 3 and _ends_meet(trace):
         require_unclipped(x, f, whole, stop=stop)
-        return [mean_loop([whole_record(trace)], x, f, 1, abs(float(f[-1] - f[0])), whole, stop=stop)]
+        loop = mean_loop([whole_record(trace)], x, f, 1, abs(float(f[-1] - f[0])), whole, stop=stop)
+        return [loop if time is None else replace(loop, period=float(np.ptp(time)))]
     runs = _runs(trace)
     if not runs:
         strokes = ", ".join(f"{1e3 * s:.4g}" for s in trace.strokes[:6]) + (", ..." if trace.strokes.size > 6 else "")
@@ -121,6 +122,8 @@ def _steady(x: Array, f: Array, time: Array | None, locate: Locate, stop: bool) 
             "one length, or ends where it began."
         )
     loops = [_loop_of_run(trace, f, first, last, locate, stop) for first, last in runs]
+    if time is None:  # the trace counts samples instead
+        loops = [replace(loop, period=None) for loop in loops]
     if abs(float(trace.smooth[0])) > _UNLOADED * np.ptp(x):  # how the device came there is not in the record
         return [replace(loop, averaged=0) for loop in loops]
     return _led_there(trace, runs, loops)
@@ -189,7 +192,7 @@ def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Loca
     without_drift = force - slope * (trace.time - times[1])
     loop = mean_loop(kept, trace.deflection, without_drift, len(cycles), gap, location, stop=stop)
     require_falling(loop, location, stop=stop)
-    return replace(loop, averaged=len(kept))
+    return replace(loop, averaged=len(kept), period=float(period))
 
 
 def _drift(trace: Trace, kept: list[PhasedCycle], force: Array, last: int) -> float:

@@ -19,6 +19,7 @@ class RecordedLoop(Loop):
         history: turning points from the unloaded device to the first of the averaged cycles [m], (n,).
         elapsed: time since the cycle began over its period, from 0 to 1, (n_t,).
         averaged: cycles in the mean; 0 if it is not known how they were reached, and the loop counts as steady.
+        period: of its cycles [s]; None where the record has no time.
         scatter: standard deviation of what the averaged cycles differ by, as it is left in their mean [N]; 0 of a single one.
     """
 
@@ -26,6 +27,7 @@ class RecordedLoop(Loop):
     elapsed: Array = field(default_factory=lambda: np.zeros(0), repr=False)
     averaged: int = 0
     scatter: float = 0.0
+    period: float | None = None
 
 
 def mean_of_cycles(forces: Array, elapsed: Array) -> Array:

@@ -1,161 +1,146 @@
-"""Pictures of a fit: loops, residuals, and measures over the amplitude, measured against fitted."""
+"""Charts of a fit for its page: loops, residuals and measures over the amplitude, measured against fitted."""
 
 import math
-import textwrap
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
 
 import numpy as np
-from matplotlib.figure import Figure
-from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter, ScalarFormatter
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.identification.result import FittedLoop
-from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import COLOURS
+from wirerope_mj.views.colours import LIGHT
+from wirerope_mj.views.curves import OTHERS, Curve, Panel
+from wirerope_mj.views.plots.svg_chart import Chart
 
-_MEASURED, _FITTED = "#08519c", "#d95f0e"
-_MOST = 12  # panels of one figure: more cannot be read
+MOST = 12
+"""Loops of one chart: more cannot be read."""
+
 _ACROSS = 3
+_MEASURED, _FITTED = 0, 1  # numbers of their colours
 _WEAK = 100.0  # [N], below which forces are read in N
-_MARKERS = "osD^vP"
-_BESIDE = 5  # operating points beside each other below the picture
-_LETTERS = 8.5  # of a bold title in an inch
+_ROOM = 0.05  # of the stroke, left free on either side: the turning points are what one looks at
+_BRANCH = 9  # fraction of a branch over which residuals are averaged
+_APART = 1.15  # ratio of amplitudes left free on either side
+_SHORT = 0.03  # of the amplitude: half a fitted value that no other continues
 
 
-def fit_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
-    """Return a figure with a panel for each loop, smallest first: measured as dots, fitted as a line.
+def drawn_loops(fits: Sequence[FittedLoop]) -> list[FittedLoop]:
+    """Return the loops that are drawn, twelve at most, from the smallest to the largest."""
+    rows = np.unique(np.linspace(0, len(fits) - 1, min(len(fits), MOST)).round().astype(int))
+    return [fits[row] for row in rows]
 
-    Of more than twelve loops, twelve from the smallest to the largest are drawn.
 
-    Args:
-        fits: loops of a fit.
-        title: of the figure.
+def fit_chart(fits: Sequence[FittedLoop]) -> Chart:
+    """Return force over deflection of every loop: measured as dots, fitted as a line."""
+    weak = max(float(np.abs(fit.measured).max()) for fit in fits) < _WEAK
+    unit = "N" if weak else "kN"
+
+    def curves(fit: FittedLoop) -> list[Curve]:
+        x = in_unit(fit.deflection, "mm")
+        return [
+            Curve(x=x, y=in_unit(fit.fitted, unit), name="fitted", kind=_FITTED),
+            Curve(x=x, y=in_unit(fit.measured, unit), name="measured", kind=_MEASURED, marks=True),
+        ]
+
+    return _chart(fits, curves, f"force [{unit}]", unit)
+
+
+def residual_chart(fits: Sequence[FittedLoop]) -> Chart:
+    """Return fitted minus measured force of every loop over the deflection, in percent of half its range.
+
+    Dots are the samples, lines their mean over a ninth of each branch, all on one scale. A law that fits leaves noise, whose
+    mean is zero everywhere; what bends is what the law cannot do.
     """
-    figure, panels = _panels(fits, title, height=3.1)
-    for fit, panel in panels:
-        weak = float(np.abs(fit.measured).max()) < _WEAK
-        unit, size = ("N", 1.0) if weak else ("kN", 1e-3)
-        panel.plot(1e3 * fit.deflection, size * fit.measured, "o", color=_MEASURED, ms=3.2, mew=0.0, label="measured")
-        panel.plot(1e3 * fit.deflection, size * fit.fitted, color=_FITTED, lw=1.0, label="fitted")
-        panel.set_title(f"{_name(fit, fits)}: {100.0 * fit.error:.2g} % of half its range", fontsize=10)
-        panel.set_ylabel(f"force [{unit}]")
-    panels[0][1].legend(fontsize=8, loc="best")  # a stop has its knee where other loops leave room
-    return figure
+    largest = 110.0 * max(float(np.abs(fit.residual).max()) for fit in drawn_loops(fits)) or 1.0
+    return _chart(fits, _residual_curves, "fitted - measured [%]", "%", ylim=(-largest, largest))
 
 
-def residual_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
-    """Return a figure with a panel for each loop, smallest first: fitted minus measured force over the deflection.
+def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
+    """Return energy per cycle and secant stiffness over the amplitude: measured as dots, fitted as lines between them.
 
-    Dots are the samples, lines their mean over a ninth of each branch. A law that fits leaves noise, whose mean is zero
-    everywhere; what bends is what the law cannot do.
-
-    Args:
-        fits: loops of a fit.
-        title: of the figure.
+    Operating points differ by colour. Fitted values stand at the measured amplitudes, where they were compared.
     """
-    figure, panels = _panels(fits, title, height=2.6, sharey=True)
-    for fit, panel in panels:
-        start = int(np.argmin(fit.deflection[:-1]))
-        path, residual = (np.roll(values[:-1], -start) for values in (1e3 * fit.deflection, 100.0 * fit.residual))
-        top = int(np.argmax(path))
-        for way, branch, colour in (("up", slice(0, top + 1), _MEASURED), ("down", slice(top, None), _FITTED)):
-            panel.plot(path[branch], residual[branch], "o", color=colour, ms=2.5, mew=0.0, alpha=0.4)
-            panel.plot(*_running_mean(path[branch], residual[branch]), color=colour, lw=1.6, label=f"on the way {way}")
-        panel.axhline(0.0, color="0.3", lw=0.7, zorder=1)
-        panel.set_title(_name(fit, fits), fontsize=10)
-        panel.set_ylabel("fitted - measured\n[% of half its range]")
-    panels[0][1].legend(fontsize=8, loc="upper left")
-    return figure
+    amplitudes = np.array([in_unit(fit.amplitude, "mm") for fit in fits])
+    across = (float(amplitudes.min()) / _APART, float(amplitudes.max()) * _APART)
+    panels = []
+    for measure, unit, label in (
+        ("energy", "J", "energy per cycle [J]"),
+        ("secant_stiffness", "kN/m", "stiffness [kN/m]"),
+    ):
+        curves = _measure_curves(fits, measure, unit)
+        values = np.concatenate([curve.y for curve in curves])
+        log = measure == "energy" and bool(
+            (values > 0.0).all()
+        )  # that of a device without loss is noise of either sign
+        limits = (float(values.min()) / 1.3, float(values.max()) * 1.3) if log else None
+        if measure == "secant_stiffness" and values.min() > 0.0:
+            limits = (0.0, 1.1 * float(values.max()))
+        panels.append(
+            Panel(
+                curves=curves, ylabel=label, xlabel="amplitude [mm]", xlim=across, ylim=limits, log="xy" if log else "x",
+                unit=unit, xunit="mm",
+            )
+        )  # fmt: skip
+    return Chart(rows=[panels], height=180.0)
 
 
-def measures_figure(fits: Sequence[FittedLoop], *, title: str) -> Figure:
-    """Return a figure of energy per cycle and secant stiffness over the amplitude: measured as marks, fitted as crosses.
-
-    Each operating point has a mark and a colour of its own. Fitted values stand at the measured amplitudes, where they were
-    compared.
-
-    Args:
-        fits: loops of a fit.
-        title: of the figure.
-    """
-    figure = PlainFigure(figsize=(10.2, 4.4), layout="constrained", dpi=120)
-    _entitle(figure, title)
-    energy, stiffness = figure.subplots(1, 2)
-    groups = _groups(fits)
-    for index, group in enumerate(groups):
-        marker = _MARKERS[index % len(_MARKERS)]
-        colours = (_MEASURED, _FITTED) if len(groups) == 1 else 2 * (COLOURS[index % len(COLOURS)],)
-        about = "" if len(groups) == 1 else f" about {_millimetres(group)} mm"
-        _draw(energy, group, "energy", 1.0, marker, colours, about)
-        _draw(stiffness, group, "secant_stiffness", 1e-3, marker, colours, about)
-    if any(fit.energy(fit.measured) > 0.0 for fit in fits):  # that of a device without loss is noise of either sign
-        energy.set_yscale("log")
-        energy.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        energy.yaxis.set_major_formatter(FormatStrFormatter("%g"))  # that of logarithmic axes writes formulas
-        energy.yaxis.set_minor_formatter(NullFormatter())
-    energy.set_ylabel("energy per cycle [J]")
-    stiffness.set_ylabel("secant stiffness [kN/m]")
-    stiffness.set_ylim(bottom=0.0)
-    for panel in (energy, stiffness):
-        panel.set_xscale("log")
-        panel.set_xlabel("amplitude [mm]")
-        panel.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        panel.xaxis.set_major_formatter(ScalarFormatter())
-        panel.xaxis.set_minor_formatter(NullFormatter())
-        panel.grid(color="0.92", which="both")
-        panel.set_axisbelow(True)
-        panel.margins(x=0.08)
-    if len(groups) == 1:
-        energy.legend(fontsize=8)
-    else:
-        lines = energy.get_legend_handles_labels()
-        figure.legend(*lines, fontsize=8, loc="outside lower center", ncols=min(len(groups), _BESIDE))
-    return figure
+def _residual_curves(fit: FittedLoop) -> list[Curve]:
+    """Return the residual's mean on the way up and down, and its samples behind them."""
+    start = int(np.argmin(fit.deflection[:-1]))
+    x, residual = (np.roll(values[:-1], -start) for values in (in_unit(fit.deflection, "mm"), 100.0 * fit.residual))
+    top = int(np.argmax(x))
+    curves = [
+        Curve(x=at, y=mean, name=f"mean on the way {way}", kind=kind)
+        for way, branch, kind in (("up", slice(0, top + 1), _MEASURED), ("down", slice(top, None), _FITTED))
+        for at, mean in [_running_mean(x[branch], residual[branch])]
+    ]
+    return [*curves, Curve(x=x, y=residual, name="samples", kind=OTHERS, marks=True)]
 
 
-def _panels(
-    fits: Sequence[FittedLoop], title: str, *, height: float, sharey: bool = False
-) -> tuple[Figure, list[tuple[FittedLoop, Any]]]:
-    """Return a figure with loops and their panels over the deflection."""
-    chosen = [fits[i] for i in np.unique(np.linspace(0, len(fits) - 1, min(len(fits), _MOST)).round().astype(int))]
-    across = min(len(chosen), _ACROSS)
-    down = math.ceil(len(chosen) / across)
-    left_out = f" ({len(chosen)} of {len(fits)} loops)" if len(chosen) < len(fits) else ""
-    figure = PlainFigure(figsize=(0.6 + 3.7 * across, 0.9 + height * down), layout="constrained", dpi=120)
-    _entitle(figure, title + left_out)
-    pairs: list[tuple[FittedLoop, Any]] = []
-    for index, fit in enumerate(chosen):
-        first = pairs[0][1] if sharey and pairs else None
-        panel = figure.add_subplot(down, across, index + 1, sharey=first)
-        panel.set_xlabel("deflection [mm]")
-        panel.grid(color="0.92")
-        panel.set_axisbelow(True)
-        pairs.append((fit, panel))
-    return figure, pairs
+def _running_mean(x: Array, values: Array) -> tuple[Array, Array]:
+    """Return the means of positions and values over a ninth of a branch."""
+    window = np.full(width := max(1, x.size // _BRANCH), 1.0 / width)
+    return np.convolve(x, window, "valid"), np.convolve(values, window, "valid")
 
 
-def _running_mean(x: Array, y: Array) -> tuple[Array, Array]:
-    """Return the mean over a ninth of the samples, where there are as many on both sides."""
-    weights = np.full(max(x.size // 9, 1), 1.0 / max(x.size // 9, 1))
-    return np.convolve(x, weights, "valid"), np.convolve(y, weights, "valid")
+def _measure_curves(fits: Sequence[FittedLoop], measure: str, unit: str) -> list[Curve]:
+    """Return a measure over the amplitude, the measured one in front of the fitted one of each operating point."""
+    groups, curves = _groups(fits), []
+    for number, group in enumerate(groups):
+        x = np.array([in_unit(fit.amplitude, "mm") for fit in group])
+        about = f" about {_millimetres(group)} mm" if len(groups) > 1 else ""
+        kinds = (_MEASURED, _FITTED) if len(groups) == 1 else 2 * (number % len(LIGHT.series),)
+        measured, fitted = (
+            np.array([in_unit(getattr(fit, measure)(getattr(fit, side)), unit) for fit in group])
+            for side in ("measured", "fitted")
+        )
+        curves.append(Curve(x=x, y=measured, name=f"measured{about}", kind=kinds[0], marks=True))
+        if x.size == 1:  # a line from nowhere to nowhere cannot be seen
+            x, fitted = x[0] * np.array([1.0 - _SHORT, 1.0 + _SHORT]), np.repeat(fitted, 2)
+        curves.append(Curve(x=x, y=fitted, name=f"fitted{about}", kind=kinds[1]))
+    return curves
 
 
-def _draw(
-    panel: Any, group: Sequence[FittedLoop], measure: str, size: float, marker: str, colours: Sequence[str], about: str
-) -> None:
-    """Draw a measure of loops about one operating point, measured and fitted in their colours."""
-    amplitudes = [1e3 * fit.amplitude for fit in group]
-    measured = [size * getattr(fit, measure)(fit.measured) for fit in group]
-    fitted = [size * getattr(fit, measure)(fit.fitted) for fit in group]
-    panel.plot(amplitudes, fitted, "-x", color=colours[1], lw=1.0, ms=7, label=f"fitted{about}", zorder=3)
-    panel.plot(amplitudes, measured, marker, color=colours[0], mfc="none", ms=7, label=f"measured{about}", zorder=4)
-
-
-def _entitle(figure: Figure, title: str) -> None:
-    """Write a title over a figure, on as many lines as it needs."""
-    lines = textwrap.wrap(title, int(_LETTERS * figure.get_figwidth()), break_on_hyphens=False)
-    figure.suptitle("\n".join(lines), fontsize=12, fontweight="bold")
+def _chart(
+    fits: Sequence[FittedLoop],
+    curves_of: Callable[[FittedLoop], list[Curve]],
+    ylabel: str,
+    unit: str,
+    ylim: tuple[float, float] | None = None,
+) -> Chart:
+    """Return a chart with a panel for every loop that is drawn."""
+    panels = []
+    for fit in drawn_loops(fits):
+        low, high = float(fit.deflection.min()), float(fit.deflection.max())
+        room = _ROOM * (high - low)
+        panels.append(
+            Panel(
+                curves=curves_of(fit), ylabel=ylabel, xlabel="deflection [mm]", title=_name(fit, fits), unit=unit,
+                xunit="mm", xlim=(in_unit(low - room, "mm"), in_unit(high + room, "mm")), ylim=ylim,
+            )
+        )  # fmt: skip
+    rows = [part.tolist() for part in np.array_split(np.arange(len(panels)), math.ceil(len(panels) / _ACROSS))]
+    return Chart(rows=[[panels[number] for number in row] for row in rows], height=150.0)
 
 
 def _groups(fits: Sequence[FittedLoop]) -> list[list[FittedLoop]]:
@@ -181,8 +166,8 @@ def _millimetres(group: Sequence[FittedLoop]) -> str:
 
 
 def _name(fit: FittedLoop, fits: Sequence[FittedLoop]) -> str:
-    """Return amplitude and, where there are several, operating point as text."""
+    """Return what a loop is called: its amplitude, and its operating point where there are several."""
     groups = _groups(fits)
     own = next(group for group in groups if any(fit is other for other in group))
-    about = "" if len(groups) == 1 else f" about {_millimetres(own)}"
-    return f"±{1e3 * fit.amplitude:.3g}{about} mm"
+    about = f" about {_millimetres(own)}" if len(groups) > 1 else ""
+    return f"±{in_unit(fit.amplitude, 'mm'):.3g}{about} mm: {100.0 * fit.error:.2g} % error"

@@ -25,6 +25,7 @@ _LEFT, _RIGHT, _GAP = 58.0, 12.0, 66.0
 _TITLE, _LEGEND, _BELOW, _BETWEEN = 18.0, 17.0, 34.0, 14.0
 _LETTER = 6.1  # width of a letter of a legend, on the average
 _SWATCH = 24.0
+_MARK = 3.6  # across a dot
 _FINE = 1 / 500  # of a panel's height, that a line may be off
 _ROOM = 0.05  # of the range, left free above and below
 
@@ -53,18 +54,18 @@ class Chart:
 
 def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
     """Return the names of all curves and limits above the chart, and the height that they take."""
-    entries: dict[str, str] = {}
+    entries: dict[str, tuple[str, str]] = {}
     for panel in panels:
         for curve in panel.curves:
-            entries.setdefault(curve.name, _look(curve.kind))
+            entries.setdefault(curve.name, (_look(curve), "m9 0h0" if curve.marks else "h18"))
         for name, _ in panel.limits:
-            entries.setdefault(name, _LIMIT)
+            entries.setdefault(name, (_LIMIT, "h18"))
     parts, x, y = [], _LEFT, 12.0
-    for name, look in entries.items():
+    for name, (look, stroke) in entries.items():
         wide = _SWATCH + _LETTER * len(name) + 18.0
         if x + wide > WIDTH and x > _LEFT:
             x, y = _LEFT, y + _LEGEND
-        parts.append(f'<path {look} d="M{x:.1f} {y - 4:.1f}h18"/>{_text(x + _SWATCH, y, name)}')
+        parts.append(f'<path {look} d="M{x:.1f} {y - 4:.1f}{stroke}"/>{_text(x + _SWATCH, y, name)}')
         x += wide
     return "".join(parts), (y + 8.0 if entries else 4.0)
 
@@ -79,8 +80,7 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, *
     drawn = []
     for curve in panel.curves:
         drawn += [
-            f'<path {_look(curve.kind)} data-name="{safe_text(curve.name)}" d="{d}"/>'
-            for d in _paths(curve, across, upward)
+            f'<path {_look(curve)} data-name="{safe_text(curve.name)}" d="{d}"/>' for d in _paths(curve, across, upward)
         ]
     parts += reversed(drawn)  # the first in front
     for name, level in panel.limits:
@@ -166,6 +166,8 @@ def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
     """Return a curve as a path, or as the two of its envelope where it oscillates too often for a line."""
     keep = (curve.x >= across.low) & (curve.x <= across.high) if (np.diff(curve.x) >= 0.0).all() else slice(None)
     x, y = curve.x[keep], curve.y[keep]
+    if curve.marks:
+        return ["".join(f"M{a:g} {b:g}h0" for a, b in _points(across.of(x), upward.of(y)))]
     tolerance = _FINE * abs(upward.high - upward.low)
     if upward.log or across.log:
         rows = np.arange(x.size)
@@ -181,8 +183,12 @@ def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
 
 
 def _path(x: Array, y: Array) -> str:
-    points = np.round(np.column_stack([x, y]), 1) + 0.0
-    return "M" + " ".join(f"{a:g} {b:g}" for a, b in points.tolist())
+    return "M" + " ".join(f"{a:g} {b:g}" for a, b in _points(x, y))
+
+
+def _points(x: Array, y: Array) -> list[list[float]]:
+    """Return positions to a tenth of a unit, which is less than a page shows."""
+    return (np.round(np.column_stack([x, y]), 1) + 0.0).tolist()
 
 
 _FAINT = (196, 201, 207)  # of lines that are not named, which lie behind the others
@@ -190,12 +196,14 @@ _FAINT = (196, 201, 207)  # of lines that are not named, which lie behind the ot
 _LIMIT = f'class="limit" fill="none" stroke="#{bytes(LIGHT.limit).hex()}" stroke-width="1.1" stroke-dasharray="5 4"'
 
 
-def _look(kind: int | str) -> str:
+def _look(curve: Curve) -> str:
     """Return class and colour of a curve: a page's style may change the colour, a PDF takes it as it is."""
+    kind = curve.kind
     color: Color = LIGHT.base if kind == BASE else _FAINT if kind == OTHERS else LIGHT.series[int(kind)]
     name = str(kind) if isinstance(kind, str) else f"c{kind}"
-    width = 1.0 if isinstance(kind, str) else 1.5
-    return f'class="{name}" fill="none" stroke="#{bytes(color).hex()}" stroke-width="{width}"'
+    width = _MARK if curve.marks else 1.0 if isinstance(kind, str) else 1.5
+    cap = ' stroke-linecap="round"' if curve.marks else ""  # a mark is a line of no length with round ends
+    return f'class="{name}" fill="none" stroke="#{bytes(color).hex()}" stroke-width="{width}"{cap}'
 
 
 def _text(x: float, y: float, text: str, *, anchor: str = "start", weight: str = "", turned: bool = False) -> str:

@@ -8,15 +8,8 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.mounts.identification.records import millimetres
 from wirerope_mj.mounts.identification.result import FittedLoop, Identification, neighbours_correlation
 from wirerope_mj.mounts.laws import Law, Stop
-from wirerope_mj.views.plots.identification_charts import MOST, fit_chart, measures_chart, residual_chart
+from wirerope_mj.views.plots.identification import MOST, fit_chart, measures_chart, residual_chart
 from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture, ReportContent, Section
-
-PICTURES = {
-    "loops.png": "Measured loops and those of the law",
-    "residuals.png": "Residuals of the law",
-    "measures.png": "Energy per cycle and secant stiffness over the amplitude",
-}
-"""Pictures of a report and their captions."""
 
 _UNITS = {
     "alpha": "N/m", "beta": "N^(1-n)/m", "gamma": "N^(1-n)/m", "k": "N/m", "k1": "N/m", "k2": "N/m^2", "k3": "N/m^3",
@@ -134,11 +127,10 @@ def findings(result: Identification, fits: Sequence[FittedLoop]) -> list[str]:
     if not result.non_identifiable:
         texts.append("the data identify every free parameter")
     texts.append(result.validity)
-    correlation = neighbours_correlation(fits)
-    if correlation > _BENT:
+    if (correlation := neighbours_correlation(fits)) > _BENT:
         texts.append(
             f"what is left is no noise (neighbouring residuals correlate by {correlation:.2f}): this law does not follow the "
-            "loops everywhere, and its standard errors are too small; residuals.png shows where"
+            "loops everywhere, and its standard errors are too small; the residuals in the report show where"
         )
     return texts
 
@@ -156,7 +148,7 @@ def identification_content(
         given: what was given and not searched for, one text each.
     """
     singular = ", ".join(f"{value:.3g}" for value in result.uncertainty.singular_values)
-    drawn = f" {MOST} of {len(fits)} loops." if len(fits) > MOST else ""
+    drawn = f" {MOST} of {len(fits)} loops are drawn." if len(fits) > MOST else ""
     meanings = _meanings(result)
     error = (
         f"Error over all loops {100.0 * result.residual:.3g} % of half their force range; {result.evaluations} evaluations "
@@ -168,10 +160,12 @@ def identification_content(
         title=title,
         facts=(("Loops", str(len(fits))), ("By", f"wirerope-mj {version('wirerope-mj')}")),
         question=("Which parameters of the law follow the measured loops, and how well are they known?",),
-        verdict=_verdict(result),
+        verdict=_verdict(result, fits),
         answer=(
             Picture(
-                image=fit_chart(fits), caption=f"{PICTURES['loops.png']}.{drawn}", alt="Loops, measured and fitted."
+                image=fit_chart(fits),
+                caption=f"Measured loops and those of the law; the error is that of the force over half its range.{drawn}",
+                alt="Loops, measured and fitted.",
             ),
             Listing(items=(*findings(result, fits), error, *given)),
         ),
@@ -183,12 +177,13 @@ def identification_content(
                     loop_table(fits),
                     Picture(
                         image=residual_chart(fits),
-                        caption="Fitted minus measured force. A law that fits leaves noise; what bends is beyond it.",
+                        caption="Fitted minus measured force over half its range: samples, and their mean over a ninth of each "
+                        "branch. A law that fits leaves noise, whose mean is zero; what bends is what the law cannot do.",
                         alt="Residuals over the deflection.",
                     ),
                     Picture(
                         image=measures_chart(fits),
-                        caption=f"{PICTURES['measures.png']}.",
+                        caption="Energy per cycle and secant stiffness over the amplitude.",
                         alt="Measures over the amplitude.",
                     ),
                 ),
@@ -210,10 +205,12 @@ def identification_content(
     )
 
 
-def _verdict(result: Identification) -> Mark:
-    """Return whether the fit converged, and whether the data fix every parameter."""
+def _verdict(result: Identification, fits: Sequence[FittedLoop]) -> Mark:
+    """Return whether the fit converged, whether the law follows the loops, and whether the data fix every parameter."""
     if not result.converged:
         return Mark("NOT CONVERGED", "exceeded")
+    if neighbours_correlation(fits) > _BENT:
+        return Mark("Converged; the law does not follow the loops everywhere", "unjudged")
     if result.non_identifiable:
-        return Mark("Converged; not every parameter is identifiable", "near")
+        return Mark("Converged; not every parameter is identifiable", "unjudged")
     return Mark("Converged; the data identify every free parameter", "within")

@@ -1,0 +1,153 @@
+"""Range of validity: the cycles that the laws of an isolator were identified from, and what of a motion lies outside them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+from wirerope_mj.foundation.arguments import finite
+from wirerope_mj.foundation.arrays import Array
+
+SLACK = 0.05
+"""Ratio by which amplitudes may differ and count as one: strokes of one run at a rig differ by as much."""
+
+MOVING = 0.1
+"""Half-range of an axis over that of its mount's largest, below which its force decides nothing that small cycles could change."""
+
+_MILLI = 1e3  # metres to millimetres
+
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasuredRange:
+    """Cycles that were measured along one axis, each as its lowest and highest value.
+
+    Attributes:
+        amplitude: half-ranges of the deflection [m], >= 0.
+        deflection: ends of the deflection [m].
+        frequency: of the cycles [Hz], >= 0; None where the records have no time.
+        rate: largest deflection rates of the cycles [m/s], >= 0; None in the same way.
+    """
+
+    amplitude: Pair
+    deflection: Pair
+    frequency: Pair | None = None
+    rate: Pair | None = None
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if value is None and item.name in ("frequency", "rate"):
+                continue
+            pair = _pair(item.name, value)
+            if item.name != "deflection" and pair[0] < 0.0:
+                raise ValueError(f"`{item.name}` must be >= 0, got {pair[0]!r}.")
+            object.__setattr__(self, item.name, pair)
+
+    @property
+    def text(self) -> str:
+        """The range as text: "0.5 to 10 mm amplitude between -10 and 10 mm"."""
+        low, high = (f"{_MILLI * end:.3g}" for end in self.deflection)
+        return f"{_span(self.amplitude, _MILLI)} mm amplitude between {low} and {high} mm"
+
+    @property
+    def pace(self) -> str:
+        """How fast the cycles were, as text: "at 1 Hz, 3.1 to 63 mm/s"; "" where that is not known."""
+        texts = [] if self.frequency is None else [f"{_span(self.frequency, 1.0)} Hz"]
+        texts += [] if self.rate is None else [f"{_span(self.rate, _MILLI)} mm/s"]
+        return f"at {', '.join(texts)}" if texts else ""
+
+    def joined(self, other: "MeasuredRange | None") -> "MeasuredRange":
+        """Return the range of both; a pace that one of them does not know is that of the other."""
+        if other is None:
+            return self
+        pairs = {item.name: (getattr(self, item.name), getattr(other, item.name)) for item in fields(self)}
+        known = {name: [pair for pair in both if pair is not None] for name, both in pairs.items()}
+        return MeasuredRange(
+            **{name: (min(p[0] for p in both), max(p[1] for p in both)) for name, both in known.items() if both}
+        )
+
+    def outside(self, lowest: float, highest: float, *, small: bool) -> str:
+        """Return how a motion between two deflections [m] leaves the range, as text; "" where it does not.
+
+        Args:
+            lowest: end of the motion [m].
+            highest: end of the motion [m].
+            small: whether motions smaller than what was measured count.
+        """
+        half = 0.5 * (highest - lowest)
+        room = SLACK * self.amplitude[1]
+        beyond = half > self.amplitude[1] + room or (small and half < (1.0 - SLACK) * self.amplitude[0])
+        if beyond:
+            return f"±{_MILLI * half:.3g} mm (tested {_span(self.amplitude, _MILLI)} mm)"
+        if lowest < self.deflection[0] - room or highest > self.deflection[1] + room:
+            ends, tested = (
+                [f"{_MILLI * end + 0.0:.3g}" for end in pair] for pair in ((lowest, highest), self.deflection)
+            )
+            return f"{ends[0]} to {ends[1]} mm (tested {tested[0]} to {tested[1]} mm)"
+        return ""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the range as it stands in an isolator file."""
+        return {item.name: list(pair) for item in fields(self) if (pair := getattr(self, item.name)) is not None}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Validity:
+    """Range of validity along each axis; None where nothing is said of it."""
+
+    roll: MeasuredRange | None = None
+    shear: MeasuredRange | None = None
+    axial: MeasuredRange | None = None
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            if not isinstance(getattr(self, item.name), MeasuredRange | None):
+                raise ValueError(f"`{item.name}` must be a MeasuredRange or None, got {getattr(self, item.name)!r}.")
+
+    @property
+    def stated(self) -> Mapping[str, MeasuredRange]:
+        """The ranges that are stated, by axis."""
+        return {item.name: one for item in fields(self) if (one := getattr(self, item.name)) is not None}
+
+    def outside(
+        self, lowest: Sequence[float] | Array, highest: Sequence[float] | Array, *, small: bool
+    ) -> dict[str, str]:
+        """Return how a mount's motion leaves the ranges, as text by axis; nothing of the axes that stay inside.
+
+        Small motions count along axes that move at least a tenth as far as the mount's farthest one.
+
+        Args:
+            lowest: deflections along roll, shear and axial [m], (3,).
+            highest: the same.
+            small: whether motions smaller than what was measured count at all.
+        """
+        halves = {
+            item.name: 0.5 * float(high - low) for item, low, high in zip(fields(self), lowest, highest, strict=True)
+        }
+        ends = dict(zip(halves, zip(map(float, lowest), map(float, highest), strict=True), strict=True))
+        texts = {
+            axis: one.outside(*ends[axis], small=small and halves[axis] > MOVING * max(halves.values()))
+            for axis, one in self.stated.items()
+        }
+        return {axis: text for axis, text in texts.items() if text}
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the ranges as they stand in an isolator file."""
+        return {axis: one.to_dict() for axis, one in self.stated.items()}
+
+
+def _pair(name: str, value: Any) -> Pair:
+    """Return two finite numbers in their order; ValueError if it is something else."""
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise ValueError(f"`{name}` must be two numbers, the lowest and the highest, got {value!r}.")
+    low, high = (float(finite(name, one)) for one in value)
+    if low > high:
+        raise ValueError(f"`{name}` must be the lowest and then the highest, got {value!r}.")
+    return low, high
+
+
+def _span(pair: Pair, factor: float) -> str:
+    """Return "0.5 to 10", or one number where both look alike."""
+    low, high = (f"{factor * one:.3g}" for one in pair)
+    return low if low == high else f"{low} to {high}"
