@@ -154,8 +154,6 @@ def test_a_fit_of_a_gradual_law_names_its_range_and_what_it_does_not_show():
     unseen = result.law.normalised.x_y * 0.5 ** (1.0 / result.law.n) < 0.02 * 2e-3
     assert ("the stiffness of smaller cycles is a guess" in result.validity) == unseen
     sharp = validity_of(TRUTHS[0], result.loops)
-    assert (
-        sharp
-        == "valid for cycles of 2 to 10 mm amplitude between -10 and 10 mm, which were tested; extrapolated beyond"
-    )
+    tested = "cycles of 2 to 10 mm amplitude between -10 and 10 mm, which were tested"
+    assert sharp == f"valid for {tested}, not below 2 mm; extrapolated beyond"
     assert "n = 0.1 half of the slope alpha is lost within 0.00059 mm" in validity_of(truth, result.loops)

@@ -8,10 +8,11 @@ from pathlib import Path
 from rich.markup import escape
 
 from wirerope_mj.assessment.criteria.ddam import Direction, Location, Ship, ddam_design_values
+from wirerope_mj.assessment.criteria.tested import untested
 from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.dynamics.modes.carried import carried
-from wirerope_mj.dynamics.modes.travel import travel_utilisation
+from wirerope_mj.dynamics.modes.travel import reached_in, travel_utilisation
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.arguments import positive
@@ -60,7 +61,14 @@ def modes_command(
     else:
         write_modes(system, system.name, [small, *large], target, force=force)
     print_modes(system.name, small, large)
-    print_lines([*about_small(system, small), *beyond_rating(system, large), *about_rest(system, small, large)])
+    print_lines(
+        [
+            *about_small(system, small),
+            *beyond_rating(system, large),
+            *outside_tests(system, large),
+            *about_rest(system, small, large),
+        ]
+    )
     if ddam is not None:
         print_ddam(small, *ddam)
     screen, written = console(), f"{target}" if alone else f"{target}/"
@@ -142,6 +150,17 @@ def beyond_rating(system: System, large: Sequence[Modes]) -> Iterator[str]:
                 f"{1e3 * (result.amplitude or 0.0):g} mm takes mounts beyond their rated travel: {', '.join(beyond)} "
                 f"({worst} up to {100.0 * beyond[worst]:.0f} % of it, sag included). Nobody vouches for the law there."
             )
+
+
+def outside_tests(system: System, large: Sequence[Modes]) -> Iterator[str]:
+    """Yield for each amplitude a sentence on the mounts that it takes outside what their laws were identified from."""
+    isolators = {name: mount.isolator for name, mount in system.mounts.items()}
+    for result in large:
+        ends = {name: reached_in(result, name) for name in system.mounts}
+        if where := untested(isolators, ends):
+            size = 1e3 * (result.amplitude or 0.0)
+            tested = "outside the cycles that isolators were identified from"
+            yield f"{size:g} mm is {tested}: {where}. Their laws are extrapolated."
 
 
 def about_rest(system: System, small: Modes, large: Sequence[Modes]) -> Iterator[str]:

@@ -55,7 +55,7 @@ def print_verdict(scenario: Scenario, response: Response, judged: JudgedRun, *, 
         print_table(contacts)
         out.print()
     out.print(f"  [bold]{escape(judged.headline)}[/]", soft_wrap=True)
-    for line in [*verdict_lines(response, verdicts), *rule_lines(verdicts)]:
+    for line in filter(None, [judged.untested, *verdict_lines(response, verdicts), *rule_lines(verdicts)]):
         out.print(f"  {escape(line)}")
     out.print(f"\n  {_numerics(response)}; verdict after {seconds:.1f} s")
 

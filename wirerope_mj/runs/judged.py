@@ -8,6 +8,7 @@ from typing import TypeVar
 
 from wirerope_mj.assessment.criteria import Verdict, headline, judge, judge_random
 from wirerope_mj.assessment.criteria.steady import steady_interval
+from wirerope_mj.assessment.criteria.tested import untested_line
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable, static_table
 from wirerope_mj.engine.system import System
@@ -26,11 +27,13 @@ class JudgedRun:
         verdicts: on everything; static loads on the first loading and relaxed, not those at the start of the run.
         random: rms and 3-sigma acceleration of everything on the payload, where the base vibrates at random and does nothing
             else; those of them with a limit are among the verdicts. Absent where the run is too short for them.
+        untested: a sentence on the mounts that leave what their laws were identified from; "" where none does.
     """
 
     statics: StaticTable | Absent
     verdicts: tuple[Verdict, ...]
     random: tuple[Verdict, ...] | Absent = ()
+    untested: str = ""
 
     @property
     def headline(self) -> str:
@@ -45,7 +48,13 @@ def judged_run(system: System, response: Response) -> JudgedRun:
     known = statics if has_gravity and isinstance(statics, StaticTable) else None
     random = result_or_absent(partial(_random, response))
     limited = () if isinstance(random, Absent) else tuple(row for row in random if row.limit is not None)
-    return JudgedRun(statics=statics, verdicts=(*judge(response, statics=known), *limited), random=random)
+    isolators = {name: mount.isolator for name, mount in system.mounts.items()}
+    return JudgedRun(
+        statics=statics,
+        verdicts=(*judge(response, statics=known), *limited),
+        random=random,
+        untested=untested_line(isolators, response),
+    )
 
 
 def _random(response: Response) -> tuple[Verdict, ...]:

@@ -99,6 +99,7 @@ def report_page(
         densities=spectra.densities,
         verdicts=judged.verdicts,
         random=judged.random,
+        untested=judged.untested,
         versions=content.get("versions", {}),
         selection=selection or select(response, judged.verdicts),
     )

@@ -29,6 +29,7 @@ def summary_content(
         "record_warnings": list(record_warnings(motion)),
         **summary(response, judged.verdicts),
         **_random_content(judged),
+        **({"untested": judged.untested} if judged.untested else {}),
         "numerics": {
             "timestep_s": numerics.timestep,
             "steps": numerics.steps,

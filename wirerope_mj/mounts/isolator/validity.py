@@ -11,7 +11,7 @@ SLACK = 0.05
 """Ratio by which amplitudes may differ and count as one: strokes of one run at a rig differ by as much."""
 
 MOVING = 0.1
-"""Half-range of an axis over that of its mount's largest, below which its force decides nothing that small cycles could change."""
+"""Half-range of an axis over its mount's largest, below which its force decides nothing that small cycles could change."""
 
 _MILLI = 1e3  # metres to millimetres
 
@@ -82,7 +82,7 @@ class MeasuredRange:
             return f"±{_MILLI * half:.3g} mm (tested {_span(self.amplitude, _MILLI)} mm)"
         if lowest < self.deflection[0] - room or highest > self.deflection[1] + room:
             ends, tested = (
-                [f"{_MILLI * end + 0.0:.3g}" for end in pair] for pair in ((lowest, highest), self.deflection)
+                [f"{round(_MILLI * end, 6) + 0.0:.3g}" for end in pair] for pair in ((lowest, highest), self.deflection)
             )
             return f"{ends[0]} to {ends[1]} mm (tested {tested[0]} to {tested[1]} mm)"
         return ""

@@ -46,6 +46,7 @@ class FinishedRun:
         densities: power spectral densities in the same way, if the base vibrates at random.
         verdicts: on every judged value.
         random: rms and 3-sigma accelerations of random vibration.
+        untested: a sentence on mounts that leave what their laws were identified from; "" where none does.
         versions: of the packages that computed it.
         selection: what is shown of it, with its colours.
     """
@@ -71,6 +72,7 @@ class FinishedRun:
     versions: Mapping[str, str]
     selection: Selection
     random: tuple[Verdict, ...] | Absent = ()
+    untested: str = ""
 
     @property
     def title(self) -> str:
