@@ -4,10 +4,12 @@ import math
 
 import numpy as np
 import pytest
+import scipy
 from scipy.signal import lfilter
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.runs.mission import mission_damage, read_mission
 
 
 @pytest.mark.quick
@@ -119,3 +121,88 @@ def test_the_command_counts_every_mount_and_axis_of_a_run(tmp_path, capsys):
     assert "30 counted" in printed
     assert main(["durability", str(tmp_path / "run"), "--exponent", "0"]) == 2
     assert main(["durability", str(tmp_path / "nothing"), "--exponent", "5"]) == 2
+
+
+def shaken(seconds=60.0, rate=2000.0):
+    """Return instants and a random acceleration of 5 to 80 Hz, sampled densely [m/s^2]."""
+    time = np.arange(int(seconds * rate)) / rate
+    rng = np.random.default_rng(4)
+    frequencies = np.arange(5.0, 80.0, 0.5) + rng.uniform(0.0, 0.4, 150)
+    phases = rng.uniform(0.0, 2.0 * np.pi, frequencies.size)
+    return time, np.sum([np.sin(2 * np.pi * f * time + p) for f, p in zip(frequencies, phases, strict=True)], axis=0)
+
+
+@pytest.mark.quick
+def test_a_damage_spectrum_follows_the_deflections_that_scipy_solves():
+    time, acceleration = shaken(2.0)
+    acceleration[0] = 30.0  # a record that begins with a value: the base begins to move there
+    for natural, q in ((3.0, 10.0), (25.0, 5.0), (199.0, 50.0)):
+        w = 2.0 * np.pi * natural
+        system = scipy.signal.StateSpace([[0, 1], [-w * w, -w / q]], [[0], [-1]], [[1, 0]], [[0]])
+        _, deflection, _ = scipy.signal.lsim(system, acceleration, time, interp=True)
+        expected = wr.rainflow_cycles(w * deflection).damage(4.0)
+        found = wr.fatigue_damage_spectrum(time, acceleration, exponent=4.0, frequencies=[natural], q=q)
+        assert found.damage[0] == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_damage_spectrum_of_a_history_is_that_of_pyyeti():
+    fdepsd = pytest.importorskip("pyyeti.fdepsd")
+    time, acceleration = shaken()
+    frequencies = np.array([4.0, 10.0, 25.0, 50.0, 100.0])
+    theirs = fdepsd.fdepsd(
+        acceleration, 2000.0, frequencies, 10.0, resp="pvelo", detrend=False, winends=None, hpfilter=None, nbins=4000,
+        rolloff=None, parallel="no",
+    )  # fmt: skip
+    ours = wr.fatigue_damage_spectrum(time, acceleration, exponent=4.0, frequencies=frequencies)
+    np.testing.assert_allclose(ours.damage, theirs.di_sig["b=4"].to_numpy(), rtol=1e-2)
+
+
+def test_a_damage_spectrum_of_random_vibration_is_that_of_its_density():
+    density = [(5.0, 1.0), (100.0, 1.0)]
+    vibration = wr.RandomVibration(psd=density, duration=400.0, seed=5, direction="z")
+    time = np.arange(0.0, 400.0, 1e-3)
+    measured = wr.fatigue_damage_spectrum(
+        time, vibration.acceleration(time)[:, 2], exponent=4.0, frequencies=[10.0, 40.0, 80.0]
+    )
+    expected = wr.vibration_response_spectrum(density, [10.0, 40.0, 80.0]).fatigue_damage(4.0, 400.0)
+    # One history: 1e4 cycles with Q = 10 know a fourth power of amplitudes to some 10 %.
+    np.testing.assert_allclose(measured.damage, expected, rtol=0.15)
+
+
+def test_a_service_life_is_the_sum_of_its_stages(tmp_path, capsys):
+    system = wr.load_system("cabinet")
+    for name, peak in (("hard", 150.0), ("soft", 60.0)):
+        pulse = wr.HalfSine(peak=peak, duration=0.011, direction="z", start=0.01)
+        wr.simulate(system, pulse, duration=0.36, timestep=5e-4).save(tmp_path / name)
+    life = 'exponent = 4.0\nconstant = 1e-3\n[[stage]]\nrun = "hard"\nrepetitions = 20\n[[stage]]\nrun = "soft"\nhours = 2\n'
+    (tmp_path / "life.toml").write_text(life)
+    hard, soft = (wr.mount_cycles(wr.load_response(tmp_path / name)) for name in ("hard", "soft"))
+    damages = {(d.mount, d.axis): d for d in mission_damage(read_mission(tmp_path / "life.toml"))}
+    for one, other in zip(hard, soft, strict=True):
+        expected = 20.0 * one.cycles.damage(4.0, 1e-3), 7200.0 / 0.36 * other.cycles.damage(4.0, 1e-3)
+        assert damages[one.mount, one.axis].stages == pytest.approx(expected, rel=1e-12)
+    assert main(["durability", str(tmp_path / "life.toml"), "--rows", "1"]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    worst = max(damages.values(), key=lambda one: one.total)
+    assert f"{worst.mount} {worst.axis}" in printed
+    assert f"The worst lasts {1.0 / worst.total:.3g} such lives." in printed
+    assert "20 x hard + 2 h of soft" in printed
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("exponent = 4", "there must be a table"),
+        ('exponent = 4\n[[stage]]\nrun = "a"', "either `repetitions` or `hours`"),
+        ('exponent = 4\n[[stage]]\nrun = "a"\nhours = 1\nrepetitions = 2', "either `repetitions` or `hours`"),
+        ('[[stage]]\nrun = "a"\nhours = 1', "`exponent` of the fatigue curve is missing"),
+        ('exponent = 4\n[[stage]]\nrun = "a"\nhours = -1', "`hours`"),
+        ('exponent = 4\nlife = 2\n[[stage]]\nrun = "a"\nhours = 1', "`life` is not known"),
+        ("exponent = ", "this is not TOML"),
+        ('exponent = 4\n[[stage]]\nrun = "nothing"\nhours = 1', "there is no response.parquet here"),
+    ],
+)
+def test_a_service_life_that_cannot_be_is_one_message(text, said, tmp_path, capsys):
+    (tmp_path / "life.toml").write_text(text)
+    assert main(["durability", str(tmp_path / "life.toml")]) == 2
+    assert said in " ".join(capsys.readouterr().err.split())

@@ -14,6 +14,7 @@ from .assessment.criteria import random_verdicts as random_verdicts
 from .assessment.criteria import spectrum_verdict as spectrum_verdict
 from .assessment.criteria.ddam import DesignValues as DesignValues
 from .assessment.criteria.ddam import ddam_design_values as ddam_design_values
+from .assessment.durability import fatigue_damage_spectrum as fatigue_damage_spectrum
 from .assessment.durability import mount_cycles as mount_cycles
 from .assessment.durability import rainflow_cycles as rainflow_cycles
 from .assessment.selection import select_isolators as select_isolators

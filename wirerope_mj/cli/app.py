@@ -86,7 +86,7 @@ COMMANDS = {
     ),
     "durability": (
         "durability:durability",
-        "Count the cycles of a run's mounts by the rainflow method, and compare the damage that they do.",
+        "Count the cycles of the mounts of a run or a service life, and compare the damage that they do.",
     ),
     "levels": (
         "levels:levels",

@@ -3,10 +3,13 @@
 import math
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.jit import njit
+from wirerope_mj.foundation.jit import inlined, njit
 
-HIGHEST, LOWEST, FARTHEST = 0, 1, 2
-"""Indices of the extremes: largest and smallest absolute acceleration, largest relative displacement."""
+ACCELERATION, DISPLACEMENT, VELOCITY = 0, 2, 4
+"""Indices of the extremes: the highest of the absolute acceleration, of displacement and velocity relative to the base; behind
+each stands the lowest."""
+
+EXTREMES = 6
 
 
 @njit
@@ -27,7 +30,7 @@ def extreme_between(y0: float, y1: float, d0: float, d1: float) -> float:
 def free_extremes(u: float, v: float, frequency: float, damping: float, extremes: Array) -> None:
     """Widen `extremes` by the extremes of the free vibration that starts from displacement `u` and rate `v`.
 
-    With theta the angle per unit of time (2 pi f T), zeta the damping and w = theta sqrt(1 - zeta^2), both the displacement
+    With theta the angle per unit of time (2 pi f T), zeta the damping and w = theta sqrt(1 - zeta^2), displacement, velocity
     and the acceleration y = -(theta^2 u + 2 zeta theta v) are exp(-zeta theta t) (y0 cos w t + (y0' + zeta theta y0) / w
     sin w t). The first extreme lies where tan w t = w y0' / (theta^2 y0 + zeta theta y0'), the next half a turn later
     with the opposite sign and exp(-pi zeta / sqrt(1 - zeta^2)) times as large; later ones are smaller.
@@ -36,19 +39,23 @@ def free_extremes(u: float, v: float, frequency: float, damping: float, extremes
     root = math.sqrt(1.0 - zeta * zeta)
     y = -(theta * theta * u + 2.0 * zeta * theta * v)
     rate = -(theta * theta * v + 2.0 * zeta * theta * y)
-    for quantity in range(2):
-        start, slope = (y, rate) if quantity == 0 else (u, v)
+    for quantity in (ACCELERATION, DISPLACEMENT, VELOCITY):
+        start, slope = (y, rate) if quantity == ACCELERATION else (u, v) if quantity == DISPLACEMENT else (v, y)
         angle = math.atan2(root * slope, theta * start + zeta * slope)
         if angle < 0.0:
             angle += math.pi
         decay = math.exp(-zeta * angle / root)
         first = decay * (start * math.cos(angle) + (slope / theta + zeta * start) / root * math.sin(angle))
         second = -first * math.exp(-math.pi * zeta / root)
-        if quantity == 0:
-            extremes[HIGHEST] = max(extremes[HIGHEST], start, first, second)
-            extremes[LOWEST] = min(extremes[LOWEST], start, first, second)
-        else:
-            extremes[FARTHEST] = max(extremes[FARTHEST], abs(start), abs(first))
+        extremes[quantity] = max(extremes[quantity], start, first, second)
+        extremes[quantity + 1] = min(extremes[quantity + 1], start, first, second)
+
+
+@inlined
+def widen(extremes, quantity, value):  # type: ignore[no-untyped-def]
+    """Widen the extremes of a quantity by a value."""
+    extremes[quantity] = max(extremes[quantity], value)
+    extremes[quantity + 1] = min(extremes[quantity + 1], value)
 
 
 @njit
@@ -62,26 +69,26 @@ def ramp_extremes(x: Array, step: Array, frequency: float, damping: float, prima
         step: what u, v, x at the start and x at the end of a step give for u and v at its end, (2, 4).
         frequency: angle per step theta = 2 pi f T [rad].
         damping: ratio.
-        primary: highest, lowest and farthest while it is driven, (3,); filled here.
-        residual: the same for what follows, (3,); filled here.
+        primary: extremes while it is driven, (6,), zero before.
+        residual: those of what follows, in the same way.
     """
     stiffness, viscosity = frequency * frequency, 2.0 * damping * frequency
     u, v, y = 0.0, 0.0, 0.0
     rate = viscosity * x[0]
-    highest, lowest, farthest = 0.0, 0.0, 0.0
     for i in range(x.size - 1):
         a, b = x[i], x[i + 1]
         u_next = step[0, 0] * u + step[0, 1] * v + step[0, 2] * a + step[0, 3] * b
         v_next = step[1, 0] * u + step[1, 1] * v + step[1, 2] * a + step[1, 3] * b
         y_next = -stiffness * u_next - viscosity * v_next
         rate_next = -stiffness * v_next - viscosity * (y_next - b)
-        highest, lowest = max(highest, y_next), min(lowest, y_next)
-        farthest = max(farthest, abs(u_next))
+        widen(primary, ACCELERATION, y_next)
+        widen(primary, DISPLACEMENT, u_next)
+        widen(primary, VELOCITY, v_next)
         if rate * rate_next < 0.0:
-            extreme = extreme_between(y, y_next, rate, rate_next)
-            highest, lowest = max(highest, extreme), min(lowest, extreme)
+            widen(primary, ACCELERATION, extreme_between(y, y_next, rate, rate_next))
         if v * v_next < 0.0:
-            farthest = max(farthest, abs(extreme_between(u, u_next, v, v_next)))
+            widen(primary, DISPLACEMENT, extreme_between(u, u_next, v, v_next))
+        if (y - a) * (y_next - b) < 0.0:
+            widen(primary, VELOCITY, extreme_between(v, v_next, y - a, y_next - b))
         u, v, y, rate = u_next, v_next, y_next, rate_next
-    primary[HIGHEST], primary[LOWEST], primary[FARTHEST] = highest, lowest, farthest
     free_extremes(u, v, frequency, damping, residual)

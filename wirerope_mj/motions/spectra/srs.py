@@ -10,9 +10,9 @@ import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordWarning
-from wirerope_mj.foundation.summary import Summarised, quantity, span
+from wirerope_mj.foundation.summary import Brief, Summarised, quantity, span
 from wirerope_mj.motions.spectra.arguments import check_samples, octave_grid
-from wirerope_mj.motions.spectra.ramp import FARTHEST, HIGHEST, LOWEST, ramp_extremes
+from wirerope_mj.motions.spectra.ramp import ACCELERATION, DISPLACEMENT, EXTREMES, VELOCITY, ramp_extremes
 
 SAMPLES_PER_PERIOD = 10.0
 """ISO 18431-4's least number of samples per period of the highest oscillator: straight lines between the samples then lack
@@ -26,29 +26,87 @@ LOWEST_FREQUENCY = 1.0
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
+class Extremes(Brief):
+    """Largest magnitudes of a quantity of oscillators, (n_f,) or (n_f, k).
+
+    Attributes:
+        positive, negative: in the positive and in the negative direction.
+        primary: the larger of both while the base accelerates.
+        residual: the larger of both afterwards, when the base's acceleration is zero.
+    """
+
+    positive: Array
+    negative: Array
+    primary: Array
+    residual: Array
+
+    @property
+    def maximax(self) -> Array:
+        """The largest of all."""
+        return np.maximum(self.positive, self.negative)
+
+    @classmethod
+    def of(cls, during: Array, after: Array, quantity: int, scale: float) -> "Extremes":
+        """Return the magnitudes of a quantity from highest and lowest values while it is driven and after, (6, ...)."""
+        high, low = quantity, quantity + 1
+        return cls(
+            positive=scale * np.maximum(during[high], after[high]),
+            negative=-scale * np.minimum(during[low], after[low]),
+            primary=scale * np.maximum(during[high], -during[low]),
+            residual=scale * np.maximum(after[high], -after[low]),
+        )
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class ShockResponseSpectrum(Summarised):
-    """Peaks of oscillators on a base that moves with an acceleration, over their undamped frequency.
+    """Peaks of oscillators on a base that moves with an acceleration, over their undamped frequency: those of ISO 18431-4.
 
     All are magnitudes, (n_f,) for one acceleration, (n_f, k) for k of them side by side.
 
     Attributes:
         frequencies: of the oscillators [Hz], (n_f,).
-        positive, negative: largest absolute acceleration of the mass in the positive and in the negative direction [m/s^2].
-        primary: the larger of both while the base accelerates [m/s^2].
-        residual: the larger of both afterwards, when the base's acceleration is zero [m/s^2].
-        maximax: the largest of all [m/s^2].
-        relative_displacement: largest displacement of the mass from the base [m].
+        acceleration: absolute acceleration of the mass [m/s^2].
+        displacement: of the mass from the base [m]; times 2 pi f the pseudo-velocity of either sign and phase, times its square
+            the equivalent static acceleration.
+        velocity: of the mass relative to the base [m/s].
         q: amplification at resonance, 1 / (2 zeta); infinite = undamped.
     """
 
     frequencies: Array
-    positive: Array
-    negative: Array
-    primary: Array
-    residual: Array
-    maximax: Array
-    relative_displacement: Array
+    acceleration: Extremes
+    displacement: Extremes
+    velocity: Extremes
     q: float
+
+    @property
+    def positive(self) -> Array:
+        """Largest absolute acceleration in the positive direction [m/s^2]."""
+        return self.acceleration.positive
+
+    @property
+    def negative(self) -> Array:
+        """Largest absolute acceleration in the negative direction [m/s^2]."""
+        return self.acceleration.negative
+
+    @property
+    def primary(self) -> Array:
+        """Largest absolute acceleration while the base accelerates [m/s^2]."""
+        return self.acceleration.primary
+
+    @property
+    def residual(self) -> Array:
+        """Largest absolute acceleration afterwards [m/s^2]."""
+        return self.acceleration.residual
+
+    @property
+    def maximax(self) -> Array:
+        """Largest absolute acceleration of all [m/s^2]."""
+        return self.acceleration.maximax
+
+    @property
+    def relative_displacement(self) -> Array:
+        """Largest displacement of the mass from the base [m]."""
+        return self.displacement.maximax
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         peak = np.unravel_index(int(np.argmax(self.maximax)), self.maximax.shape)
@@ -61,9 +119,16 @@ class ShockResponseSpectrum(Summarised):
     @property
     def pseudo_velocity(self) -> Array:
         """2 pi f times the relative displacement [m/s]."""
-        return (2.0 * math.pi * self.frequencies.reshape((-1,) + (1,) * (self.maximax.ndim - 1))) * (
-            self.relative_displacement
-        )
+        return self._pulsation * self.relative_displacement
+
+    @property
+    def equivalent_static_acceleration(self) -> Array:
+        """(2 pi f)^2 times the relative displacement [m/s^2]: the static acceleration that deflects as far."""
+        return self._pulsation**2 * self.relative_displacement
+
+    @property
+    def _pulsation(self) -> Array:
+        return 2.0 * math.pi * self.frequencies.reshape((-1,) + (1,) * (self.maximax.ndim - 1))
 
 
 def shock_response_spectrum(
@@ -99,27 +164,22 @@ def shock_response_spectrum(
         raise ValueError(f"`q` must be a number > 0.5 (below critical damping; infinite: undamped), got {q!r}.")
     damping = 0.5 / q
     channels = values.reshape(values.shape[0], -1).T
-    primary, residual = np.zeros((2, channels.shape[0], wanted.size, 3))
+    primary, residual = np.zeros((2, channels.shape[0], wanted.size, EXTREMES))
     angles = 2.0 * math.pi * wanted * step
-    steps = _steps(angles, damping)
+    steps = ramp_steps(angles, damping)
     for i, channel in enumerate(channels):
         driven = np.ascontiguousarray(channel[: _end(channel)])
         for j, angle in enumerate(angles):
             ramp_extremes(driven, steps[j], angle, damping, primary[i, j], residual[i, j])
-    # (n_f,) or (n_f, k), three quantities in front
+    # (n_f,) or (n_f, k), the extremes in front
     during, after = (
-        phase.transpose(2, 1, 0).reshape(3, wanted.size, *values.shape[1:]) for phase in (primary, residual)
+        phase.transpose(2, 1, 0).reshape(EXTREMES, wanted.size, *values.shape[1:]) for phase in (primary, residual)
     )
-    positive = np.maximum(during[HIGHEST], after[HIGHEST])
-    negative = -np.minimum(during[LOWEST], after[LOWEST])
     return ShockResponseSpectrum(
         frequencies=wanted,
-        positive=positive,
-        negative=negative,
-        primary=np.maximum(during[HIGHEST], -during[LOWEST]),
-        residual=np.maximum(after[HIGHEST], -after[LOWEST]),
-        maximax=np.maximum(positive, negative),
-        relative_displacement=step**2 * np.maximum(during[FARTHEST], after[FARTHEST]),
+        acceleration=Extremes.of(during, after, ACCELERATION, 1.0),
+        displacement=Extremes.of(during, after, DISPLACEMENT, step**2),
+        velocity=Extremes.of(during, after, VELOCITY, step),
         q=float(q),
     )
 
@@ -150,7 +210,7 @@ def _frequencies(frequencies: npt.ArrayLike | None, step: float, samples: int) -
     return wanted
 
 
-def _steps(angles: Array, damping: float) -> Array:
+def ramp_steps(angles: Array, damping: float) -> Array:
     """Return what u, v and the accelerations at both ends of a step give for u and v at its end, (n_f, 2, 4).
 
     From the exponential of the oscillator with the ramp as two more states: no coefficient is a difference of large numbers.

@@ -1,0 +1,139 @@
+"""A service life as a file: runs, and how often each of them happens."""
+
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, get_args
+
+from wirerope_mj.assessment.durability import mount_cycles
+from wirerope_mj.assessment.durability.mounts import Quantity
+from wirerope_mj.engine.response import load_response
+from wirerope_mj.foundation.arguments import one_of, positive
+from wirerope_mj.foundation.errors import RecordError, why_unread
+
+_KEYS = ("exponent", "quantity", "constant", "stage")
+_STAGE_KEYS = ("run", "repetitions", "hours")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stage:
+    """A run's folder, and how often it happens in a service life: `repetitions`, or as often as fits into `hours`."""
+
+    run: Path
+    repetitions: float | None = None
+    hours: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mission:
+    """A service life.
+
+    Attributes:
+        stages: what happens in it.
+        exponent: b of the fatigue curve N = C / A^b.
+        quantity: of the mounts that is counted.
+        constant: C, in the quantity's SI unit to the power b; None: damage is relative.
+    """
+
+    stages: tuple[Stage, ...]
+    exponent: float
+    quantity: Quantity = "deflection"
+    constant: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class MountDamage:
+    """Damage of an axis of a mount over a service life: of each stage, and how many cycles that are."""
+
+    mount: str
+    axis: str
+    stages: tuple[float, ...]
+    cycles: float
+    largest_range: float
+
+    @property
+    def total(self) -> float:
+        """Miner's sum over all stages."""
+        return sum(self.stages)
+
+
+def read_mission(path: str | Path) -> Mission:
+    """Return the service life of a TOML file; folders of runs stand relative to it.
+
+    Raises:
+        RecordError: the file cannot be read, or a key is missing, unknown or out of its range.
+    """
+    file = Path(path)
+    try:
+        content = tomllib.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise RecordError(f"{file}: {why_unread(error)}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise RecordError(f"{file}: this is not TOML: {error}") from None
+    try:
+        return _mission(content, file.parent)
+    except ValueError as error:
+        raise RecordError(f"{file}: {error}") from None
+
+
+def _mission(content: dict[str, Any], folder: Path) -> Mission:
+    _require_known(content, _KEYS)
+    stages = content.get("stage")
+    if not isinstance(stages, list) or not stages or not all(isinstance(stage, dict) for stage in stages):
+        raise ValueError("there must be a table [[stage]] for each run of the service life.")
+    if "exponent" not in content:
+        raise ValueError("`exponent` of the fatigue curve is missing.")
+    quantity = content.get("quantity", "deflection")
+    one_of("quantity", quantity, get_args(Quantity))
+    constant = content.get("constant")
+    return Mission(
+        stages=tuple(_stage(stage, folder) for stage in stages),
+        exponent=positive("exponent", content["exponent"]),
+        quantity=quantity,
+        constant=None if constant is None else positive("constant", constant),
+    )
+
+
+def _stage(content: dict[str, Any], folder: Path) -> Stage:
+    _require_known(content, _STAGE_KEYS)
+    run = content.get("run")
+    if not isinstance(run, str):
+        raise ValueError("a [[stage]] must say the folder of its `run`.")
+    often = [key for key in ("repetitions", "hours") if key in content]
+    if len(often) != 1:
+        raise ValueError(f"the stage {run!r} must say either `repetitions` or `hours`.")
+    return Stage(run=folder / run, **{often[0]: positive(often[0], content[often[0]])})
+
+
+def _require_known(content: dict[str, Any], known: tuple[str, ...]) -> None:
+    for key in content:
+        if key not in known:
+            raise ValueError(f"`{key}` is not known; known: {', '.join(known)}.")
+
+
+def mission_damage(mission: Mission) -> list[MountDamage]:
+    """Return the damage of every mount and axis over a service life, the largest first.
+
+    Raises:
+        RecordError: the folder of a stage holds no run, or its mounts are not those of the first.
+    """
+    found: dict[tuple[str, str], list[tuple[float, float, float]]] = {}
+    for number, stage in enumerate(mission.stages):
+        response = load_response(stage.run)
+        length = float(response.time[-1] - response.time[0])
+        times = stage.repetitions if stage.hours is None else 3600.0 * stage.hours / length
+        assert times is not None
+        for one in mount_cycles(response, quantity=mission.quantity):
+            row = found.setdefault((one.mount, one.axis), [])
+            damage = times * one.cycles.damage(mission.exponent, mission.constant or 1.0)
+            row.append((damage, times * one.cycles.total, float(one.cycles.ranges.max(initial=0.0))))
+        if any(len(row) != number + 1 for row in found.values()):
+            raise RecordError(f"{stage.run}: the mounts of this run are not those of {mission.stages[0].run}.")
+    damages = [
+        MountDamage(
+            mount=mount, axis=axis, stages=tuple(row[0] for row in rows), cycles=sum(row[1] for row in rows),
+            largest_range=max(row[2] for row in rows),
+        )
+        for (mount, axis), rows in found.items()
+    ]  # fmt: skip
+    return sorted(damages, key=lambda one: -one.total)
