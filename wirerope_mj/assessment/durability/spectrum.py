@@ -51,7 +51,7 @@ def fatigue_damage_spectrum(
         acceleration: of the base [m/s^2], (n,).
         exponent: b of the fatigue curve.
         frequencies: of the oscillators [Hz], (n_f,); without them six to an octave, from one over the record's length to a
-            fortieth of the sampling rate. Straight lines and peaks between the samples take some 4 % of the amplitudes at a
+            fortieth of the sampling rate. Straight lines and peaks between the samples take some 5 % of the amplitudes at a
             tenth of it, 1 % at a twentieth, and b times as much of the damage.
         q: amplification at resonance, > 0.5.
 
