@@ -116,3 +116,24 @@ def test_a_range_that_cannot_be_is_refused(table, said):
     whole = {"deflection": [-1e-3, 1e-3]} | table if "amplitude" in table else table
     with pytest.raises(ModelError, match=said):
         wr.Isolator.from_dict({"name": "a", "axial": LAW.to_dict(), "validity": {"axial": whole}})
+
+
+def test_three_axes_are_joined_into_one_file(tmp_path):
+    parts = {"axial": 8e-3, "shear": 6e-3, "roll": 5e-3}
+    for axis, largest in parts.items():
+        time, deflection, force = record([0.25 * largest, largest])
+        rows = [f"{t:.4f},{1e3 * x:.7g},{f:.7g}" for t, x, f in zip(time, deflection, force, strict=True)]
+        (tmp_path / f"{axis}.csv").write_text("\n".join(["time [s],deflection [mm],force [N]", *rows]) + "\n")
+        joined = [] if axis == "axial" else ["--join", "whole.toml", "--force"]
+        done = wirerope(
+            "identify", f"{axis}.csv", "--axis", axis, "--law", "bouc-wen", "--out", "whole.toml", *joined, cwd=tmp_path
+        )
+        assert done.returncode == 0, done.stderr
+    whole = wr.load_isolator(tmp_path / "whole.toml")
+    assert set(whole.validity.stated) == set(parts)
+    for axis, largest in parts.items():
+        law = whole.axes[axis]
+        assert isinstance(law, wr.BoucWen)
+        assert law.normalised.z_max == pytest.approx(LAW.normalised.z_max, rel=0.05)
+        assert whole.validity.stated[axis].amplitude[1] == pytest.approx(largest, rel=1e-3)
+        assert f"{axis}.csv" in whole.provenance.source

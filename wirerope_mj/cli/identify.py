@@ -55,6 +55,7 @@ class Request:
     fix: Sequence[str] = ()
     free: Sequence[str] = ()
     beside: Path | None = None
+    join: Path | None = None
     elements: int | None = None
     start: Path | None = None
     force: bool = False
@@ -77,8 +78,11 @@ def identify_command(request: Request) -> int:
     """Fit a law to records, print the fit, write report and isolator; return the exit code."""
     kind, fixed = _kind(request), _fixed(request.fix)
     start = None if request.start is None else _start(request.start, request.axis)
+    if request.beside is not None and request.join is not None:
+        raise ValueError("`--beside` already keeps the other axes of its isolator; `--join` is for a law alone.")
     known = None if request.beside is None else load_isolator(request.beside)
     known_law = None if known is None else _known_law(known, request)
+    whole = None if request.join is None else load_isolator(request.join)
     _check_outputs(request)
     tests = read_tests(request.files, stop=kind is Stop and known is None)
     loops = [loop for one in tests.values() for loop in one]
@@ -89,7 +93,7 @@ def identify_command(request: Request) -> int:
     fits = fitted_loops(result)
     isolator = identified_isolator(
         result, name=request.name or request.out.stem, axis=request.axis, files=request.files, given=request.given,
-        known=known,
+        known=known, whole=whole,
     )  # fmt: skip
     wanted = result.converged or request.accept_unconverged
     with atomic_run(request.folder, force=request.force, kind="report", marks=_marks(request.folder)) as folder:

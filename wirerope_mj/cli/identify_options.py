@@ -19,6 +19,7 @@ def identify_records(
     fix: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
     free: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
     beside: Path | None = None,
+    join: Path | None = None,
     elements: Integer | None = None,
     start: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
@@ -44,6 +45,8 @@ def identify_records(
         free: parameters that are searched for, though they are given otherwise: a stop's exponent (1) and rounding (0).
         beside: isolator file whose law on this axis is known and acts in parallel, as where the isolator strikes its bumper;
             the file written is that isolator with both laws.
+        join: isolator file to which the law is added, or in which it takes the place of that axis' law: other axes, limits and
+            geometry stay. One axis after the other makes the isolator whole.
         elements: Jenkin elements of a masing law; 5 by default.
         start: law file or isolator file from which a search in three stages begins, besides those from a grid.
         force: replace an isolator file and a report that are there.
@@ -56,7 +59,7 @@ def identify_records(
         raise ValueError("name the records: wirerope identify TEST.csv .. --law LAW --out ISOLATOR.toml")
     request = Request(
         files=files, law=law, out=out, axis=axis, report=report, name=name, constraint=constraint, fix=fix or (),
-        free=free or (), beside=beside, elements=elements, start=start, force=force,
+        free=free or (), beside=beside, join=join, elements=elements, start=start, force=force,
         accept_unconverged=accept_unconverged, pdf=pdf,
     )  # fmt: skip
     return identify_command(request)

@@ -18,6 +18,7 @@ def identified_isolator(
     files: Sequence[Path],
     given: Sequence[str],
     known: Isolator | None = None,
+    whole: Isolator | None = None,
 ) -> Isolator:
     """Return an isolator with the law of an identification on an axis.
 
@@ -28,6 +29,7 @@ def identified_isolator(
         files: records that were fitted.
         given: what was given to the fit, one text each.
         known: isolator whose law on the axis was known; its limits, geometry and other axes stay.
+        whole: isolator to which the axis is added, or whose axis is replaced; all else of it stays, too.
     """
     fits = fitted_loops(result)
     sizes = ", ".join(f"{1e3 * fit.amplitude:.3g} ({100.0 * fit.error:.2g} %)" for fit in fits)
@@ -45,11 +47,26 @@ def identified_isolator(
         assumed=tuple(assumed),
     )
     axes: Mapping[str, Any] = {axis: result.law}
+    if whole is not None:
+        validity = replace(whole.validity, **{axis: result.measured})
+        before = whole.provenance
+        provenance = replace(
+            provenance,
+            source=_both(before.source, provenance.source),
+            fitted_to=_both(before.fitted_to, provenance.fitted_to),
+            assumed=(*before.assumed, *(f"{axis}: {text}" for text in provenance.assumed)),
+        )
+        return replace(whole, name=name, provenance=provenance, spread=None, validity=validity, **axes)
     if known is None:
         return Isolator(name=name, provenance=provenance, validity=Validity(**{axis: result.measured}), **axes)
     both = result.measured.joined(known.validity.stated.get(axis))
     validity = replace(known.validity, **{axis: both})
     return replace(known.conditioned, name=name, provenance=provenance, spread=None, validity=validity, **axes)
+
+
+def _both(before: str, now: str) -> str:
+    """Return what is said of other axes before what is said of this one."""
+    return f"{before}; {now}" if before else now
 
 
 def assumptions(result: Identification, given: Sequence[str]) -> list[str]:

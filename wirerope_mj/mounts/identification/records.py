@@ -12,6 +12,7 @@ from wirerope_mj.mounts.identification.stops import closes
 from wirerope_mj.mounts.laws import Loop, Stop
 from wirerope_mj.mounts.test_rig import load_cycles
 from wirerope_mj.mounts.test_rig.clipping import is_level
+from wirerope_mj.mounts.test_rig.faults import file_faults
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 
 Tests = Mapping[Path, Sequence[Loop]]
@@ -59,10 +60,11 @@ def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[
 
 
 def loop_warnings(tests: Tests, result: Identification) -> list[str]:
-    """Return warnings about loops that make their fit doubtful, and the loops of a bare stop that do not close it."""
+    """Return faults of the rig, warnings about loops that make a fit doubtful, and those of a bare stop that stay open."""
     loops = [(path, loop) for path, loops in tests.items() for loop in loops]
     if not isinstance(result.law, Stop):
-        return [*_unsteady(loops), *_unexplained(loops, result), *_level(loops), *_soft(tests)]
+        faults = [text for path in tests for text in file_faults(path)]
+        return [*faults, *_unsteady(loops), *_unexplained(loops, result), *_level(loops), *_soft(tests)]
     inside = [pair for pair in loops if not closes(prepare([pair[1]], stop=True)[0])]
     closed = [pair for pair in loops if not any(pair[1] is loop for _, loop in inside)]
     warnings = [f"{path}: {_size(loop)} stays within the gap and is not fitted" for path, loop in inside]

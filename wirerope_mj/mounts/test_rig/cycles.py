@@ -13,6 +13,7 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.averaging import PhasedCycle, cycle_to, mean_loop, whole_record
 from wirerope_mj.mounts.test_rig.clipping import require_falling, require_unclipped
+from wirerope_mj.mounts.test_rig.faults import hum_in, without_hum
 from wirerope_mj.mounts.test_rig.noise import is_noise, no_cycle_text
 from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_likely, require_nominal
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
@@ -35,7 +36,8 @@ def load_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
     """Return the steady loops of a measured cyclic test of any length, in the order of the file.
 
     The file is that of `load_cyclic_test`, but its rows, or those with one value of `loop` or `amplitude`, may hold any
-    number of cycles, amplitudes and operating points one after the other. See `steady_loops` for what is made of them.
+    number of cycles, amplitudes and operating points one after the other. See `steady_loops` for what is made of them. Hum of
+    the mains that stands out of the force is taken out; `wirerope identify` says so.
 
     Args:
         path: of the file.
@@ -53,7 +55,11 @@ def load_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
 
         try:
             time = np.array(samples.time) if samples.time else None
-            steady = _steady(np.array(samples.deflection), np.array(samples.force), time, locate, stop)
+            force = np.array(samples.force)
+            hum = None if time is None else hum_in(time, force)
+            if time is not None and hum is not None:
+                force = without_hum(time, force, hum)
+            steady = _steady(np.array(samples.deflection), force, time, locate, stop)
             for loop in steady:
                 require_nominal(samples, loop.amplitude, locate(0, len(samples.lines) - 1))
                 require_likely(loop.amplitude, locate(0, len(samples.lines) - 1))
