@@ -20,7 +20,7 @@ class Study(StudyDefinition):
     What varies is named as follows; NAME may hold * and ?, and then stands for all that match, and several may be joined by
     commas: "mount/m01,m05,-m04,-m08/position_shift/x" moves the first two one way and the others, behind a minus, as far the
     other way. Values of a relative distribution are factors on what the model says; a name that ends in _shift is added to it;
-    everything else replaces it.
+    everything else replaces it::
 
         mount/NAME/AXIS/PARAMETER     value of a parameter of the law on axis roll, shear or axial [SI, as the law states]
         mount/NAME/spread             the isolator's [spread], as `Specimens`

@@ -1,0 +1,77 @@
+"""Pages of the documentation site that are written by the program itself: its commands, and the names of its front door."""
+
+import ast
+import io
+from collections.abc import Iterator
+from pathlib import Path
+
+from rich.console import Console
+
+import wirerope_mj
+from wirerope_mj.cli.app import COMMANDS, app
+
+_ROOMS = {
+    "mounts": "Mounts: laws, isolators, tests and their identification",
+    "motions": "Motions of the base, forces on the payload, spectra",
+    "engine": "Systems, statics, simulation",
+    "dynamics": "Modes, sweeps, periodic motions",
+    "assessment": "Criteria, selection, comparison, durability",
+    "studies": "Studies and searches",
+    "runs": "Runs and their folders",
+    "views": "Pictures, recordings, pages",
+    "foundation": "Errors and units",
+}
+
+
+def write_commands(path: Path) -> None:
+    """Write what `wirerope COMMAND --help` says, command by command."""
+    parts = ["# Every command", "What `wirerope COMMAND --help` prints, written by the program itself.", ""]
+    for name in COMMANDS:
+        parts += [f"## wirerope {name}", "", "```text", _help(name), "```", ""]
+    _write(path, "\n".join(parts))
+
+
+def _help(name: str) -> str:
+    """Return the help of a command as it stands in a terminal of 110 columns."""
+    out = io.StringIO()
+    app.help_print([name], console=Console(file=out, width=110, color_system=None))
+    return "\n".join(line.rstrip() for line in out.getvalue().strip().splitlines())
+
+
+def write_api(path: Path) -> None:
+    """Write the public names by wing, each with its signature and its docstring."""
+    parts = [
+        "API",
+        "===",
+        "",
+        "``import wirerope_mj as wr``: the names of the front door. Units are SI throughout.",
+        "",
+    ]
+    names = list(public_names())
+    for wing, title in _ROOMS.items():
+        parts += [title, "-" * len(title), ""]
+        for module, name in names:
+            if module.split(".")[1] == wing:
+                parts += _entry(name)
+    _write(path, "\n".join(parts))
+
+
+def public_names() -> Iterator[tuple[str, str]]:
+    """Yield module and name of everything at the front door."""
+    stub = Path(wirerope_mj.__file__).with_suffix(".pyi")
+    for node in ast.parse(stub.read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ImportFrom) and node.module:
+            for alias in node.names:
+                yield f"wirerope_mj.{node.module}", alias.name
+
+
+def _entry(name: str) -> list[str]:
+    thing = getattr(wirerope_mj, name, None)
+    kind = "autoclass" if isinstance(thing, type) else "autofunction" if callable(thing) else "autodata"
+    return [f".. {kind}:: wirerope_mj.{name}", *(["   :members:"] if kind == "autoclass" else []), ""]
+
+
+def _write(path: Path, text: str) -> None:
+    """Write a file if it is not the same already, so that only what changed is built again."""
+    if not path.is_file() or path.read_text(encoding="utf-8") != text:
+        path.write_text(text, encoding="utf-8")
