@@ -212,7 +212,7 @@ def test_peaks_and_numerics_are_those_of_the_response(page, table):
     peak = response.peaks.bodies["block"].acceleration
     assert f"{peak.value / wr.STANDARD_GRAVITY:.2f}" in page.cells
     assert f"{response.numerics.steps} steps of at most" in page.words
-    assert "version of mujoco" in page.words
+    assert re.search(r"versions.*mujoco \d", page.words)
 
 
 def test_the_peak_of_the_base_is_that_of_its_closed_form(content):

@@ -17,14 +17,26 @@ _ORDER = (EXCEEDED, STRUCK, WITHIN, TOUCHING, CLEAR, NOT_JUDGED)
 AMPLE = 10.0  # margin from which only its size is said: nobody needs 1234 %
 
 
+_LONG = 20  # letters of a note that takes more than a line
+
+
 def full_table(verdicts: Sequence[Verdict]) -> Table | None:
-    """Return every verdict, exceeded ones first, then by margin, those not judged last; None without verdicts."""
+    """Return every verdict, exceeded ones first, then by margin, those not judged last; None without verdicts.
+
+    A long note that is that of the row above is not written again.
+    """
     if not verdicts:
         return None
+    rows = ordered(verdicts)
+    notes = [row.note for row in rows]
+    said = [
+        "as above" if len(note) > _LONG and note == before else note
+        for before, note in zip(["", *notes], notes, strict=False)
+    ]
     return Table(
         title="Every figure against its limit: the smallest margin first, what is not judged last",
         columns=(*COLUMNS, Column("at", "s", "z.4f"), Column("note", align="text")),
-        rows=[(row.criterion, *cells(row), known(row).time, row.note) for row in ordered(verdicts)],
+        rows=[(row.criterion, *cells(row), known(row).time, note) for row, note in zip(rows, said, strict=True)],
     )
 
 

@@ -15,7 +15,7 @@ from wirerope_mj.views.selection import NAMED, Selection
 
 PATH = ("cursor",)
 
-_ROWS = 200
+_ROWS = 160
 """Instants at which the table is written anew: a few milliseconds of a shock apart."""
 
 

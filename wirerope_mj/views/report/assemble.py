@@ -75,7 +75,8 @@ def _numerics_section(run: FinishedRun) -> Section:
         ("computed by", f"{numerics.computed_by}{f': {numerics.why}' if numerics.why else ''}"),
     ]
     rows += [(f"option {name}", str(value)) for name, value in run.options.items()]
-    rows += [(f"version of {name}", version) for name, version in run.versions.items()]
+    if run.versions:
+        rows.append(("versions", ", ".join(f"{name} {version}" for name, version in run.versions.items())))
     return Section(title="Numerics, options and versions", blocks=(settings_table(rows),))
 
 

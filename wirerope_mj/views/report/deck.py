@@ -1,8 +1,11 @@
 """The part of a report about what the deck bears: sums of the mounts' forces, area by area, and the loads of their bolts."""
 
-from wirerope_mj.assessment.criteria.foundation import area_forces, bolt_loads
+from collections.abc import Sequence
+
+from wirerope_mj.assessment.criteria.foundation import AreaForce, area_forces, bolt_loads
 from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.views.report.content import Block, Folded, Section
+from wirerope_mj.views.display import with_unit
+from wirerope_mj.views.report.content import Block, Folded, Paragraph, Section
 from wirerope_mj.views.report.run import FinishedRun
 
 _MOST = 10  # bolts that are shown at once
@@ -13,14 +16,29 @@ def deck_section(run: FinishedRun) -> Section:
     title = "What the deck bears"
     if not run.response.scene.mounts:
         return Section(title=title, blocks=())
-    blocks: list[Block] = [_areas(run)]
+    areas = area_forces(run.response)
+    blocks: list[Block] = [_areas(areas)] if len(areas) > 1 else [Paragraph(text=_sentence(areas[0]))]
     bolts = _bolts(run)
     if bolts.rows:
         blocks.append(Folded(table=bolts, shown=_MOST))
     return Section(title=title, blocks=tuple(blocks))
 
 
-def _areas(run: FinishedRun) -> Table:
+def _sentence(whole: AreaForce) -> str:
+    sizes = [
+        f"{with_unit(force, 'kN', digits=3)} {where} at {time:.4f} s"
+        for force, where, time in (
+            (whole.down, "downwards", whole.down_time), (whole.up, "upwards", whole.up_time),
+            (whole.across, "level", whole.across_time),
+        )
+    ]  # fmt: skip
+    return (
+        f"All {whole.mounts} mounts that stand on it together, weight included: {with_unit(whole.at_rest, 'kN', digits=3)} at "
+        f"the beginning; at most {', '.join(sizes)}. Contacts of geoms are not among them."
+    )
+
+
+def _areas(areas: Sequence[AreaForce]) -> Table:
     columns = (
         Column("mounts on", align="left"), Column("mounts", form="d"), Column("at rest", "kN", 3),
         Column("down", "kN", 3), Column("at", "s", "z.4f"), Column("up", "kN", 3), Column("at", "s", "z.4f"),
@@ -29,7 +47,7 @@ def _areas(run: FinishedRun) -> Table:
     rows = [
         (one.name or "the whole deck", one.mounts, one.at_rest, one.down, one.down_time, one.up, one.up_time, one.across,
          one.across_time)
-        for one in area_forces(run.response)
+        for one in areas
     ]  # fmt: skip
     return Table(
         title="Sums of the mounts' forces on what carries them",
