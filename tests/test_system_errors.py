@@ -185,7 +185,7 @@ def test_one_mount_of_three_with_its_sites_swapped_is_named():
     ("wrong", "words"),
     [
         ('<site name="q" pos="0 0 nan"/>', r"site 'q': its `pos` is '0 0 nan'"),
-        ('<body name="extra" pos="inf 0 0"/>', r"body 'extra': its `pos` is \[inf"),
+        ('<body name="extra" pos="inf 0 0"/>', r"body 'extra': its `pos` is inf 0 0;"),
         ('<geom name="plate" size=".1" mass="0" pos="0 nan 0"/>', r"geom 'plate': its `pos` is .*nan"),
         ('<joint name="turn" type="hinge" axis="0 0 nan"/>', r"joint 'turn': its `axis` is .*nan"),
     ],

@@ -43,7 +43,7 @@ def check_numbers(model: mujoco.MjModel) -> None:
     """Raise ModelError if a number of the compiled model is not finite; names the element and its attribute."""
     for name in ("gravity", "wind", "magnetic", "timestep", "density", "viscosity"):
         if not (np.abs(getattr(model.opt, name)) < 1e150).all():  # so that its square is finite, too
-            raise ModelError(f"<option>: `{name}` is {getattr(model.opt, name)}; {_REMEDY}")
+            raise ModelError(f"<option>: `{name}` is {_written(getattr(model.opt, name))}; {_REMEDY}")
     for name in _float_arrays():
         values = getattr(model, name)
         if values.size and not np.isfinite(values).all():
@@ -76,7 +76,12 @@ def _not_finite(model: mujoco.MjModel, array: str, values: Array) -> str:
     name = f"number {row}"
     if len(values) == getattr(model, f"n{kind}", -1):  # one row for each element
         name = repr(getattr(model, element)(row).name) if hasattr(model, element) else name
-    return f"{element} {name}: its `{attribute}` is {values[row]}; {_REMEDY}"
+    return f"{element} {name}: its `{attribute}` is {_written(values[row])}; {_REMEDY}"
+
+
+def _written(values: npt.ArrayLike) -> str:
+    """Return numbers as a model's file has them, whatever NumPy's settings for printing are."""
+    return " ".join(f"{value:g}" for value in np.atleast_1d(values))
 
 
 def check_joints(model: mujoco.MjModel) -> None:

@@ -40,6 +40,8 @@ def hum_in(time: Array, force: Array) -> Hum | None:
         time: instants [s], (n,), uniform to a thousandth of a step.
         force: (n,) [N].
     """
+    if time.size < 3:
+        return None
     step = float(time[-1] - time[0]) / (time.size - 1)
     if np.abs(np.diff(time) - step).max() > 1e-2 * step:  # a file's digits round instants
         return None
