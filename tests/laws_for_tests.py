@@ -19,7 +19,7 @@ PARAMETERS = {
     "symmetric-bouc-wen": {"alpha": 1e5, "beta": 0.6, "gamma": -0.2, "n": 2.0, "k1": 8e4, "k2": 1e5, "k3": 2e7},
     "kelvin-voigt": {"k": 1e5, "c": 300.0},
     "enhanced-dry-friction": {"k": 5e4, "d": 300.0, "u_c": 3e-3},
-    "masing": {"stiffness": [6e4, 4e4, 3e4], "slip_force": [60.0, 100.0, 200.0], "k": 2e4},
+    "masing": {"stiffness": [6e4, 4e4, 3e4], "slip_force": [60.0, 100.0, 200.0], "k": 2e4, "k2": 1e5, "k3": 2e7},
     "tinker-cutchins": {
         "k1": 8e4, "k2": 2e5, "k3": 2e7, "c": 200.0, "n": 1.5, "f0": 40.0, "f1": 2e3, "f2": 1e5, "smoothing": 0.02,
     },
@@ -75,7 +75,7 @@ def _masing(draw):
     n = draw(st.integers(1, 6))
     stiffness = draw(st.lists(positive, min_size=n, max_size=n))
     slip = draw(st.lists(st.floats(0.05, 5.0), min_size=n, max_size=n))
-    return LAWS["masing"](stiffness=stiffness, slip_force=slip, k=draw(small))
+    return LAWS["masing"](stiffness=stiffness, slip_force=slip, k=draw(small), k2=draw(small), k3=draw(small))
 
 
 @st.composite

@@ -90,6 +90,11 @@ def test_every_law_draws_in_mujoco_the_loop_of_its_trace(name):
 # Masing's states grow elastically within a step and are put back onto their yield surface after it.
 
 
+def spring(law, x):
+    """Return Ni's polynomial [N]."""
+    return law.k * x + law.k2 * abs(x) * x + law.k3 * x**3
+
+
 def masing_oscillator(law, times, *, mass, omega, acceleration):
     """Return deflection and force at `times`, from rest relative to a base that accelerates by a sin(w t).
 
@@ -101,7 +106,7 @@ def masing_oscillator(law, times, *, mass, omega, acceleration):
     while t < times[-1]:
 
         def rates(t, y, slips=slips):
-            force = law.k * y[0] + y[2:].sum()
+            force = spring(law, y[0]) + y[2:].sum()
             return [y[1], -force / mass - acceleration * math.sin(omega * t), *(c * y[1] * (slips == 0.0))]
 
         def turn(_t, y):
@@ -133,7 +138,7 @@ def masing_oscillator(law, times, *, mass, omega, acceleration):
         for (e, sign), hits in zip(sticking, run.t_events[1:], strict=True):
             if hits.size:
                 slips[e], y[2 + e] = sign, sign * h[e]
-    return out[:, 0], law.k * out[:, 0] + out[:, 2:].sum(axis=1)
+    return out[:, 0], spring(law, out[:, 0]) + out[:, 2:].sum(axis=1)
 
 
 def test_masing_in_mujoco_is_of_second_order():

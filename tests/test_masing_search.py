@@ -1,5 +1,6 @@
 """Jenkin elements: what the smallest loop can tell of the first, and starts that are not left for worse places."""
 
+import numpy as np
 import pytest
 
 import wirerope_mj as wr
@@ -36,3 +37,15 @@ def test_a_good_start_is_not_left_for_a_worse_place(monkeypatch):
     alone = wr.identify(LOOPS, law=wr.Masing, start=GUESS, method="time", grid=False)
     beside = wr.identify(LOOPS, law=wr.Masing, start=GUESS)
     assert beside.residual == pytest.approx(alone.residual, rel=1e-6)
+
+
+def test_jenkin_elements_beside_nis_polynomial_are_found_again():
+    truth = wr.Masing(stiffness=[3e5, 8e4], slip_force=[240.0, 360.0], k=4e4, k2=1.5e6, k3=4e8)
+    loops = measured(cyclic_test(truth, [0.5e-3, 2e-3, 5e-3, 12e-3]), points_per_cycle=100, force_noise=1.0, seed=3)
+    found = wr.identify(loops, law=wr.Masing, elements=2)
+    for name in ("k", "k2", "k3"):
+        parameter = found.parameters[name]
+        assert abs(parameter.value - getattr(truth, name)) <= 4.0 * parameter.standard_error, name
+        assert parameter.standard_error < 0.1 * getattr(truth, name), name
+    bent = [np.abs(loop.force).max() for loop in loops][-1] / truth.k / loops[-1].amplitude
+    assert bent > 2.0  # so that a straight spring would not do

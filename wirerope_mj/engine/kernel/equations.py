@@ -15,6 +15,7 @@ from wirerope_mj.engine.kernel.touching import pair_rows
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.tables import Tables
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.laws.friction import ELEMENTS
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, SMOOTHED, STOP, TABULATED
 from wirerope_mj.mounts.laws.stop_kernels import LOSS, N_POINTS
 
@@ -286,7 +287,13 @@ def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
     found: list[int] = []
 
     def law_counts(law: int, p: int) -> None:
-        at_law = {MASING: [p + 1], SMOOTHED: [p + 1], TABULATED: [p + KNOTS], STOP: [p + N_POINTS], PARALLEL: [p]}
+        at_law = {
+            MASING: [p + ELEMENTS],
+            SMOOTHED: [p + 1],
+            TABULATED: [p + KNOTS],
+            STOP: [p + N_POINTS],
+            PARALLEL: [p],
+        }
         found.extend(int(par[entry]) for entry in at_law.get(law, []))
         if law == SMOOTHED:
             law_counts(int(par[p + 1]), p + 2)

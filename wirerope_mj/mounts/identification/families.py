@@ -101,7 +101,7 @@ def masing_family(elements: int) -> Family:
 
     def coordinates(s: Scales) -> list[Coordinate]:
         size = s.force / s.deflection
-        rows = [*_elastic(s, "k")]
+        rows = [*_elastic(s, "k", "k2", "k3")]
         rows += [Coordinate(f"c{e}", "N/m", 1e-5 * size, 1e4 * size, linear=True) for e in range(1, elements + 1)]
         rows.append(Coordinate("x1", "m", SEEN * s.least, 10.0 * s.deflection))
         return rows + [Coordinate(f"x{e}/x{e - 1}", "-", 1.01, 1e4) for e in range(2, elements + 1)]
@@ -109,15 +109,18 @@ def masing_family(elements: int) -> Family:
     def make(values: dict[str, float]) -> Law:
         stiffness = [values[f"c{e}"] for e in range(1, elements + 1)]
         slip = np.cumprod([values["x1"], *(values[f"x{e}/x{e - 1}"] for e in range(2, elements + 1))])
-        return Masing(
-            stiffness=stiffness, slip_force=[c * x for c, x in zip(stiffness, slip, strict=True)], k=values["k"]
-        )
+        spring = {name: values[name] for name in ("k", "k2", "k3")}
+        return Masing(stiffness=stiffness, slip_force=[c * x for c, x in zip(stiffness, slip, strict=True)], **spring)
 
     def read(law: Law) -> dict[str, float]:
         assert isinstance(law, Masing)
         pairs = sorted(zip(law.stiffness, law.slip_force, strict=True), key=lambda pair: pair[1] / pair[0])
         slip = [h / c for c, h in pairs]
-        values = {"k": law.k} | {f"c{e}": c for e, (c, _) in enumerate(pairs, start=1)} | {"x1": slip[0]}
+        values = (
+            {"k": law.k, "k2": law.k2, "k3": law.k3}
+            | {f"c{e}": c for e, (c, _) in enumerate(pairs, start=1)}
+            | {"x1": slip[0]}
+        )
         return values | {f"x{e + 1}/x{e}": slip[e] / slip[e - 1] for e in range(1, len(slip))}
 
     return Family(coordinates=coordinates, make=make, read=read)

@@ -62,7 +62,7 @@ def length_to_zero(alpha, b, n, y):
 
 @njit
 def rates(law, p, i, b):
-    """Return how fast the state and the rest of the force change over a length [1/m]."""
+    """Return how fast the state settles and the rest of the force changes over a length [1/m]."""
     state = abs(b) if p[i + 3] == 1.0 else math.sqrt(p[i] * abs(b))
     return state, (abs(p[i + 7]) if law == ASYMMETRIC_BOUC_WEN else 0.0)
 
@@ -84,14 +84,17 @@ def work_between(law, p, i, x0, s, first, last, rate, b, z, trial, unused):
 @njit
 def advance_branch(law, p, i, x0, s, length, b, z, j, trial, unused):
     """Carry the state over a length on which one closed form holds and return the work done on the law [J]."""
+    end = s * branch(p[i], b, p[i + 3], s * z[j], length)
     state, bend = rates(law, p, i, b)
+    # For n = 2 a tangent near its pole bends faster than it settles: by |b z| over a length.
+    fastest = state if p[i + 3] == 1.0 else max(state, abs(b) * max(abs(z[j]), abs(end)))
     settled = length
     if b > 0.0 and length * state > _SETTLED:
         settled = _SETTLED / state
-    work = work_between(law, p, i, x0, s, 0.0, settled, state + bend, b, z[j], trial, unused)
+    work = work_between(law, p, i, x0, s, 0.0, settled, fastest + bend, b, z[j], trial, unused)
     if settled < length:
         work += work_between(law, p, i, x0, s, settled, length, bend, b, z[j], trial, unused)
-    z[j] = s * branch(p[i], b, p[i + 3], s * z[j], length)
+    z[j] = end
     return work
 
 

@@ -12,8 +12,12 @@ from wirerope_mj.foundation.lanes import count
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
 from wirerope_mj.mounts.laws.hysteresis import Normalised
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
+from wirerope_mj.mounts.laws.ni import polynomial
 
 MASING = 6
+
+ELEMENTS = 3
+"""Place of the number of Jenkin elements among Masing's parameters, behind those of the spring."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,14 +81,16 @@ class EnhancedDryFriction(Law):
 
 @dataclass(frozen=True, kw_only=True)
 class Masing(Law):
-    """Masing's model: Jenkin elements, each a spring c_e [N/m] in series with a slider h_e [N], beside a spring k [N/m].
+    """Masing's model: Jenkin elements, each a spring c_e [N/m] in series with a slider h_e [N], beside Ni's polynomial spring.
 
-        F = k x + sum f_e,   fdot_e = c_e xdot while |f_e| < h_e or f_e xdot < 0, else 0
+        F = F1(x) + sum f_e,   fdot_e = c_e xdot while |f_e| < h_e or f_e xdot < 0, else 0
+        F1 = k x + k2 sgn(x) x^2 + k3 x^3
 
-    The virgin curve is k x + sum min(c_e x, h_e); every later branch is that curve doubled (Masing's rule), and a closed inner
-    loop is forgotten (return-point memory), which Bouc-Wen laws lack: the mean of this law does not drift under vibration. A
-    steady loop of amplitude A has the area sum of 4 h_e (A - h_e / c_e) over the elements that slip. The force is piecewise
-    linear. Source: Sauter and Hagedorn (2002), thesis 2.5.2.
+    The virgin curve is F1 + sum min(c_e x, h_e); the sliders' part of every later branch is theirs doubled (Masing's rule), and
+    a closed inner loop is forgotten (return-point memory), which Bouc-Wen laws lack: the mean of this law does not drift under
+    vibration. A steady loop of amplitude A has the area sum of 4 h_e (A - h_e / c_e) over the elements that slip. k [N/m],
+    k2 [N/m^2] and k3 [N/m^3] are those of `SymmetricBoucWen`; they harden a loop at large deflections, and make no area.
+    Sources: Sauter and Hagedorn (2002), thesis 2.5.2; F1 thesis (3.16).
 
     In MuJoCo an element's force grows elastically within a step; each stage clips it to +-h_e and the overshoot is taken out of
     the state at the end of the step, which is exact while the mount does not turn back within it. The order is therefore 2.
@@ -93,11 +99,13 @@ class Masing(Law):
     name: ClassVar[str] = "masing"
     kernel: ClassVar[int] = MASING
     lists: ClassVar[tuple[str, ...]] = ("stiffness", "slip_force")
-    force_powers: ClassVar[Mapping[str, float]] = {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0}
+    force_powers: ClassVar[Mapping[str, float]] = {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0, "k2": 1.0, "k3": 1.0}
 
     stiffness: Sequence[float]
     slip_force: Sequence[float]
     k: float = 0.0
+    k2: float = 0.0
+    k3: float = 0.0
 
     def _validate(self) -> None:
         require_not_negative(self, "k")
@@ -117,8 +125,10 @@ class Masing(Law):
         return ("stiffness", "slip_force")
 
     def kernel_parameters(self) -> Array:
-        """Return k, number of elements, their stiffnesses and slip forces."""
-        return np.array([self.k, len(self.stiffness), *self.stiffness, *self.slip_force], dtype=np.float64)
+        """Return k, k2, k3, number of elements, their stiffnesses and slip forces."""
+        return np.array(
+            [self.k, self.k2, self.k3, len(self.stiffness), *self.stiffness, *self.slip_force], dtype=np.float64
+        )
 
     @property
     def state_names(self) -> tuple[str, ...]:
@@ -138,20 +148,20 @@ class Masing(Law):
     @property
     def largest_force(self) -> float:
         """Sum of the slip forces without a spring, else infinite [N]."""
-        return self.z_max if self.k == 0.0 else float("inf")
+        return self.z_max if self.k == self.k2 == self.k3 == 0.0 else float("inf")
 
 
 @njit
 def masing(p, i, x, v, z, j, zdot, k):
-    """Return F = k x + sum of z_e clipped to +-h_e [N]; p = k, number of elements, stiffnesses c_e, slip forces h_e.
+    """Return F = F1(x) + sum of z_e clipped to +-h_e [N]; p = k, k2, k3, number of elements, stiffnesses c_e, slip forces h_e.
 
     The states grow elastically, beyond h_e too; who integrates them removes the overshoot after every step.
     """
-    n = count(p, i + 1)
-    force = p[i] * x
+    n = count(p, i + ELEMENTS)
+    force = polynomial(p[i], p[i + 1], p[i + 2], x)
     for e in range(n):
-        slip = p[i + 2 + n + e]
-        zdot[k + e] = p[i + 2 + e] * v
+        slip = p[i + ELEMENTS + 1 + n + e]
+        zdot[k + e] = p[i + ELEMENTS + 1 + e] * v
         force += min(max(z[j + e], -slip), slip)
     return force
 
@@ -159,22 +169,28 @@ def masing(p, i, x, v, z, j, zdot, k):
 @njit
 def hold_slip(p, i, z, j):
     """Clip the states of Masing's law to the slip forces, in place."""
-    n = count(p, i + 1)
+    n = count(p, i + ELEMENTS)
     for e in range(n):
-        slip = p[i + 2 + n + e]
+        slip = p[i + ELEMENTS + 1 + n + e]
         z[j + e] = min(max(z[j + e], -slip), slip)
 
 
 @njit
 def masing_increment(p, i, x0, x1, z, j):
     """Carry the states of Jenkin elements from x0 to x1 and return the work done on the law [J]."""
-    n, dx = int(p[i + 1]), x1 - x0
-    work = p[i] * dx * 0.5 * (x0 + x1)
+    n, dx = int(p[i + ELEMENTS]), x1 - x0
+    work = energy(p[i], p[i + 1], p[i + 2], x1) - energy(p[i], p[i + 1], p[i + 2], x0)
     for e in range(n):
-        stiffness, slip = p[i + 2 + e], p[i + 2 + n + e]
+        stiffness, slip = p[i + ELEMENTS + 1 + e], p[i + ELEMENTS + 1 + n + e]
         start = min(max(z[j + e], -slip), slip)
         end = min(max(start + stiffness * dx, -slip), slip)
         elastic = (end - start) / stiffness
         work += 0.5 * (start + end) * elastic + end * (dx - elastic)
         z[j + e] = end
     return work
+
+
+@njit
+def energy(k, k2, k3, x):
+    """Return the energy in Ni's polynomial spring [J], the integral of F1 from 0."""
+    return x * x * (k / 2.0 + k2 / 3.0 * abs(x) + k3 / 4.0 * x * x)

@@ -23,7 +23,7 @@ def without_force(isolator: Isolator) -> Isolator:
 def _faint(law: Law) -> Law:
     if isinstance(law, Masing):
         faint = (FAINT,) * len(law.stiffness)
-        return replace(law, stiffness=faint, slip_force=faint, k=0.0)
+        return replace(law, stiffness=faint, slip_force=faint, k=0.0, k2=0.0, k3=0.0)
     if isinstance(law, BoucWenBaberNoori):
         return replace(law, alpha=FAINT, k=0.0)
     if isinstance(law, Parallel):
