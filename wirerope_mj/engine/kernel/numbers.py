@@ -119,8 +119,10 @@ class Numbers:
 
     def write_geometry(self, numbers: Array, changes: Changes) -> bool:
         """Write what masses, centres of mass and positions of mounts change; returns whether all else stays as it is."""
-        if not (changes.masses or changes.centres or changes.positions):
+        if not (changes.masses or changes.centres or changes.positions or changes.turns):
             return True
+        if any(any(turn) for turn in changes.turns.values()):
+            return False
         system, model, lay = self._system, self._system.model, self.equations.lay
         arrays = {name: getattr(model, name).copy() for name in ("body_mass", "body_inertia", "body_ipos", "site_pos")}
         touched: set[int] = set()

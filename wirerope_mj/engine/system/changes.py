@@ -12,19 +12,21 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Changes:
-    """Isolators, masses, centres of mass and positions of mounts that differ from those of another system.
+    """Isolators, masses, centres of mass, positions and inclinations of mounts that differ from those of another system.
 
     Attributes:
         isolators: isolators by mount.
         masses: factors on mass and moments of inertia, by body.
         centres: shifts of the centre of mass [m], world axes of the modelled geometry, by body.
         positions: shifts of both sites [m], world axes of the modelled geometry, by mount.
+        turns: rotation vectors of both sites' axes [rad], world axes of the modelled geometry, by mount.
     """
 
     isolators: Mapping[str, Isolator] = field(default_factory=dict)
     masses: Mapping[str, float] = field(default_factory=dict)
     centres: Mapping[str, Vector] = field(default_factory=dict)
     positions: Mapping[str, Vector] = field(default_factory=dict)
+    turns: Mapping[str, Vector] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for mount, isolator in self.isolators.items():
@@ -35,6 +37,7 @@ class Changes:
             "masses": {body: positive(f"masses[{body!r}]", factor) for body, factor in self.masses.items()},
             "centres": {body: _shift("centres", body, shift) for body, shift in self.centres.items()},
             "positions": {mount: _shift("positions", mount, shift) for mount, shift in self.positions.items()},
+            "turns": {mount: _shift("turns", mount, turn, "rad") for mount, turn in self.turns.items()},
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -42,6 +45,7 @@ class Changes:
     def to_dict(self) -> dict[str, Any]:
         """Return the changes as plain TOML values, from which `from_dict` makes them again to the last bit."""
         shifts = {"centres": self.centres, "positions": self.positions}
+        shifts |= {"turns": self.turns} if self.turns else {}
         return {
             "isolators": {mount: isolator.to_dict() for mount, isolator in self.isolators.items()},
             "masses": dict(self.masses),
@@ -60,13 +64,13 @@ class Changes:
             mount: Isolator.from_dict(isolator, where=f"isolator of mount {mount!r}")
             for mount, isolator in content.get("isolators", {}).items()
         }
-        rest = {name: content.get(name, {}) for name in ("masses", "centres", "positions")}
+        rest = {name: content.get(name, {}) for name in ("masses", "centres", "positions", "turns")}
         return cls(isolators=isolators, **rest)
 
 
-def _shift(name: str, key: str, shift: Any) -> Vector:
+def _shift(name: str, key: str, shift: Any, unit: str = "m") -> Vector:
     try:
         x, y, z = (finite(name, value) for value in shift)
     except (TypeError, ValueError):
-        raise ValueError(f"`{name}[{key!r}]` must be three finite numbers [m], got {shift!r}.") from None
+        raise ValueError(f"`{name}[{key!r}]` must be three finite numbers [{unit}], got {shift!r}.") from None
     return x, y, z

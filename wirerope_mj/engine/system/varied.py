@@ -1,13 +1,14 @@
-"""Variants of a system: the same layout, other isolators, masses, centres of mass and positions of mounts."""
+"""Variants of a system: the same layout, other isolators, masses, centres of mass, positions and inclinations of mounts."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import mujoco
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.system.changes import Changes
+from wirerope_mj.engine.system.changes import Changes, Vector
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.engine.system.system import Mount, System, load_system
 from wirerope_mj.engine.system.tables import Tables, make_tables, with_laws
@@ -18,6 +19,8 @@ from wirerope_mj.mounts.isolator import Isolator
 
 Shift = Sequence[float] | Array
 
+_NONE = (0.0, 0.0, 0.0)
+
 
 def varied(
     system: System,
@@ -26,6 +29,7 @@ def varied(
     masses: Mapping[str, float] | None = None,
     centres: Mapping[str, Shift] | None = None,
     positions: Mapping[str, Shift] | None = None,
+    turns: Mapping[str, Shift] | None = None,
 ) -> System:
     """Return a variant of `system`, which stays as it is: the compiled model copied and its numbers changed, not compiled anew.
 
@@ -43,13 +47,16 @@ def varied(
         centres: shifts of bodies' centres of mass [m], (3,), world axes of the modelled geometry; the moments of inertia are
             kept about the centre.
         positions: shifts of mounts [m], (3,), world axes of the modelled geometry; both sites move.
+        turns: rotation vectors of mounts [rad], (3,), world axes of the modelled geometry; the axes of both sites turn, each
+            about itself.
 
     Raises:
         ValueError: a factor is not positive, or a shift is not three numbers.
         ModelError: a mount or a body does not exist, or the compiled model has no room for the change; says what to do.
     """
     changes = Changes(
-        isolators=isolators or {}, masses=masses or {}, centres=centres or {}, positions=positions or {}  # type: ignore[arg-type]
+        isolators=isolators or {}, masses=masses or {}, centres=centres or {},  # type: ignore[arg-type]
+        positions=positions or {}, turns=turns or {},  # type: ignore[arg-type]
     )  # fmt: skip
     return changed(system, changes)
 
@@ -60,7 +67,7 @@ def changed(system: System, changes: Changes) -> System:
     model = system.model.__copy__()
     isolators = {name: changes.isolators.get(name, mount.written) for name, mount in system.mounts.items()}
     positions = {name: mount.position for name, mount in system.mounts.items()}
-    if changes.masses or changes.centres or changes.positions:
+    if changes.masses or changes.centres or changes.positions or changes.turns:
         with system.assembly.scratch.data(model) as data:
             _change_geometry(model, data, system, changes)
             mujoco.mj_resetData(model, data)
@@ -106,7 +113,7 @@ def with_other_laws(system: System, change: Callable[[Isolator], Isolator]) -> S
 
 
 def _check_mounts(system: System, changes: Changes) -> None:
-    for name in (*changes.isolators, *changes.positions):
+    for name in (*changes.isolators, *changes.positions, *changes.turns):
         if name not in system.mounts:
             raise ModelError(f"there is no mount {name!r}. Mounts of this system: {list(system.mounts)}.")
     for name, isolator in changes.isolators.items():
@@ -162,18 +169,23 @@ def _body(model: mujoco.MjModel, name: str) -> int:
 
 
 def _move_sites(model: mujoco.MjModel, data: mujoco.MjData, system: System, changes: Changes) -> None:
-    shifts: dict[int, tuple[str, tuple[float, float, float]]] = {}
+    moves: dict[int, tuple[str, tuple[Vector, Vector]]] = {}
     for name, mount in system.mounts.items():
-        shift = changes.positions.get(name, (0.0, 0.0, 0.0))
+        move = changes.positions.get(name, _NONE), changes.turns.get(name, _NONE)
         for site in (model.site(mount.payload_site).id, model.site(mount.base_site).id):
-            other, already = shifts.setdefault(site, (name, shift))
-            if already != shift:
+            other, already = moves.setdefault(site, (name, move))
+            if already != move:
                 raise ModelError(
                     f"mounts {other!r} and {name!r} share the site {model.site(site).name!r} and can only be moved together; "
-                    "give both the same shift, or sites of their own."
+                    "give both the same shift and turn, or sites of their own."
                 )
     on_tendons = set(model.wrap_objid[model.wrap_type == mujoco.mjtWrap.mjWRAP_SITE].tolist())
-    for site, (name, shift) in shifts.items():
+    for site, (name, (shift, turn)) in moves.items():
+        body = int(model.site_bodyid[site])
+        if any(turn):
+            about = Rotation.from_rotvec(_in_body(data, body, turn))
+            turned = about * Rotation.from_quat(model.site_quat[site], scalar_first=True)
+            model.site_quat[site] = turned.as_quat(scalar_first=True)
         if not any(shift):
             continue
         if site in on_tendons:
@@ -181,10 +193,10 @@ def _move_sites(model: mujoco.MjModel, data: mujoco.MjData, system: System, chan
                 f"mount {name!r}: a tendon ends at its site {model.site(site).name!r} and would keep its length; give the "
                 "tendon a site of its own."
             )
-        model.site_pos[site] += _in_body(data, int(model.site_bodyid[site]), shift)
+        model.site_pos[site] += _in_body(data, body, shift)
 
 
-def _in_body(data: mujoco.MjData, body: int, shift: tuple[float, float, float]) -> Array:
+def _in_body(data: mujoco.MjData, body: int, shift: Vector) -> Array:
     """Return a shift along the world's axes in those of a body."""
     return np.asarray(np.array(shift) @ data.xmat[body].reshape(3, 3), dtype=np.float64)
 

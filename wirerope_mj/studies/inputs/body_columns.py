@@ -139,7 +139,7 @@ class Centre(InputColumn):
 
 def check_centres(quantities: Sequence[Quantity], system: System) -> None:
     """Raise ValueError if centres of mass are said in two ways, or positions of them look like shifts."""
-    columns = [column for quantity in quantities for column in quantity.columns]
+    columns = [part for quantity in quantities for column in quantity.columns for part in column.parts]
     absolute = {target: column.name for column in columns if isinstance(column, Centre) for target in column.targets}
     for column in columns:
         for body in column.targets if isinstance(column, CentreShift) else ():
@@ -149,9 +149,9 @@ def check_centres(quantities: Sequence[Quantity], system: System) -> None:
                     "of them in one of these ways."
                 )
     for quantity in quantities:
-        for column in quantity.columns:
-            if isinstance(column, Centre):
-                column.check(quantity.distribution, system)
+        for part in (part for column in quantity.columns for part in column.parts):
+            if isinstance(part, Centre):
+                part.check(quantity.distribution, system)
 
 
 def _renamed(column: Centre | CentreShift, system: System, noun: str) -> str:

@@ -39,6 +39,7 @@ class Draft:
         centres: positions of centres of mass in the body's axes [m], by body.
         centre_shifts: along the world's axes [m], by body.
         position_shifts: along the world's axes [m], by mount.
+        turns: rotation vectors about the world's axes [°], by mount.
     """
 
     system: System
@@ -50,6 +51,7 @@ class Draft:
     centres: dict[str, Array] = field(default_factory=dict)
     centre_shifts: dict[str, list[float]] = field(default_factory=dict)
     position_shifts: dict[str, list[float]] = field(default_factory=dict)
+    turns: dict[str, list[float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,6 +114,11 @@ class InputColumn:
     targets: tuple[str, ...] = ()
     key: tuple[str, ...] = ()
     relative: bool = False
+
+    @property
+    def parts(self) -> "tuple[InputColumn, ...]":
+        """The columns that share one draw; by itself, if it shares none."""
+        return (self,)
 
     @classmethod
     def resolve(cls, entry: Entry) -> "tuple[InputColumn, ...]":

@@ -236,6 +236,22 @@ class PositionShift(Shift):
         return draft.position_shifts
 
 
+class Turn(PositionShift):
+    """Angle [°] by which a mount's axes turn about an axis of the world."""
+
+    form = "mount/NAME/turn/x"
+    pattern = re.compile(r"mount/(.*)/turn/([^/]*)")
+    model_unit = "°"
+
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+        """Return nothing: the model's axes are turned, and have no one angle."""
+        return []
+
+    def shifts_of(self, draft: Draft) -> dict[str, list[float]]:
+        """Return the turns of a variant to which this one belongs."""
+        return draft.turns
+
+
 class Fitted(InputColumn):
     """Presence of mounts."""
 

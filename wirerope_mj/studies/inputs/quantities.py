@@ -18,16 +18,18 @@ from wirerope_mj.studies.inputs.mount_columns import (
     PositionShift,
     Spread,
     StiffeningParameter,
+    Turn,
 )
+from wirerope_mj.studies.inputs.shared import TOGETHER, share
 
 KINDS: tuple[type[InputColumn], ...] = (
-    Spread, Fitted, Failed, PositionShift, StiffeningParameter, LawParameter, MountFactor, OtherIsolator, Mass, Centre,
+    Spread, Fitted, Failed, PositionShift, Turn, StiffeningParameter, LawParameter, MountFactor, OtherIsolator, Mass, Centre,
     CentreShift, Level, Azimuth, Elevation, Record,
 )  # fmt: skip
 """Kinds of quantities, in the order in which a name is held against them."""
 
 FORMS = ", ".join(kind.form for kind in KINDS)
-"""Names of quantities; NAME may hold * and ?, and be several, as in m01,m04,-m13."""
+"""Names of quantities; NAME may hold * and ?, and be several, as in m01,m04,-m13; names joined by " & " share a draw."""
 
 _POSITION = "position"
 
@@ -44,11 +46,11 @@ def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequen
     resolved = tuple(_quantity(name, distribution, system, motions) for name, distribution in vary.items())
     taken: dict[tuple[str, str, tuple[str, ...]], str] = {}
     for quantity in resolved:
-        for column in quantity.columns:
-            for target in column.targets or ("",):
-                other = taken.setdefault((column.form, target, column.key), quantity.name)
+        for part in (part for column in quantity.columns for part in column.parts):
+            for target in part.targets or ("",):
+                other = taken.setdefault((part.form, target, part.key), quantity.name)
                 if other != quantity.name:
-                    raise ValueError(f"`vary`: {other!r} and {quantity.name!r} both say {column.name!r}.")
+                    raise ValueError(f"`vary`: {other!r} and {quantity.name!r} both say {part.name!r}.")
     for (form, target, key), name in taken.items():
         whole = taken.get((form, target, (*key[:-1], key[-1].partition("[")[0])), name) if key else name
         if whole != name:
@@ -58,6 +60,9 @@ def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequen
 
 
 def _quantity(name: str, distribution: Distribution, system: System, motions: Sequence[BaseMotion]) -> Quantity:
+    if len(names := name.split(TOGETHER)) > 1:
+        shared = [_quantity(one, distribution, system, motions).columns for one in names]
+        return Quantity(name=name, distribution=distribution, columns=share(name, shared))
     if not isinstance(distribution, Distribution):
         raise ValueError(
             f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}."

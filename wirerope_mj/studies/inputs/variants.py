@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.engine.system.centres import body_axes, centre_of_mass
 from wirerope_mj.engine.system.varied import changed
@@ -82,10 +84,11 @@ class Maker:
         return draft
 
     def moves(self, draft: Draft, isolators: Mapping[str, Isolator]) -> Changes:
-        """Return the changes of masses, centres of mass and positions, and isolators."""
+        """Return the changes of masses, centres of mass, positions and inclinations, and isolators."""
         moved = draft.centre_shifts | {body: self._shift_to(body, centre) for body, centre in draft.centres.items()}
         return Changes(
             isolators=isolators, masses=draft.masses, centres=moved, positions=draft.position_shifts,  # type: ignore[arg-type]
+            turns={mount: np.radians(turn) for mount, turn in draft.turns.items()},  # type: ignore[misc]
         )  # fmt: skip
 
     def forget(self) -> None:
