@@ -6,11 +6,16 @@ import numpy as np
 import pytest
 from house import rotation
 from made_up_floor import UPRIGHT, box, floor_response
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
 
+import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import rattle_verdicts
-from wirerope_mj.assessment.criteria.rattle import body_corners, corner_displacements
+from wirerope_mj.assessment.criteria.over_time import utilisation_over_time
+from wirerope_mj.assessment.criteria.rattle import between_points, body_corners, corner_displacements
 from wirerope_mj.engine.response.histories import MemorySamples
-from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.payload_limits import PayloadLimit, limit_from_text
+from wirerope_mj.runs.judging import judged_by
 
 
 def by_name(verdicts):
@@ -123,3 +128,35 @@ def test_a_clearance_of_nothing_is_an_error(floor):
         ValueError, match="'rack_9', which has no clearance here. There are: rack_top, floor, rack_0, rack_1"
     ):
         rattle_verdicts(floor, [clearance("rack_9", 0.1, 0.1, 0.1)])
+
+
+def test_a_clearance_between_two_points_is_that_of_the_turning_body_that_carries_them():
+    system = wr.load_system("cabinet")
+    response = wr.simulate(system, wr.HalfSine(peak=150.0, duration=0.011, direction="y", start=0.01), duration=0.15)
+    name = "rack_top to rack_base_front"
+    arm = np.array([-0.4, 0.0, 1.685])  # between both points as the model has them, in the axes of the rack
+    turns = Rotation.from_quat(response.bodies["rack"].orientation, scalar_first=True)
+    expected = turns.apply(arm) - arm
+    np.testing.assert_allclose(between_points(response, name), expected, atol=1e-12)
+    between = CubicSpline(response.time, expected)(np.linspace(0.0, 0.15, 20_001))  # the largest is between samples
+    found = by_name(rattle_verdicts(response, [clearance(name, 1e-3, 0.02, 0.0)]))
+    for axis, letter in enumerate("xyz"):
+        for sign, side in ((-1.0, "-"), (1.0, "+")):
+            verdict = found[name, f"rattle space along {side}{letter}"]
+            assert verdict.value == pytest.approx((sign * between[:, axis]).max(), rel=5e-3)  # parabolas
+    sideways = found[name, "rattle space along -y"]
+    used = utilisation_over_time(response, sideways)
+    np.testing.assert_allclose(used, np.maximum(-expected[:, 1], 0.0) / 0.02, atol=1e-9)
+    assert found[name, "rattle space along +z"].verdict == "not judged"
+
+
+def test_a_clearance_between_points_that_are_not_there_is_an_error():
+    text = "clearance/rack_top to {} = 10 10 0 mm"
+    system = wr.load_system("cabinet")
+    for other in ("nothing", "rack_top", "rack"):
+        limit = limit_from_text(text.format(other))
+        with pytest.raises(wr.ModelError, match="no body of the payload and no point"):
+            judged_by(system, combined_travel=True, limits=[limit])
+    assert judged_by(system, combined_travel=True, limits=[limit_from_text(text.format("rack_base_front"))]).limits[
+        -1
+    ].values == (0.01, 0.01, 0.0)

@@ -13,6 +13,9 @@ SIZES = {"acceleration": (1, 3), "clearance": (3, 6)}
 
 UNITS = {"acceleration": "m/s^2", "clearance": "m"}
 
+BETWEEN = " to "
+"""Stands between two points in the name of the clearance between them."""
+
 _KNOWN = {"acceleration": ACCELERATION_UNITS, "clearance": LENGTH_UNITS}
 _EXAMPLES = '"acceleration/rack = 15 g", "acceleration/rack = 0 0 15 g" or "clearance/rack_top = 30 30 20 mm"'
 _TEXT = re.compile(r"\s*(\w+)/(.+?)\s*=\s*([-+.\deE\s]+?)\s*([^\d\s.+-][^\s]*)\s*")
@@ -27,7 +30,8 @@ class PayloadLimit:
     Attributes:
         kind: "acceleration" (fragility of what stands there, absolute acceleration) or "clearance" (rattle space: how far a
             point, or any corner of a body, may move from its modelled position relative to the base).
-        name: the body or the point.
+        name: the body or the point; of a clearance also two points, "rack_1 to rack_2": how far the first moves relative to
+            the second.
         values: acceleration [m/s^2]: one value for the norm, or three along x, y, z; clearance [m]: three values along x, y, z,
             both ways, or six along -x, +x, -y, +y, -z, +z. World axes. Zero: not judged there.
     """

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.engine.system.limits import limit_subjects
+from wirerope_mj.engine.system.limits import is_subject, limit_subjects
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 
@@ -57,7 +57,7 @@ def _with_limits(system: System, limits: Sequence[PayloadLimit]) -> System:
         return system
     known = limit_subjects(system.model, system.model.body(system.base).id if system.base else 0)
     for number, limit in enumerate(limits):
-        if limit.name not in known[limit.kind]:
+        if not is_subject(limit.name, limit.kind, known):
             raise ModelError(
                 f"limit {limit.kind}/{limit.name}: there is no body of the payload and no point {limit.name!r} that has "
                 f"this. There are {', '.join(known[limit.kind]) or 'none'}."

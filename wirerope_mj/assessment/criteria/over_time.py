@@ -5,13 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.rattle import body_corners, corner_displacements
+from wirerope_mj.assessment.criteria.rattle import between_points, body_corners, corner_displacements
 from wirerope_mj.assessment.criteria.sampled import read_columns
 from wirerope_mj.assessment.criteria.travel import COMBINED, combined_travel
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.payload_limits import BETWEEN
 from wirerope_mj.mounts.isolator.travel import travel_in
 
 
@@ -81,6 +82,8 @@ def _travel(deflection: Array, verdict: Verdict, mount: SceneMount) -> Array:
 
 
 def _rattle(response: Response, subject: str, which: str) -> Array:
+    if subject not in response.points and BETWEEN in subject:
+        return _along(between_points(response, subject), which)
     if subject in response.points:
         return _along(response.points[subject].relative_displacement, which)
     body = next(body for body in response.scene.bodies if body.name == subject)

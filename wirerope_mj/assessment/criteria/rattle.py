@@ -1,5 +1,6 @@
 """Rattle space: displacements of points and corners of bodies from their modelled position relative to the base."""
 
+import itertools
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -10,7 +11,7 @@ from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.payload_limits import BETWEEN, PayloadLimit
 from wirerope_mj.foundation.rotation import rotation_matrices
 
 UNLIMITED = "no clearance is stated"
@@ -24,8 +25,8 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
 
     Args:
         response: of a run.
-        limits: of kind "clearance", of points or of bodies; without them the model's own. Three values along x, y, z hold
-            both ways, six along -x, +x, -y, +y, -z, +z; zero is not judged.
+        limits: of kind "clearance", of points, of bodies, or between two points, "rack_1 to rack_2"; without them the model's
+            own. Three values along x, y, z hold both ways, six along -x, +x, -y, +y, -z, +z; zero is not judged.
 
     Raises:
         ValueError: a limit names neither a point nor a body with geoms.
@@ -35,7 +36,8 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
         for body in response.scene.bodies
         if body.name in payload_bodies(response) and (box := body_corners(body)).size
     }
-    stated = limits_by_name(response, limits, "clearance", [*response.points, *corners])
+    pairs = [f"{one}{BETWEEN}{other}" for one, other in itertools.permutations(response.points, 2)]
+    stated = limits_by_name(response, limits, "clearance", [*response.points, *corners], pairs)
     verdicts: list[Verdict] = []
     for name in response.points:
         peak = response.peaks.points[name].relative_displacement
@@ -43,7 +45,22 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
     for body in response.scene.bodies:
         if body.name in corners:
             verdicts += _judge_corners(response, body, corners[body.name], stated.get(body.name))
+    for name in (name for name in pairs if name in stated):
+        moved = between_points(response, name)
+        length = sampled_peak(response.time, np.linalg.norm(moved, axis=1))
+        verdicts += _judge(name, *length, _sampled_sides(response.time, moved), stated[name], "between two points")
     return tuple(verdicts)
+
+
+def between_points(response: Response, name: str) -> Array:
+    """Return how far the first of two points, "a to b", moved relative to the second [m], (n_t, 3), from as modelled."""
+    one, other = name.split(BETWEEN)
+    return response.points[one].relative_displacement - response.points[other].relative_displacement
+
+
+def _sampled_sides(time: Array, moved: Array) -> list[tuple[float, float]]:
+    """Return how far something went along -x, +x, -y, +y, -z, +z, and when."""
+    return [sampled_peak(time, sign * moved[:, axis]) for axis in range(3) for sign in (-1.0, 1.0)]
 
 
 def body_corners(body: SceneBody) -> Array:
@@ -75,8 +92,7 @@ def _judge_corners(response: Response, body: SceneBody, corners: Array, limit: P
         reached = sampled_peak(response.time, np.linalg.norm(moved, axis=1))
         if reached > farthest:
             farthest, corner = reached, position
-        along = [sampled_peak(response.time, sign * moved[:, axis]) for axis in range(3) for sign in (-1.0, 1.0)]
-        sides = [max(pair) for pair in zip(sides, along, strict=True)]
+        sides = [max(pair) for pair in zip(sides, _sampled_sides(response.time, moved), strict=True)]
     offset = ", ".join(f"{1e3 * x:.4g}" for x in corner)
     note = f"corner at {offset} mm from the centre of mass" if limit is None else "the corner that moves farthest"
     return _judge(body.name, *farthest, sides, limit, note)

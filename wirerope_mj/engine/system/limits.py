@@ -1,9 +1,11 @@
 """The limits of the payload that a model states: <numeric name="limit/acceleration/rack" data="98.1"/>."""
 
+from collections.abc import Mapping, Sequence
+
 import mujoco
 
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.foundation.payload_limits import SIZES, PayloadLimit
+from wirerope_mj.foundation.payload_limits import BETWEEN, SIZES, PayloadLimit
 
 LIMIT, POINT = "limit/", "point/"
 COMBINED = LIMIT + "combined_travel"
@@ -30,11 +32,14 @@ def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...
         kind, _, subject = rest.partition("/")
         if kind not in SIZES:
             raise ModelError(f"numeric {name!r}: a limit is called limit/KIND/NAME, KIND one of {', '.join(SIZES)}.")
+        known_there = known[kind]
+        if prefix + subject not in known_there and BETWEEN in subject:
+            subject = BETWEEN.join(prefix + one if number else one for number, one in enumerate(subject.split(BETWEEN)))
         subject = prefix + subject
-        if subject not in known[kind]:
+        if not is_subject(subject, kind, known):
             raise ModelError(
                 f"numeric {name!r}: there is no body of the payload and no point/ site {subject!r} with {kind}. "
-                f"There are {known[kind] or 'none'}."
+                f"There are {known_there or 'none'}."
             )
         try:
             limit = PayloadLimit(kind=kind, name=subject, values=tuple(model.numeric(i).data.tolist()))
@@ -46,12 +51,21 @@ def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...
     return tuple(limits)
 
 
+def is_subject(name: str, kind: str, known: Mapping[str, Sequence[str]]) -> bool:
+    """Return whether a limit of this kind may be on this: a body or a point, or for a clearance two points."""
+    if name in known[kind]:
+        return True
+    ends = name.split(BETWEEN)
+    return kind == "clearance" and len(ends) == 2 and ends[0] != ends[1] and set(ends) <= set(known["point"])
+
+
 def limit_subjects(model: mujoco.MjModel, base: int) -> dict[str, list[str]]:
-    """Return the names of the bodies and points that a limit of each kind may be on."""
+    """Return the names of the bodies and points that a limit of each kind may be on, and all points as "point"."""
     points = [model.site(s).name.replace(POINT, "", 1) for s in range(model.nsite) if POINT in model.site(s).name]
     bodies = [b for b in range(1, model.nbody) if model.body_weldid[b] not in (0, base)]
     shaped = [b for b in bodies if model.body_geomnum[b]]  # a body without geoms has no corners
     return {
         "acceleration": [*(model.body(b).name for b in bodies), *points],
         "clearance": [*(model.body(b).name for b in shaped), *points],
+        "point": points,
     }
