@@ -6,6 +6,7 @@ from wirerope_mj.dynamics.frequency_response.options import ResponseOptions
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.renamed import Renamed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,6 +50,8 @@ class FrequencyResponse:
     name: str
     options: ResponseOptions
     levels: tuple[Level, ...]
+
+    question = Renamed("options")
 
     @property
     def complete(self) -> bool:

@@ -11,6 +11,7 @@ from wirerope_mj.dynamics.modes.tipping import TippingStability
 from wirerope_mj.engine.statics import Equilibrium, History
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.json_values import json_values
+from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.foundation.summary import Summarised, quantity
 
 
@@ -90,6 +91,8 @@ class Modes(Summarised):
         tangents = np.nan_to_num(np.stack([self.loading, self.unloading]))  # NaN, a mode that tips over, is below all
         low, high = (1.0 - slack) * tangents.min(axis=0), (1.0 + slack) * tangents.max(axis=0)
         return np.flatnonzero((self.frequencies > high) | (self.frequencies < low))
+
+    words, places_in = Renamed("descriptions"), Renamed("indices_in")
 
     def indices_in(self, other: "Modes") -> list[int]:
         """Return for each of these modes the index of the one that it is in `other`: all of the same system."""

@@ -12,6 +12,7 @@ from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, direction_text
+from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Summarised, quantity, span
 
@@ -47,6 +48,8 @@ class Bifurcation:
     def transmissibility(self) -> float:
         """Amplitude over the base's acceleration [-]."""
         return self.amplitude / abs(self.acceleration)
+
+    words = Renamed("description")
 
     @property
     def description(self) -> str:

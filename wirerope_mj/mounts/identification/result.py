@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.stages import Stage
@@ -46,6 +47,8 @@ class Identification(Summarised):
     evaluations: int
     started: str
     loops: tuple[MeasuredLoop, ...]
+
+    certainty, open_combinations = Renamed("uncertainty"), Renamed("non_identifiable")
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         ended = "converged" if self.converged else "NOT CONVERGED"
