@@ -82,7 +82,7 @@ def test_records_of_several_files_become_an_isolator_that_repeats_loops_nobody_m
     assert provenance.source == "cyclic tests: small.csv, large.csv, preloaded.csv"
     assert re.search(
         r"axial force over cycles of amplitude \[mm\].* 0\.5 \(0\.\d+ %\), 1\.5 .*, about -4, 0 mm; "
-        r"valid for cycles of 0\.5 to .* mm, which were tested; extrapolated beyond",
+        r"valid for cycles of 0\.5 to .* mm, which were tested \(at 1 Hz, .* mm/s\), not below 0\.5 mm; extrapolated beyond",
         provenance.fitted_to,
     )
     assert any("only the product c ln b" in words for words in provenance.assumed)

@@ -42,7 +42,9 @@ def test_a_good_start_is_not_left_for_a_worse_place(monkeypatch):
 def test_jenkin_elements_beside_nis_polynomial_are_found_again():
     truth = wr.Masing(stiffness=[3e5, 8e4], slip_force=[240.0, 360.0], k=4e4, k2=1.5e6, k3=4e8)
     loops = measured(cyclic_test(truth, [0.5e-3, 2e-3, 5e-3, 12e-3]), points_per_cycle=100, force_noise=1.0, seed=3)
-    found = wr.identify(loops, law=wr.Masing, elements=2)
+    found = wr.identify(loops, law=wr.Masing, elements=2, free=["k2", "k3"])
+    from_start = wr.identify(loops, law=wr.Masing, start=found.law, grid=False, profiles=False)
+    assert {"k2", "k3"} <= set(from_start.uncertainty.free)
     for name in ("k", "k2", "k3"):
         parameter = found.parameters[name]
         assert abs(parameter.value - getattr(truth, name)) <= 4.0 * parameter.standard_error, name

@@ -42,7 +42,8 @@ def identify_records(
         name: of the isolator; that of its file by default.
         constraint: on beta and gamma, where nothing else tells them apart.
         fix: parameters that are given, NAME=VALUE in SI units, by the names that the table prints.
-        free: parameters that are searched for, though they are given otherwise: a stop's exponent (1) and rounding (0).
+        free: parameters that are searched for, though they are given otherwise: a stop's exponent (1) and rounding (0), k2 and
+            k3 of a masing law (0).
         beside: isolator file whose law on this axis is known and acts in parallel, as where the isolator strikes its bumper;
             the file written is that isolator with both laws.
         join: isolator file to which the law is added, or in which it takes the place of that axis' law: other axes, limits and

@@ -76,7 +76,7 @@ class Family:
         coordinates: the numbers, from the sizes of the measured loops.
         make: the law of their values.
         read: the values of a law.
-        usual: values of coordinates that are given unless they are asked for.
+        usual: values of coordinates that are given unless they are asked for, or a start has others.
     """
 
     coordinates: Callable[[Scales], list[Coordinate]]

@@ -123,7 +123,7 @@ def masing_family(elements: int) -> Family:
         )
         return values | {f"x{e + 1}/x{e}": slip[e] / slip[e - 1] for e in range(1, len(slip))}
 
-    return Family(coordinates=coordinates, make=make, read=read)
+    return Family(coordinates=coordinates, make=make, read=read, usual={"k2": 0.0, "k3": 0.0})
 
 
 FAMILIES: dict[type[Law], Family] = {

@@ -76,7 +76,8 @@ def identify(
             dynamic measurements join the loops through them.
         start: law at which a search begins too.
         fixed: values of parameters that are not searched for, by name.
-        free: names of those that are searched for, though they are given otherwise: a stop's `exponent` 1 and `rounding` 0.
+        free: names of those that are searched for, though they are given otherwise unless `start` has others: a stop's
+            `exponent` 1 and `rounding` 0, and a Masing law's `k2` and `k3`, which are 0.
         beside: law that is known and acts in parallel, as that of an isolator that strikes the bumper which is searched for;
             the law returned is both, a `Parallel`.
         constraint: on Bouc-Wen's beta and gamma.

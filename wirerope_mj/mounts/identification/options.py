@@ -68,8 +68,12 @@ def unknowns_of(
                 )
     if both := [name for name in free if name in fixed]:
         raise ValueError(f"`fixed` and `free` both name {', '.join(both)}.")
-    fixed = {**{name: value for name, value in family.usual.items() if name not in free}, **fixed}
-    if start is not None and (missing := [n for n in names if n not in fixed and n not in family.read(start)]):
+    begun = family.read(start) if start is not None else {}
+    usual = {
+        name: value for name, value in family.usual.items() if name not in free and begun.get(name, value) == value
+    }
+    fixed = {**usual, **fixed}
+    if start is not None and (missing := [n for n in names if n not in fixed and n not in begun]):
         raise ValueError(
             f"`start` must give {', '.join(missing)}, which the loops show and the search moves, got {start!r}."
         )
