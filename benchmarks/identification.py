@@ -16,8 +16,10 @@ six loops of 1000 points against the same one made with SciPy's `solve_ivp`; bot
 import argparse
 import math
 import time
+from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from itertools import repeat
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -134,35 +136,64 @@ def methods(arguments: argparse.Namespace) -> None:
         print(f"\n{name}\n{compare_methods(loops, starts=starts)}", flush=True)
 
 
-def cost(arguments: argparse.Namespace) -> None:
-    """Print seconds per residual of the house and of `solve_ivp`."""
+class Cost(NamedTuple):
+    """One way to a residual by `solve_ivp`, its error, and medians of seconds of it and of the house's."""
+
+    method: str
+    tolerance: float
+    cycle: bool
+    error: float
+    seconds: float
+    house: float
+
+    @property
+    def ratio(self) -> float:
+        """Seconds of `solve_ivp` over the house's."""
+        return self.seconds / self.house
+
+
+def costs(cases: list[tuple[str, float, bool]], *, rounds: int) -> Iterator[Cost]:
+    """Yield what residuals cost by `solve_ivp`: method, tolerance, and whether it finds the steady state from rest."""
+    truth, loops = nine_parameters()
+    ready = prepare(loops)
+    house = loop_residual(ready)
+    reference = house(truth)
+    for case in cases:
+
+        def theirs(how: tuple[str, float, bool] = case) -> Array:
+            return solved(ready, truth, *how)
+
+        off = float(np.abs(theirs() - reference).max())
+        medians = interleaved({"house": lambda: house(truth), "solve_ivp": theirs}, rounds=rounds)
+        yield Cost(*case, error=off, seconds=medians["solve_ivp"], house=medians["house"])
+
+
+def nine_parameters() -> tuple[wr.AsymmetricBoucWen, list[wr.Loop]]:
+    """Return a law of Ni and six noisy loops of 1000 points of it."""
     truth = wr.AsymmetricBoucWen.from_normalised(
         z_max=700.0, x_y=1e-3, sigma=0.6, n=1.3, k1=5e4, k2=1e6, k3=2e8, b=math.e, c=35.0
     )
     tested = cyclic_test(truth, 0.01 * np.array([0.05, 0.1, 0.2, 0.4, 0.7, 1.0]), points_per_cycle=1000)
-    loops = [
+    return truth, [
         measured([loop], points_per_cycle=1000, force_noise=NOISE * np.ptp(loop.force) / 2.0, seed=place)[0]
         for place, loop in enumerate(tested)
     ]
-    ready = prepare(loops)
-    house = loop_residual(ready)
-    reference = house(truth)
+
+
+def cost(arguments: argparse.Namespace) -> None:
+    """Print seconds per residual of the house and of `solve_ivp`."""
     print("solve_ivp                 method  tolerance  error of residual  s per residual    ratio")
     cases = [(m, t, cycle) for cycle in (True, False) for m in ("RK45", "LSODA") for t in (1e-6, 1e-8)]
-    for method, tolerance, cycle in cases:
-
-        def theirs(how: tuple[str, float, bool] = (method, tolerance, cycle)) -> Array:
-            return solved(ready, truth, *how)
-
-        off = float(np.abs(theirs() - reference).max())
-        medians = interleaved({"house": lambda: house(truth), "solve_ivp": theirs}, rounds=arguments.rounds)
-        ratio = medians["solve_ivp"] / medians["house"]
-        words = "from rest until steady" if cycle else "steady state for nothing"
-        print(f"{words:26s}{method:6s}{tolerance:11.0e}{off:19.1e}{medians['solve_ivp']:16.3f}{ratio:9.0f}", flush=True)
+    for one in costs(cases, rounds=arguments.rounds):
+        words = "from rest until steady" if one.cycle else "steady state for nothing"
+        print(
+            f"{words:26s}{one.method:6s}{one.tolerance:11.0e}{one.error:19.1e}{one.seconds:16.3f}{one.ratio:9.0f}",
+            flush=True,
+        )
     begin = time.perf_counter()
-    fit = identify(loops, law=wr.AsymmetricBoucWen)
+    fit = identify(nine_parameters()[1], law=wr.AsymmetricBoucWen)
     seconds = time.perf_counter() - begin
-    print(f"house: {1e3 * medians['house']:.2f} ms per residual; the whole fit, grid included, {seconds:.2f} s,")
+    print(f"house: {1e3 * one.house:.2f} ms per residual; the whole fit, grid included, {seconds:.2f} s,")
     print(f"{fit.evaluations} residuals after the grid, error {100 * fit.residual:.2f} % at 1 % noise")
 
 

@@ -23,7 +23,7 @@ extensions = [
 ]  # fmt: skip
 exclude_patterns = ["_build", "specimens", "notebooks", "gallery/figures", "**sg_execution_times.rst"]
 myst_heading_anchors = 4
-myst_enable_extensions = ["colon_fence"]
+myst_enable_extensions = ["colon_fence", "dollarmath"]
 
 add_module_names = False
 autodoc_typehints = "signature"
