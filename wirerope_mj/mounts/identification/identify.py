@@ -21,7 +21,7 @@ from wirerope_mj.mounts.identification.sufficient import (
     require_finite,
     require_movement,
 )
-from wirerope_mj.mounts.identification.uncertainty import uncertainty_of
+from wirerope_mj.mounts.identification.uncertainty import uncertainty_of, with_noise_of_each
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Masing, Stop
 
 STARTS = 2
@@ -86,7 +86,7 @@ def identify(
             needs a start); from the grid searches go by forces at once.
         data: "loops", or "skeleton" for the forces at the turning points alone.
         weights: "range": loops count alike; "equal": a newton counts alike.
-        noise: standard deviation of the force relative to `weights`, if it is known; None: what the fit leaves.
+        noise: standard deviation of the force relative to `weights`, if it is known; None: what the fit leaves of each loop.
         grid: whether the grid is tried; False needs a start.
         profiles: whether standard errors are checked by moving every value and fitting the others again; False takes those of
             the Jacobian, and is quicker.
@@ -129,11 +129,17 @@ def identify(
     if not ends:
         raise ValueError(failures[0] if failures else f"no {law.name} law could be evaluated on these loops.")
 
-    return _result(unknowns, measured, *_best(unknowns, measured, full, ends, noise, profiles))
+    return _result(unknowns, measured, *_best(unknowns, measured, full, ends, noise, profiles, data))
 
 
 def _best(
-    unknowns: Unknowns, loops: list[MeasuredLoop], full: Residual, ends: list[_End], noise: float | None, profiles: bool
+    unknowns: Unknowns,
+    loops: list[MeasuredLoop],
+    full: Residual,
+    ends: list[_End],
+    noise: float | None,
+    profiles: bool,
+    data: Data,
 ) -> tuple[_End, Survey, int]:
     """Return the best end, its survey and all evaluations; a search goes on from a better fit that a survey shows."""
     evaluations = sum(stage.evaluations for end in ends for stage in end.stages)
@@ -146,6 +152,10 @@ def _best(
             if profiles
             else Survey(uncertainty=uncertainty_of(unknowns, best.minimum, noise), better=None, evaluations=0)
         )
+        if noise is None and data == "loops":
+            sizes = [loop.force.size for loop in loops]
+            known = with_noise_of_each(around.uncertainty, unknowns, best.minimum, sizes)
+            around = replace(around, uncertainty=known)
         evaluations += around.evaluations
         if around.better is None or left == 0:
             break
