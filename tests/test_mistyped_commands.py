@@ -36,7 +36,7 @@ SLIPS = {
     "study shock_table --vary 'body/block/mass = Uniform(1'": "body/block/mass",
     "show binary.rrd": "binary.rrd: this is not a recording of rerun; `wirerope show` takes a run's folder or its run.rrd",
     "show folder": "folder/run.rrd: there is no such recording",
-    "statics shock_table extra": "'extra' stands at the end and belongs to no option or argument",
+    "statics shock_table extra": "'extra' belongs to no option or argument",
     "isolators comma.toml": "comma.toml: not valid TOML: Expected newline or end of document after a statement (at line 1",
     "isolators binary.toml": "binary.toml, line 2: cannot read this isolator file: it is not a text file in UTF-8",
     "isolators fit comma.toml o.toml": "with texts in quotes and a point, no comma, in numbers",

@@ -85,6 +85,18 @@ def test_the_masses_of_the_tables_are_those_that_mujoco_compiles(here, products,
         np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9)
 
 
+def test_a_box_has_the_inertia_of_its_sizes(here):
+    write("mounts.csv", MOUNTS, FEET)
+    write("masses.csv", "name, mass [kg], x [mm], y [mm], z [mm], size_x [mm], size_y [mm], size_z [m]",
+          ["rack, 320, 0, 0, 850, 600, 800, 1.8"])  # fmt: skip
+    assert make() == 0
+    mass, centre, inertia = compiled()
+    assert mass == pytest.approx(320.0)
+    np.testing.assert_allclose(centre, [0.0, 0.0, 0.85], atol=1e-12)
+    a, b, c = 0.6**2, 0.8**2, 1.8**2
+    np.testing.assert_allclose(inertia, 320 / 12 * np.diag([b + c, a + c, a + b]), rtol=1e-9, atol=1e-9)
+
+
 def test_six_mounts_of_a_symmetric_genset_carry_a_sixth_each(here, capsys):
     write("mounts.csv", MOUNTS, FEET)
     write("masses.csv", MASSES, ["engine, 1200, 0, 0, 450, 100, 450, 440, 0"])
@@ -239,6 +251,10 @@ BAD = {
                                      r"line 2: .*none can be negative"),
     "a part of the inertia": ("masses", MASSES, [changed(PARTS[0], c6=""), PARTS[1]],
                               r'line 2: column "iyy" of "engine" is empty though "ixx" is given'),
+    "an inertia said twice": ("masses", f"{MASSES}, size_x [m]", [f"{PARTS[0]}, 1", f"{PARTS[1]}, "],
+                              r'line 2: columns "ixx" and "size_x" of "engine" both say the inertia'),
+    "a negative size": ("masses", "name, mass [kg], x [m], y [m], z [m], size_x [m], size_y [m], size_z [m]",
+                        ["block, 1200, 0, 0, 1, 1, -1, 1"], r'line 2: column "size_y" of "block" must be >= 0, got -1'),
     "nothing but a point mass": ("masses", MASSES, ["block, 1200, 0, 0, 450, , , , "],
                                  r'masses\.csv: the masses together have no moment of inertia'),
     "an unknown isolator": ("mounts", MOUNTS, [changed(FEET[0], c4="wr99"), *FEET[1:]],

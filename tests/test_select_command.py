@@ -77,7 +77,7 @@ def test_simulation_stands_beside_the_worksheet(capsys):
     code, out = shown(capsys, "--velocity", "1", "--travel", "60", "--fragility", "12", "--simulate", "--best", "1")
     assert code == 0
     assert "simul." in out
-    assert "isolators fitted from the rows" in out
+    assert "the isolator file of a part, else one fitted from its row" in out
 
 
 def test_parts_with_fewer_loops_are_offered(capsys):

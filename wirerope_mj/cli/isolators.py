@@ -31,11 +31,13 @@ def print_isolators() -> None:
     for path in sorted(catalogue_folder().glob("*.toml")):
         isolator = load_isolator(path)
         limits, travel = isolator.limits, isolator.limits.travel
+        height = isolator.geometry.height if isolator.geometry is not None else None
         rated = [limits.static_load, travel.compression, travel.tension, travel.shear, travel.roll]
-        rows.append([path.stem, isolator.name, *rated, isolator.provenance.kind])
+        rows.append([path.stem, isolator.name, height, *rated, isolator.provenance.kind])
     columns = [
         Column("isolator", align="left"),
         Column("name", align="text"),
+        Column("height", "mm", ".4g"),
         Column("load", "N", ".4g"),
         *(Column(name, "mm", ".4g") for name in ("compr.", "tension", "shear", "roll")),
         Column("kind", align="left"),
@@ -61,7 +63,7 @@ def print_isolator(name: str, out: Path | None) -> None:
             screen.print(f"  {axis}: no force")
             continue
         screen.print(f"  {axis}: {escape(describe(law))}")
-    for line in _joint_lines(isolator):
+    for line in (*_envelope_lines(isolator), *_joint_lines(isolator)):
         screen.print(f"  {escape(line)}")
     for text in isolator.provenance.assumed:
         screen.print(f"  assumed: {escape(text)}")
@@ -86,6 +88,15 @@ def fit_isolator(datasheet: Path, out: Path) -> None:
     rows = [[row.axis, row.name, row.unit, row.vendor, row.fitted, row.error] for row in compared]
     print_table(Table(title="", columns=columns, rows=rows))
     print(plain(f"written: {out}"))
+
+
+def _envelope_lines(isolator: Isolator) -> list[str]:
+    """Return a line for the height and width where they are known."""
+    if isolator.geometry is None:
+        return []
+    sizes = {"height": isolator.geometry.height, "width": isolator.geometry.width}
+    known = ", ".join(f"{name} {1e3 * size:.4g} mm" for name, size in sizes.items() if size is not None)
+    return [f"envelope: {known}; a mount's position in a table is its mid-height"] if known else []
 
 
 def _joint_lines(isolator: Isolator) -> list[str]:

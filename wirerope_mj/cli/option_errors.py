@@ -23,7 +23,10 @@ def _fault(error: CycloptsError) -> str:
         return f"`{name}` must be {_NUMBERS[error.target_type]}, got {error.token.value!r}."
     if isinstance(error, UnusedCliTokensError):
         left = ", ".join(map(repr, error.unused_tokens or []))
-        return f"{left} stands at the end and belongs to no option or argument; a text with spaces needs quotes."
+        return (
+            f"{left} belongs to no option or argument: a text with spaces needs quotes, and most options "
+            "are written again before each further value, as `--limit A --limit B`."
+        )
     return str(error)
 
 

@@ -16,6 +16,7 @@ from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.mounts.vendor_parts import shipped_file
 
 NOTHING_FOUND = 1
 """Exit code if no part meets the worksheet."""
@@ -160,14 +161,18 @@ def _print_notes(
     ):
         if value is None:
             notes.append(f"{option} is not given: not judged")
+    files = {one.part.name: shipped_file(one.part) for one in selection.candidates}
+    if listed := [f"{name} is {file}" for name, file in files.items() if file]:
+        notes.append(f"isolator files that ship: {', '.join(listed)}")
     if simulated and "45" in (sheet.loading, sheet.direction):
         notes.append(
             "fitted along the axes alone, the parts are 40 to 60 % stiffer at 45 degrees than the vendor states for shock"
         )
     if simulated:
         notes.append(
-            "simulated: isolators fitted from the rows, with tension and damping as assumed for the catalogue; travel from the "
-            "settled position, its utilisation from the unloaded position, sag included"
+            "simulated: the isolator file of a part, else one fitted from its row with tension and damping as assumed for the "
+            "catalogue; first swing and rebound; travel from the settled position, its utilisation from the unloaded position, "
+            "sag included"
         )
     print_lines(notes)
 

@@ -1,4 +1,4 @@
-"""A candidate judged by simulation: its fitted isolator with its share of the mass on a shaken base."""
+"""A candidate judged by simulation: its isolator with its share of the mass on a shaken base."""
 
 from dataclasses import dataclass, replace
 
@@ -12,10 +12,12 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.motions import VelocityStep
-from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator import Isolator, load_isolator
 from wirerope_mj.mounts.vendor_parts.part_fit import fit_part
 from wirerope_mj.mounts.vendor_parts.parts import VendorPart
+from wirerope_mj.mounts.vendor_parts.shipped import shipped_file
 
 _START = 0.01
 """Instant of the shock [s]: a moment of rest before it shows the sag."""
@@ -64,7 +66,7 @@ class SimulatedShock:
 
     Attributes:
         candidate: its values by the worksheet.
-        isolator: fitted from its row.
+        isolator: of its file where one ships, else fitted from its row.
         sag: deflection under the weight along the loading mode [m], on the virgin path.
         travel: largest deflection from the sagged position along the shock [m]: what the worksheet calls dynamic travel.
         deflection: largest deflection from the unloaded position along the shock [m], on the side where the part is rated.
@@ -93,7 +95,7 @@ class SimulatedShock:
 
 
 def simulate_candidate(candidate: Candidate, worksheet: Worksheet) -> SimulatedShock:
-    """Return the simulated shock of a candidate: a guided mass, settled under its weight, on the isolator fitted to it.
+    """Return the simulated shock of a candidate: a guided mass, settled under its weight, on its isolator.
 
     All mounts move alike, so one with its share of the mass stands for them.
 
@@ -102,7 +104,8 @@ def simulate_candidate(candidate: Candidate, worksheet: Worksheet) -> SimulatedS
         ConvergenceError: no law fits all stiffnesses of the row, or there is no equilibrium under the weight.
         SimulationError: the run failed.
     """
-    isolator = fit_part(candidate.part)
+    shipped = shipped_file(candidate.part)
+    isolator = fit_part(candidate.part) if shipped is None else load_isolator(catalogue_folder() / f"{shipped}.toml")
     for mode, axis, law in (("shear", "shear", isolator.shear), ("45", "roll", isolator.roll)):
         if mode in (worksheet.loading, worksheet.direction) and law is None:
             raise ModelError(

@@ -15,7 +15,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.json_values import json_values
 
-_FAR = 100.0  # gravity factor, and rise [m], from which both say no more than: far
+_FAR = 20.0  # gravity factor, and rise [m], from which both say no more than: far
 AMPLE = 3.0
 """Gravity factor from which a payload stands safely; less is called slender."""
 

@@ -1,6 +1,7 @@
 """The tables of a model read and checked row by row."""
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ _POSITION = {"name": TEXT, "x": "length", "y": "length", "z": "length"}
 _DIRECTION = dict.fromkeys(("direction_x", "direction_y", "direction_z", "bars_x", "bars_y", "bars_z"), PURE)
 _ANGLES = {"inclination": "angle", "azimuth": "angle"}
 _MOMENTS, _PRODUCTS = ("ixx", "iyy", "izz"), ("ixy", "ixz", "iyz")
+_SIZES = ("size_x", "size_y", "size_z")
 _ROUNDING = 1e-3
 """Depth over which a stop closes softly unless its row says another: that of the stops of the models that ship [m]."""
 
@@ -32,7 +34,8 @@ def read_layout(
     Args:
         name: of the model and its payload.
         mounts: table with name, x, y, z, isolator, and a direction or inclination and azimuth.
-        masses: table with name, mass, x, y, z of the centre of mass and the inertia about it; or a CAD program's text, .txt.
+        masses: table with name, mass, x, y, z of the centre of mass and the inertia about it, or the size_x, size_y, size_z
+            of a box that is filled evenly; or a CAD program's text, .txt.
         stops: table with name, x, y, z, direction, and gap, stiffness, damping or an isolator.
         points: table with name, x, y, z.
         forces: table with name, x, y, z, of points at which forces may act.
@@ -70,9 +73,8 @@ def _read_masses(path: Path, *, sign: float) -> tuple[Mass, ...]:
     if path.suffix.lower() == ".txt":
         return (_cad_mass(path, sign),)
     needed = {"name": TEXT, "mass": "mass", **{axis: "length" for axis in "xyz"}}
-    rows = read_sheet(
-        path, kind="table of masses", needed=needed, further=dict.fromkeys((*_MOMENTS, *_PRODUCTS), "inertia")
-    )
+    further = {**dict.fromkeys((*_MOMENTS, *_PRODUCTS), "inertia"), **dict.fromkeys(_SIZES, "length")}
+    rows = read_sheet(path, kind="table of masses", needed=needed, further=further)
     return tuple(_mass(row, sign) for row in rows)
 
 
@@ -95,10 +97,12 @@ def _mass(row: Row, sign: float) -> Mass:
     if given and missing:
         raise RecordError(
             f'{row.location}: column "{missing[0]}" of "{short(name)}" is empty though "{given[0]}" is given; fill in '
-            "ixx, iyy and izz, or leave all empty: then it is a point mass."
+            "ixx, iyy and izz, or size_x, size_y and size_z of a box, or leave all empty: then it is a point mass."
         )
     tensor = np.zeros((3, 3))
-    if given:
+    if any(row.has(column) for column in _SIZES):
+        tensor = _box(row, name, mass, given)
+    elif given:
         tensor[np.diag_indices(3)] = [row.number(column) for column in _MOMENTS]
         for column, (i, j) in zip(_PRODUCTS, ((0, 1), (0, 2), (1, 2)), strict=True):
             tensor[i, j] = tensor[j, i] = sign * row.number(column, 0.0)
@@ -108,6 +112,21 @@ def _mass(row: Row, sign: float) -> Mass:
             "about the part's own centre of mass."
         )
     return Mass(name, MassProperties(mass, np.array(row.vector("x", "y", "z")), tensor))
+
+
+def _box(row: Row, name: str, mass: float, moments: Sequence[str]) -> Array:
+    """Return the tensor of inertia of a box that is filled evenly [kg m^2]."""
+    if moments:
+        raise RecordError(
+            f'{row.location}: columns "{moments[0]}" and "size_x" of "{short(name)}" both say the inertia; leave one empty.'
+        )
+    sizes = np.array([row.number(column) for column in _SIZES])
+    for column, size in zip(_SIZES, sizes, strict=True):
+        if size < 0.0:
+            raise RecordError(
+                f'{row.location}: column "{column}" of "{short(name)}" must be >= 0, got {row.cells[column]}.'
+            )
+    return np.diag(mass / 12.0 * (sizes @ sizes - sizes**2))
 
 
 def _read_mounts(path: Path, isolators: dict[str, Path]) -> tuple[Placed, ...]:

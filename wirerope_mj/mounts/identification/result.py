@@ -65,6 +65,15 @@ class Identification(Summarised):
         return measured_range(self.loops)
 
     @property
+    def not_told_from_zero(self) -> tuple[str, ...]:
+        """Names of the free parameters that lie within two of their standard errors of zero, and not at a bound."""
+        return tuple(
+            p.name
+            for p in self.parameters.values()
+            if not p.fixed and not p.at_bound and abs(p.value) < 2.0 * p.standard_error
+        )
+
+    @property
     def validity(self) -> str:
         """The amplitudes and deflections for which the law is valid, as text."""
         return validity_of(self.law, self.loops)
@@ -81,7 +90,10 @@ class Identification(Summarised):
             error = "given" if p.fixed else f"{p.standard_error:.2g}"
             note = "  at its bound" if p.at_bound else ""
             lines.append(f"{p.name:12s}{p.value:14.6g}{error:>16s}  {p.unit}{note}")
-        return "\n".join([*lines, *(f"not identifiable: {text}" for text in self.non_identifiable), self.validity])
+        lines += [f"not identifiable: {text}" for text in self.non_identifiable]
+        if self.not_told_from_zero:
+            lines.append(f"not told from zero: {', '.join(self.not_told_from_zero)}")
+        return "\n".join([*lines, self.validity])
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -126,6 +126,8 @@ def findings(result: Identification, fits: Sequence[FittedLoop]) -> list[str]:
     texts += [f"not identifiable: {text}" for text in result.non_identifiable]
     if not result.non_identifiable:
         texts.append("the data identify every free parameter")
+    if unseen := result.not_told_from_zero:
+        texts.append(f"not told from zero: {', '.join(unseen)}; a law without them may fit as well")
     texts.append(result.validity)
     if (correlation := neighbours_correlation(fits)) > _BENT:
         texts.append(
