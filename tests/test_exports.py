@@ -126,3 +126,18 @@ def test_names_for_matlab_are_valid_and_each_another_one():
 
 def test_the_package_says_that_it_is_typed():
     assert (Path(wr.__file__).parent / "py.typed").is_file()
+
+
+def test_the_spectra_of_a_point_of_a_run_are_those_of_its_acceleration(response, tmp_path, capsys):
+    response.save(tmp_path / "run")
+    name = next(iter(response.bodies))
+    assert main(["export", str(tmp_path / "run"), str(tmp_path / "s.csv"), "--spectrum", name, "--q", "20"]) == 0
+    frame = pd.read_csv(tmp_path / "s.csv")
+    own = wr.shock_response_spectrum(response.time, response.bodies[name].acceleration[:, 2], q=20)
+    np.testing.assert_array_equal(frame["frequency [Hz]"], own.frequencies)
+    np.testing.assert_allclose(frame["z/acceleration/maximax [m/s^2]"], own.maximax, rtol=1e-12)
+    pseudo = 2 * np.pi * own.frequencies * own.relative_displacement
+    np.testing.assert_allclose(frame["z/pseudo_velocity/maximax [m/s]"], pseudo, rtol=1e-12)
+    assert main(["export", str(tmp_path / "run"), str(tmp_path / "t.csv"), "--spectrum", "roof"]) == 2
+    assert "nothing is called 'roof'; there are base, " in capsys.readouterr().err
+    assert not (tmp_path / "t.csv").exists()

@@ -1,12 +1,19 @@
-"""`wirerope export`: the samples of a run or the table of a study for other programs."""
+"""`wirerope export`: the samples of a run, its spectra, or the table of a study for other programs."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
 
-def export(folder: Path, out: Path, *, force: Annotated[bool, Parameter(negative=())] = False) -> int:
+def export(
+    folder: Path,
+    out: Path,
+    *,
+    spectrum: str | None = None,
+    q: float = 10.0,
+    force: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
     """Write the samples of a run, or the table of a study, for other programs: CSV, HDF5 or MATLAB.
 
     The ending of OUT says which: .csv, .h5 or .hdf5, .mat. Numbers are SI with all their digits; names and units of the columns
@@ -15,14 +22,28 @@ def export(folder: Path, out: Path, *, force: Annotated[bool, Parameter(negative
     Args:
         folder: folder of a run or a study.
         out: file to write.
+        spectrum: name of a body, a point or "base": its shock response spectra along x, y and z in place of the samples. They
+            reach a tenth of the run's sample rate.
+        q: amplification of the spectra's oscillators at resonance.
         force: replace a file that is there.
     """
     from wirerope_mj.engine.response import load_response
+    from wirerope_mj.foundation.errors import RecordError
+    from wirerope_mj.foundation.exports import write_export
     from wirerope_mj.foundation.plain_text import plain
+    from wirerope_mj.motions.spectra import shock_response_spectrum
+    from wirerope_mj.motions.spectra.export import exported_spectra
     from wirerope_mj.studies.inputs_file import STUDY
     from wirerope_mj.studies.study import load_study
 
-    table = load_study(folder) if (folder / STUDY).is_file() else load_response(folder)
-    written = table.export(out, force=force)
-    print(plain(f"written: {written} ({len(table.exported.names)} columns, {written.stat().st_size / 1e6:.2f} MB)"))
+    if spectrum is None:
+        table = (load_study(folder) if (folder / STUDY).is_file() else load_response(folder)).exported
+    else:
+        response = load_response(folder)
+        moved: dict[str, Any] = {"base": response.base, **response.bodies, **response.points}
+        if spectrum not in moved:
+            raise RecordError(f"`--spectrum`: nothing is called {spectrum!r}; there are {', '.join(moved)}.")
+        table = exported_spectra(shock_response_spectrum(response.time, moved[spectrum].acceleration, q=q))
+    written = write_export(table, out, force=force)
+    print(plain(f"written: {written} ({len(table.names)} columns, {written.stat().st_size / 1e6:.2f} MB)"))
     return 0
