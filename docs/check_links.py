@@ -3,6 +3,7 @@
 python docs/check_links.py docs/_build/html
 """
 
+import re
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
@@ -48,7 +49,10 @@ def main(root: Path) -> int:
             known = (
                 pages.get(root / target.relative_to(root.resolve())) if target.is_relative_to(root.resolve()) else None
             )
-            if not target.exists() or (parts.fragment and known and unquote(parts.fragment) not in known.names):
+            named = not parts.fragment or known is None or unquote(parts.fragment) in known.names
+            if target.parent.name == "viewer":  # behind the # stands an instant [s]
+                named = re.fullmatch(r"[\d.e-]*", parts.fragment) is not None
+            if not target.exists() or not named:
                 broken.append(f"{path.relative_to(root)}: {link}")
     print(f"{len(pages)} pages; {len(outside)} links leave the site:", *sorted(outside), sep="\n  ")
     print(f"{len(broken)} broken", *broken, sep="\n  ")

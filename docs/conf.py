@@ -11,7 +11,7 @@ from pygments.lexers.special import TextLexer
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
 
-from site_pages import write_api, write_commands  # noqa: E402
+from site_pages import write_api, write_commands, write_recording  # noqa: E402
 
 project = "wirerope_mj"
 author = "the wirerope_mj authors"
@@ -21,7 +21,7 @@ release = metadata.version("wirerope-mj")
 extensions = [
     "myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx-mathjax-offline", "sphinx_gallery.gen_gallery",
 ]  # fmt: skip
-exclude_patterns = ["_build", "specimens", "notebooks", "gallery/figures", "**sg_execution_times.rst"]
+exclude_patterns = ["_build", "_shared", "specimens", "notebooks", "gallery/figures", "**sg_execution_times.rst"]
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence", "dollarmath"]
 
@@ -47,12 +47,14 @@ sphinx_gallery_conf = {
 }
 
 html_theme = "furo"
+html_extra_path = ["_shared"]
 html_title = f"wirerope_mj {release}"
 html_show_sourcelink = False
 suppress_warnings = ["config.cache"]
 
 write_commands(HERE / "commands.md")
 write_api(HERE / "api.rst")
+write_recording(HERE / "_shared" / "recordings" / "floor", "floating_floor_shock")
 
 _OUTSIDE = {"../models/README.md": "models.md", "../benchmarks/README.md": "benchmarks.md"}
 

@@ -1,13 +1,16 @@
-"""Pages of the documentation site that are written by the program itself: its commands, and the names of its front door."""
+"""What the program itself writes for the documentation site: its commands, the names of its front door, a shared run."""
 
 import ast
+import contextlib
 import io
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 from rich.console import Console
 
 import wirerope_mj
+from wirerope_mj.cli import main
 from wirerope_mj.cli.app import COMMANDS, app
 
 _ROOMS = {
@@ -54,6 +57,16 @@ def write_api(path: Path) -> None:
             if module.split(".")[1] == wing:
                 parts += _entry(name)
     _write(path, "\n".join(parts))
+
+
+def write_recording(folder: Path, scenario: str) -> None:
+    """Write a run of a scenario with its report, its recording and the web viewer; one that is there stays."""
+    if folder.is_dir():
+        return
+    with tempfile.TemporaryDirectory() as scratch, contextlib.redirect_stdout(io.StringIO()):
+        for command in (["run", scenario, "--out", f"{scratch}/run"], ["share", f"{scratch}/run", str(folder)]):
+            if code := main(command):
+                raise RuntimeError(f"wirerope {' '.join(command)} exited with {code}")
 
 
 def public_names() -> Iterator[tuple[str, str]]:

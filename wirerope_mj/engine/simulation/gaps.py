@@ -25,11 +25,15 @@ class Gaps:
         body_of = self._model.geom_bodyid
         moving = sorted({geom for pair in self._pairs for geom in pair if int(body_of[geom]) in column})
         self._moving = {geom: column[int(body_of[geom])] for geom in moving}
+        self._turns = dict(zip(moving, rotation_matrices(self._model.geom_quat[moving]), strict=True))
 
     def of(self, values: Array) -> Array:
         """Return the gaps [m], < 0 where pressed, (n_t, n_pairs), at samples with these sensor values, (n_t, n_values)."""
         model, data = self._model, self._data
-        places = {geom: self._places(geom, values[:, first : first + 7]) for geom, first in self._moving.items()}
+        turns = {first: rotation_matrices(values[:, first + 3 : first + 7]) for first in set(self._moving.values())}
+        places = {
+            geom: self._places(geom, values[:, first : first + 3], turns[first]) for geom, first in self._moving.items()
+        }
         gaps, line = np.empty((len(values), len(self._pairs))), np.empty(6)
         for row in range(len(values)):
             for geom, (positions, axes) in places.items():
@@ -38,10 +42,7 @@ class Gaps:
                 gaps[row, number] = mujoco.mj_geomDistance(model, data, one, other, FARTHEST, line)
         return gaps
 
-    def _places(self, geom: int, pose: Array) -> tuple[Array, Array]:
-        """Return positions (n_t, 3) and axes (n_t, 9) of a geom; `pose`: its body's centre of mass, orientation (n_t, 7)."""
-        model = self._model
-        turns = rotation_matrices(pose[:, 3:])
-        from_centre = model.geom_pos[geom] - model.body_ipos[model.geom_bodyid[geom]]
-        axes = turns @ rotation_matrices(model.geom_quat[geom])
-        return pose[:, :3] + turns @ from_centre, axes.reshape(-1, 9)
+    def _places(self, geom: int, centres: Array, turns: Array) -> tuple[Array, Array]:
+        """Return positions (n_t, 3) and axes (n_t, 9) of a geom; of its body: centres of mass (n_t, 3), axes (n_t, 3, 3)."""
+        from_centre = self._model.geom_pos[geom] - self._model.body_ipos[self._model.geom_bodyid[geom]]
+        return centres + turns @ from_centre, (turns @ self._turns[geom]).reshape(-1, 9)
