@@ -48,6 +48,10 @@ COMMANDS = {
         "identify_options:identify_records",
         "Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report.",
     ),
+    "laws": (
+        "laws:laws",
+        "Compare laws on records of cyclic tests: which fits, and which holds for amplitudes that it has not seen.",
+    ),
     "frf": (
         "frf_options:frf",
         "Compute the frequency response of a model: resonances, folds and jumps, what is stable, and pictures of it.",
