@@ -1,6 +1,7 @@
 """The blocks of Python in the documents run as they stand."""
 
 import re
+import runpy
 from pathlib import Path
 
 import numpy as np
@@ -104,3 +105,11 @@ def test_studies_run_into_a_folder(tmp_path, monkeypatch, capsys):
     assert names["result"].table.num_rows == 32
     assert not names["result"].failed
     assert "acceleration" in capsys.readouterr().out
+
+
+def test_the_page_of_commands_shows_options_that_stand_before_a_file_is_named(tmp_path):
+    runpy.run_path(str(ROOT / "docs" / "site_pages.py"))["write_commands"](tmp_path / "commands.md")
+    page = (tmp_path / "commands.md").read_text(encoding="utf-8")
+    study = page[page.index("## wirerope study\n") : page.index("## wirerope show\n")]
+    for words in ("Usage: wirerope study STUDY-OR-SCENARIO [OPTIONS]", "--vary", "--limit", "also shows the options"):
+        assert words in study

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 from cyclopts import App, Parameter
 
 from wirerope_mj.cli.exit_codes import BAD_INPUT
-from wirerope_mj.cli.function_options import own_option, run_with_options
+from wirerope_mj.cli.function_options import listing_options, own_option, run_with_options
 from wirerope_mj.cli.screen import console
 from wirerope_mj.cli.study_run import compute_and_print
 from wirerope_mj.cli.tables import print_questions
@@ -28,7 +28,10 @@ _RUN = (
     own_option("workers", int | None, None, "processes; one per processor if it is not given"),
     own_option("address", str | None, None, "of a Dask scheduler that exists, tcp://HOST:8786 for instance"),
     own_option(
-        "keep", Literal["peaks", "responses"], "peaks", "of each variant; responses: every sample, too, in a file each"
+        "keep",
+        Literal["peaks", "responses"],
+        "peaks",
+        "of each variant its peaks, or responses: every sample, too, in a file each",
     ),
     own_option("resume", bool, False, "go on with the study that stands in --out", negative=()),
     own_option("out", Path | None, None, "folder of the study; runs/NAME-DATE-TIME if it is not given"),
@@ -52,7 +55,7 @@ _VARY = (
     own_option("sampling", Literal[SAMPLINGS], "sobol", "how the variants are chosen"),
     own_option("seed", int, 1, "of the sampling"),
     own_option("timestep", float | None, None, "largest step [s], instead of the scenario's"),
-    own_option("accuracy", float | None, None, "of the peaks for which the step is chosen, instead of the scenario's"),
+    own_option("accuracy", float | None, None, "error of the peaks for which the step is chosen, instead of the scenario's"),
 )  # fmt: skip
 """Options of a study that a scenario does not have."""
 
@@ -60,21 +63,29 @@ _OTHER_NAME = "study_{}"
 """Name of such an option if the scenario has one of its name."""
 
 
-study_app = App(name="study", help_flags=[], version_flags=[], suppress_keyboard_interrupt=False)
+_LIST = own_option("list", bool, False, "print the studies that ship with the package, and nothing else", negative=())
+
+study_app = App(
+    name="study",
+    usage="Usage: wirerope study STUDY-OR-SCENARIO [OPTIONS]",
+    help_epilogue="`wirerope study NAME --help` also shows the options of that study.",
+    help_flags=[],
+    version_flags=[],
+    suppress_keyboard_interrupt=False,
+)
 
 
 @study_app.default
+@listing_options([*_VARY, *_RUN, _LIST])
 def study(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
     """Compute many variants of one system into one folder: what is likely, which inputs matter, which variants are worst.
 
-    wirerope study STUDY [OPTIONS] [--out FOLDER] [--resume] [--force] [--workers N] [--by MEASURE] [--open-worst K]
+    STUDY-OR-SCENARIO is the path of a study file or of a scenario file, or the name of one that ships with the package.
 
-    STUDY is the path of a study file or the name of one that ships with the package; `wirerope study --list` shows those,
-    and `wirerope study STUDY --help` the options of one. A study that was interrupted is resumed with --resume --out FOLDER.
+    A scenario becomes a study by what varies of it, said with --vary, once for each quantity; without --vary, all that can
+    vary is listed. What varies in a study file, how many variants there are and how they are sampled the file says itself.
 
-    wirerope study SCENARIO --vary "NAME = DISTRIBUTION" [--vary ...] [--variants N] [--sampling S] [OPTIONS]
-
-    A scenario that `wirerope run` takes becomes a study by what varies of it; without --vary, all that can vary is listed.
+    A study that was interrupted goes on with the same options, --resume and --out FOLDER.
     """
     if not tokens or tokens[0] in ("--help", "-h"):
         from wirerope_mj.cli.app import app
