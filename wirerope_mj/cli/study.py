@@ -42,7 +42,11 @@ _RUN = (
     own_option("force", bool, False, "replace a study that is there", negative=()),
     own_option("by", str | None, None, "measure by which variants are worst; travel if anything is rated"),
     own_option(
-        "limit", list[str] | None, None, '"deflection/*/roll = 35 mm": how often it is exceeded is printed', negative=()
+        "limit",
+        list[str] | None,
+        None,
+        '"deflection/*/roll = 35 mm": how often it is exceeded is said here and in the report',
+        negative=(),
     ),
     own_option(
         "open_worst", int, 0, "0 to 6: write the worst variants as runs, lay two or more over each other, and open them"

@@ -16,6 +16,7 @@ from wirerope_mj.studies.folder import dead
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
+from wirerope_mj.studies.results.stated_file import read_stated, write_stated
 from wirerope_mj.studies.results.stated_limits import limit_of_text, limit_statement
 from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.results.tables import varied_table
@@ -44,7 +45,7 @@ def compute_and_print(
         out: its folder.
         by: measure by which variants are worst.
         open_worst: how many of them become runs and are opened.
-        limit: limits on measures, for each of which it is printed how often it is exceeded.
+        limit: limits on measures: how often each is exceeded is printed, and stands in the folder's summary.
         how: other arguments of `Study.run`.
     """
     from wirerope_mj.runs.study import checked_count
@@ -62,8 +63,10 @@ def compute_and_print(
     print_table(varied_table(study.study if isinstance(study, Search) else study))
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     result = _computed(study, folder, resume=resume, **how)
+    if limits:
+        write_stated(result, limits)
     _print(result, by, open_worst)
-    for stated in limits:
+    for stated in read_stated(result):
         console().print(f"  {escape(limit_statement(stated, result.independent, sampled=result.is_sampled))}")
     if dead(folder):  # tables and pictures are there, but a script must not take them for those of the whole study
         raise WireRopeError(f"{folder}: {NOT_COMPUTED}")

@@ -1,6 +1,8 @@
 """Measures of a study's table: their columns, and how each is displayed."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import pyarrow as pa
@@ -59,10 +61,11 @@ class Measure:
         return Column(self.name, form=".4g") if self.unit == "-" else Column(self.name, self.unit)
 
 
-def measure_of(name: str) -> Measure:
-    """Return the measure of a column."""
+def measure_of(name: str, limits: Mapping[str, float] = MappingProxyType({})) -> Measure:
+    """Return the measure of a column; one that has no limit of its own takes it from `limits`, SI by name."""
     quantity, _, rest = name.partition("/")
-    text, unit, factor, limit = _QUANTITIES[quantity]
+    text, unit, factor, own = _QUANTITIES[quantity]
+    limit = limits.get(name) if own is None else own
     return Measure(name=name, text=f"{text}, {rest}" if rest else text, unit=unit, factor=factor, limit=limit)
 
 

@@ -8,6 +8,7 @@ from fnmatch import fnmatchcase
 import numpy as np
 import pyarrow as pa
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.studies.engines.compute import DONE
@@ -39,8 +40,12 @@ class StatedLimit:
 
     def exceedance(self, table: pa.Table) -> Exceedance:
         """Return how often any of the measures is beyond the limit."""
-        largest = np.max([values_of(table, name) for name in self.measures], axis=0)
-        return exceedance(largest, self.limit, failed=int(np.count_nonzero(np.asarray(table["status"]) != DONE)))
+        failed = int(np.count_nonzero(np.asarray(table["status"]) != DONE))
+        return exceedance(self.largest(table), self.limit, failed=failed)
+
+    def largest(self, table: pa.Table) -> Array:
+        """Return the largest of the measures of each variant, SI, (n,); NaN where none has a value."""
+        return np.asarray(np.fmax.reduce([values_of(table, name) for name in self.measures]))
 
 
 def matching_measures(pattern: str, known: Sequence[str]) -> tuple[str, ...]:
@@ -79,6 +84,8 @@ def limit_statement(stated: StatedLimit, table: pa.Table, *, sampled: bool) -> s
     beyond = stated.exceedance(table)
     several = f", any of {len(stated.measures)}" if len(stated.measures) > 1 else ""
     failed = f"; {beyond.failed} failed and are not counted" if beyond.failed else ""
+    if not beyond.n:
+        return f"Beyond {stated.text}: not judged, since nothing has a value{failed}."
     start = f"Beyond {stated.text}{several}: {beyond.count} of {beyond.n} variants"
     if not sampled:
         return f"{start}{failed}."
