@@ -48,7 +48,10 @@ def test_one_measure_is_what_exceedance_says(result):
         ("deflection/*/roll = 35", "is written like"),
         ("deflection/*/roll = 35 g", "'g' is no unit of deflection"),
         ("deflection/*/yaw = 35 mm", "there is no measure 'deflection/*/yaw'"),
-        ("speed/rack = 3 m", "'m' is no unit of speed"),
+        ("speed/rack = 3 m", "there is no measure 'speed/rack'; there are "),
+        ("acceleration/rak = 3 g", "there is no measure 'acceleration/rak'; alike are acceleration/rack, "),
+        ("force/m1 = 3 kN", "alike are force/m01, "),
+        ("struck = 3 m", "'m' is no unit of struck; known are none"),
         ("deflection/*/roll = 1e mm", "could not convert"),
     ],
 )
@@ -60,7 +63,7 @@ def test_what_is_no_limit_is_refused(result, text, said):
 def test_a_wrong_limit_is_said_before_anything_is_computed(tmp_path, capsys):
     arguments = ["--vary", "motion/level = Uniform(0.5, 1)", "--variants", "4", "--limit", "speed = 3 m"]
     assert main(["study", "cabinet_shock", *arguments, "--out", str(tmp_path / "study")]) == 2
-    assert "no unit of speed" in capsys.readouterr().err
+    assert "there is no measure 'speed'" in capsys.readouterr().err
     assert not (tmp_path / "study").exists()
 
 
@@ -138,3 +141,14 @@ def test_a_limit_on_what_is_rated_nowhere_is_not_judged(unrated):
 def test_what_has_a_value_counts_beside_what_has_none(unrated):
     both = StatedLimit(text="", measures=("fragility", "acceleration"), limit=0.0)
     assert both.exceedance(unrated).n == 16
+
+
+def test_the_list_of_measures_has_every_kind_and_not_every_mount(result):
+    names = [name for name in result.table.column_names[2:] if name not in ("status", "message")]
+    with pytest.raises(ValueError, match="there is no measure 'deflection/m01/rol'") as raised:
+        result.exceedance("deflection/m01/rol", 1.0)
+    said = str(raised.value)
+    assert "alike are deflection/m01/roll, " in said
+    for kind in ("acceleration/NAME", "deflection/NAME/compression", "travel/NAME", "static_load/NAME", "force/NAME"):
+        assert kind in said
+    assert len(said) < 600 < len(", ".join(names))

@@ -23,6 +23,7 @@ from wirerope_mj.studies.results.tables import varied_table
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study
+from wirerope_mj.studies.unknown_measure import unknown_measure
 
 
 def compute_and_print(
@@ -58,7 +59,7 @@ def compute_and_print(
         raise ValueError("`--by` is for studies: the designs of a search are ordered by what it minimises.")
     names = measure_names(study.base)
     if by is not None and by not in names:
-        raise ValueError(f"`--by`: there is no measure {by!r}; there are {', '.join(names[:8])}, ...")
+        raise ValueError(f"`--by`: {unknown_measure(by, names)}")
     limits = [limit_of_text(text, names) for text in limit or ()]
     print_table(varied_table(study.study if isinstance(study, Search) else study))
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"

@@ -11,6 +11,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column
 from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.studies.engines.compute import DONE
+from wirerope_mj.studies.unknown_measure import unknown_measure
 
 HEADLINES = ("travel", "acceleration", "fragility")
 """Measures that are looked at first, in this order."""
@@ -92,8 +93,7 @@ def checked_measure(table: pa.Table, name: str) -> str:
     """Return `name`; ValueError names the measures if it is none, or was not judged."""
     names = measures_of(table)
     if name not in names:
-        shown = ", ".join(names[:8])
-        raise ValueError(f"there is no measure {name!r}; there are {shown}{', ...' if len(names) > 8 else ''}.")
+        raise ValueError(unknown_measure(name, names))
     if not np.isfinite(values_of(table, name)).any():
         raise ValueError(
             f"{name!r} has no value in any variant: nothing is rated or stated by which it would be judged."

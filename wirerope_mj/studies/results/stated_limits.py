@@ -15,6 +15,7 @@ from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.measure import values_of
 from wirerope_mj.studies.results.statements import percent
 from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance
+from wirerope_mj.studies.unknown_measure import unknown_measure
 
 _UNITS = {
     "acceleration": ACCELERATION_UNITS, "deflection": LENGTH_UNITS, "displacement": LENGTH_UNITS, "force": FORCE_UNITS,
@@ -52,7 +53,7 @@ def matching_measures(pattern: str, known: Sequence[str]) -> tuple[str, ...]:
     """Return the measures that a pattern with * and ? matches; ValueError if there is none."""
     names = tuple(name for name in known if fnmatchcase(name, pattern))
     if not names:
-        raise ValueError(f"there is no measure {pattern!r}; there are {', '.join(known[:8])}, ...")
+        raise ValueError(unknown_measure(pattern, known))
     return names
 
 
@@ -67,6 +68,10 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
         raise ValueError(f"a limit of a study is written like {_EXAMPLE}; got {short(text)!r}.")
     pattern, number, unit = match.groups()
     quantity = pattern.partition("/")[0]
+    try:
+        names = matching_measures(pattern, known)
+    except ValueError as error:
+        raise ValueError(f"limit {short(text)!r}: {error}") from None
     units = _UNITS.get(quantity, {})
     if unit not in units:
         raise ValueError(
@@ -74,7 +79,7 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
         )
     try:
         value = in_si(float(number), units[unit])
-        return StatedLimit(text=text, measures=matching_measures(pattern, known), limit=value)
+        return StatedLimit(text=text, measures=names, limit=value)
     except ValueError as error:
         raise ValueError(f"limit {short(text)!r}: {error}") from None
 
