@@ -1,5 +1,6 @@
 """Tables of a study's results, the same on the screen, on a page and in a recording."""
 
+from dataclasses import replace
 from typing import Any
 
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
@@ -115,7 +116,7 @@ def worst_table(summary: StudySummary, count: int, *, inputs: int) -> Table:
         title=f"Worst variants by {summary.by}, with the inputs that matter most",
         columns=[
             Column("variant", align="left"),
-            *(measure.column for measure in summary.measures),
+            *(replace(measure.column, heading=two_lines(measure.name)) for measure in summary.measures),
             *(Column(two_lines(summary.labels[name]), form=4) for name in names),
         ],
         rows=[
