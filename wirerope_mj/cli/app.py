@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
+from inspect import getdoc
 from signal import SIGTERM, default_int_handler, signal
 from threading import current_thread, main_thread
 from typing import Any
@@ -133,7 +134,8 @@ def tell_all(name: str) -> None:
 
     The line in `COMMANDS`, for the list of all commands, which imports none of them, would stand there alone.
     """
-    app[name].help = None
+    _, _, rest = (getdoc(app[name].default_command) or "").partition("\n")
+    app[name].help = f"{COMMANDS[name][1]}\n{rest}"
 
 
 @contextmanager
