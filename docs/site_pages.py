@@ -11,7 +11,7 @@ from rich.console import Console
 
 import wirerope_mj
 from wirerope_mj.cli import main
-from wirerope_mj.cli.app import COMMANDS, app
+from wirerope_mj.cli.app import COMMANDS, app, tell_all
 
 _ROOMS = {
     "mounts": "Mounts: laws, isolators, tests and their identification",
@@ -37,6 +37,7 @@ def write_commands(path: Path) -> None:
 def _help(name: str) -> str:
     """Return the help of a command as it stands in a terminal of 110 columns."""
     out = io.StringIO()
+    tell_all(name)
     app.help_print([name], console=Console(file=out, width=110, color_system=None))
     return "\n".join(line.rstrip() for line in out.getvalue().strip().splitlines())
 

@@ -144,6 +144,28 @@ def test_isolators_lists_the_catalogue_and_draws_one(tmp_path, capsys):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("run", ["SCENARIO [OPTIONS]", "--timestep", "--limit", "--out", "a run that is there is replaced only"]),
+        (
+            "study",
+            ["STUDY-OR-SCENARIO [OPTIONS]", "--vary", "--limit", "--by", "--sampling", "--variants", "--workers", "--out"],
+        ),
+        ("explore", ["SCENARIO-OR-MODEL [OPTIONS]", "--port", "Ctrl-C ends it"]),
+        ("replay", ["Compared are all stored numbers"]),
+    ],
+)  # fmt: skip
+def test_help_of_a_command_says_all_before_a_file_is_named(command, words, capsys):
+    assert main([command, "--help"]) == 0
+    out = " ".join(capsys.readouterr().out.replace("│", "").split())
+    assert out.startswith("Usage: wirerope ")
+    for word in words:
+        assert word in out
+    if command in ("run", "study"):
+        assert re.search(r"--help also shows the options of that (scenario|study)\.$", out)
+
+
 def test_help_of_a_scenario_shows_its_options(capsys):
     assert main(["run", "shock_table", "--help"]) == 0
     out = capsys.readouterr().out

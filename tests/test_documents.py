@@ -1,13 +1,19 @@
 """The blocks of Python in the documents run as they stand."""
 
 import re
+import runpy
+import shlex
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import wirerope_mj as wr
+from wirerope_mj.cli import main
 from wirerope_mj.motions import BaseMotion
+from wirerope_mj.studies.inputs.quantities import KINDS
+from wirerope_mj.studies.measures import measure_names
+from wirerope_mj.studies.unknown_measure import kinds_of
 
 ROOT = Path(__file__).parents[1]
 
@@ -104,3 +110,41 @@ def test_studies_run_into_a_folder(tmp_path, monkeypatch, capsys):
     assert names["result"].table.num_rows == 32
     assert not names["result"].failed
     assert "acceleration" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_the_whole_files_of_the_page_of_studies_are_taken_by_its_commands(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+    files = dict(re.findall(r"```python\n# (\w+\.py)\n(.*?)```", page, flags=re.DOTALL))
+    assert list(files) == ["table.py", "tolerances.py"]
+    for name, text in files.items():
+        Path(name).write_text(text, encoding="utf-8")
+    commands = re.findall(r"^wirerope .*(?:table|tolerances)\.py.*$", page, flags=re.MULTILINE)
+    assert len(commands) == 3
+    for number, command in enumerate(commands):
+        workers = [] if " run " in command else ["--workers", "1"]
+        assert main([*shlex.split(command)[1:], *workers, "--out", f"out-{number}"]) == 0, command
+
+
+def test_the_page_of_studies_lists_every_measure():
+    page = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+    table = page[page.index("## Measures") : page.index("## From a scenario")]
+    for kind in kinds_of(measure_names(wr.load_system("cabinet"))).split(", "):
+        assert f"`{kind}`" in table, kind
+
+
+def test_the_page_and_the_class_name_everything_that_can_vary():
+    page = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
+    said = [re.sub(r"/[xyz]$", "", form) for kind in KINDS for form in kind.form.split(", ")]
+    for form in said:
+        assert f"`{form}" in page, form
+        assert form in wr.Study.__doc__, form
+
+
+def test_the_page_of_commands_shows_options_that_stand_before_a_file_is_named(tmp_path):
+    runpy.run_path(str(ROOT / "docs" / "site_pages.py"))["write_commands"](tmp_path / "commands.md")
+    page = (tmp_path / "commands.md").read_text(encoding="utf-8")
+    study = page[page.index("## wirerope study\n") : page.index("## wirerope show\n")]
+    for words in ("Usage: wirerope study STUDY-OR-SCENARIO [OPTIONS]", "--vary", "--limit", "also shows the options"):
+        assert words in study

@@ -20,6 +20,7 @@ from wirerope_mj.studies.results.measure import values_of
 from wirerope_mj.studies.results.statements import of_indices, statements
 from wirerope_mj.studies.results.statistics import exceedance
 from wirerope_mj.studies.results.study_summary import StudySummary
+from wirerope_mj.studies.results.tables import effects_table, indices_tables
 from wirerope_mj.views.plots.study_indices import indices_figure
 
 SINGLE = [[0], [1], [2]]
@@ -296,6 +297,18 @@ def test_the_worst_of_a_study_for_indices_are_those_that_were_drawn_for_themselv
     top = independent[np.argsort(-values[independent], kind="stable")][:8]
     assert [row["variant"] for row in summary.worst(8)] == top.tolist()
     assert summary.statistics[0].variant == top[0]
+
+
+def test_the_tables_say_in_plain_words_what_is_chance():
+    values, _ = ishigami(64)
+    found = tuple(Effect(name=name, index=0.1, rank=0.1, certain=name == "x1") for name in ("x1", "x2"))
+    result = sampled(table_of(values), {"x1": 1, "x2": 1, "x3": 1})
+    summary = StudySummary(result=result, by="acceleration", effects=found)
+    (indices, *_) = indices_tables(summary)
+    assert "Indices lie between 0 and 100 %: one that is estimated below or above them is so by chance." in indices.note
+    table = effects_table(summary, 5)
+    assert [column.heading for column in table.columns][2] == "above chance"
+    assert [row[2].content for row in table.rows] == ["yes", "unsure"]
 
 
 def test_few_base_rows_are_said_to_be_too_few_and_no_share_is_beyond_all():

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
+from inspect import getdoc
 from signal import SIGTERM, default_int_handler, signal
 from threading import current_thread, main_thread
 from typing import Any
@@ -132,6 +133,15 @@ for _name, (_place, _summary) in COMMANDS.items():
     app.command(f"wirerope_mj.cli.{_place}", name=_name, help=_summary)
 
 
+def tell_all(name: str) -> None:
+    """Have the help of one command say all that its docstring says.
+
+    The line in `COMMANDS`, for the list of all commands, which imports none of them, would stand there alone.
+    """
+    _, _, rest = (getdoc(app[name].default_command) or "").partition("\n")
+    app[name].help = f"{COMMANDS[name][1]}\n{rest}"
+
+
 @contextmanager
 def _warnings_shown() -> Iterator[None]:
     """Print warnings about a model, a record, a response or a study, as one line each on standard error, without code."""
@@ -171,6 +181,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         with _warnings_shown():
+            if given and given[0] in COMMANDS:
+                tell_all(given[0])
             code = app(given, exit_on_error=False, print_error=False, result_action="return_value")
         sys.stdout.flush()
         return code if isinstance(code, int) else 0

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from cyclopts import App, Parameter
 
 from wirerope_mj.cli.exit_codes import BAD_INPUT
-from wirerope_mj.cli.function_options import own_option, run_with_options
+from wirerope_mj.cli.function_options import listing_options, own_option, run_with_options
 from wirerope_mj.cli.numerics_options import NUMERICS, with_numerics
 
 _OWN = (
@@ -16,19 +16,24 @@ _OWN = (
     own_option("port", int, 0, "on which the page is served; a free one if it is not given"),
 )  # fmt: skip
 
-explore_app = App(name="explore", help_flags=[], version_flags=[], suppress_keyboard_interrupt=False)
+explore_app = App(
+    name="explore",
+    usage="Usage: wirerope explore SCENARIO-OR-MODEL [OPTIONS]",
+    help_epilogue="`wirerope explore SCENARIO-OR-MODEL --help` also shows the options of that scenario or model.",
+    help_flags=[],
+    version_flags=[],
+    suppress_keyboard_interrupt=False,
+)
 
 
 @explore_app.default
+@listing_options([*NUMERICS, *_OWN])
 def explore(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
     """Move sliders in a page of this machine and see verdict, curves and recording change: a what-if.
 
-    wirerope explore SCENARIO-OR-MODEL [OPTIONS] [--no-browser] [--no-viewer] [--port PORT]
-
-    SCENARIO-OR-MODEL is a scenario as `wirerope run` takes it, or a model, whose base is then struck by a half-sine;
-    `wirerope explore SCENARIO-OR-MODEL --help` shows the options of one. The page has sliders for the level and the direction
-    of the base motion, the payload's mass, the stiffness of each kind of isolator and the damping. It is served on this machine
-    alone, and nothing is sent anywhere. Ctrl-C ends it.
+    SCENARIO-OR-MODEL is a scenario as `wirerope run` takes it, or a model, whose base is then struck by a half-sine. The page
+    has sliders for the level and the direction of the base motion, the payload's mass, the stiffness of each kind of isolator
+    and the damping. It is served on this machine alone, and nothing is sent anywhere. Ctrl-C ends it.
     """
     if not tokens or tokens[0] in ("--help", "-h"):
         from wirerope_mj.cli.app import app

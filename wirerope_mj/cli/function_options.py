@@ -24,6 +24,24 @@ def _integer(annotation: Any, kind: Any) -> Any:
     return annotation
 
 
+def listing_options(own: Sequence[inspect.Parameter]) -> Callable[[Callable[..., int]], Callable[..., int]]:
+    """Return a decorator for a command that takes its arguments unread, so that its help lists the options `own`.
+
+    Which other options there are says a file that is named on the command line; these are there whatever it is.
+    """
+    unread = Parameter(parse=False, show=True)
+    listed = [option.replace(annotation=Annotated[option.annotation, unread]) for option in own]
+
+    def decorated(function: Callable[..., int]) -> Callable[..., int]:
+        signature = inspect.signature(function)
+        parameters = [*signature.parameters.values(), *listed]
+        function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
+        function.__annotations__ |= {option.name: option.annotation for option in listed}
+        return function
+
+    return decorated
+
+
 def run_with_options(
     title: str,
     function: Callable[..., Any],

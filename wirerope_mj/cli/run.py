@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from cyclopts import App, Parameter
 
 from wirerope_mj.cli.exit_codes import BAD_INPUT
-from wirerope_mj.cli.function_options import own_option, run_with_options
+from wirerope_mj.cli.function_options import listing_options, own_option, run_with_options
 from wirerope_mj.cli.numerics_options import NUMERICS, with_numerics
 from wirerope_mj.cli.printed_run import run_and_print
 from wirerope_mj.cli.tables import print_questions
@@ -29,20 +29,26 @@ _OWN = (
 )
 
 
+_LIST = own_option("list", bool, False, "print the scenarios that ship with the package, and nothing else", negative=())
+
 # The scenario's own options are not known before its file is read: everything behind its name is handed on as it is.
-run_app = App(name="run", help_flags=[], version_flags=[], suppress_keyboard_interrupt=False)
+run_app = App(
+    name="run",
+    usage="Usage: wirerope run SCENARIO [OPTIONS]",
+    help_epilogue="`wirerope run SCENARIO --help` also shows the options of that scenario.",
+    help_flags=[],
+    version_flags=[],
+    suppress_keyboard_interrupt=False,
+)
 
 
 @run_app.default
+@listing_options([*NUMERICS, *_OWN, _LIST])
 def run(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
     """Simulate a scenario into one folder and print its peaks against the limits.
 
-    wirerope run SCENARIO [OPTIONS] [--accuracy A | --timestep SECONDS] [--out FOLDER] [--force] [--state]
-        [--limit TEXT] [--no-combined-travel]
-
-    SCENARIO is the path of a scenario file or the name of one that ships with the package; `wirerope run --list` shows
-    those, and `wirerope run SCENARIO --help` the options of one. The folder is runs/NAME-DATE-TIME unless --out names
-    another; a run that is there is replaced only with --force.
+    SCENARIO is the path of a scenario file or the name of one that ships with the package. The folder is
+    runs/NAME-DATE-TIME unless --out names another; a run that is there is replaced only with --force.
     """
     if not tokens or tokens[0] in ("--help", "-h"):
         from wirerope_mj.cli.app import app

@@ -16,12 +16,14 @@ from wirerope_mj.studies.folder import dead
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
+from wirerope_mj.studies.results.stated_file import read_stated, write_stated
 from wirerope_mj.studies.results.stated_limits import limit_of_text, limit_statement
 from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.results.tables import varied_table
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study
+from wirerope_mj.studies.unknown_measure import unknown_measure
 
 
 def compute_and_print(
@@ -44,7 +46,7 @@ def compute_and_print(
         out: its folder.
         by: measure by which variants are worst.
         open_worst: how many of them become runs and are opened.
-        limit: limits on measures, for each of which it is printed how often it is exceeded.
+        limit: limits on measures: how often each is exceeded is printed, and stands in the folder's summary.
         how: other arguments of `Study.run`.
     """
     from wirerope_mj.runs.study import checked_count
@@ -57,13 +59,15 @@ def compute_and_print(
         raise ValueError("`--by` is for studies: the designs of a search are ordered by what it minimises.")
     names = measure_names(study.base)
     if by is not None and by not in names:
-        raise ValueError(f"`--by`: there is no measure {by!r}; there are {', '.join(names[:8])}, ...")
+        raise ValueError(f"`--by`: {unknown_measure(by, names)}")
     limits = [limit_of_text(text, names) for text in limit or ()]
     print_table(varied_table(study.study if isinstance(study, Search) else study))
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     result = _computed(study, folder, resume=resume, **how)
+    if limits:
+        write_stated(result, limits)
     _print(result, by, open_worst)
-    for stated in limits:
+    for stated in read_stated(result):
         console().print(f"  {escape(limit_statement(stated, result.independent, sampled=result.is_sampled))}")
     if dead(folder):  # tables and pictures are there, but a script must not take them for those of the whole study
         raise WireRopeError(f"{folder}: {NOT_COMPUTED}")

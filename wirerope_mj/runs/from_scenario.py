@@ -7,7 +7,10 @@ from typing import Any
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.payload_limits import UNITS, PayloadLimit
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.scenario import Scenario, load_scenario
+from wirerope_mj.runs.stored_scenario import is_run, stored_scenario
 from wirerope_mj.studies.inputs.available import available_lines
 from wirerope_mj.studies.inputs.distributions import Distribution
 from wirerope_mj.studies.inputs.vary_option import EXAMPLE, signatures
@@ -38,7 +41,8 @@ def study_of(
     """Return the study of a scenario; model, motion, duration, step and initial state are those of the scenario.
 
     Args:
-        scenario: the scenario, or the name of one that ships with the package, or the path of a scenario file.
+        scenario: the scenario, or the name of one that ships with the package, or the path of a scenario file, or the folder
+            of a run.
         vary: what varies, as `Study` takes it.
         variants: how many; None: 256, or those of a grid.
         sampling: as `Study` takes it, and so `seed`.
@@ -51,9 +55,11 @@ def study_of(
     Raises:
         ValueError: an argument is out of range.
         ModelError: the scenario asks for what a study has not, or a name stands for nothing in its model.
+        RecordError: the folder of the run is damaged.
     """
     if not isinstance(scenario, Scenario):
-        scenario = load_scenario(scenario).make(**(options or {}))
+        file = stored_scenario(scenario) if is_run(scenario) else load_scenario(scenario)
+        scenario = file.make(**(options or {}))
     elif options:
         raise ValueError("`options` are for a scenario file; this scenario is made already.")
     simulate = _carried(scenario)
@@ -84,6 +90,21 @@ def what_can_vary(scenario: Scenario) -> str:
         f"Distributions: {', '.join(signatures())}. A value replaces what the model says, a shift is added to it, a factor "
         "(`relative`) multiplies it; with `each` every mount or body has its own."
     )
+
+
+def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
+    """Return the scenario's limits that a study can judge, as `--limit` takes them, and those that it cannot.
+
+    A study has the norm of an acceleration in its table; it has no clearance, and no acceleration along an axis.
+    """
+    can = [one for one in scenario.limits if one.kind == "acceleration" and set(one.judged) == {""}]
+    return [_text(one) for one in can], [_text(one) for one in scenario.limits if one not in can]
+
+
+def _text(limit: PayloadLimit) -> str:
+    accelerates = limit.kind == "acceleration"
+    values = " ".join(f"{value / (STANDARD_GRAVITY if accelerates else 1.0):.12g}" for value in limit.values)
+    return f"{limit.kind}/{limit.name} = {values} {'g' if accelerates else UNITS[limit.kind]}"
 
 
 def _carried(scenario: Scenario) -> dict[str, Any]:

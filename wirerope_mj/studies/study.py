@@ -22,9 +22,16 @@ class Study(StudyDefinition):
     other way. Values of a relative distribution are factors on what the model says; a name that ends in _shift is added to it;
     everything else replaces it::
 
-        mount/NAME/AXIS/PARAMETER     value of a parameter of the law on axis roll, shear or axial [SI, as the law states]
+        mount/NAME/AXIS/PARAMETER     value of a parameter of the law on axis roll, shear or axial [SI, as the law states];
+                                      relative: a factor on what the isolator says
+        mount/NAME/stiffness          factor on all forces of a mount, friction included
+        mount/NAME/damping            factor on what dissipates in a mount
+        mount/NAME/stiffening/cycles, mount/NAME/stiffening/after_50
+                                      values of an isolator with [stiffening]; relative: factors on them
+        mount/NAME/isolator           Choice of the names of isolator files, of the same laws as the model's
         mount/NAME/spread             the isolator's [spread], as `Specimens`
         mount/NAME/position_shift/x   shift of the mount along a world axis [m]
+        mount/NAME/turn/x             angle by which the mount turns about a world axis [deg]; several make a rotation vector
         mount/NAME/fitted             Choice of True and False: whether there is a mount at this place
         mount/NAME/failed             Choice of True and False, or of the name of the mount that has failed ("" = none)
         body/NAME/mass                mass [kg] with the moments of inertia; relative: a factor on both
@@ -32,10 +39,12 @@ class Study(StudyDefinition):
                                       <inertial pos="..."/> says it in the model
         body/NAME/centre_shift/x      shift of the centre of mass along a world axis [m]
         motion/level                  factor on the motion
-        motion/azimuth, elevation     direction of a motion along one line [deg], from x towards y and above that plane
+        motion/azimuth, motion/elevation
+                                      direction of a motion along one line [deg], from x towards y and above that plane
         motion/record                 index in `motions`
 
-    A `centre` whose values are nearer to 0 than to the model's is refused, because shifts look like that.
+    Names joined by " & " share a draw. A `centre` whose values are nearer to 0 than to the model's is refused, because shifts
+    look like that.
 
     Attributes:
         base: the system as the model and `changes` say it.

@@ -38,6 +38,7 @@ def available_lines(system: System, motion: BaseMotion) -> list[str]:
         lines.append("all mounts: mount/NAME/fitted, mount/NAME/failed, mount/NAME/isolator (choices)")
         lines.append("  mount/NAME/stiffness  factor on all its forces; mount/NAME/damping  factor on what dissipates")
         lines.append(f"  mount/NAME/position_shift/AXIS  shift [m] along the world's {_AXES}")
+        lines.append(f"  mount/NAME/turn/AXIS  angle [°] by which it leans about the world's {_AXES}")
         lines.append("  several: mount/m01,m05,-m04/position_shift/x, those behind a minus moving the other way")
     lines += _bodies(system)
     lines += [f"motion {motion.description}:", "  motion/level  factor"]

@@ -1,6 +1,8 @@
 """Measures of a study's table: their columns, and how each is displayed."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import pyarrow as pa
@@ -9,6 +11,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column
 from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.studies.engines.compute import DONE
+from wirerope_mj.studies.unknown_measure import unknown_measure
 
 HEADLINES = ("travel", "acceleration", "fragility")
 """Measures that are looked at first, in this order."""
@@ -59,10 +62,11 @@ class Measure:
         return Column(self.name, form=".4g") if self.unit == "-" else Column(self.name, self.unit)
 
 
-def measure_of(name: str) -> Measure:
-    """Return the measure of a column."""
+def measure_of(name: str, limits: Mapping[str, float] = MappingProxyType({})) -> Measure:
+    """Return the measure of a column; one that has no limit of its own takes it from `limits`, SI by name."""
     quantity, _, rest = name.partition("/")
-    text, unit, factor, limit = _QUANTITIES[quantity]
+    text, unit, factor, own = _QUANTITIES[quantity]
+    limit = limits.get(name) if own is None else own
     return Measure(name=name, text=f"{text}, {rest}" if rest else text, unit=unit, factor=factor, limit=limit)
 
 
@@ -89,8 +93,7 @@ def checked_measure(table: pa.Table, name: str) -> str:
     """Return `name`; ValueError names the measures if it is none, or was not judged."""
     names = measures_of(table)
     if name not in names:
-        shown = ", ".join(names[:8])
-        raise ValueError(f"there is no measure {name!r}; there are {shown}{', ...' if len(names) > 8 else ''}.")
+        raise ValueError(unknown_measure(name, names))
     if not np.isfinite(values_of(table, name)).any():
         raise ValueError(
             f"{name!r} has no value in any variant: nothing is rated or stated by which it would be judged."

@@ -8,12 +8,14 @@ from fnmatch import fnmatchcase
 import numpy as np
 import pyarrow as pa
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.measure import values_of
 from wirerope_mj.studies.results.statements import percent
 from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance
+from wirerope_mj.studies.unknown_measure import unknown_measure
 
 _UNITS = {
     "acceleration": ACCELERATION_UNITS, "deflection": LENGTH_UNITS, "displacement": LENGTH_UNITS, "force": FORCE_UNITS,
@@ -39,15 +41,19 @@ class StatedLimit:
 
     def exceedance(self, table: pa.Table) -> Exceedance:
         """Return how often any of the measures is beyond the limit."""
-        largest = np.max([values_of(table, name) for name in self.measures], axis=0)
-        return exceedance(largest, self.limit, failed=int(np.count_nonzero(np.asarray(table["status"]) != DONE)))
+        failed = int(np.count_nonzero(np.asarray(table["status"]) != DONE))
+        return exceedance(self.largest(table), self.limit, failed=failed)
+
+    def largest(self, table: pa.Table) -> Array:
+        """Return the largest of the measures of each variant, SI, (n,); NaN where none has a value."""
+        return np.asarray(np.fmax.reduce([values_of(table, name) for name in self.measures]))
 
 
 def matching_measures(pattern: str, known: Sequence[str]) -> tuple[str, ...]:
     """Return the measures that a pattern with * and ? matches; ValueError if there is none."""
     names = tuple(name for name in known if fnmatchcase(name, pattern))
     if not names:
-        raise ValueError(f"there is no measure {pattern!r}; there are {', '.join(known[:8])}, ...")
+        raise ValueError(unknown_measure(pattern, known))
     return names
 
 
@@ -62,6 +68,10 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
         raise ValueError(f"a limit of a study is written like {_EXAMPLE}; got {short(text)!r}.")
     pattern, number, unit = match.groups()
     quantity = pattern.partition("/")[0]
+    try:
+        names = matching_measures(pattern, known)
+    except ValueError as error:
+        raise ValueError(f"limit {short(text)!r}: {error}") from None
     units = _UNITS.get(quantity, {})
     if unit not in units:
         raise ValueError(
@@ -69,7 +79,7 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
         )
     try:
         value = in_si(float(number), units[unit])
-        return StatedLimit(text=text, measures=matching_measures(pattern, known), limit=value)
+        return StatedLimit(text=text, measures=names, limit=value)
     except ValueError as error:
         raise ValueError(f"limit {short(text)!r}: {error}") from None
 
@@ -79,6 +89,8 @@ def limit_statement(stated: StatedLimit, table: pa.Table, *, sampled: bool) -> s
     beyond = stated.exceedance(table)
     several = f", any of {len(stated.measures)}" if len(stated.measures) > 1 else ""
     failed = f"; {beyond.failed} failed and are not counted" if beyond.failed else ""
+    if not beyond.n:
+        return f"Beyond {stated.text}: not judged, since nothing has a value{failed}."
     start = f"Beyond {stated.text}{several}: {beyond.count} of {beyond.n} variants"
     if not sampled:
         return f"{start}{failed}."

@@ -43,7 +43,7 @@ def statements(result: StudyResult) -> list[str]:
         if measure.limit is not None
     ]
     if not texts:
-        texts.append("Nothing is judged: the isolators state no rated travel and the model no limit.")
+        texts.append("The isolators state no rated travel and the model no limit: judged is only what --limit states.")
     texts += struck_statements(result.table)
     if "travel" in headlines(result.table):
         texts += travel_statements(result.study.base)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs.sobol import SAMPLING, factors
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.directions import directions_text, fraction_of_directions
@@ -20,8 +21,10 @@ from wirerope_mj.studies.results.measure import (
     measure_of,
     values_of,
 )
+from wirerope_mj.studies.results.stated_file import read_stated
+from wirerope_mj.studies.results.stated_limits import StatedLimit
 from wirerope_mj.studies.results.statements import exceedance_text
-from wirerope_mj.studies.results.statistics import Exceedance, exceedance_of, quantiles, row_of, worst
+from wirerope_mj.studies.results.statistics import Exceedance, exceedance, exceedance_of, quantiles, row_of, worst
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 
@@ -63,11 +66,13 @@ class StudySummary:
     Attributes:
         by: the measure that is looked at most.
         effects: of the inputs on it, the strongest first.
+        stated: limits that somebody stated on this study.
     """
 
     result: StudyResult
     by: str
     effects: tuple[Effect, ...]
+    stated: tuple[StatedLimit, ...] = ()
 
     @cached_property
     def indices(self) -> tuple[SobolIndices, ...]:
@@ -84,8 +89,22 @@ class StudySummary:
 
     @cached_property
     def measures(self) -> tuple[Measure, ...]:
-        """The measures that are displayed: `by` first, then those that are looked at first anyway."""
-        return tuple(measure_of(name) for name in dict.fromkeys([self.by, *headlines(self.result.table)]))
+        """The measures that are displayed: `by` first, then those that are looked at first anyway, then those limited here."""
+        names = dict.fromkeys([self.by, *headlines(self.result.table), *self.limits])
+        return tuple(measure_of(name, self.limits) for name in names)
+
+    @cached_property
+    def limits(self) -> dict[str, float]:
+        """Limits that were stated on one measure alone, SI, by its name."""
+        return {one.measures[0]: one.limit for one in reversed(self.stated) if len(one.measures) == 1}
+
+    @cached_property
+    def judged(self) -> tuple[tuple[Exceedance, float | None], ...]:
+        """Exceedance and ratio of every limit there is: of the isolators, of the model, and those that were stated."""
+        table = self.result.independent
+        own = [(one.beyond, one.ratio) for one in self.statistics if one.beyond is not None]
+        stated = [(one.exceedance(table), self._ratio(one.largest(table), one.limit)) for one in self.stated]
+        return (*own, *(one for one in stated if one[0].n))
 
     @cached_property
     def statistics(self) -> tuple[Statistics, ...]:
@@ -140,8 +159,7 @@ class StudySummary:
         values = values_of(table, measure.name)
         beyond = ratio = None
         if limit is not None:
-            beyond = exceedance_of(table, measure.name, limit)
-            ratio = fraction_of_directions(table, input_names(table), values, limit)
+            beyond, ratio = exceedance_of(table, measure.name, limit), self._ratio(values, limit)
         return Statistics(
             measure=measure,
             quantiles=tuple(quantiles(values, QUANTILES)),
@@ -150,8 +168,15 @@ class StudySummary:
             largest=float(np.nanmax(values)),
             variant=worst(table, measure.name, 1)[0],
             beyond=beyond,
-            ratio=beyond.ratio if beyond and self.result.is_sampled else ratio,
+            ratio=ratio,
         )
+
+    def _ratio(self, values: Array, limit: float) -> float | None:
+        """Return the fraction of the variants beyond a limit if they were sampled, or of all directions if these vary."""
+        if self.result.is_sampled:
+            return exceedance(values, limit).ratio
+        table = self.result.independent
+        return fraction_of_directions(table, input_names(table), values, limit)
 
 
 def _of_one_mount(name: str) -> bool:
@@ -168,11 +193,15 @@ def summary_of(result: StudyResult, by: str | None = None) -> StudySummary:
 
     Raises:
         ValueError: there is no such measure, or it has no value in any variant.
+        RecordError: the limits that were stated cannot be read.
     """
     table = result.table
     by = checked_measure(table, by or (headlines(table) or HEADLINES)[0])
     # Listed inputs go hand in hand: what one of them explains alone means nothing.
     listed = result.study.sampling == "list"
     return StudySummary(
-        result=result, by=by, effects=() if listed else effects(result.independent, input_names(table), by)
+        result=result,
+        by=by,
+        effects=() if listed else effects(result.independent, input_names(table), by),
+        stated=read_stated(result),
     )

@@ -1,5 +1,6 @@
 """Tables of a study's results, the same on the screen, on a page and in a recording."""
 
+from dataclasses import replace
 from typing import Any
 
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
@@ -81,7 +82,9 @@ def _indices_table(indices: SobolIndices) -> Table:
         ],
         rows=[(one.name, one.first, *one.first_interval, one.total, *one.total_interval) for one in indices.factors],
         note=f"Sobol's first-order and total indices with bounds of {100.0 * CONFIDENCE:.0f} % confidence (bootstrap) from "
-        f"{rows}{dropped}. A factor may be several quantities of one group. Below 0 an index is chance.{few}",
+        f"{rows}{dropped}. A factor may be several quantities of one group. Indices lie between 0 and 100 %: one that is "
+        "estimated below or above them is so by chance. Those with others may add up to more than 100 %, because "
+        f"what factors do together counts for each of them.{few}",
     )
 
 
@@ -89,18 +92,20 @@ def effects_table(summary: StudySummary, most: int) -> Table | None:
     """Return the effects of the strongest inputs; None of fewer than two."""
     if len(summary.effects) < 2:
         return None
-    certain = {True: Mark("certain", "strong"), False: Mark("may be chance", "quiet")}
+    certain = {True: Mark("yes", "strong"), False: Mark("unsure", "quiet")}
     return Table(
         title=f"Variance explained by each input alone of: {measure_of(summary.by).text}",
         columns=[
             Column("input", align="text"),
             Column("first-order index", "%", ".1f"),
-            Column("which is", align="left"),
+            Column("above chance", align="left"),
             Column("rank correlation", form="+.2f"),
         ],
         rows=[(one.name, max(one.index, 0.0), certain[one.certain], one.rank) for one in summary.effects[:most]],
-        note="Estimated from the variants as they are; what is missing to 100 % is left to inputs together and to what so few "
-        "classes do not resolve. Of several inputs that move together, the strongest is given what they share.",
+        note="Estimated from the variants as they are. Above chance: yes, if an input without any effect would hardly reach "
+        "such an index; unsure, if it might. What is missing to 100 % comes from inputs that act together, and from what so "
+        "few variants do not show. If some inputs rise and fall together, what they explain in common is counted for the "
+        "strongest alone.",
     )
 
 
@@ -111,7 +116,7 @@ def worst_table(summary: StudySummary, count: int, *, inputs: int) -> Table:
         title=f"Worst variants by {summary.by}, with the inputs that matter most",
         columns=[
             Column("variant", align="left"),
-            *(measure.column for measure in summary.measures),
+            *(replace(measure.column, heading=two_lines(measure.name)) for measure in summary.measures),
             *(Column(two_lines(summary.labels[name]), form=4) for name in names),
         ],
         rows=[

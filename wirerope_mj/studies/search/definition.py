@@ -11,6 +11,7 @@ from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.inputs.distributions import Choice, Uniform
 from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.search.evolution import Design
+from wirerope_mj.studies.unknown_measure import kinds_of, unknown_measure
 
 FEWEST = 4
 """Designs of a generation below which nothing can be crossed."""
@@ -112,11 +113,11 @@ class SearchDefinition:
     def _check_measures(self) -> None:
         names = measure_names(self.study.base)
         if not self.minimise:
-            raise ValueError(f"`minimise` must name at least one measure, {_shown(names)}.")
+            raise ValueError(f"`minimise` must name at least one measure, {kinds_of(names)}.")
         for argument, given in (("minimise", self.minimise), ("limits", tuple(self.limits))):
             for name in given:
                 if name not in names:
-                    raise ValueError(f"`{argument}`: there is no measure {name!r}; there are {_shown(names)}.")
+                    raise ValueError(f"`{argument}`: {unknown_measure(name, names)}")
         if len(set(self.minimise)) < len(self.minimise):
             raise ValueError(f"`minimise` names a measure twice: {', '.join(self.minimise)}.")
         for name, value in self.limits.items():
@@ -165,7 +166,3 @@ def _checked(index: int, name: str, value: Any, variable: Uniform | Choice) -> A
             f"`start[{index}]`: {name!r} must be from {variable.low:g} to {variable.high:g}, got {value!r}."
         )
     return float(value)
-
-
-def _shown(names: Sequence[str]) -> str:
-    return ", ".join(names[:10]) + (", ..." if len(names) > 10 else "")

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from textwrap import wrap
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -37,18 +38,21 @@ _LINE = 36  # letters of a measure's text on one line
 _NAME = 34  # letters of an input's name beside its bar
 
 
-def distribution_figure(table: pa.Table, names: Sequence[str]) -> Figure:
+def distribution_figure(
+    table: pa.Table, names: Sequence[str], limits: Mapping[str, float] = MappingProxyType({})
+) -> Figure:
     """Return for each measure the fraction of variants that stay below a value, with percentiles and limit.
 
     Args:
         table: of a study whose variants were sampled.
         names: measures with values, one panel each.
+        limits: of measures that have none of their own, SI, by name.
     """
     with report_style():
         figure = PlainFigure(figsize=(WIDTH, 3.3), layout="constrained")
         panels = np.atleast_1d(figure.subplots(1, len(names), sharey=True))
         for panel, name in zip(panels, names, strict=True):
-            _distribution(panel, measure_of(name), table)
+            _distribution(panel, measure_of(name, limits), table)
         panels[0].set_ylabel("fraction of the variants below [%]")
     return figure
 

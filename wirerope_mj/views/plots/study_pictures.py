@@ -58,9 +58,8 @@ def study_pictures(summary: StudySummary) -> list[StudyPicture]:
             "Fraction of the variants that stay below a value, with percentiles; dashed: the limit. A percentile is named if "
             "at least five variants lie beyond it."
         )
-        pictures.insert(
-            0, StudyPicture(name="distribution", figure=distribution_figure(table, several), caption=caption)
-        )
+        figure = distribution_figure(table, several, summary.limits)
+        pictures.insert(0, StudyPicture(name="distribution", figure=figure, caption=caption))
     if result.study.sampling == SAMPLING:
         pictures += [*_of_indices(summary.indices[:2]), *_scatter(summary, table)]
     elif summary.effects and len(inputs) > 1 and "directions" not in {picture.name for picture in pictures}:

@@ -6,6 +6,7 @@ from wirerope_mj.foundation.tables import Column, Mark, Table
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.directions import AZIMUTH, ELEVATION
 from wirerope_mj.studies.results.measure import input_names
+from wirerope_mj.studies.results.stated_limits import limit_statement
 from wirerope_mj.studies.results.statements import failures, numbered, percent, statements
 from wirerope_mj.studies.results.study_summary import StudySummary
 from wirerope_mj.studies.results.tables import (
@@ -43,7 +44,7 @@ def study_content(summary: StudySummary) -> ReportContent:
         ),
         question=question or ("The study asks no question.",),
         verdict=_verdict(summary),
-        answer=(Listing(items=tuple(statements(result))), *failed_blocks(result)),
+        answer=(Listing(items=(*_of_stated(summary), *statements(result))), *failed_blocks(result)),
         sections=(
             Section(title="Varied quantities", blocks=(varied_table(study),)),
             Section(title="Results", blocks=(measures_table(summary), *pictures_of(study_pictures(summary)))),
@@ -52,6 +53,11 @@ def study_content(summary: StudySummary) -> ReportContent:
             Section(title="Numerics and versions", blocks=(numerics_table(result),)),
         ),
     )
+
+
+def _of_stated(summary: StudySummary) -> list[str]:
+    result = summary.result
+    return [limit_statement(one, result.independent, sampled=result.is_sampled) for one in summary.stated]
 
 
 def _of_inputs(summary: StudySummary) -> tuple[Table, ...]:
@@ -68,7 +74,7 @@ def motion_text(result: StudyResult) -> str:
 
 
 def _verdict(summary: StudySummary) -> Mark:
-    judged = [(one.beyond, one.ratio) for one in summary.statistics if one.beyond is not None]
+    judged = summary.judged
     if not judged:
         return Mark(content="Not judged: no limit is stated", tone="unjudged")
     most, ratio = max(judged, key=lambda one: one[0].count)
