@@ -6,7 +6,10 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from numpy.typing import ArrayLike
 from pygments.lexers.special import TextLexer
+from sphinx.ext.napoleon.docstring import GoogleDocstring
+from sphinx.util.typing import stringify_annotation
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))
@@ -44,10 +47,16 @@ sphinx_gallery_conf = {
     "remove_config_comments": True,
     "min_reported_time": 1e9,
     "show_memory": False,
+    "image_srcset": ["2x"],
+    "reset_modules": ("matplotlib", "site_pages.plain_figures"),
 }
 
 html_theme = "furo"
 html_extra_path = ["_shared"]
+html_static_path = ["site"]
+html_css_files = ["site.css"]
+html_js_files = ["site.js"]
+html_show_search_summary = False  # browsers read no other file beside one
 html_title = f"wirerope_mj {release}"
 html_show_sourcelink = False
 suppress_warnings = ["config.cache"]
@@ -57,6 +66,32 @@ write_api(HERE / "api.rst")
 write_recording(HERE / "_shared" / "recordings" / "floor", "floating_floor_shock")
 
 _OUTSIDE = {"../models/README.md": "models.md", "../benchmarks/README.md": "benchmarks.md"}
+
+
+def _whole(self: GoogleDocstring) -> list[str]:
+    """Return the docstring of a property as it stands: it holds no type before a colon."""
+    return list(self._dedent(self._consume_to_end()))
+
+
+GoogleDocstring._parse_attribute_docstring = _whole  # type: ignore[method-assign]
+
+_ARRAY_LIKE = stringify_annotation(ArrayLike, "smart")
+
+
+def _array_like(
+    app: Any, what: str, name: str, thing: Any, options: Any, signature: str | None, returned: str | None
+) -> tuple[str | None, str | None]:
+    """Write ArrayLike as it is called, not as what it stands for."""
+    return signature and signature.replace(_ARRAY_LIKE, "ArrayLike"), returned
+
+
+def _formulas_stand(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
+    """Keep the lines of indented formulas apart: a paragraph before them ends in two colons for reStructuredText."""
+    for number in range(len(lines) - 1, 1, -1):
+        begins = lines[number].startswith("    ") and not lines[number - 1].strip()
+        before = lines[number - 2]
+        if begins and before.strip() and not before.startswith(" ") and not before.endswith("::"):
+            lines[number:number] = ["::", ""]
 
 
 def _bars_are_text(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
@@ -75,5 +110,7 @@ def _links_stay_inside(app: Any, name: str, source: list[str]) -> None:
 def setup(app: Any) -> None:
     """Join the program's own texts with what Sphinx expects."""
     app.add_lexer("csv", TextLexer)
+    app.connect("autodoc-process-docstring", _formulas_stand, priority=400)  # before napoleon
     app.connect("autodoc-process-docstring", _bars_are_text)
+    app.connect("autodoc-process-signature", _array_like)
     app.connect("source-read", _links_stay_inside)

@@ -6,6 +6,7 @@ import io
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
@@ -35,10 +36,10 @@ def write_commands(path: Path) -> None:
 
 
 def _help(name: str) -> str:
-    """Return the help of a command as it stands in a terminal of 110 columns."""
+    """Return the help of a command as it stands in a terminal of 84 columns."""
     out = io.StringIO()
     tell_all(name)
-    app.help_print([name], console=Console(file=out, width=110, color_system=None))
+    app.help_print([name], console=Console(file=out, width=84, color_system=None))
     return "\n".join(line.rstrip() for line in out.getvalue().strip().splitlines())
 
 
@@ -58,6 +59,20 @@ def write_api(path: Path) -> None:
             if module.split(".")[1] == wing:
                 parts += _entry(name)
     _write(path, "\n".join(parts))
+
+
+def plain_figures(_gallery: Any, _file: Any) -> None:
+    """Give the figures of the examples letters that can be read on a phone, and no empty margins."""
+    import matplotlib
+
+    matplotlib.rcParams.update(
+        {
+            "figure.figsize": (5.2, 3.9),
+            "font.size": 11.0,
+            "figure.constrained_layout.use": True,
+            "savefig.bbox": "tight",
+        }
+    )
 
 
 def write_recording(folder: Path, scenario: str) -> None:

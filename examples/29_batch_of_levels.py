@@ -49,9 +49,9 @@ assert (np.diff(passed) < 0.0).all()
 
 # %%
 for name, values in peaks.items():
-    plt.plot(levels, values / g, "o", label=name)
-plt.plot(levels, levels * factor, color="0.6", label="closed form of the spring")
+    plt.plot(levels, values / (levels * g), "o", label=name)
+plt.axhline(factor, color="0.6", label="closed form of the spring")
 plt.xlabel("peak of the half-sine [g]")
-plt.ylabel("largest acceleration of the block [g]")
+plt.ylabel("acceleration of the block / of the base [-]")
 plt.legend()
 plt.show()

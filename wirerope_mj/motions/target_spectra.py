@@ -47,7 +47,7 @@ def en1998_spectrum(
     Args:
         frequencies: frequencies [Hz], any shape, 0.25 Hz or more.
         ground_acceleration: design ground acceleration on rock, ag [m/s^2].
-        soil_factor: S.
+        soil_factor: factor S of the ground [-].
         corner_periods: TB, TC and TD [s].
         damping: damping ratio of the oscillators.
     """

@@ -46,12 +46,13 @@ class Study(StudyDefinition):
     Names joined by " & " share a draw. A `centre` whose values are nearer to 0 than to the model's is refused, because shifts
     look like that.
 
+    All arguments are attributes, and further:
+
     Attributes:
         base: the system as the model and `changes` say it.
         motions: the base motions; one, or those among which "motion/record" chooses.
         quantities: what varies, resolved.
         size: number of variants.
-        All arguments, too.
     """
 
     def run(

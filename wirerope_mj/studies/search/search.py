@@ -25,10 +25,11 @@ class Search(SearchDefinition):
     are the first generation, after designs that are given. Each later one is made by the optimiser (pymoo's NSGA-II)
     from the best so far, and computed as variants are: by the same engines, with the same bits.
 
+    All arguments are attributes, and further:
+
     Attributes:
         study: what varies, and how a design is simulated.
         first: the designs of the first generation, by column; those of `start` first.
-        All arguments, too.
     """
 
     def run(

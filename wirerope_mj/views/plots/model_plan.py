@@ -25,10 +25,13 @@ def plan_figure(layout: Layout) -> Figure:
     panels: dict[str, Any] = figure.subplot_mosaic(
         [["plan", "key"], ["side view", "end view"]], width_ratios=(1.6, 1.0)
     )
-    for title, across, up in _VIEWS:
-        _draw(panels[title], layout, across, up)
+    labels = {title: _draw(panels[title], layout, across, up) for title, across, up in _VIEWS}
+    for title in labels:
         panels[title].set_title(title)
     _write_key(panels["key"], layout)
+    figure.draw_without_rendering()
+    for title, texts in labels.items():
+        _apart(panels[title], texts)
     return figure
 
 
@@ -38,10 +41,10 @@ def save_plan(layout: Layout, path: Path) -> None:
         plan_figure(layout).savefig(path, dpi=150)
 
 
-def _draw(panel: Any, layout: Layout, across: int, up: int) -> None:
+def _draw(panel: Any, layout: Layout, across: int, up: int) -> list[Any]:
+    """Draw a view; return its labels, those that stay where they are first."""
     pick = [across, up]
-    for mass in layout.masses:
-        _draw_mass(panel, mass, pick)
+    labels = [_draw_mass(panel, mass, pick) for mass in layout.masses]
     reach = _MILLI * np.ptp([mount.position for mount in layout.mounts], axis=0).max() or 100.0
     labelled: dict[tuple[int, ...], list[str]] = {}
     for mount in layout.mounts:
@@ -55,11 +58,12 @@ def _draw(panel: Any, layout: Layout, across: int, up: int) -> None:
         panel.plot(*position, "o", color=_STOP, markersize=5, fillstyle="none")
     for (x, y, aside), names in labelled.items():
         text, where = _listed(names), {"xytext": (4, aside), "textcoords": "offset points"}
-        panel.annotate(text, (x, y), fontsize=8, color=_MOUNT, **where)
+        labels.append(panel.annotate(text, (x, y), fontsize=8, color=_MOUNT, **where))
     for point in (*layout.points, *layout.forces):
         position = _MILLI * point.position[pick]
         panel.plot(*position, "+", color=_POINT, markersize=9)
-        panel.annotate(point.name, position, xytext=(5, 3), textcoords="offset points", fontsize=7, color=_POINT)
+        where = {"xytext": (5, 3), "textcoords": "offset points"}
+        labels.append(panel.annotate(point.name, position, fontsize=7, color=_POINT, **where))
     centre = _MILLI * layout.payload.centre[pick]
     panel.plot(*centre, marker="o", color="black", markersize=9, fillstyle="left", markerfacecoloralt="white")
     _dimension(panel, layout, across, up)
@@ -68,10 +72,31 @@ def _draw(panel: Any, layout: Layout, across: int, up: int) -> None:
     panel.set_xlabel(f"{'xyz'[across]} [mm]")
     panel.set_ylabel(f"{'xyz'[up]} [mm]")
     panel.grid(alpha=0.25)
+    return labels
 
 
-def _draw_mass(panel: Any, mass: Mass, pick: list[int]) -> None:
-    """Draw the uniform box that has a mass's moments of inertia, and its name."""
+def _apart(panel: Any, labels: list[Any]) -> None:
+    """Put each label on the first side of what it names on which it covers no other one and stays in the panel."""
+    taken: list[Any] = []
+    frame = panel.get_window_extent()
+    for label in labels:
+        first = label.get_position()
+        sides = [(first, "left"), *(((x, y), "left" if x > 0 else "right") for x in (5, -5) for y in (3, -10))]
+        for position, side in sides:
+            label.set_position(position)
+            label.set_horizontalalignment(side)
+            box = label.get_window_extent()
+            inside = frame.x0 <= box.x0 and box.x1 <= frame.x1
+            if inside and not any(box.overlaps(other) for other in taken):
+                break
+        else:
+            label.set_position(first)
+            label.set_horizontalalignment("left")
+        taken.append(label.get_window_extent())
+
+
+def _draw_mass(panel: Any, mass: Mass, pick: list[int]) -> Any:
+    """Draw the uniform box that has a mass's moments of inertia, and its name, which is returned."""
     properties = mass.properties
     moments = np.diag(properties.inertia)
     lengths = _MILLI * np.sqrt(np.maximum(6.0 * (moments.sum() - 2.0 * moments) / properties.mass, 0.0))
@@ -79,7 +104,7 @@ def _draw_mass(panel: Any, mass: Mass, pick: list[int]) -> None:
     x, y = centre[pick] - 0.5 * lengths[pick]
     panel.add_patch(Rectangle((x, y), *lengths[pick], color=_BODY, alpha=0.18))
     corner = (x, y + lengths[pick][1])
-    panel.annotate(mass.name, corner, xytext=(3, -9), textcoords="offset points", fontsize=7, color=_BODY)
+    return panel.annotate(mass.name, corner, xytext=(3, -9), textcoords="offset points", fontsize=7, color=_BODY)
 
 
 def _dimension(panel: Any, layout: Layout, across: int, up: int) -> None:
