@@ -9,6 +9,7 @@ import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.studies.results.stated_limits import StatedLimit, limit_of_text, limit_statement
 from wirerope_mj.studies.results.study_summary import summary_of
+from wirerope_mj.studies.results.tables import measures_table
 
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.01)
 
@@ -152,3 +153,17 @@ def test_the_list_of_measures_has_every_kind_and_not_every_mount(result):
     for kind in ("acceleration/NAME", "deflection/NAME/compression", "travel/NAME", "static_load/NAME", "force/NAME"):
         assert kind in said
     assert len(said) < 600 < len(", ".join(names))
+
+
+def test_the_nominal_system_stands_beside_its_variants(tmp_path):
+    pulse = wr.HalfSine(peak=50.0, duration=0.011, direction="z", start=0.01)
+    study = wr.Study(
+        model="shock_table.xml", motion=pulse, duration=0.1, timestep=5e-4, variants=8,
+        vary={"motion/level": wr.Uniform(0.5, 1.5)},
+    )  # fmt: skip
+    result = study.run(tmp_path / "study")
+    alone = wr.simulate(wr.load_system("shock_table"), pulse, duration=0.1, timestep=5e-4)
+    assert result.nominal["acceleration/block"] == pytest.approx(
+        alone.peaks.bodies["block"].acceleration.value, rel=1e-9
+    )
+    assert "nominal" in [column.heading for column in measures_table(summary_of(result)).columns]

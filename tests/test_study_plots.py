@@ -60,7 +60,7 @@ def test_bars_of_inputs_go_from_the_strongest_down_and_pale_ones_say_so():
     assert [bar.get_width() for bar in panel.patches] == pytest.approx([0.0, 10.0, 70.0])
     shown = [label.get_text() for label in panel.get_yticklabels()]
     assert shown == ["body/floor/centre_shift/x [m]", "mount/m1/axial/alpha", "motion/level [factor]"]
-    assert "may be chance" in texts(panel)[0]
+    assert "not surely above chance" in texts(panel)[0]
     assert panel.patches[0].get_alpha() < 0.5 < panel.patches[1].get_alpha()
     assert panel.patches[1].get_facecolor() != panel.patches[2].get_facecolor()  # one falls, one rises
 
@@ -95,7 +95,7 @@ def test_the_word_of_chance_stands_beside_the_share_and_every_label_within_the_p
     figure = sensitivity_figure(found, "travel", {})
     figure.canvas.draw()
     (panel,) = figure.axes
-    assert texts(panel)[1] == "60 % (may be chance), rank correlation +0.83"
+    assert texts(panel)[1] == "60 % (not surely above chance), rank correlation +0.83"
     assert all(text.get_window_extent().x1 < panel.get_window_extent().x1 for text in panel.texts)
 
 

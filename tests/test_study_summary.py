@@ -37,13 +37,13 @@ def test_of_drawn_variants_the_summary_has_what_the_tables_give(drawn):
 
 def test_percentiles_that_no_table_gives_are_not_in_the_summary(tmp_path):
     found = summary_of(table_study(variants=40).run(tmp_path / "out", workers=1))
-    assert set(found["measures"]["acceleration"]) == {"median", "largest", "variant"}
+    assert set(found["measures"]["acceleration"]) == {"nominal", "median", "largest", "variant"}
 
 
 def test_of_a_grid_there_are_no_probabilities(tmp_path):
     study = table_study(vary={"motion/level": wr.Uniform(0.5, 1.5, points=5)}, variants=None, sampling="grid")
     of = summary_of(study.run(tmp_path / "out", workers=1))["measures"]["travel"]
-    assert set(of) == {"smallest", "median", "largest", "variant", "limit", "beyond", "of"}
+    assert set(of) == {"nominal", "smallest", "median", "largest", "variant", "limit", "beyond", "of"}
     assert of["smallest"] < of["median"] < of["largest"]
 
 

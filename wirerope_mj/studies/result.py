@@ -18,7 +18,7 @@ from wirerope_mj.foundation.exports import Exportable, Exported
 from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.studies.definition import StudyDefinition
-from wirerope_mj.studies.engines.compute import FAILED
+from wirerope_mj.studies.engines.compute import FAILED, nominal
 from wirerope_mj.studies.folder import dead, done, parts, read_schema, read_table
 from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.inputs.sampling import LISTED
@@ -72,6 +72,12 @@ class StudyResult(Exportable, Summarised):
         if not numbers:
             raise RecordError(f"{self.folder}: no variant of this study is done yet.")
         return todays_table(pa.concat_tables(parts(self.folder, numbers)), self.inputs)
+
+    @cached_property
+    def nominal(self) -> dict[str, float]:
+        """Measures of the nominal system, with nothing varied and under the first of the motions; none if it fails."""
+        measures = nominal(self.study.work)
+        return {} if isinstance(measures, str) else measures
 
     @property
     def exported(self) -> Exported:

@@ -140,6 +140,18 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, b
     return [outcomes[index] for index in range(len(rows))]
 
 
+def nominal(work: Work) -> Outcome:
+    """Return the measures of the system as it stands, under the first of the motions, or why there are none."""
+    try:
+        (result,) = simulate_batch(
+            [work.system], [work.motions[0]], duration=work.duration, timestep=work.timestep, initial=work.initial,
+            sample_rate=work.sample_rate, corners=work.corners, threads=1,
+        )  # fmt: skip
+    except _RESULTS as error:
+        return why_not(error)
+    return _outcome(work, work.system, result)
+
+
 def why_not(error: Exception) -> str:
     """Return the message of an error: an Accident if it is none that the variant's own numbers lead to."""
     if isinstance(error, WireRopeError):

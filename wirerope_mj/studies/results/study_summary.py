@@ -38,6 +38,7 @@ class Statistics:
     Attributes:
         measure: with its unit and limit.
         quantiles: at `QUANTILES`; NaN where too few variants lie beyond.
+        nominal: of the system with nothing varied; NaN if that fails.
         smallest, median, largest: of all variants.
         variant: number of the one with the largest value.
         beyond: exceedance of the limit; None without a limit.
@@ -45,6 +46,7 @@ class Statistics:
     """
 
     measure: Measure
+    nominal: float
     quantiles: tuple[float, ...]
     smallest: float
     median: float
@@ -162,6 +164,7 @@ class StudySummary:
             beyond, ratio = exceedance_of(table, measure.name, limit), self._ratio(values, limit)
         return Statistics(
             measure=measure,
+            nominal=self.result.nominal.get(measure.name, np.nan),
             quantiles=tuple(quantiles(values, QUANTILES)),
             smallest=float(np.nanmin(values)),
             median=float(np.nanmedian(values)),

@@ -30,15 +30,18 @@ _QUANTILES = {"q05": 0.05, "median": 0.5, "q95": 0.95}
 def summary(result: StudyResult) -> dict[str, Any]:
     """Return the statistics of a study's measures, SI.
 
-    Of variants that were sampled percentiles, as far as five variants lie beyond them, and the probability beyond the limit
-    with its bounds; of those for Sobol's indices these, too; of listed ones the smallest, the middle and the largest value.
+    What the nominal system does. Of variants that were sampled percentiles, as far as five variants lie beyond them, and the
+    probability beyond the limit with its bounds; of those for Sobol's indices these, too; of listed ones the smallest, the
+    middle and the largest value.
     """
+    nominal = result.nominal
     result = result.narrowed(("variant", "status", "message", STRUCK, *SUMMARISED))
     method = result.inputs["sampling"]["method"]
     table = result.independent if method == SAMPLING else result.table
     measures = {}
     for name in known(table):
-        measures[name] = _of_measure(table, name, sampled=method not in LISTED)
+        measures[name] = {"nominal": nominal[name]} if name in nominal else {}
+        measures[name] |= _of_measure(table, name, sampled=method not in LISTED)
         if method == SAMPLING:
             measures[name] |= _indices(result, name)
     struck = struck_variants(result.table)

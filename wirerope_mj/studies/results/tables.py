@@ -47,7 +47,7 @@ def measures_table(summary: StudySummary) -> Table:
         title="Measures and their percentiles" if sampled else "Measures",
         columns=[
             Column("measure", align="left"),
-            *map(Column, heads),
+            *map(Column, ("nominal", *heads)),
             *map(Column, ("largest", "in variant", "limit", "beyond it")),
         ],
         rows=[_measure_row(one, sampled) for one in summary.statistics],
@@ -57,7 +57,7 @@ def measures_table(summary: StudySummary) -> Table:
 
 def _measure_row(one: Statistics, sampled: bool) -> list[Cell]:
     column = one.measure.column
-    values = [*(one.quantiles if sampled else (one.smallest, one.median)), one.largest]
+    values = [one.nominal, *(one.quantiles if sampled else (one.smallest, one.median)), one.largest]
     row: list[Cell] = [column.title(), *map(column.text, values), str(one.variant)]
     if one.beyond is None:
         return [*row, None, None]

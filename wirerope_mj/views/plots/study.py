@@ -194,7 +194,7 @@ def _limit(draw: Callable[..., Any], shown: Measure) -> None:
 
 
 def _sign(one: Effect) -> str:
-    doubtful = "" if one.certain else " (may be chance)"
+    doubtful = "" if one.certain else " (not surely above chance)"
     trend = "" if math.isnan(one.rank) else f", rank correlation {one.rank:+.2f}".replace("-", "\N{MINUS SIGN}")
     return f"{max(100.0 * one.index, 0.0):.0f} %{doubtful}{trend}"
 

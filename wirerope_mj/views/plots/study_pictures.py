@@ -93,7 +93,7 @@ def _sensitivity(summary: StudySummary) -> StudyPicture:
     by = summary.by
     caption = (
         f"What each input alone explains of the variance of: {measure_of(by).text}. Blue: it rises with the input; orange: "
-        "it falls; grey: the input has no order; pale: may be chance."
+        "it falls; grey: the input has no order; pale: not surely above chance."
     )
     return StudyPicture(
         name="sensitivity", figure=sensitivity_figure(summary.effects, by, summary.labels), caption=caption
