@@ -1,4 +1,4 @@
-"""The modelled geometry from above, in a panel of a figure."""
+"""The modelled geometry from above or from the side, in a panel of a figure."""
 
 from collections.abc import Collection
 from typing import Any
@@ -14,16 +14,17 @@ _ROOM = 0.05  # around the drawing, of its width
 _MARKERS = "osD^vP"
 
 
-def draw_plan(panel: Any, scene: Scene, *, absent: Collection[str] = ()) -> None:
-    """Draw a scene from above into a panel, its mounts as marks without names; of those that are absent the empty position.
+def draw_view(panel: Any, scene: Scene, number: int, *, absent: Collection[str] = ()) -> None:
+    """Draw a scene from above or from the side into a panel, its mounts as marks without names.
 
     Args:
         panel: where it is drawn.
         scene: what is drawn.
-        absent: names of mounts that are not there.
+        number: 0: from above, 1: from the side.
+        absent: names of mounts that are not there: their empty positions are crossed.
     """
     drawn, positions = drawn_scene(scene), mount_positions(scene)
-    view = drawn.views[0]
+    view = drawn.views[number]
     shapes = outlines(drawn, view)
     corners, colours = [one.corners for one in shapes], [one.colour for one in shapes]
     panel.add_collection(PolyCollection(corners, facecolors=colours, edgecolors="0.55", linewidths=0.35))

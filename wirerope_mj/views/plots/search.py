@@ -1,4 +1,4 @@
-"""Pictures of a search: its designs with the front, and some of the front's from above."""
+"""Pictures of a search: its designs with the front, and some of the front's from above and from the side."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -14,7 +14,7 @@ from wirerope_mj.studies.results.statistics import row_of
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import COLOURS, RATED, WIDTH, report_style
-from wirerope_mj.views.plots.scene_plan import draw_plan
+from wirerope_mj.views.plots.scene_plan import draw_view
 from wirerope_mj.views.plots.study_pictures import StudyPicture
 
 _SHOWN = 4  # designs from above
@@ -22,6 +22,7 @@ _NEAREST = 8  # designs that are shown where none is within the limits
 _NAMED = 12  # designs of the front with a label
 _AROUND = 0.35  # of the extent of the front with the given designs: what is drawn around it
 _LEFT = 0.15  # of the picture's width: nearer to its edge labels have no room on the left
+_COLUMNS = 4  # of the legend, as many as the picture has room for
 _APART = 0.04  # of the picture's height: labels that are nearer would cover each other
 
 
@@ -42,7 +43,8 @@ def search_pictures(result: SearchResult) -> list[StudyPicture]:
     with_mounts = any(column.places_mounts for one in result.study.quantities for column in one.columns)
     if with_mounts and result.front.num_rows:
         caption = (
-            "Designs of the front from above, and the given one first: filled marks are mounts, crosses empty places."
+            "Designs of the front from above and from the side, the given one first: filled marks are mounts, crosses empty "
+            "places."
         )
         pictures.append(StudyPicture(name="placements", figure=placements_figure(result), caption=caption))
     return pictures
@@ -85,18 +87,22 @@ def front_figure(result: SearchResult) -> Figure:
 
 
 def placements_figure(result: SearchResult) -> Figure:
-    """Return some designs from above: the given one, and the front's ends, knee and middle."""
+    """Return some designs from above and from the side: the given one, and the front's ends, knee and middle."""
     shown = _shown(result)
     with report_style():
-        rows = (len(shown) + 1) // 2
-        figure = PlainFigure(figsize=(WIDTH, 2.8 * rows), layout="constrained")
-        panels = np.atleast_1d(figure.subplots(rows, min(len(shown), 2))).ravel()
-        for panel, variant in zip(panels, shown, strict=False):
-            draw_plan(panel, result.scene(variant), absent=result.absent(variant))
-            panel.set_title(_title(result, variant), fontsize=7.5)
-        for panel in panels[len(shown) :]:
+        rows, columns = (len(shown) + 1) // 2, min(len(shown), 2)
+        figure = PlainFigure(figsize=(WIDTH, 4.4 * rows), layout="constrained")
+        panels = figure.subplots(2 * rows, columns, squeeze=False, height_ratios=(2, 1) * rows)
+        for panel in panels.ravel():
             panel.set_visible(False)
-        _legend(figure, panels[: len(shown)])
+        for place, variant in enumerate(shown):
+            row, column = divmod(place, columns)
+            for number, panel in enumerate(panels[2 * row : 2 * row + 2, column]):
+                panel.set_visible(True)
+                draw_view(panel, result.scene(variant), number, absent=result.absent(variant))
+            panels[2 * row, column].set_title(_title(result, variant), fontsize=7.5)
+            panels[2 * row + 1, column].set_title("")
+        _legend(figure, panels.ravel())
     return figure
 
 
@@ -155,7 +161,7 @@ def _legend(figure: Figure, panels: Iterable[Any], *, title: str | None = None) 
         handles, labels = panel.get_legend_handles_labels()
         marks |= dict(zip(labels, handles, strict=True))
     figure.legend(
-        marks.values(), marks.keys(), loc="outside lower center", ncols=len(marks), frameon=False, title=title,
+        marks.values(), marks.keys(), loc="outside lower center", ncols=min(len(marks), _COLUMNS), frameon=False, title=title,
         title_fontsize=7,
     )  # fmt: skip
 
