@@ -60,7 +60,13 @@ def test_an_identification_gives_the_same_law(tmp_path):
     before_rows = [line.split("|")[1:-1] for line in old.splitlines() if line.startswith("| ") and "---" not in line]
     new = new.replace("\N{MINUS SIGN}", "-").replace("\N{EN DASH}", "-")
     after_rows = [re.findall(r"<td[^>]*>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", new, re.DOTALL)]
-    assert numbers_of(before_rows) == numbers_of(after_rows)
+    for old_row, new_row in zip(numbers_of(before_rows), numbers_of(after_rows), strict=True):
+        # Each loop has the noise that is left in it, 0.0011 to 0.0019 % of its range, where all had one before: of x_y, which
+        # the smallest loop fixes, the standard error is a fifth smaller.
+        errors = slice(2, 4) if len(old_row) == 5 else slice(0, 0)
+        assert list(map(float, new_row[errors])) == pytest.approx(list(map(float, old_row[errors])), rel=0.25)
+        del old_row[errors], new_row[errors]
+        assert new_row == old_row
 
 
 def numbers_of(rows):
