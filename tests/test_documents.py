@@ -2,14 +2,12 @@
 
 import re
 import runpy
-import shlex
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.cli import main
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.studies.inputs.quantities import KINDS
 from wirerope_mj.studies.measures import measure_names
@@ -110,21 +108,6 @@ def test_studies_run_into_a_folder(tmp_path, monkeypatch, capsys):
     assert names["result"].table.num_rows == 32
     assert not names["result"].failed
     assert "acceleration" in capsys.readouterr().out
-
-
-@pytest.mark.slow
-def test_the_whole_files_of_the_page_of_studies_are_taken_by_its_commands(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    page = (ROOT / "docs" / "studies.md").read_text(encoding="utf-8")
-    files = dict(re.findall(r"```python\n# (\w+\.py)\n(.*?)```", page, flags=re.DOTALL))
-    assert list(files) == ["table.py", "tolerances.py"]
-    for name, text in files.items():
-        Path(name).write_text(text, encoding="utf-8")
-    commands = re.findall(r"^wirerope .*(?:table|tolerances)\.py.*$", page, flags=re.MULTILINE)
-    assert len(commands) == 3
-    for number, command in enumerate(commands):
-        workers = [] if " run " in command else ["--workers", "1"]
-        assert main([*shlex.split(command)[1:], *workers, "--out", f"out-{number}"]) == 0, command
 
 
 def test_the_page_of_studies_lists_every_measure():
