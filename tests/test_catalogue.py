@@ -12,10 +12,10 @@ from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.mounts.isolator import load_isolator
 from wirerope_mj.mounts.laws.kernels import asymmetric_bouc_wen
 from wirerope_mj.mounts.rope_loop import RopeLoop, loop_shape
 from wirerope_mj.mounts.test_rig import cyclic_test
+from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.mounts.vendor_parts.comparison import compare
 from wirerope_mj.mounts.vendor_parts.law_values import Secant, relaxed_force, secant
 from wirerope_mj.mounts.vendor_parts.secants import ElasticShape, fit_damped, fit_secants

@@ -9,9 +9,9 @@ from wirerope_mj.mounts.estimate.estimate import error_bands
 from wirerope_mj.mounts.estimate.trends import all_trends, find_trends, left_out_errors, other_vendor_errors
 from wirerope_mj.mounts.estimate.vendor_check import loop_secants
 from wirerope_mj.mounts.estimate.vendor_loops import vendor_loops
-from wirerope_mj.mounts.isolator import load_isolator
 from wirerope_mj.mounts.rope_loop import LoopShape, fit_coupling
 from wirerope_mj.mounts.rope_loop.half_loop import HalfLoop
+from wirerope_mj.mounts.vendor_parts import load_isolator
 
 WR16_400 = {"height": 0.089, "width": 0.105, "rope": 0.0127, "loops": 8}
 

@@ -19,8 +19,6 @@ from wirerope_mj.mounts.isolator import (
     Provenance,
     Spread,
     Travel,
-    find_isolator,
-    load_isolator,
 )
 from wirerope_mj.mounts.laws import (
     LAWS,
@@ -32,6 +30,7 @@ from wirerope_mj.mounts.laws import (
     Stop,
     SymmetricBoucWen,
 )
+from wirerope_mj.mounts.vendor_parts import find_isolator, load_isolator
 
 pytestmark = pytest.mark.quick
 

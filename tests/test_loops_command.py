@@ -6,7 +6,7 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.mounts.isolator import find_isolator
+from wirerope_mj.mounts.vendor_parts import find_isolator
 
 pytestmark = pytest.mark.quick
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.mounts.isolator import load_isolator
+from wirerope_mj.mounts.vendor_parts import load_isolator
 
 MODELS = Path(__file__).parents[1] / "models"
 

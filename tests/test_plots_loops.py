@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from wirerope_mj.mounts.isolator import find_isolator, load_isolator
 from wirerope_mj.mounts.laws import BoucWen
 from wirerope_mj.mounts.test_rig import cyclic_test
+from wirerope_mj.mounts.vendor_parts import find_isolator, load_isolator
 from wirerope_mj.views.plots.loops import cyclic_tests_figure, loops_figure, save_cyclic_tests, save_loops
 
 pytestmark = pytest.mark.quick

@@ -12,7 +12,8 @@ from wirerope_mj.assessment.selection.select import Candidate, Rejected, judge
 from wirerope_mj.assessment.selection.worksheet import Worksheet
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import catalogue_folder
-from wirerope_mj.mounts.vendor_parts import fit_part, vendor_parts
+from wirerope_mj.mounts.vendor_parts import vendor_parts
+from wirerope_mj.mounts.vendor_parts.part_fit import fit_part
 from wirerope_mj.mounts.vendor_parts.parts import ModeValues, Series, read_table
 
 PARTS = {part.name: part for part in vendor_parts()}

@@ -12,8 +12,8 @@ from wirerope_mj.assessment.criteria import contact_verdicts, headline, judge, m
 from wirerope_mj.engine.simulation.timestep import ACCURACY
 from wirerope_mj.engine.statics import static_table
 from wirerope_mj.foundation.resources import models_folder
-from wirerope_mj.mounts.isolator.files import find_isolator
 from wirerope_mj.mounts.laws.kernels import evaluate
+from wirerope_mj.mounts.vendor_parts import find_isolator
 from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.views.recording import record_rerun
 from wirerope_mj.views.recording.events import events_of

@@ -5,7 +5,7 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.mounts.isolator import find_isolator
+from wirerope_mj.mounts.vendor_parts import find_isolator
 
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.01)
 

@@ -111,7 +111,6 @@ from .mounts.isolator import Rotation as Rotation
 from .mounts.isolator import Spread as Spread
 from .mounts.isolator import Stiffening as Stiffening
 from .mounts.isolator import Travel as Travel
-from .mounts.isolator import load_isolator as load_isolator
 from .mounts.laws import AsymmetricBoucWen as AsymmetricBoucWen
 from .mounts.laws import BoucWen as BoucWen
 from .mounts.laws import BoucWenBaberNoori as BoucWenBaberNoori
@@ -135,6 +134,7 @@ from .mounts.test_rig import load_cyclic_test as load_cyclic_test
 from .mounts.test_rig import read_cyclic_test as read_cyclic_test
 from .mounts.test_rig import save_cyclic_test as save_cyclic_test
 from .mounts.test_rig import steady_loops as steady_loops
+from .mounts.vendor_parts import load_isolator as load_isolator
 from .runs import replay as replay
 from .runs import run_scenario as run_scenario
 from .runs.from_scenario import study_of as study_of

@@ -17,8 +17,9 @@ from wirerope_mj.mounts.identification.isolator_file import assumptions, identif
 from wirerope_mj.mounts.identification.options import Constraint
 from wirerope_mj.mounts.identification.records import Tests, contents, loop_warnings, read_tests
 from wirerope_mj.mounts.identification.result import FittedLoop, Identification, fitted_loops
-from wirerope_mj.mounts.isolator import Isolator, load_isolator, read_law
+from wirerope_mj.mounts.isolator import Isolator, read_law
 from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop
+from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.runs.folder import atomic_run, check_target
 from wirerope_mj.runs.page import REPORT, write_page
 from wirerope_mj.views.report import check_pdf

@@ -10,10 +10,11 @@ from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.tables import Cell, Column, Table
-from wirerope_mj.mounts.isolator import AXES, Isolator, find_isolator, load_isolator
+from wirerope_mj.mounts.isolator import AXES, Isolator
 from wirerope_mj.mounts.laws import Law, Parallel
 from wirerope_mj.mounts.laws.stop import largest_gap
 from wirerope_mj.mounts.test_rig import cyclic_test
+from wirerope_mj.mounts.vendor_parts import find_isolator, load_isolator, shipped_file, vendor_parts
 from wirerope_mj.mounts.vendor_parts.comparison import compare
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
 
@@ -42,7 +43,31 @@ def print_isolators() -> None:
         *(Column(name, "mm", ".4g") for name in ("compr.", "tension", "shear", "roll")),
         Column("kind", align="left"),
     ]
-    note = "- not rated: not judged. `wirerope isolators NAME` shows one."
+    note = (
+        "- not rated: not judged. `wirerope isolators NAME` shows one, `--all` the "
+        f"{len(vendor_parts())} parts of the vendors' tables, which every command takes by name as well."
+    )
+    print_table(Table(title="", columns=columns, rows=rows, note=note))
+
+
+def print_parts() -> None:
+    """Print the parts of the vendors' tables as the vendors state them, and where each one's isolator is from."""
+    columns = [
+        Column("part", align="left"),
+        *(Column(name, "mm", ".4g") for name in ("height", "width", "rope")),
+        Column("load", "N", ".4g"),
+        *(Column(name, "mm", ".4g") for name in ("compr.", "shear")),
+        *(Column(f"{name} stiffness", "N/mm", ".4g") for name in ("vibration", "shock")),
+        Column("isolator", align="text"),
+    ]
+    rows: list[list[Cell]] = []
+    for part in vendor_parts():
+        along, across = part.modes["compression"], part.modes["shear"]
+        whole = None not in (part.height, part.width, part.rope, along.travel, along.vibration, along.shock)
+        made = shipped_file(part) or ("fitted from this row" if whole else "too little stated")
+        sizes = [part.height, part.width, part.rope, along.static_load, along.travel, across.travel]
+        rows.append([part.name, *sizes, along.vibration, along.shock, made])
+    note = "- not stated. Load, stiffnesses: in compression. `wirerope isolators PART` says what is fitted and what assumed."
     print_table(Table(title="", columns=columns, rows=rows, note=note))
 
 

@@ -1,8 +1,9 @@
 """`wirerope isolators`: its options, and those of `fit` and `estimate`."""
 
 from pathlib import Path
+from typing import Annotated
 
-from cyclopts import App
+from cyclopts import App, Parameter
 
 from wirerope_mj.cli.integers import Integer
 
@@ -13,22 +14,29 @@ isolators_app = App(
 
 
 @isolators_app.default
-def isolators(name: str | None = None, *, out: Path | None = None) -> int:
+def isolators(
+    name: str | None = None,
+    *,
+    all: Annotated[bool, Parameter(negative=())] = False,  # noqa: A002  # the option's name
+    out: Path | None = None,
+) -> int:
     """Show the catalogue, or one isolator: its parameters, what its loops measure, and their picture.
 
     `wirerope isolators fit DATASHEET OUT` makes an isolator file from a vendor's data sheet, and `wirerope isolators estimate`
     one from the geometry alone.
 
     Args:
-        name: isolator of the catalogue, or the path of an isolator file; without it the whole catalogue.
+        name: isolator of the catalogue, part of a vendor's table such as CB1500-30, or the path of an isolator file; without it
+            the whole catalogue.
+        all: list the parts of the vendors' tables instead, each of which is a name, too.
         out: where the picture of the loops is written (.png, .svg, .pdf).
     """
-    from wirerope_mj.cli.isolators import print_isolator, print_isolators
+    from wirerope_mj.cli.isolators import print_isolator, print_isolators, print_parts
 
     if name is None:
         if out is not None:
             raise ValueError("`--out` writes the picture of one isolator; name it: wirerope isolators NAME --out FILE")
-        print_isolators()
+        (print_parts if all else print_isolators)()
     else:
         print_isolator(name, out)
     return 0

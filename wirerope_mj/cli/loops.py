@@ -14,10 +14,11 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.toml_file import toml_content
-from wirerope_mj.mounts.isolator import Isolator, Limits, Travel, find_isolator, load_isolator, read_law
+from wirerope_mj.mounts.isolator import Isolator, Limits, Travel, read_law
 from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of, distinct_axes
 from wirerope_mj.mounts.laws import EnhancedDryFriction, Hysteresis, Law, Loop
 from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, save_cyclic_test, softening_to_hardening
+from wirerope_mj.mounts.vendor_parts import VendorPart, find_isolator, load_isolator
 
 _FRACTIONS = (0.05, 0.1, 0.25, 0.5, 1.0)
 """Default amplitudes as fractions of the rated travel: enough to see where softening ends."""
@@ -68,6 +69,8 @@ def _load(source: str, axis: str | None) -> tuple[Isolator, str, bool]:
     """Return the isolator, a name for its files, and whether it may have ratings; a law file is an isolator of one axis."""
     given = Path(source)
     path = given if given.is_file() else find_isolator(source, beside=catalogue_folder())
+    if isinstance(path, VendorPart):
+        return load_isolator(path), path.name, True
     try:
         content = toml_content(path)
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):

@@ -16,7 +16,6 @@ from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
-from wirerope_mj.mounts.vendor_parts import shipped_file
 
 NOTHING_FOUND = 1
 """Exit code if no part meets the worksheet."""
@@ -161,9 +160,10 @@ def _print_notes(
     ):
         if value is None:
             notes.append(f"{option} is not given: not judged")
-    files = {one.part.name: shipped_file(one.part) for one in selection.candidates}
-    if listed := [f"{name} is {file}" for name, file in files.items() if file]:
-        notes.append(f"isolator files that ship: {', '.join(listed)}")
+    notes.append(
+        f"every command takes a part by its name: wirerope isolators {selection.candidates[0].part.name}, or in the column "
+        "isolator of a table of mounts for wirerope new"
+    )
     if simulated and "45" in (sheet.loading, sheet.direction):
         notes.append(
             "fitted along the axes alone, the parts are 40 to 60 % stiffer at 45 degrees than the vendor states for shock"

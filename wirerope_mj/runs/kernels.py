@@ -17,9 +17,9 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import HalfSine, Sweep
 from wirerope_mj.motions.spectra import shock_response_spectrum
 from wirerope_mj.mounts.identification.identify import identify
-from wirerope_mj.mounts.isolator import load_isolator
 from wirerope_mj.mounts.laws import BoucWen, Stop, Tabulated, VaianaRosati, Zener
 from wirerope_mj.mounts.test_rig import steady_loops
+from wirerope_mj.mounts.vendor_parts import load_isolator
 
 
 def use_all_kernels() -> None:

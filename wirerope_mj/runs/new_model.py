@@ -8,8 +8,9 @@ from wirerope_mj.engine.from_tables import Layout, StopLaw, mjcf_of, read_layout
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 from wirerope_mj.foundation.resources import models_folder
-from wirerope_mj.mounts.isolator import Isolator, Provenance, load_isolator
+from wirerope_mj.mounts.isolator import Isolator, Provenance
 from wirerope_mj.mounts.laws import Stop
+from wirerope_mj.mounts.vendor_parts import load_isolator
 
 KIND = "folder of a model"
 _MODELS = {"cabinet": "cabinet.xml", "floor": "floating_floor.xml", "two-stage": "templates/two_stage.xml"}

@@ -12,12 +12,10 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.motions import VelocityStep
-from wirerope_mj.mounts.isolator import Isolator, load_isolator
-from wirerope_mj.mounts.vendor_parts.part_fit import fit_part
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.mounts.vendor_parts.parts import VendorPart
-from wirerope_mj.mounts.vendor_parts.shipped import shipped_file
 
 _START = 0.01
 """Instant of the shock [s]: a moment of rest before it shows the sag."""
@@ -104,8 +102,7 @@ def simulate_candidate(candidate: Candidate, worksheet: Worksheet) -> SimulatedS
         ConvergenceError: no law fits all stiffnesses of the row, or there is no equilibrium under the weight.
         SimulationError: the run failed.
     """
-    shipped = shipped_file(candidate.part)
-    isolator = fit_part(candidate.part) if shipped is None else load_isolator(catalogue_folder() / f"{shipped}.toml")
+    isolator = load_isolator(candidate.part)
     for mode, axis, law in (("shear", "shear", isolator.shear), ("45", "roll", isolator.roll)):
         if mode in (worksheet.loading, worksheet.direction) and law is None:
             raise ModelError(

@@ -8,6 +8,7 @@ import numpy as np
 
 from wirerope_mj.engine.from_tables.mass_properties import MassProperties, combined
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.vendor_parts import VendorPart
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +62,7 @@ class Layout:
     Attributes:
         name: of the model and of the payload.
         forces: points at which forces may act on the payload.
-        isolators: files of those that mounts and stops name, by name.
+        isolators: files, or parts of the vendors' tables, that mounts and stops name, by name.
     """
 
     name: str
@@ -70,7 +71,7 @@ class Layout:
     stops: tuple[Placed, ...] = ()
     points: tuple[Point, ...] = ()
     forces: tuple[Point, ...] = ()
-    isolators: Mapping[str, Path] = field(default_factory=dict)
+    isolators: Mapping[str, Path | VendorPart] = field(default_factory=dict)
 
     @property
     def payload(self) -> MassProperties:

@@ -8,7 +8,7 @@ import numpy as np
 from wirerope_mj.engine.from_tables.layout import Layout, Mass, Placed
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.mounts.isolator import load_isolator
+from wirerope_mj.mounts.vendor_parts import load_isolator
 
 _ABOUT = """
     A payload on isolators above a deck that is driven along x, y and z, written by wirerope new from the tables in

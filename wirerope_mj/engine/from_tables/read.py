@@ -12,9 +12,9 @@ from wirerope_mj.engine.from_tables.mass_properties import MassProperties, why_i
 from wirerope_mj.engine.from_tables.placing import check_places
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
 from wirerope_mj.foundation.plain_text import short
-from wirerope_mj.mounts.isolator import find_isolator, load_isolator
+from wirerope_mj.mounts.vendor_parts import VendorPart, find_isolator, load_isolator
 
 _POSITION = {"name": TEXT, "x": "length", "y": "length", "z": "length"}
 _DIRECTION = dict.fromkeys(("direction_x", "direction_y", "direction_z", "bars_x", "bars_y", "bars_z"), PURE)
@@ -47,7 +47,7 @@ def read_layout(
     """
     _check_name(name)
     heavy = _read_masses(masses, sign=-1.0 if positive_products else 1.0)
-    isolators: dict[str, Path] = {}
+    isolators: dict[str, Path | VendorPart] = {}
     placed = _read_mounts(mounts, isolators)
     stopped = _read_stops(stops, isolators) if stops else ()
     for stop in stopped:
@@ -129,7 +129,7 @@ def _box(row: Row, name: str, mass: float, moments: Sequence[str]) -> Array:
     return np.diag(mass / 12.0 * (sizes @ sizes - sizes**2))
 
 
-def _read_mounts(path: Path, isolators: dict[str, Path]) -> tuple[Placed, ...]:
+def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Placed, ...]:
     needed = {**_POSITION, "isolator": TEXT}
     rows = read_sheet(path, kind="table of mounts", needed=needed, further={**_DIRECTION, **_ANGLES})
     mounts: list[Placed] = []
@@ -140,7 +140,7 @@ def _read_mounts(path: Path, isolators: dict[str, Path]) -> tuple[Placed, ...]:
     return tuple(mounts)
 
 
-def _read_stops(path: Path, isolators: dict[str, Path]) -> tuple[Placed, ...]:
+def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Placed, ...]:
     figures = {"gap": "length", "stiffness": "stiffness", "damping": "damping", "rounding": "length"}
     rows = read_sheet(
         path, kind="table of stops", needed=_POSITION, further={"isolator": TEXT, **figures, **_DIRECTION, **_ANGLES}
@@ -223,17 +223,20 @@ def _axes(row: Row) -> Array:
     return axes_along(axial, bars)
 
 
-def _isolator(row: Row, path: Path, isolators: dict[str, Path]) -> str:
-    """Return the name of a row's isolator, and its file, from beside the table or from the catalogue, noted in `isolators`."""
+def _isolator(row: Row, path: Path, isolators: dict[str, Path | VendorPart]) -> str:
+    """Name a row's isolator and note where it is from: beside the table, the catalogue, or a vendor's table."""
     given = row.text("isolator")
     try:
-        file = find_isolator(given, beside=path.parent)
-        if file.stem not in isolators:
-            load_isolator(file)
-        if any(character.isspace() for character in file.stem):
-            raise ModelError(f"{file}: the file's name holds a space, which names in a model cannot. Rename the file.")
-    except ModelError as error:
+        found = find_isolator(given, beside=path.parent)
+        if isinstance(found, Path):
+            found = found.resolve()
+        name = found.name if isinstance(found, VendorPart) else found.stem
+        if name not in isolators:
+            load_isolator(found)
+        if any(character.isspace() for character in name):
+            raise ModelError(f"{found}: the file's name holds a space, which names in a model cannot. Rename the file.")
+    except (ModelError, ConvergenceError) as error:
         raise RecordError(f'{row.location}: column "isolator": {error}') from None
-    if not file.samefile(first := isolators.setdefault(file.stem, file)):
-        raise RecordError(f'{row.location}: column "isolator": {file} and {first} have one name. Rename one of them.')
-    return file.stem
+    if (first := isolators.setdefault(name, found)) != found:
+        raise RecordError(f'{row.location}: column "isolator": {found} and {first} have one name. Rename one of them.')
+    return name

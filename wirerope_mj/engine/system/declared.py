@@ -11,7 +11,8 @@ import numpy.typing as npt
 
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import plain
-from wirerope_mj.mounts.isolator import Isolator, find_isolator, load_isolator
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.vendor_parts import load_isolator
 
 COINCIDENCE = 1e-6
 """Largest distance between the two sites of a mount in the modelled geometry [m]."""
@@ -108,7 +109,7 @@ def _elements(model: mujoco.MjModel, t: int, name: str) -> tuple[int, int, int]:
 
 def _load(file: str, folder: Path | None, tuple_name: str) -> Isolator:
     try:
-        return load_isolator(find_isolator(file, beside=folder))
+        return load_isolator(file, beside=folder or ".")
     except ModelError as error:
         raise ModelError(f"mount {tuple_name.replace(MOUNT, '', 1)!r}: {error}") from None
 

@@ -1,8 +1,6 @@
 """The isolator: three restoring-force laws, what they are rated for, and where they come from."""
 
 from wirerope_mj.mounts.isolator.device import Isolator as Isolator
-from wirerope_mj.mounts.isolator.files import find_isolator as find_isolator
-from wirerope_mj.mounts.isolator.files import load_isolator as load_isolator
 from wirerope_mj.mounts.isolator.parts import Geometry as Geometry
 from wirerope_mj.mounts.isolator.parts import Limits as Limits
 from wirerope_mj.mounts.isolator.parts import Provenance as Provenance

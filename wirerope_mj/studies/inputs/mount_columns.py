@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from pathlib import Path
 from typing import Any
 
 import numpy.typing as npt
@@ -11,8 +12,9 @@ import pyarrow as pa
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening, find_isolator, load_isolator
+from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
 from wirerope_mj.mounts.laws import Parallel
+from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.studies.inputs.column import WHOLE, Draft, Entry, InputColumn, ValueOrFactor, matching
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Specimens
 from wirerope_mj.studies.inputs.failure import without_force
@@ -202,8 +204,8 @@ class OtherIsolator(InputColumn):
         if not _all_of(str, distribution):
             raise ValueError(f"`vary`: {entry.name!r} must be a Choice of isolators' names, got {distribution!r}.")
         assert isinstance(distribution, Choice)
-        folder = entry.system.path.parent if entry.system.path else None
-        devices = {name: load_isolator(find_isolator(name, beside=folder)) for name in distribution.choices}
+        folder = entry.system.path.parent if entry.system.path else Path()
+        devices = {name: load_isolator(name, beside=folder) for name in distribution.choices}
         return tuple(replace(column, devices=devices) for column in cls.split(entry, mounts))
 
     def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
