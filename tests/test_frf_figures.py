@@ -125,6 +125,18 @@ def test_ticks_are_inside_the_range_rise_and_are_neither_few_nor_many(low, ratio
     assert ticks[-1] <= low * ratio * (1 + 1e-6)
 
 
+@pytest.mark.parametrize(
+    ("low", "high", "most"), [(5, 1000, 3), (5, 2000, 4), (100, 900, 3), (100, 900, 6), (5, 60, 3)]
+)
+def test_labels_of_a_logarithmic_axis_name_every_decade_and_stand_apart(low, high, most):
+    ticks = log_ticks(low, high, most=most)
+    decades = [10.0**n for n in range(1, 4) if low <= 10.0**n <= high]
+    assert set(decades) <= set(ticks.tolist())
+    # of the axis' length: a label needs 1 / most of it, and 1, 3, 10 share a decade as 0.48 to 0.52
+    assert (np.diff(np.log(ticks)) >= 0.9 * np.log(high / low) / (most + 1)).all()
+    assert ticks.size >= 2
+
+
 def test_ticks_of_a_narrow_range_are_round_numbers():
     np.testing.assert_allclose(log_ticks(34.0, 39.0), [34, 35, 36, 37, 38, 39], rtol=1e-12)
     np.testing.assert_allclose(linear_ticks(-1.0, 1.0), [-1, -0.5, 0, 0.5, 1], atol=1e-12)

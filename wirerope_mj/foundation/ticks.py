@@ -6,18 +6,29 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
-_ENOUGH = 4  # numbers 1, 2, 5, 10, .. in a range from which they are the ticks of its axis; with fewer, equal steps are
+_DIGITS = ((1.0, 2.0, 3.0, 5.0, 7.0), (1.0, 2.0, 5.0), (1.0, 3.0), (1.0,))
+"""First digits of the numbers on a logarithmic axis, from many to few; 10, 100, .. are always among them."""
+
+_ENOUGH = 4
+"""Numbers of `_DIGITS` from which they are the ticks within one decade; with fewer, equal steps are."""
 
 
 def log_ticks(low: float, high: float, *, most: int = 12) -> Array:
-    """Return round numbers for a logarithmic axis from `low` to `high`, about `most` of them at the most."""
+    """Choose round numbers for a logarithmic axis from `low` to `high`: every decade, and no more than `most` otherwise."""
     decades = 10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    for digits in ((1.0, 2.0, 3.0, 5.0, 7.0), (1.0, 2.0, 5.0), (1.0,)):
+    for digits in _DIGITS:
         ticks = (decades[:, None] * np.array(digits)).ravel()
         ticks = ticks[(ticks >= low * (1.0 - 1e-9)) & (ticks <= high * (1.0 + 1e-9))]
         if ticks.size <= most:
             break
-    return ticks if ticks.size >= _ENOUGH else linear_ticks(low, high)
+    if high >= 10.0 * low or _ENOUGH <= ticks.size <= most:
+        return ticks
+    # Equal steps crowd towards the upper end of a logarithmic axis: fewer, until the last two stand as far apart as `most` do.
+    for count in range(min(most, 6), 1, -1):
+        equal = linear_ticks(low, high, most=count)
+        if equal.size > 1 and math.log(equal[-1] / equal[-2]) >= math.log(high / low) / (most + 1):
+            return equal
+    return ticks if ticks.size > 1 else linear_ticks(low, high, most=2)
 
 
 def linear_ticks(low: float, high: float, *, most: int = 6) -> Array:
