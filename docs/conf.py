@@ -52,6 +52,7 @@ sphinx_gallery_conf = {
 }
 
 html_theme = "furo"
+pygments_dark_style = "github-dark"  # code blocks follow the theme
 html_extra_path = ["_shared"]
 html_static_path = ["site"]
 html_css_files = ["site.css"]

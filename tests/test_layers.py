@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import wirerope_mj
+from wirerope_mj.cli.app import COMMANDS
 from wirerope_mj.foundation.resources import scenarios_folder
 
 pytestmark = pytest.mark.quick
@@ -149,6 +150,30 @@ def test_a_file_holds_one_idea():
         lines = path.read_text(encoding="utf-8").count("\n")
         assert lines < 400, f"{path} has {lines} lines"
         assert not {"utils", "util", "helpers", "common", "misc", "manager"} & set(module.split("."))
+
+
+def test_every_module_is_used_by_another():
+    """A file that only tests use is dead; the public API, a command, or a name in a text (a child process) are uses."""
+    named, texts = set(), set()
+    for path in [*FILES.values(), PACKAGE.parent / "hatch_build.py"]:
+        named |= imported(path)
+        texts |= {
+            node.value for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+            if isinstance(node, ast.Constant) and isinstance(node.value, str)
+        }  # fmt: skip
+    for stub in PACKAGE.rglob("*.pyi"):  # what a package hands on when it is first asked for
+        package = ".".join(stub.parent.relative_to(PACKAGE.parent).parts)
+        named |= {
+            f"{package}.{module}" for module in re.findall(r"^from \.(\S+) import", stub.read_text(), re.MULTILINE)
+        }
+    commands = {f"cli.{place.partition(':')[0]}" for place, _ in COMMANDS.values()}
+    for module in MODULES:
+        whole, stem = f"wirerope_mj.{module}", f"{module.rpartition('.')[2]}.py"
+        is_room = FILES[module].name == "__init__.py"
+        used_by = {name for name in named if name == whole or name.startswith(f"{whole}.")}
+        told_of = any(text in (whole, stem) or text.startswith(f"{whole}:") for text in texts)
+        by_docs = module == "views.plots.spectra"  # for the user to call, docs/shock.md shows it
+        assert used_by or told_of or is_room or module in commands or by_docs, f"nothing uses {module}"
 
 
 def test_the_map_names_what_exists():
