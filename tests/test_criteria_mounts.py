@@ -181,19 +181,32 @@ def test_largest_forces_are_judged_by_what_is_given(floor):
         peak_force_verdicts(floor, {"m99": 1.0})
 
 
-def test_a_mount_pressed_beyond_its_height_is_said_to_lack_a_stop(floor):
+def test_a_mount_pressed_until_its_bars_meet_is_said_to_lack_a_stop(floor):
     low = -floor.peaks.mounts["m04"].deflection.minimum[2]
-    verdict = by_name(bottoming_verdicts(with_height(floor, 0.99 * low)))["m04", "bottoming"]
+    pressed = with_size(floor, height=0.99 * low + 0.04, bar=0.02)
+    verdict = by_name(bottoming_verdicts(pressed))["m04", "bottoming"]
     assert verdict.value == low
+    assert verdict.limit == pytest.approx(0.99 * low, rel=1e-12)  # height less two bars, not the height
     assert verdict.verdict == "exceeded"
-    low_mount = with_height(floor, 0.99 * low)
-    assert "m04" in next(line for line in verdict_lines(low_mount, judge(low_mount)) if "A stop is missing" in line)
-    assert by_name(bottoming_verdicts(with_height(floor, 1.01 * low)))["m04", "bottoming"].verdict == "within"
-    assert by_name(bottoming_verdicts(with_height(floor, np.nan)))["m04", "bottoming"].verdict == "not judged"
+    assert "height less two bars" in verdict.note
+    assert "m04" in next(line for line in verdict_lines(pressed, judge(pressed)) if "A stop is missing" in line)
+    kept = with_size(floor, height=1.01 * low + 0.04, bar=0.02)
+    assert by_name(bottoming_verdicts(kept))["m04", "bottoming"].verdict == "within"
 
 
-def with_height(response, height):
-    mounts = tuple(replace(mount, height=height) for mount in response.scene.mounts)
+def test_bottoming_is_not_judged_where_nobody_states_the_bars(floor):
+    """The height alone is an upper bound: it can be exceeded, but says of nothing that it is within."""
+    low = -floor.peaks.mounts["m04"].deflection.minimum[2]
+    for height, said in ((np.nan, "no height"), (1.01 * low, "no thickness of its bars")):
+        verdict = by_name(bottoming_verdicts(with_size(floor, height=height, bar=np.nan)))["m04", "bottoming"]
+        assert verdict.verdict == "not judged"
+        assert said in verdict.note
+    flat = with_size(floor, height=0.99 * low, bar=np.nan)
+    assert by_name(bottoming_verdicts(flat))["m04", "bottoming"].verdict == "exceeded"
+
+
+def with_size(response, **size):
+    mounts = tuple(replace(mount, **size) for mount in response.scene.mounts)
     return replace(response, scene=replace(response.scene, mounts=mounts))
 
 

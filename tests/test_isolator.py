@@ -221,6 +221,19 @@ def test_travel_is_held_against_the_height_of_the_isolator(travel, largest):
         Isolator.from_dict(_high(travel, 1.01 * largest), where="f.toml")
 
 
+def test_travel_and_bars_are_held_against_each_other():
+    table = _high("compression", 0.08) | {"geometry": {"height": 0.12, "bar": 0.02}}
+    assert Isolator.from_dict(table).geometry.solid_compression == pytest.approx(0.08, rel=1e-12)
+    with pytest.raises(ModelError, match="more than the 0.08 m between the bars"):
+        Isolator.from_dict(table | _limits("compression", 0.081))
+    with pytest.raises(ModelError, match="`bar`, the thickness of one bar, must be less than half the `height`"):
+        Isolator.from_dict(table | {"geometry": {"height": 0.12, "bar": 0.06}})
+
+
+def _limits(travel, value):
+    return {"limits": {"travel": {travel: value}}}
+
+
 def _high(travel, value):
     spring = {"law": "kelvin-voigt", "k": 1e5, "c": 0.0}
     return {"name": "a", "axial": spring, "limits": {"travel": {travel: value}}, "geometry": {"height": 0.12}}

@@ -258,6 +258,15 @@ def test_warnings_of_a_record_are_in_the_answer_in_the_motion_and_in_the_summary
     assert "0.1998 record" not in words
 
 
+def test_a_sweep_whose_end_lies_between_two_samples_is_simulated_to_its_end(tmp_path):
+    sweep = wr.Sweep(start=10.0, stop=33.0, rate=61.0 * 60.0, acceleration=1.0, direction="z")  # octaves a minute
+    folder = run_of(tmp_path, motion=sweep, duration=sweep.duration)
+    assert wr.load_response(folder).time[-1] < sweep.duration
+    words = words_of(folder)
+    assert "sweep reaches 33 Hz" in words
+    assert "not simulated" not in words
+
+
 def test_the_baseline_correction_stands_in_the_motion_with_its_picture(tmp_path):
     time = np.arange(0.0, 0.1, 1.0 / 4000.0)
     signal = 20.0 * np.sin(2.0 * math.pi * 30.0 * time) * np.hanning(time.size)

@@ -226,6 +226,9 @@ def test_weight_and_shock_may_act_in_different_modes():
     assert hung.utilisation("static load") == pytest.approx(100.0 * G / 1557.0, rel=1e-12)
 
 
+PULSE = wr.HalfSine(peak=15 * G, duration=0.011, direction="z")
+
+
 @pytest.mark.quick
 @pytest.mark.parametrize(
     ("change", "message"),
@@ -244,6 +247,9 @@ def test_weight_and_shock_may_act_in_different_modes():
             "`pulse` must be a half-sine",
         ),
         ({"drop": None, "velocity": 1.0, "rebound": 0.5}, "`rebound` belongs to `drop`"),
+        ({"drop": None, "velocity": 1.0, "rebound": math.nan}, "`rebound` must be a finite number"),
+        ({"drop": None, "pulse": PULSE, "rebound": math.nan}, "`rebound` must be a finite number"),
+        ({"drop": None, "pulse": PULSE, "rebound": 0.5}, "`rebound` belongs to `drop`"),
     ],
 )
 def test_bad_demands_are_refused_with_one_message(change, message):

@@ -77,6 +77,13 @@ def test_a_table_of_forces_is_straight_between_its_rows(tmp_path):
 
 
 @pytest.mark.quick
+def test_a_direction_beside_a_table_that_has_its_own_is_refused(tmp_path):
+    (tmp_path / "start.csv").write_text("time [s], fz [N]\n0, 0\n1, 2\n")
+    with pytest.raises(ValueError, match="a direction stands there, and none is expected"):
+        motion_from_phrase("force-table", "engine start.csv x at 1 s", folder=tmp_path)
+
+
+@pytest.mark.quick
 @pytest.mark.parametrize(
     ("text", "said"),
     [
@@ -156,6 +163,14 @@ def test_random_vibration_has_the_density_of_its_file(tmp_path):
         ("half-sine", "? g 11 ms z", '"? g" is still open'),
         ("half-sine", "15 g -11 ms z", "`duration` must be"),
         ("trapezoid", "10 g 18 ms z", '"rise" and its value must stand there'),
+        ("half-sine", "15 g 11 ms z at 5 to 50 ms", '"at" takes one value, and "5 to 50" is a range'),
+        ("half-sine", "15 g 11 ms z at 5 to", 'no number follows "5 to"'),
+        ("half-sine", "15 g 11 ms 5 to z", 'no number follows "5 to"'),
+        ("half-sine", "15 g 11 ms z 5 to at 50 ms", 'no number follows "5 to"'),
+        ("half-sine", "15 g 5 to 11 ms z", "there are 2 of time, and 1 is expected"),
+        ("sweep", "0.5 g 5 to 20 to 50 Hz 2 oct/min z", "there are 3 of frequency"),
+        ("reciprocating", "engine 8 kg.mm 25 Hz order 2Hz z", '"order" takes a number without a unit'),
+        ("reciprocating", "engine 8 kg.mm 25 Hz order 1 to 2 z", '"to" is neither a number'),
         ("psd", "missing.csv 30 s z", 'there is no file "missing.csv"'),
         ("sweep", "0.5 g 5 Hz 2 oct/min z", "2 values of frequency must stand there"),
         ("unbalance", "engine 20 kg.mm 5 to 30 Hz x", "two and the time of the run-up"),

@@ -116,10 +116,10 @@ def fit_isolator(datasheet: Path, out: Path) -> None:
 
 
 def _envelope_lines(isolator: Isolator) -> list[str]:
-    """Return a line for the height and width where they are known."""
+    """Return a line for height, width and bar where they are known."""
     if isolator.geometry is None:
         return []
-    sizes = {"height": isolator.geometry.height, "width": isolator.geometry.width}
+    sizes = {"height": isolator.geometry.height, "width": isolator.geometry.width, "bar": isolator.geometry.bar}
     known = ", ".join(f"{name} {1e3 * size:.4g} mm" for name, size in sizes.items() if size is not None)
     return [f"envelope: {known}; a mount's position in a table is its mid-height"] if known else []
 

@@ -58,7 +58,8 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
     quantities: dict[str, list[float]] = {}
     named: dict[str, float] = {}
     directions: tuple[Direction, ...] = ()
-    parts, word, waiting = text.split(), "", []
+    parts, word, begun = text.split(), "", ""
+    waiting: list[float] = []
     while parts:
         part = parts.pop(0)
         if part == "?":
@@ -66,6 +67,8 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
             raise ValueError(
                 f'"{left}" is still open: put the level of your specification in place of the question mark.'
             )
+        if begun and not _NUMBER.match(part):
+            break
         if part in words and not word:
             if part in named:
                 raise ValueError(f'"{part}" stands there twice.')
@@ -77,21 +80,27 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
                 raise ValueError(f'"{part}" is a second direction; name axes together, as in "xz", or give a vector.')
             directions = found
             continue
-        value, unit = _number(part, text)
-        if word and words[word] == "" and not unit:
+        value, unit = _number(part)
+        if word and words[word] == "":
+            if unit:
+                raise ValueError(f'"{word}" takes a number without a unit, and "{short(part)}" stands there.')
             named[word], word = value, ""
             continue
         unit = unit or (parts.pop(0) if parts else "")
         if unit == "to":
-            waiting.append(value)
+            waiting, begun = [*waiting, value], f"{begun}{part} to "
             continue
+        if word and waiting:
+            raise ValueError(f'"{word}" takes one value, and "{short(f"{begun}{part}")}" is a range.')
         quantity, factor = _quantity(unit, part, words.get(word, ""))
         values = [in_si(one, factor) for one in (*waiting, value)]
-        waiting = []
+        waiting, begun = [], ""
         if word:
             named[word], word = values[-1], ""
         else:
             quantities.setdefault(quantity, []).extend(values)
+    if begun:
+        raise ValueError(f'no number follows "{short(begun.strip())}".')
     if word:
         raise ValueError(f'nothing follows "{word}".')
     return Phrase(
@@ -117,7 +126,7 @@ def _direction(part: str) -> tuple[Direction, ...]:
     return ()
 
 
-def _number(part: str, text: str) -> tuple[float, str]:
+def _number(part: str) -> tuple[float, str]:
     match = _NUMBER.fullmatch(part)
     if match is None:
         raise ValueError(f'"{short(part)}" is neither a number with a unit nor a direction such as z, -y or 1,1,0.')

@@ -53,6 +53,8 @@ def _check(spoken: SpokenMotion, phrase: Phrase) -> None:
             raise ValueError(f'"{word}" and its value must stand there.')
     if spoken.directed and not phrase.directions:
         raise ValueError("a direction must stand there: x, y, z, several as in xyz, -z or a vector such as 1,1,0.")
+    if phrase.directions and not spoken.directed:
+        raise ValueError("a direction stands there, and none is expected: the columns of its table say it.")
 
 
 def _counted(number: int, quantity: str) -> str:

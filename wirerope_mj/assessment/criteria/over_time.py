@@ -7,7 +7,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria.rattle import between_points, body_corners, corner_displacements
 from wirerope_mj.assessment.criteria.sampled import read_columns
-from wirerope_mj.assessment.criteria.travel import COMBINED, combined_travel
+from wirerope_mj.assessment.criteria.travel import BOTTOMING, COMBINED, combined_travel
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
@@ -67,7 +67,7 @@ def utilisation_over_time(response: Response, verdict: Verdict) -> Array | None:
         value = _along(read_columns(response, f"{kind}/{verdict.subject}/acceleration/x", 3), which)
     elif what == "rattle space":
         value = _rattle(response, verdict.subject, which)
-    elif mount is not None and what.startswith(("travel", "bottoming")):
+    elif mount is not None and what.startswith(("travel", BOTTOMING)):
         value = _travel(read_columns(response, f"mounts/{mount.name}/deflection/roll", 3), verdict, mount)
     else:
         return None
@@ -78,7 +78,7 @@ def _travel(deflection: Array, verdict: Verdict, mount: SceneMount) -> Array:
     if verdict.criterion == COMBINED:
         return combined_travel(mount, deflection)
     rating = verdict.criterion.removeprefix("travel in ")
-    return travel_in("compression" if rating == "bottoming" else rating, deflection)
+    return travel_in("compression" if rating == BOTTOMING else rating, deflection)
 
 
 def _rattle(response: Response, subject: str, which: str) -> Array:

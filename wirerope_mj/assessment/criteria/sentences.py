@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from wirerope_mj.assessment.criteria.contact import closing_text
 from wirerope_mj.assessment.criteria.peaks import mount_peaks
-from wirerope_mj.assessment.criteria.travel import COMBINED
+from wirerope_mj.assessment.criteria.travel import BOTTOMING, COMBINED
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, NOT_JUDGED, Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.units import shown_in
@@ -111,10 +111,10 @@ def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
             else "No mount exceeds a rated travel along one axis."
         )
         lines += _combined_line(verdicts)
-    flat = [row.subject for row in verdicts if row.criterion == "bottoming" and row.verdict == EXCEEDED]
+    flat = [row.subject for row in verdicts if row.criterion == BOTTOMING and row.verdict == EXCEEDED]
     if flat:
         lines.append(
-            f"Pressed beyond their own height, which cannot be: {', '.join(flat)}. A stop is missing in the model."
+            f"Pressed until the bars meet and beyond, which cannot be: {', '.join(flat)}. A stop is missing in the model."
         )
     untensioned = bool(judged) and all(row.travel["tension"].utilisation is None for row in judged)
     unjudged = ["tension of every mount"] if untensioned else []

@@ -1,4 +1,4 @@
-"""Deflections of mounts against their rated travel, along each axis and all of them at once, and against their height."""
+"""Deflections of mounts against their rated travel, along each axis and all of them at once, and until the bars meet."""
 
 import math
 from dataclasses import replace
@@ -13,8 +13,8 @@ from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import RATINGS, travel_in, travel_reached
 
-COMBINED = "travel combined"
-"""Name of the criterion on all axes at once."""
+COMBINED, BOTTOMING = "travel combined", "bottoming"
+"""Names of the criteria on all axes at once, and on the bars that meet."""
 
 
 def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
@@ -58,29 +58,41 @@ def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
 
 
 def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
-    """Return a verdict on the largest compression of every mount against the height of the unloaded device.
+    """Return a verdict on the largest compression of every mount against that at which its bars meet, height - 2 bar.
 
-    The rated compression, less than that, is where the vendor says that a mount bottoms: see `travel_verdicts`. At its height
-    its bars would meet. No law knows that end, so that what is beyond it cannot happen: a stop is missing in the model.
+    The rated compression, less than that, is where the vendor says that a mount bottoms: see `travel_verdicts`. No law knows
+    that the bars meet, so that what is beyond it cannot happen: a stop is missing in the model. Where the isolator does not
+    state the thickness of its bars, the whole height is an upper bound: it can be exceeded, but nothing is within.
     """
     verdicts = []
     for mount in response.scene.isolating:
         deflection = response.peaks.mounts[mount.name].deflection
-        unknown = math.isnan(mount.height)
+        compression = max(-float(deflection.minimum[2]), 0.0)
+        limit, note = _solid(mount, compression)
         verdicts.append(
             Verdict(
-                criterion="bottoming",
+                criterion=BOTTOMING,
                 subject=mount.name,
-                value=max(-float(deflection.minimum[2]), 0.0),
-                limit=None if unknown else mount.height,
+                value=compression,
+                limit=limit,
                 unit="m",
                 time=float(deflection.minimum_time[2]),
-                note="the isolator states no height"
-                if unknown
-                else "compression against the height of the unloaded mount",
+                note=note,
             )
         )
     return tuple(verdicts)
+
+
+def _solid(mount: SceneMount, compression: float) -> tuple[float | None, str]:
+    """Return the compression at which a mount is solid [m], and what that rests on, or why it is not judged."""
+    if not math.isnan(mount.bar):
+        size = f"{1e3 * mount.height:.4g} mm - 2 x {1e3 * mount.bar:.4g} mm"
+        return mount.height - 2.0 * mount.bar, f"compression at which the bars meet: height less two bars, {size}"
+    if math.isnan(mount.height):
+        return None, "the isolator states no height"
+    if compression > mount.height:
+        return mount.height, "compression against the whole height; the isolator states no thickness of its bars"
+    return None, "the isolator states no thickness of its bars"
 
 
 def combined_travel(mount: SceneMount, deflection: Array) -> Array:

@@ -20,17 +20,17 @@ def shock_of(pulse: Shock | None, velocity: float | None, drop: float | None, re
     given = [value for value in (pulse, velocity, drop) if value is not None]
     if len(given) != 1:
         raise ValueError(f"give one shock: `pulse`, `velocity` or `drop`; got {len(given)}.")
+    between("rebound", rebound, 0.0, 1.0)
+    if rebound and drop is None:
+        raise ValueError("`rebound` belongs to `drop`; a `pulse` or a `velocity` is the whole velocity change.")
     if pulse is not None:
         if not isinstance(pulse, Shock):
             raise ValueError(
                 "`pulse` must be a half-sine, sawtooth, trapezoid or velocity step: the worksheet counts by velocity changes."
             )
         return pulse
-    between("rebound", rebound, 0.0, 1.0)
     if drop is not None:
         velocity = (1.0 + rebound) * math.sqrt(2.0 * gravity * positive("drop", drop, unit="m"))
-    elif rebound:
-        raise ValueError("`rebound` belongs to `drop`; a `velocity` is the whole velocity change.")
     return VelocityStep(velocity=positive("velocity", velocity, unit="m/s"), direction="z")
 
 

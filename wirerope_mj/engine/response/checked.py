@@ -114,7 +114,7 @@ def _mount(key: str, mount: Any) -> None:
     point, size = _numbers(3), _or_nan(positive)
     _record(
         SceneMount, payload_point=point, base_point=point, axes=_list(_numbers(3), 3),
-        height=size, width=size, static_load=size, travel=_values(positive), bolts=_list(size, 3),
+        height=size, width=size, bar=size, static_load=size, travel=_values(positive), bolts=_list(size, 3),
     )(key, mount)  # fmt: skip
     _table(f"{key}.travel", mount["travel"], known=RATINGS)
 

@@ -28,6 +28,9 @@ from wirerope_mj.foundation.summary import Summarised, quantity
 FILE = "response.parquet"
 FORMAT = 1
 
+_ROUNDING = 1e-9
+"""What the sum of a start and a duration may be off by [s]."""
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Response(Exportable, Summarised):
@@ -95,6 +98,10 @@ class Response(Exportable, Summarised):
     def estimated_error(self) -> float:
         """Error of samples and peaks relative to the peaks, estimated before the run; NaN where the step was given."""
         return self.numerics.error_estimate
+
+    def reaches(self, instant: float) -> bool:
+        """Return whether an instant [s] lies in the run, which may end a part of an interval after its last sample."""
+        return instant <= self.final_state.time + _ROUNDING
 
     def column(self, name: str) -> Array:
         """Return one sampled column such as "bodies/floor/acceleration/z", (n_t,).

@@ -1,5 +1,6 @@
 """The drawable content of a system: bodies with their geoms, and mounts, frozen and without the engine."""
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -66,6 +67,7 @@ class SceneMount:
         payload_point, base_point: the sites from the bodies' centres of mass, in body axes [m], (3,).
         axes: roll, shear and axial direction as columns in the base body's axes, (3, 3).
         height, width: of the unloaded device [m]; NaN if unknown.
+        bar: thickness of one of its bars [m]; NaN if unknown.
         static_load: rated static load [N]; NaN if not judged.
         travel: rated travel [m] by "compression", "tension", "shear", "roll"; absent if not judged.
         stop: whether it is a stop, see `wirerope_mj.mounts.isolator.Isolator.is_stop`.
@@ -85,6 +87,7 @@ class SceneMount:
     travel: dict[str, float]
     stop: bool = False
     bolts: Array = field(default_factory=lambda: np.full(3, np.nan))
+    bar: float = math.nan
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -108,6 +108,7 @@ def _mount(model: mujoco.MjModel, data: mujoco.MjData, mount: Mount) -> SceneMou
         axes=rotation.T @ mount.axes,
         height=_NAN if geometry is None else _number(geometry.height),
         width=_NAN if geometry is None else _number(geometry.width),
+        bar=_NAN if geometry is None else _number(geometry.bar),
         static_load=_number(limits.static_load),
         travel=limits.travel.stated,
         stop=isolator.is_stop,

@@ -60,7 +60,12 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
         rotation = Rotation(
             roll=_rounded(along * about_roll), shear=_rounded(along * about_shear), axial=_rounded(across * about_axial)
         )
-    return replace(fitted, provenance=provenance, spread=_spread(fitted, estimate), rotation=rotation)
+    geometry = fitted.geometry
+    if geometry is not None and estimate.bar_assumed:
+        geometry = replace(geometry, bar=None)
+    return replace(
+        fitted, provenance=provenance, spread=_spread(fitted, estimate), rotation=rotation, geometry=geometry
+    )
 
 
 def _rounded(value: float) -> float:

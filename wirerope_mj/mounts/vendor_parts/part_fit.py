@@ -38,6 +38,7 @@ def fit_part(part: VendorPart) -> Isolator:
             width=width,
             rope=rope,
             bar=BAR * rope if part.bar is None else part.bar,
+            bar_assumed=part.bar is None,
             compression=compression,
             shear=_axis(part, "shear", None),
             static_load=part.modes["compression"].static_load,

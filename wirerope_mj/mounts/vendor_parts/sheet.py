@@ -81,6 +81,7 @@ class DataSheet:
         width: across the bars [m].
         rope: diameter [m].
         bar: thickness of one bar [m].
+        bar_assumed: whether nobody states it: good for the shape of the loop, not for where the bars meet.
         loops: their number; None where it is not stated.
         bar_length: over which the loops are spread [m]; None where it is not stated: then nothing resists turning.
         compression: values of the axial axis.
@@ -104,6 +105,7 @@ class DataSheet:
     shear: AxisValues | None
     static_load: float | None
     damping_amplitude: float
+    bar_assumed: bool = False
     loops: int | None = None
     bar_length: float | None = None
     diagonal: AxisValues | None = None

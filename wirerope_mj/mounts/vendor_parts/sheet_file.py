@@ -48,6 +48,7 @@ def read_datasheet(path: str | Path) -> DataSheet:
         width=table.quantity("width", LENGTH),
         rope=table.quantity("rope", LENGTH),
         bar=table.quantity("bar", LENGTH),
+        bar_assumed=table.flag("bar_assumed"),
         loops=table.optional_integer("loops"),
         bar_length=table.optional_quantity("bar_length", LENGTH),
         static_load=table.quantity("static_load", FORCE),

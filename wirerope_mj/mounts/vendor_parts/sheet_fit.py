@@ -73,7 +73,7 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
         limits=Limits(
             static_load=sheet.static_load, travel=Travel(compression=compression.travel, shear=travel, roll=travel)
         ),
-        geometry=Geometry(height=sheet.height, width=sheet.width),
+        geometry=Geometry(height=sheet.height, width=sheet.width, bar=None if sheet.bar_assumed else sheet.bar),
         spread=Spread(parameters=("axial.c",), covariance=((float(f"{curves.asymmetry_deviation**2:.6g}"),),)),
         rotation=_rotation(sheet, axial, across.get("roll"), curves),
         **across,

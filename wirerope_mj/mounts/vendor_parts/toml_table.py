@@ -56,6 +56,10 @@ class TomlTable:
         """Take an integer > 0; None where there is none."""
         return self._optional(key, None, lambda value: isinstance(value, int) and _is_positive(value), "an integer > 0")
 
+    def flag(self, key: str) -> bool:
+        """Take true or false; False where there is none."""
+        return self._optional(key, False, lambda value: isinstance(value, bool), "true or false")
+
     def text(self, key: str) -> str:
         """Take a string."""
         self.entries.setdefault(key, None)

@@ -70,7 +70,7 @@ def events_of(response: Response, selection: Selection) -> list[Event]:
                 time=selection.window[1], level="INFO", text="deflections stay below a tenth of the largest", main=True
             )
         )
-    return sorted(event for event in events if event.time <= response.time[-1])
+    return sorted(event for event in events if response.reaches(event.time))
 
 
 def main_instants(response: Response, selection: Selection) -> Array:

@@ -75,7 +75,7 @@ def _phases(response: Response) -> list[tuple[float, int]]:
     phases.append((max(first, start), 1))
     if not after.any():
         phases.append((last, 2))
-    return [phase for phase in phases if phase[0] <= response.time[-1]]
+    return [phase for phase in phases if response.reaches(phase[0])]
 
 
 def _log_lane(rec: Any, name: str, changes: list[tuple[float, int]], states: tuple[tuple[str, Any], ...]) -> None:

@@ -161,14 +161,14 @@ def _extremes(run: FinishedRun, axes: list[int]) -> Table:
 
 
 def _events(run: FinishedRun) -> Table | None:
-    end = float(run.response.time[-1])
     every = {(fixed(time, 4), text): time for time, text in run.response.events}  # each once: pulses along two axes
-    events = [(time, text) for (_, text), time in every.items() if time <= end]
-    later = [text for (_, text), time in every.items() if time > end]
+    events = [(time, text) for (_, text), time in every.items() if run.response.reaches(time)]
+    later = [text for (_, text), time in every.items() if not run.response.reaches(time)]
     if not events:
         return None
     left = max(len(events) - _MOST_EVENTS, 0)
-    beyond = f"After the end of the run at {end:g} s, and not simulated: {listed(later)}." if later else ""
+    end = f"{run.response.final_state.time:g}"
+    beyond = f"After the end of the run at {end} s, and not simulated: {listed(later)}." if later else ""
     return Table(
         title="What the base does when",
         columns=(Column("at", "s", "z.4f"), Column("event", align="text")),
