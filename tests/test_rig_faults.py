@@ -1,11 +1,13 @@
 """Faults of a rig, put into made-up records one at a time: each is named with its size, and none in a clean record."""
 
+import foreign_devices
 import numpy as np
 import pytest
 from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
 from wirerope_mj.mounts.test_rig.faults import hum_in, record_faults, without_hum
+from wirerope_mj.mounts.test_rig.lag import lag_in
 
 LAW = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.4, k=5e4)
 NI = wr.AsymmetricBoucWen(alpha=4e5, beta=200.0, gamma=60.0, n=1.0, k1=4e4, k2=1e6, k3=2e8, b=1.0, c=1.0)
@@ -42,12 +44,65 @@ def test_a_drift_is_named_with_its_size():
     assert size == pytest.approx(120.0, rel=0.15)  # the means of hysteretic cycles fade besides
 
 
+@pytest.mark.parametrize("rate", [37.3, 400.0])
+@pytest.mark.parametrize("law", [LAW, NI])
+def test_an_offset_is_no_drift(law, rate):
+    """The means of cycles that are not whole differ, and so do those of a device that forgets its way to -3 mm."""
+    time, deflection, force = rig_record(law, SIZES, points=400.0, operating_point=-3e-3, zero=12.0, noise=0.0)
+    even = np.arange(0.0, time[-1] - 0.1, 1.0 / rate)
+    assert said(even, np.interp(even, time, deflection), np.interp(even, time, force)) == []
+
+
 @pytest.mark.parametrize("samples", [6, -6])
 def test_a_lag_between_the_channels_is_named_with_its_size(samples):
     time, deflection, force = rig_record(LAW, SIZES, points=400.0)
     (text,) = said(time, deflection, np.interp(time - samples / 400.0, time, force))
     assert ("the force channel lags" in text) == (samples > 0)
-    assert float(text.split("by about ")[1].split(" ms")[0]) == pytest.approx(15.0, abs=3.5)  # 0.35 % of the cycle
+    error = 10.0 * float(text.split("+- ")[1].split(" %")[0])
+    assert float(text.split("by about ")[1].split(" ms")[0]) == pytest.approx(15.0, abs=3.0 * error)
+    assert error < 3.0
+
+
+DEVICES = {
+    "iwan": lambda x, time: foreign_devices.iwan(x),
+    "five sliders": lambda x, time: foreign_devices.few_sliders(x),
+    "dead zones": lambda x, time: foreign_devices.dead_zone(x),
+    "lugre": lambda x, time: foreign_devices.lugre(x, time=time),
+    "bouc-wen": lambda x, time: LAW.trace(x).force,
+    "asymmetric": lambda x, time: NI.trace(x).force,
+}
+
+
+def foreign_record(name, *, lag, noise, seed=0):
+    """Return a record of a foreign device at 1 Hz, 400 samples a cycle, its force channel late by a fraction of a cycle."""
+    fine = np.arange(0.0, 15.0, 1.0 / 4000.0)
+    path = np.repeat(SIZES, 5)[fine.astype(int)] * np.sin(2.0 * np.pi * fine)
+    force = DEVICES[name](path, fine)
+    time = fine[::10]
+    late = np.interp(time - lag, fine, force)
+    return time, path[::10], late + noise * 0.5 * np.ptp(force) * np.random.default_rng(seed).standard_normal(time.size)
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.001, -0.004])
+@pytest.mark.parametrize("name", DEVICES)
+def test_the_lag_of_any_rate_independent_device_is_named_from_a_thousandth_of_a_cycle(name, lag):
+    texts = said(*foreign_record(name, lag=lag, noise=0.0))
+    if lag == 0.0:
+        assert texts == []
+        return
+    (text,) = texts
+    assert ("the force channel lags" in text) == (lag > 0.0)
+    assert float(text.split("by about ")[1].split(" ms")[0]) == pytest.approx(1e3 * abs(lag), rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", DEVICES)
+def test_noise_makes_no_lag_and_hides_none_of_a_hundredth_of_a_cycle(name):
+    for seed in range(3):
+        assert said(*foreign_record(name, lag=0.0, noise=0.003, seed=seed)) == []
+        found = lag_in(*foreign_record(name, lag=0.01, noise=0.003, seed=seed))
+        assert found.delay == pytest.approx(0.01, abs=4.0 * found.error)
+        assert found.error < 0.002
 
 
 def test_noise_is_named():

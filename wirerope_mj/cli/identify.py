@@ -96,13 +96,13 @@ def identify_command(request: Request) -> int:
         result, name=request.name or request.out.stem, axis=request.axis, files=request.files, given=request.given,
         known=known, whole=whole,
     )  # fmt: skip
-    wanted = result.converged or request.accept_unconverged
+    wanted, warnings = result.converged or request.accept_unconverged, loop_warnings(tests, result)
     with atomic_run(request.folder, force=request.force, kind="report", marks=_marks(request.folder)) as folder:
-        _write_report(folder, request, result, fits, tests)
+        _write_report(folder, request, result, fits, tests, warnings)
         _keep_others(request.folder, folder)
         if wanted:
             isolator.save(request.out)
-    _print(request, isolator.name, result, fits, tests)
+    _print(request, isolator.name, result, fits, tests, warnings)
     screen = console()
     written = f"{REPORT}, {_PDF}" if request.pdf else REPORT
     screen.print(f"written: {escape(str(request.folder))}/ ({written})", soft_wrap=True)
@@ -205,13 +205,14 @@ def _keep_others(before: Path, folder: Path) -> None:
 
 
 def _write_report(
-    folder: Path, request: Request, result: Identification, fits: Sequence[FittedLoop], tests: Tests
-) -> None:
+    folder: Path, request: Request, result: Identification, fits: Sequence[FittedLoop], tests: Tests,
+    warnings: Sequence[str],
+) -> None:  # fmt: skip
     """Write the page into a folder, and its PDF."""
     from wirerope_mj.views.report import report_html
 
     kinds = " and ".join(law.name for law in result.law.components)
-    sources = [f"{path}: {contents(loops)}" for path, loops in tests.items()] + loop_warnings(tests, result)
+    sources = [f"{path}: {contents(loops)}" for path, loops in tests.items()] + list(warnings)
     content = identification_content(
         result, fits, title=f"{request.name or request.out.stem}, {request.axis}: {kinds}", sources=sources,
         given=assumptions(result, request.given),
@@ -219,7 +220,14 @@ def _write_report(
     write_page(report_html(content), [folder / REPORT, *([folder / _PDF] if request.pdf else [])])
 
 
-def _print(request: Request, name: str, result: Identification, fits: Sequence[FittedLoop], tests: Tests) -> None:
+def _print(
+    request: Request,
+    name: str,
+    result: Identification,
+    fits: Sequence[FittedLoop],
+    tests: Tests,
+    warnings: Sequence[str],
+) -> None:
     screen = console()
     screen.print(
         f"[bold]{escape(name)}[/], {request.axis}: {_count(len(fits), 'loop')} of {_count(len(tests), 'file')}"
@@ -227,7 +235,7 @@ def _print(request: Request, name: str, result: Identification, fits: Sequence[F
     print_lines([law_text(result)])
     for table in (parameter_table(result), loop_table(fits), stage_table(result)):
         print_table(table)
-    print_lines([*findings(result, fits), *loop_warnings(tests, result)])
+    print_lines([*findings(result, fits), *warnings])
 
 
 def _count(number: int, noun: str) -> str:

@@ -8,8 +8,9 @@ import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.test_rig.lag import lag_in
 from wirerope_mj.mounts.test_rig.reading import read_rows
-from wirerope_mj.mounts.test_rig.turning import rms_noise
+from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points, rms_noise
 
 MAINS = (50.0, 60.0)
 """Frequencies at which hum is looked for [Hz]."""
@@ -18,11 +19,11 @@ _NEAR, _ASIDE = 0.6, 8.0  # Hz from a mains frequency: where its line is looked 
 _STANDS_OUT = 3.0  # times that a line is above the largest of its neighbours: harmonics of the test fall evenly
 _LEAST = 1e-3  # of half of the force range, below which hum changes no parameter
 _DRIFTS = 0.02  # of half of the force range over the record, from which a drift is named
-_LAGS = 0.005  # of the period, from which a lag is named: the parabolas are up to 0.3 % off
+_LAGS = 0.0009  # of the period: a lag is named from 0.1 %, which is told to a tenth
 _NOISY = 0.03  # of half of the force range, from which noise is named
 _SURE = 4.0  # standard errors of a drift or a lag
-_WINDOW = 0.06  # of the period, to either side of a turning point, within which the force is a parabola on each side
-_LIKE = 0.1  # ratio by which cycles may differ and count as alike
+_LIKE = 0.1  # ratio by which strokes may differ and count as alike
+_FEWEST_CYCLES = 4  # whole cycles of a run, of which the way to the first still bends
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,90 +108,82 @@ def record_faults(time: Array, deflection: Array, force: Array) -> Iterator[str]
             f"hum of {hum.amplitude:.3g} N at {hum.frequency:.4g} Hz, {share:.2g} % of half of the force range, was taken out "
             "by a notch at that frequency: look for a loop in the ground of the load cell"
         )
-    tops = _tops(deflection)
-    drift, error = _drift(time, deflection, force, tops)
+    drift, error = _drift(time, deflection, force)
     if abs(drift) > max(_SURE * error, _DRIFTS * half):
         yield (
             f"the zero of the force drifts by {drift:.3g} N over the record, {100.0 * abs(drift) / half:.2g} % of half of the "
             "force range; what is linear of it was taken out: let the load cell warm up"
         )
-    lag, error, period = _lag(time, deflection, force, tops)
-    if abs(lag) > max(_SURE * error, _LAGS * period):
-        which = "force turns round after" if lag > 0.0 else "force turns round before"
-        size = f"about {1e3 * abs(lag):.2g} ms, {100.0 * abs(lag) / period:.2g} % of a cycle"
-        cause = "the force channel lags" if lag > 0.0 else "the deflection channel lags, or the device is viscous"
-        yield (f"the {which} the deflection by {size}: {cause}; areas and damping of the loops are wrong by it")
+    lag = lag_in(time, deflection, force)
+    if lag is not None and abs(lag.delay) > max(_SURE * lag.error, _LAGS * lag.period):
+        which = "force turns round after" if lag.delay > 0.0 else "force turns round before"
+        share, doubt = 100.0 * abs(lag.delay) / lag.period, 100.0 * lag.error / lag.period
+        size = f"about {1e3 * abs(lag.delay):.2g} ms, {share:.2g} +- {max(doubt, 0.01):.1g} % of a cycle"
+        cause = "the force channel lags" if lag.delay > 0.0 else "the deflection channel lags, or the device is viscous"
+        yield (
+            f"the {which} the deflection by {size}: {cause}; the loss factor of the loops is wrong by about "
+            f"{2.0 * np.pi * abs(lag.delay) / lag.period:.1g}, and so are the parameters that follow from their tips"
+        )
     noise = rms_noise(force)
     if noise > _NOISY * half:
         yield f"noise of the force is {noise:.3g} N rms, {100.0 * noise / half:.2g} % of half of its range: average more cycles"
 
 
-def _tops(deflection: Array) -> Array:
-    """Return the samples at which the deflection is highest in a cycle."""
-    smooth = scipy.ndimage.uniform_filter1d(deflection, 5)
-    return scipy.signal.find_peaks(smooth, prominence=0.02 * float(np.ptp(deflection)))[0]
+def _drift(time: Array, deflection: Array, force: Array) -> tuple[float, float]:
+    """Return how far the zero of the force goes over the whole record, and its standard error [N].
 
-
-def _drift(time: Array, deflection: Array, force: Array, tops: Array) -> tuple[float, float]:
-    """Return how far the mean force of like cycles goes over the whole record, and its standard error [N]."""
-    runs: list[list[tuple[float, float, float, float]]] = [[]]
-    for first, last in zip(tops[:-1], tops[1:], strict=True):
-        inside = slice(first, last)
-        size = float(np.ptp(deflection[inside]))
-        if runs[-1] and abs(size - runs[-1][-1][2]) > _LIKE * runs[-1][-1][2]:
-            runs.append([])
-        runs[-1].append((float(time[inside].mean()), float(force[inside].mean()), size, float(last - first)))
-    noise, weights, total = rms_noise(force), 0.0, 0.0
-    for run in runs:
-        later = np.array(run[1:])  # the way to the first still bends
-        if len(later) >= 3:
-            since = later[:, 0] - later[:, 0].mean()
-            weight = float((since**2).sum() * later[:, 3].mean())  # over the noise's variance that of the slope
-            weights, total = weights + weight, total + weight * float(since @ later[:, 1] / (since @ since))
-    length = float(time[-1] - time[0])
-    return (length * total / weights, length * noise / np.sqrt(weights)) if weights else (0.0, np.inf)
-
-
-def _lag(time: Array, deflection: Array, force: Array, tops: Array) -> tuple[float, float, float]:
-    """Return how much later than the deflection the force turns round at its largest strokes, standard error, period [s]."""
-    bottoms = _tops(-deflection)
-    if tops.size < 3 or bottoms.size < 3:
-        return 0.0, np.inf, 1.0
-    period = float(np.median(np.diff(time[tops])))
-    step = float(time[-1] - time[0]) / (time.size - 1)
-    width = max(6, round(_WINDOW * period / step))
-    high, low = deflection[tops].max(), deflection[bottoms].min()
-    turns = [(row, 1.0) for row in tops if deflection[row] > high - _LIKE * (high - low)]
-    turns += [(row, -1.0) for row in bottoms if deflection[row] < low + _LIKE * (high - low)]
-    whole = [(row, sign) for row, sign in turns if row >= width and row + width < time.size]
-    if len(whole) < 4:
-        return 0.0, np.inf, period
-    places = np.concatenate([row + np.arange(-width, width + 1) for row, _ in whole]).reshape(len(whole), -1)
-    instants = time[places] - time[[row for row, _ in whole]][:, np.newaxis]
-    (later, error), (turned, _) = (_turn(instants, values[places], step) for values in (force, deflection))
-    return later - turned, error, period
-
-
-def _turn(instants: Array, values: Array, step: float) -> tuple[float, float]:
-    """Return how long after the middle values turn round, (n_turns, n), all of them alike, and its standard error [s].
-
-    On each side of that instant they are a parabola: a hysteretic force comes back steeper than it went.
+    Cycles are whole, from turning point to turning point between the samples. Their mean force fades, too, where a device
+    forgets how it was loaded before, fastest in large cycles: so the largest ones count, others as far as they agree with them,
+    and of a run no more than its later half shows.
     """
+    if np.ptp(deflection) == 0.0:
+        return 0.0, np.inf
+    trace = find_turning_points(deflection, time)
+    work = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
+    noise, length = rms_noise(force), float(np.ptp(time))
+    slopes = []
+    for run in _runs(trace):
+        begins = trace.times[run[0] : run[1] + 1 : 2]
+        if begins.size < _FEWEST_CYCLES + 1:
+            continue
+        means = np.diff(np.interp(begins, time, work)) / np.diff(begins)
+        middles = 0.5 * (begins[1:] + begins[:-1])
+        count = np.searchsorted(time, begins[-1]) - np.searchsorted(time, begins[0])
+        whole, late = (_line_through(middles[first:], means[first:]) for first in (1, max(1, means.size // 2)))
+        # Samples err by noise, and where they are few by what lies between them, which shows in the means alone.
+        each = max(noise / np.sqrt(count / means.size), whole[1])
+        error = each / np.linalg.norm(middles[1:] - middles[1:].mean())
+        slope = whole[0]
+        if abs(late[0]) < abs(slope) - _SURE * error:
+            slope = late[0] if late[0] * slope > 0.0 else 0.0
+        slopes.append((float(np.mean(trace.strokes[run[0] : run[1]])), float(slope), float(error)))
+    if not slopes:
+        return 0.0, np.inf
+    _, first, error = max(slopes)
+    agreeing = [(s, e) for _, s, e in slopes if abs(s - first) <= _SURE * np.hypot(e, error)]
+    weights = np.array([max(e, 1e-100) ** -2.0 for _, e in agreeing])
+    mean = float(weights @ [s for s, _ in agreeing] / weights.sum())
+    return length * mean, length / float(np.sqrt(weights.sum()))
 
-    def misfit(at: float) -> float:
-        total = 0.0
-        for since, one in zip(instants - at, values, strict=True):
-            waves = np.stack([np.ones(since.size), np.minimum(since, 0.0) ** 2, np.maximum(since, 0.0) ** 2], axis=1)
-            total += float(np.sum((waves @ np.linalg.lstsq(waves, one, rcond=None)[0] - one) ** 2))
-        return total
 
-    grid = np.linspace(0.7 * instants[0, 0], 0.7 * instants[0, -1], 57)
-    costs = np.array([misfit(at) for at in grid])
-    best = int(np.clip(costs.argmin(), 1, grid.size - 2))
-    found = scipy.optimize.minimize_scalar(misfit, bounds=(grid[best - 1], grid[best + 1]), method="bounded")
-    bend = (misfit(found.x + step) - 2.0 * found.fun + misfit(found.x - step)) / step**2
-    variance = found.fun / max(values.size - 3 * len(values) - 1, 1)
-    return float(found.x), float(np.sqrt(2.0 * variance / bend)) if bend > 0.0 else np.inf
+def _runs(trace: Trace) -> list[tuple[int, int]]:
+    """Return the first and the last turning point of every run of like strokes; the first and the last stroke are in none."""
+    runs: list[tuple[int, int]] = []
+    strokes = trace.strokes
+    for index in range(1, strokes.size - 1):
+        if runs and abs(strokes[index] - strokes[index - 1]) <= _LIKE * strokes[index]:
+            runs[-1] = (runs[-1][0], index + 1)
+        else:
+            runs.append((index, index + 1))
+    return runs
+
+
+def _line_through(time: Array, values: Array) -> tuple[float, float]:
+    """Return the slope of the straight line through values, and what they scatter about it by."""
+    since = time - time.mean()
+    slope = float(since @ values / (since @ since))
+    left = values - values.mean() - slope * since
+    return slope, float(np.sqrt(left @ left / max(values.size - 2, 1)))
 
 
 def file_faults(path: Path) -> list[str]:

@@ -1,0 +1,262 @@
+"""Lag between the channels of a record, from what holds at every reversal of a rate-independent device.
+
+Just before a reversal of the deflection, and just behind it, the force of such a device is a smooth function of the distance u
+to the reversal, another one on either side, and both are the same force at u = 0. Its rate dF/dx dx/dt vanishes there from both
+sides, wherever it bends next. A channel that lags shifts the instant by the lag. How far the two functions stay short
+polynomials is the device's own: sliders that slip one after the other bend them early. So windows and degrees are tried, and a
+wider window counts as far as it agrees with narrower ones (Goldenshluger and Lepski 2011).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points
+
+_DEGREES = ((1, 1), (2, 2), (2, 3))  # of the polynomials in u before and behind a reversal
+_WIDTHS = (0.012, 0.017, 0.024, 0.034, 0.048, 0.068, 0.096)  # of the period, to either side of a reversal
+_FEWEST = 5  # samples of a window on either side
+_MOST = 300  # samples of a cycle that are worth it: more are averaged
+_SHAPE = 0.06  # of the period, to either side, where a deflection's reversal is a parabola and a corner
+_ALIKE = 0.05  # ratio by which strokes of one run may differ
+_TURNS = 3  # reversals of a run at least
+_GRID = np.linspace(-0.7, 0.7, 29)  # of a window's width: lags that are tried
+_RISE = 9.0  # variances above the least misfit within which a lag fits as well
+_MOVES = 8  # times that a window is moved to where the force turns round
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lag:
+    """How much later than the deflection the force turns round, its standard error, and the period of the cycles [s]."""
+
+    delay: float
+    error: float
+    period: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Reversals:
+    """Reversals of like strokes: instants [s], senses (1 at a top, else -1), by sense how the distance grows over time."""
+
+    instants: Array
+    senses: Array
+    period: float
+    shapes: dict[float, Array]
+
+
+def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
+    """Return the lag between the channels of a record; None where too few of its reversals are alike.
+
+    Args:
+        time: instants [s], (n,).
+        deflection: (n,) [m].
+        force: (n,) [N].
+    """
+    if np.ptp(deflection) == 0.0 or time.size < 12:
+        return None
+    trace = find_turning_points(deflection, time)
+    if trace.turns.size < _TURNS + 2:
+        return None
+    samples = float(np.median(np.diff(trace.turns))) * 2.0
+    if samples > 2.0 * _MOST:
+        time, deflection, force = (_averaged(one, int(samples // _MOST)) for one in (time, deflection, force))
+        trace = find_turning_points(deflection, time)
+    found = [
+        one
+        for run in _runs(trace)
+        if (alike := _alike(trace, run)) is not None and (one := _of_run(alike, time, force)) is not None
+    ]
+    if not found:
+        return None
+    weights = np.array([one.error**-2.0 for one in found])
+    delays = np.array([one.delay for one in found])
+    mean = float(weights @ delays / weights.sum())
+    apart = float(weights @ (delays - mean) ** 2) / max(len(found) - 1, 1)  # runs that differ by more than their errors
+    error = float(np.sqrt(max(apart, 1.0) / weights.sum()))
+    return Lag(delay=mean, error=error, period=found[int(np.argmax(weights))].period)
+
+
+def _averaged(values: Array, count: int) -> Array:
+    """Return the means of successive samples."""
+    whole = values.size - values.size % count
+    return np.asarray(values[:whole].reshape(-1, count).mean(axis=1))
+
+
+def _runs(trace: Trace) -> list[list[int]]:
+    """Return the reversals between like strokes, run by run, those left out whose force came another way."""
+    runs: list[list[int]] = [[]]
+    for index in range(2, trace.turns.size - 1):
+        strokes = trace.strokes[index - 2 : index + 1]
+        if np.ptp(strokes) > _ALIKE * strokes.mean() + 4.0 * trace.smooth_noise:
+            runs.append([])
+        else:
+            runs[-1].append(index)
+    return [run for run in runs if len(run) >= _TURNS]
+
+
+def _alike(trace: Trace, run: Sequence[int]) -> _Reversals | None:
+    """Return the reversals of a run; None where a window of them has too few samples."""
+    period = 2.0 * float(np.median(np.diff(trace.times[run[0] - 1 : run[-1] + 2])))
+    width = _SHAPE * period
+    instants, senses = [], []
+    shapes: dict[float, list[Array]] = {}
+    for index in run:
+        about = float(trace.times[index])
+        near = np.flatnonzero(np.abs(trace.time - about) <= width)
+        if near.size < 2 * _FEWEST - 2:
+            near = np.flatnonzero(np.abs(trace.time - about) <= _FEWEST * period / max(_samples(trace, period), 1.0))
+        sense = 1.0 if trace.smooth[trace.turns[index]] > trace.smooth[trace.turns[index - 1]] else -1.0
+        late, shape = _corner((trace.time[near] - about) / width, -sense * trace.deflection[near])
+        instants.append(about + late * width)
+        senses.append(sense)
+        shapes.setdefault(sense, []).append(shape)
+    return _Reversals(
+        instants=np.array(instants), senses=np.array(senses), period=period,
+        shapes={sense: np.mean(each, axis=0) for sense, each in shapes.items()},
+    )  # fmt: skip
+
+
+def _samples(trace: Trace, period: float) -> float:
+    """Return the samples of a cycle."""
+    return period * (trace.time.size - 1) / float(np.ptp(trace.time))
+
+
+def _corner(since: Array, values: Array) -> tuple[float, Array]:
+    """Return where values are least, and how they rise on both sides alike: the factors of s, s^2 and s^4."""
+
+    def fitted(at: float) -> tuple[float, Array]:
+        s = np.abs(since - at)
+        matrix = np.stack([np.ones(s.size), s, s**2, s**4], axis=1)
+        shape = np.linalg.lstsq(matrix, values, rcond=None)[0]
+        return float(np.sum((matrix @ shape - values) ** 2)), shape
+
+    grid = np.linspace(-0.3, 0.3, 13)
+    best = int(np.clip(np.argmin([fitted(at)[0] for at in grid]), 1, grid.size - 2))
+    ends = (grid[best - 1], grid[best + 1])
+    found = scipy.optimize.minimize_scalar(
+        lambda at: fitted(at)[0], bounds=ends, method="bounded", options={"xatol": 1e-7}
+    )
+    return float(found.x), fitted(found.x)[1][1:]
+
+
+def _of_run(alike: _Reversals, time: Array, force: Array) -> Lag | None:
+    """Return the lag at like reversals, by the window and the degrees that noise and bend together disturb least."""
+    samples = alike.period * (time.size - 1) / float(np.ptp(time))
+    widths = [width for width in _WIDTHS if width * samples >= _FEWEST] or [_FEWEST / samples]
+    fits, begin = [], 0.0
+    for width in reversed(widths):  # a narrow window has to begin near the turn that it looks for
+        for degrees in reversed(_DEGREES):
+            if (one := _fitted(alike, time, force, width * alike.period, degrees, begin)) is not None:
+                fits.append((width, sum(degrees), *one))
+                begin = one[0]
+    best: Lag | None = None
+    for width, degree, delay, error in fits:
+        # What fits that bend more freely differ by, over a window no wider, may be this one's bias.
+        bias = max(abs(delay - freer) for w, n, freer, _ in fits if w <= width and n >= degree)
+        total = float(np.hypot(error, bias))
+        if best is None or total < best.error:
+            best = Lag(delay=delay, error=total, period=alike.period)
+    return best
+
+
+def _fitted(
+    alike: _Reversals, time: Array, force: Array, width: float, degrees: tuple[int, int], begin: float
+) -> tuple[float, float] | None:
+    """Return the lag of one window and its standard error, looked for from `begin` on; None where none fits better."""
+    delay = begin
+    for _ in range(_MOVES):
+        window = _Window(alike, time, force, width, delay, degrees)
+        grid = delay + _GRID * width
+        costs = np.array([window.misfit(at) for at in grid])
+        best = int(np.clip(costs.argmin(), 1, grid.size - 2))
+        found = scipy.optimize.minimize_scalar(
+            lambda at, window=window: window.misfit(at), bounds=(grid[best - 1], grid[best + 1]), method="bounded",
+            options={"xatol": 1e-6 * alike.period},
+        )  # fmt: skip
+        moved, delay = abs(found.x - delay), float(found.x)
+        if moved < 0.05 * width:
+            break
+        if abs(delay) > 0.25 * alike.period:
+            return None
+    freedom = window.freedom
+    if freedom < 1:
+        return None
+    error = window.error(delay)
+    as_well = grid[costs <= found.fun * (1.0 + _RISE / freedom)]
+    if as_well.size and (as_well[0] == grid[0] or as_well[-1] == grid[-1]):
+        return None
+    reach = np.abs(as_well - delay).max(initial=0.0) / np.sqrt(_RISE)
+    return delay, float(max(error, reach))
+
+
+class _Window:
+    """The forces within a time of every reversal, as polynomials in the distance to it.
+
+    Attributes:
+        freedom: samples left over for the noise.
+    """
+
+    def __init__(
+        self, alike: _Reversals, time: Array, force: Array, width: float, centre: float, degrees: tuple[int, int]
+    ) -> None:
+        first, last = (np.searchsorted(time, alike.instants + centre + side * width) for side in (-1.0, 1.0))
+        kept = last - first > 2
+        rows = np.concatenate(
+            [np.arange(*ends) for ends in zip(first[kept], last[kept], strict=True)] or [np.zeros(0, int)]
+        )
+        self._counts = (last - first)[kept]
+        self._starts = np.concatenate([[0], np.cumsum(self._counts)[:-1]])
+        self._since = time[rows] - np.repeat(alike.instants[kept], self._counts)
+        self._top = np.repeat(alike.senses[kept], self._counts) > 0.0
+        self._period, self._degrees = alike.period, degrees
+        self._scale = _SHAPE * alike.period
+        self._shape = np.where(self._top[:, np.newaxis], alike.shapes[1.0], alike.shapes[-1.0])
+        farthest = width / self._scale  # u there is one, so that powers of it are alike
+        self._shape /= np.maximum(self._shape @ np.array([farthest, farthest**2, farthest**4]), 1e-300)[:, np.newaxis]
+        self._measured = self._centred(force[rows])
+        self.freedom = self._measured.size - 2 * sum(degrees) - self._counts.size - 1
+
+    def _centred(self, values: Array) -> Array:
+        """Return values without their mean over each reversal's window."""
+        means = (np.add.reduceat(values, self._starts, axis=0).T / self._counts).T
+        return np.asarray(values - np.repeat(means, self._counts, axis=0))
+
+    def _matrix(self, delay: float) -> Array:
+        """Return the powers of u before and behind the reversals, at tops and at bottoms, (n, n_factors)."""
+        since = self._since - delay
+        s = np.abs(since) / self._scale
+        u = np.sum(np.stack([s, s**2, s**4], axis=1) * self._shape, axis=1)
+        sides = [(since < 0.0, self._degrees[0]), (since >= 0.0, self._degrees[1])]
+        powers = [
+            np.where(side & end, u**power, 0.0)
+            for end in (self._top, ~self._top)
+            for side, degree in sides
+            for power in range(1, degree + 1)
+        ]
+        return self._centred(np.stack(powers, axis=1))
+
+    def misfit(self, delay: float) -> float:
+        """Return the sum of squares that a lag leaves."""
+        left = self._fit(delay)[1]
+        return float(left @ left)
+
+    def _fit(self, delay: float) -> tuple[Array, Array, Array]:
+        """Return the matrix, what is left, and the fitted factors."""
+        matrix = self._matrix(delay)
+        factors = np.asarray(
+            np.linalg.lstsq(matrix.T @ matrix, matrix.T @ self._measured, rcond=None)[0], dtype=np.float64
+        )
+        return matrix, matrix @ factors - self._measured, factors
+
+    def error(self, delay: float) -> float:
+        """Return the standard error of a lag [s]: from what is left, or from turn to turn, where noise is not white."""
+        matrix, left, factors = self._fit(delay)
+        step = 1e-4 * self._period
+        slope = (self._matrix(delay + step) - self._matrix(delay - step)) @ factors / (2.0 * step)
+        slope = slope - matrix @ np.linalg.lstsq(matrix, slope, rcond=None)[0]
+        white = np.sqrt(float(left @ left) / self.freedom / float(slope @ slope))
+        each, weights = (np.add.reduceat(slope * one, self._starts) for one in (left, slope))
+        return float(max(white, np.std(each / weights, ddof=1) / np.sqrt(each.size)))
