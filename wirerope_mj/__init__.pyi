@@ -55,6 +55,7 @@ from .engine.system import System as System
 from .engine.system import load_system as load_system
 from .engine.system import varied as varied
 from .foundation.errors import AccuracyWarning as AccuracyWarning
+from .foundation.errors import BudgetError as BudgetError
 from .foundation.errors import ClusterWarning as ClusterWarning
 from .foundation.errors import ConvergenceError as ConvergenceError
 from .foundation.errors import ModelError as ModelError

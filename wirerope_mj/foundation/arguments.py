@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.plain_text import quoted
 
 
 def finite(name: str, value: Any, *, unit: str = "") -> float:
@@ -17,7 +18,7 @@ def finite(name: str, value: Any, *, unit: str = "") -> float:
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
-        raise ValueError(f"`{name}` must be a finite number{_in(unit)}, got {_plain(value)!r}.")
+        raise ValueError(f"`{name}` must be a finite number{_in(unit)}, got {quoted(_plain(value))}.")
     return number
 
 
@@ -56,14 +57,14 @@ def nonzero(name: str, value: Any) -> float:
 def integer(name: str, value: Any, *, least: int) -> int:
     """Return an integer >= `least` as an int; 2.0 and booleans are none."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
-        raise ValueError(f"`{name}` must be an integer >= {least}, got {_plain(value)!r}.")
+        raise ValueError(f"`{name}` must be an integer >= {least}, got {quoted(_plain(value))}.")
     return int(value)
 
 
 def one_of(name: str, value: Any, choices: Collection[str]) -> str:
     """Return a string that is one of the choices."""
     if not isinstance(value, str) or value not in choices:
-        raise ValueError(f"`{name}` must be one of {', '.join(map(repr, choices))}, got {value!r}.")
+        raise ValueError(f"`{name}` must be one of {', '.join(map(repr, choices))}, got {quoted(value)}.")
     return value
 
 

@@ -43,6 +43,10 @@ class SimulationError(WireRopeError):
     """A simulation cannot start, or ended before its time."""
 
 
+class BudgetError(WireRopeError):
+    """What was asked for takes more memory, disk or time than there is."""
+
+
 class ConvergenceError(WireRopeError):
     """An iteration ended without a solution."""
 

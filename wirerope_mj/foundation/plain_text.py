@@ -22,6 +22,14 @@ def short(text: str, most: int = 200) -> str:
     return text if len(text) <= most else f"{text[:most]}..."
 
 
+def quoted(value: object, most: int = 200) -> str:
+    """Return a value as it is quoted in a message, which may be of any kind and size: its own text may fail, or never end."""
+    try:
+        return short(repr(value), most)
+    except Exception:
+        return f"a value of type {type(value).__name__}"
+
+
 def plain_lines(text: str) -> str:
     """Return text as `plain` does, its line breaks kept."""
     return "\n".join(plain(line) for line in text.split("\n"))

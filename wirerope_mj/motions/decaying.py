@@ -10,13 +10,18 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite, nonzero, not_negative, positive, the_one_given
+from wirerope_mj.foundation.arguments import finite, the_one_given
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
+from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import StartedMotion, unique_times
 
 LEFT_AT_END = 1e-3
 """Fraction of the oscillation that is left at `end`."""
+
+SLOWEST_BLOW = 100.0
+"""Length of a blow times the decay rate of the deck, at most: what its beginning sets off is gone long before its end, and e to
+that power is far from the largest number."""
 
 
 @dataclass(frozen=True, init=False)
@@ -72,7 +77,7 @@ class DecayingSine(StartedMotion):
         impact_duration: float = 0.0,
         start: float = 0.0,
     ) -> None:
-        object.__setattr__(self, "frequency", positive("frequency", frequency))
+        object.__setattr__(self, "frequency", ranges.frequency("frequency", frequency))
         if not 0 < finite("damping", damping) < 1:
             raise ValueError(
                 f"`damping` must lie above 0 and below 1, for the deck must come to rest, got {damping!r}."
@@ -80,12 +85,17 @@ class DecayingSine(StartedMotion):
         object.__setattr__(self, "damping", float(damping))
         quantity, level = the_one_given({"velocity": velocity, "acceleration": acceleration})
         object.__setattr__(self, "quantity", quantity)
-        object.__setattr__(self, "level", nonzero(quantity, level))
+        object.__setattr__(self, "level", ranges.level(quantity, level))
         object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "impact_duration", not_negative("impact_duration", impact_duration))
-        object.__setattr__(self, "start", finite("start", start))
+        object.__setattr__(self, "impact_duration", ranges.length("impact_duration", impact_duration, least=0.0))
+        object.__setattr__(self, "start", ranges.start("start", start))
         fading = -math.log(LEFT_AT_END) / (self.damping * self._omega)
         object.__setattr__(self, "duration", self.impact_duration + fading)
+        if self.damping * self._omega * self.impact_duration > SLOWEST_BLOW:
+            raise ValueError(
+                f"`impact_duration` of {self.impact_duration:.4g} s is no blow on this deck, whose oscillation fades within "
+                f"{fading:.4g} s: it must be shorter than {SLOWEST_BLOW / (self.damping * self._omega):.4g} s."
+            )
 
     @property
     def velocity_change(self) -> float:

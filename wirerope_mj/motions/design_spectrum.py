@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.motions import ranges
 from wirerope_mj.motions.double_half_sine import DoubleHalfSine
 from wirerope_mj.motions.double_triangle import DoubleTriangle
 
@@ -39,7 +40,7 @@ class DesignSpectrum:
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            object.__setattr__(self, item.name, positive(item.name, getattr(self, item.name)))
+            object.__setattr__(self, item.name, ranges.level(item.name, positive(item.name, getattr(self, item.name))))
         highest = math.sqrt(self.displacement * self.acceleration)
         if self.velocity >= highest:
             raise ValueError(

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.foundation.arguments import finite, nonzero
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import StartedMotion, unique_times
 
 
@@ -37,16 +37,16 @@ class DoublePulse(StartedMotion):
     def __init__(
         self, *, peak: float, velocity: float, displacement: float, direction: str | Sequence[float], start: float = 0.0
     ) -> None:
-        object.__setattr__(self, "peak", nonzero("peak", peak))
-        object.__setattr__(self, "peak_velocity", nonzero("velocity", velocity))
-        object.__setattr__(self, "final_displacement", nonzero("displacement", displacement))
+        object.__setattr__(self, "peak", ranges.level("peak", peak))
+        object.__setattr__(self, "peak_velocity", ranges.level("velocity", velocity))
+        object.__setattr__(self, "final_displacement", ranges.level("displacement", displacement))
         if len({math.copysign(1.0, value) for value in (self.peak, self.peak_velocity, self.final_displacement)}) > 1:
             raise ValueError(
                 "`peak`, `velocity` and `displacement` must have the same sign (negative: a shock against the direction), "
                 f"got {self.peak:.4g}, {self.peak_velocity:.4g} and {self.final_displacement:.4g}."
             )
         object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "start", finite("start", start))
+        object.__setattr__(self, "start", ranges.start("start", start))
         self._check_second_pulse()
         object.__setattr__(self, "duration", self.first_duration + self.second_duration)
 

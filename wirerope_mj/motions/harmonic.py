@@ -10,15 +10,13 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import as_times, nonzero, positive, the_one_given
+from wirerope_mj.foundation.arguments import as_times, positive, the_one_given
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import StraightMotion
 from wirerope_mj.motions.sweep_levels import FORMS, Course
-
-SLOWEST, FASTEST = 1e-6, 1e6
-"""Frequencies of a sweep [Hz]: far beyond what moves on mounts, and near enough for all its integrals to be finite numbers."""
 
 
 @dataclass(frozen=True, init=False)
@@ -45,10 +43,10 @@ class Sine(StraightMotion):
     def __init__(
         self, *, frequency: float, acceleration: float, direction: str | Sequence[float], duration: float | None = None
     ) -> None:
-        object.__setattr__(self, "frequency", positive("frequency", frequency))
-        object.__setattr__(self, "amplitude", nonzero("acceleration", acceleration))
+        object.__setattr__(self, "frequency", ranges.frequency("frequency", frequency))
+        object.__setattr__(self, "amplitude", ranges.level("acceleration", acceleration))
         object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "duration", math.inf if duration is None else positive("duration", duration))
+        object.__setattr__(self, "duration", math.inf if duration is None else ranges.length("duration", duration))
 
     @property
     def corners(self) -> Array:
@@ -143,11 +141,8 @@ class Sweep(StraightMotion):
         velocity: float | None = None,
         displacement: float | None = None,
     ) -> None:
-        object.__setattr__(self, "start", positive("start", start))
-        object.__setattr__(self, "stop", positive("stop", stop))
-        for name in ("start", "stop"):
-            if not SLOWEST <= getattr(self, name) <= FASTEST:
-                raise ValueError(f"`{name}` must be {SLOWEST:g} to {FASTEST:g} Hz, got {getattr(self, name)!r}.")
+        object.__setattr__(self, "start", ranges.frequency("start", start))
+        object.__setattr__(self, "stop", ranges.frequency("stop", stop))
         if self.start == self.stop:
             raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")
         object.__setattr__(self, "rate", positive("rate", rate))
@@ -155,7 +150,7 @@ class Sweep(StraightMotion):
             {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
         )
         object.__setattr__(self, "quantity", quantity)
-        object.__setattr__(self, "amplitude", nonzero(quantity, amplitude))
+        object.__setattr__(self, "amplitude", ranges.level(quantity, amplitude))
         object.__setattr__(self, "direction", checked_direction(direction))
         object.__setattr__(self, "duration", self.course.duration)
 

@@ -10,8 +10,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import as_times, finite, positive
+from wirerope_mj.foundation.arguments import as_times, finite
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion
 
 MOST_ROWS = 20_000
@@ -78,7 +79,7 @@ class PayloadForce(BaseMotion):
         """Raise ValueError unless site and start are what they must be."""
         if not isinstance(self.site, str) or not self.site:
             raise ValueError(f"`site` must be the name of a site, got {self.site!r}.")
-        object.__setattr__(self, "start", finite("start", self.start))
+        object.__setattr__(self, "start", ranges.start("start", self.start))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,10 +107,10 @@ class HarmonicForce(PayloadForce):
 
     def __post_init__(self) -> None:
         self._check()
-        object.__setattr__(self, "frequency", positive("frequency", self.frequency, unit="Hz"))
+        object.__setattr__(self, "frequency", ranges.frequency("frequency", self.frequency))
         object.__setattr__(self, "phase", finite("phase", self.phase))
         if self.duration != math.inf:
-            object.__setattr__(self, "duration", positive("duration", self.duration, unit="s"))
+            object.__setattr__(self, "duration", ranges.length("duration", self.duration))
         for name in ("force", "moment"):
             object.__setattr__(self, name, _three(name, getattr(self, name)))
         if not any((*self.force, *self.moment)):

@@ -1,5 +1,6 @@
 """Phrases that say a base motion, as `15 g 11 ms z at 50 ms`: numbers with units, a direction, and words before a number."""
 
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,6 +25,7 @@ UNITS: dict[str, Mapping[str, float]] = {
 
 _OF_UNIT = {unit: (quantity, factor) for quantity, units in UNITS.items() for unit, factor in units.items()}
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
+_SIGNIFICANT = re.compile(r"[1-9]")
 _AXES = re.compile(r"[xyz]{1,3}")
 _SIGNED_AXIS = re.compile(r"([-+])([xyz])")
 _VECTOR = re.compile(r"[^,]+,[^,]+,[^,]+")
@@ -94,6 +96,8 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
             raise ValueError(f'"{word}" takes one value, and "{short(f"{begun}{part}")}" is a range.')
         quantity, factor = _quantity(unit, part, words.get(word, ""))
         values = [in_si(one, factor) for one in (*waiting, value)]
+        if not all(map(math.isfinite, values)):
+            raise ValueError(f'"{short(part)} {short(unit)}" is too large for a number.')
         waiting, begun = [], ""
         if word:
             named[word], word = values[-1], ""
@@ -132,7 +136,10 @@ def _number(part: str) -> tuple[float, str]:
         raise ValueError(f'"{short(part)}" is neither a number with a unit nor a direction such as z, -y or 1,1,0.')
     if match[2].startswith(","):
         raise ValueError(f'"{short(part)}": decimals are written with a point.')
-    return float(match[1]), match[2]
+    value = float(match[1])
+    if not math.isfinite(value) or (value == 0.0 and _SIGNIFICANT.search(match[1].lower().partition("e")[0])):
+        raise ValueError(f'"{short(part)}" is too {"small" if value == 0.0 else "large"} for a number.')
+    return value, match[2]
 
 
 def _quantity(unit: str, part: str, expected: str) -> tuple[str, float]:

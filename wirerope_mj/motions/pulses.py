@@ -10,10 +10,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite, nonzero, positive
+from wirerope_mj.foundation.arguments import finite
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import StartedMotion, unique_times
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 
@@ -35,10 +36,10 @@ class Pulse(StartedMotion):
     start: float = 0.0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "peak", nonzero("peak", self.peak))
-        object.__setattr__(self, "duration", positive("duration", self.duration))
+        object.__setattr__(self, "peak", ranges.level("peak", self.peak))
+        object.__setattr__(self, "duration", ranges.length("duration", self.duration))
         object.__setattr__(self, "direction", checked_direction(self.direction))
-        object.__setattr__(self, "start", finite("start", self.start))
+        object.__setattr__(self, "start", ranges.start("start", self.start))
 
     @property
     @abstractmethod
@@ -202,9 +203,9 @@ class VelocityStep(StartedMotion):
     duration: float
 
     def __init__(self, *, velocity: float, direction: str | Sequence[float], start: float = 0.0) -> None:
-        object.__setattr__(self, "velocity_change", nonzero("velocity", velocity))
+        object.__setattr__(self, "velocity_change", ranges.level("velocity", velocity))
         object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "start", finite("start", start))
+        object.__setattr__(self, "start", ranges.start("start", start))
         object.__setattr__(self, "duration", 0.0)
 
     @property

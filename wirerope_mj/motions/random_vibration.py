@@ -10,11 +10,12 @@ from typing import Any, ClassVar, Literal, get_args
 import numpy as np
 import scipy
 
-from wirerope_mj.foundation.arguments import finite, integer, one_of, positive
+from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
 from wirerope_mj.motions.motion import StartedMotion
 from wirerope_mj.motions.psd_lines import Points, checked_points, psd_power, psd_rms
@@ -90,13 +91,13 @@ class RandomVibration(AsCall, StartedMotion):
         amplitudes: Amplitudes = "fixed",
     ) -> None:
         object.__setattr__(self, "psd", checked_points("psd", psd, quantity="level"))
-        object.__setattr__(self, "duration", positive("duration", duration))
+        object.__setattr__(self, "duration", ranges.length("duration", duration))
         object.__setattr__(self, "seed", integer("seed", seed, least=0))
         object.__setattr__(self, "direction", checked_direction(direction))
         for name, length in (("rise", rise), ("fall", fall)):
             object.__setattr__(self, name, usual_ramp(name, length, lowest=self.psd[0][0], duration=self.duration))
         check_room(self.duration, self.rise, self.fall)
-        object.__setattr__(self, "start", finite("start", start))
+        object.__setattr__(self, "start", ranges.start("start", start))
         object.__setattr__(self, "amplitudes", one_of("amplitudes", amplitudes, get_args(Amplitudes)))
 
     @property

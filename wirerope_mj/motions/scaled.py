@@ -10,9 +10,9 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import nonzero
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
+from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
 
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
@@ -106,7 +106,7 @@ class Scaled(_Changed):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "factor", nonzero("factor", self.factor))
+        object.__setattr__(self, "factor", ranges.level("factor", self.factor))
 
     @property
     def directions(self) -> Array:

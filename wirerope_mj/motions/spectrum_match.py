@@ -9,9 +9,11 @@ import scipy
 
 from wirerope_mj.foundation.arguments import finite, integer, positive
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.budget import require_memory
 from wirerope_mj.foundation.directions import checked_direction
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Brief
+from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
 from wirerope_mj.motions.psd_lines import Points, checked_points
 from wirerope_mj.motions.random_phases import random_phases
@@ -31,6 +33,9 @@ LEAST_DAMPING = 0.01
 
 SAMPLES_PER_PERIOD = 20
 """Samples in a period of the highest frequency: twice what the spectrum asks for."""
+
+OF_A_SAMPLE = 48
+"""Bytes of a line at an instant: its sine and cosine, both lines and what they are made of."""
 
 ITERATIONS = 60
 """Corrections after which the search ends; those seen took 2 to 22."""
@@ -124,14 +129,20 @@ def match_spectrum(
     positive("tolerance", tolerance)
     checked_direction(direction)
     integer("seed", seed, least=0)
-    length = positive("duration", duration)
+    length = ranges.length("duration", duration)
     first, last = (usual_ramp(n, v, lowest=points[0][0], duration=length) for n, v in (("rise", rise), ("fall", fall)))
     check_room(length, first, last)
 
     frequencies, wanted = _comparison(points, float(damping))
+    count = (length + 1 / frequencies[0]) * SAMPLES_PER_PERIOD * frequencies[-1]
+    require_memory(
+        f"matching a spectrum of {frequencies.size} lines over {length:.4g} s up to {frequencies[-1]:.4g} Hz",
+        OF_A_SAMPLE * count * frequencies.size,
+        "Use a shorter `duration`: an earthquake lasts some 20 s; or end the target at a lower frequency.",
+    )
     envelope = Envelope(start=0.0, stop=length, rise=first, fall=last)
     amplitudes, achieved, iterations = _Matching(frequencies, wanted, float(damping), envelope).run(seed, tolerance)
-    phases = np.arctan2(amplitudes[1], amplitudes[0]) - 2 * np.pi * frequencies * finite("start", start)
+    phases = np.arctan2(amplitudes[1], amplitudes[0]) - 2 * np.pi * frequencies * ranges.start("start", start)
     motion = VibrationLines(
         acceleration=list(zip(frequencies.tolist(), np.hypot(*amplitudes).tolist(), strict=True)),
         phases=phases.tolist(),

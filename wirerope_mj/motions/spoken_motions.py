@@ -15,6 +15,9 @@ from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.spectrum_match import match_spectrum
 from wirerope_mj.motions.spoken_kind import START, SpokenMotion, file_first, one
 
+LARGEST_SEED = 2**53 - 1
+"""Seed of a phrase at the most: numbers are read as floats, and of larger ones neighbours would be one."""
+
 _LASTING = START | {"seed": "", "rise": "time", "fall": "time"}
 
 
@@ -79,8 +82,8 @@ def _match(phrase: Phrase, direction: Direction, number: int, points: Any) -> Ba
 
 def _seed(phrase: Phrase) -> int:
     seed = phrase.named.get("seed", 1.0)
-    if seed != int(seed) or seed < 0:
-        raise ValueError(f"a seed is an integer >= 0, got {seed:g}.")
+    if seed != int(seed) or not 0 <= seed <= LARGEST_SEED:
+        raise ValueError(f"a seed is an integer from 0 to {LARGEST_SEED}, got {seed:.17g}.")
     return int(seed)
 
 

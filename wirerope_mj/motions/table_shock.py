@@ -8,10 +8,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import between, finite, positive
+from wirerope_mj.foundation.arguments import between, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import StartedMotion, unique_times
 from wirerope_mj.motions.pulses import HalfSine
 
@@ -62,12 +63,12 @@ class ShockTableImpact(StartedMotion):
         fall: bool = False,
         gravity: float = STANDARD_GRAVITY,
     ) -> None:
-        object.__setattr__(self, "drop_height", positive("drop_height", drop_height))
+        object.__setattr__(self, "drop_height", ranges.level("drop_height", positive("drop_height", drop_height)))
         object.__setattr__(self, "rebound", between("rebound", rebound, 0.0, 1.0))
-        length = None if pulse_duration is None else positive("pulse_duration", pulse_duration)
+        length = None if pulse_duration is None else ranges.length("pulse_duration", pulse_duration)
         object.__setattr__(self, "pulse_duration", length)
         object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "start", finite("start", start))
+        object.__setattr__(self, "start", ranges.start("start", start))
         object.__setattr__(self, "fall", bool(fall))
         object.__setattr__(self, "gravity", positive("gravity", gravity))
         object.__setattr__(self, "duration", self.fall_duration + (length or 0.0))

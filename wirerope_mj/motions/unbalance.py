@@ -10,9 +10,10 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import as_times, finite, nonzero, not_negative, positive
+from wirerope_mj.foundation.arguments import as_times, finite, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
+from wirerope_mj.motions import ranges
 from wirerope_mj.motions.payload_forces import PayloadForce
 
 
@@ -63,15 +64,15 @@ class Unbalance(PayloadForce):
             )
         runs_up = self.final_frequency is not None
         values = {
-            "unbalance": nonzero("unbalance", self.unbalance),
-            "frequency": (not_negative if runs_up else positive)("frequency", self.frequency, unit="Hz"),
+            "unbalance": ranges.level("unbalance", self.unbalance),
+            "frequency": ranges.frequency("frequency", self.frequency, least=0.0 if runs_up else ranges.SLOWEST),
             "order": positive("order", self.order),
-            "run_up": (positive if runs_up else not_negative)("run_up", self.run_up, unit="s"),
+            "run_up": ranges.length("run_up", self.run_up, least=ranges.SHORTEST if runs_up else 0.0),
             "phase": finite("phase", self.phase),
-            "duration": self.duration if self.duration == math.inf else positive("duration", self.duration, unit="s"),
+            "duration": self.duration if self.duration == math.inf else ranges.length("duration", self.duration),
         }
         if runs_up:
-            values["final_frequency"] = not_negative("final_frequency", self.final_frequency, unit="Hz")
+            values["final_frequency"] = ranges.frequency("final_frequency", self.final_frequency, least=0.0)
         elif self.run_up:
             raise ValueError("`run_up` needs `final_frequency`.")
         for name, value in values.items():

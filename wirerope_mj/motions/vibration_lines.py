@@ -13,6 +13,7 @@ from wirerope_mj.foundation.arguments import finite, integer, positive, the_one_
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.summary import AsCall
+from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
 from wirerope_mj.motions.motion import StartedMotion
 from wirerope_mj.motions.psd_lines import Points, checked_points
@@ -85,7 +86,7 @@ class VibrationLines(AsCall, StartedMotion):
             raise ValueError("at most one of `phases` and `seed` can be given, got both.")
         object.__setattr__(self, "phases", None if phases is None else _checked_phases(phases, len(lines)))
         object.__setattr__(self, "seed", None if seed is None else integer("seed", seed, least=0))
-        object.__setattr__(self, "start", finite("start", start))
+        object.__setattr__(self, "start", ranges.start("start", start))
         self._set_ramps(duration, rise, fall)
 
     def _set_ramps(self, duration: float | None, rise: float | None, fall: float | None) -> None:
@@ -95,7 +96,7 @@ class VibrationLines(AsCall, StartedMotion):
                 raise ValueError("`fall` needs a `duration`: an endless vibration never falls.")
             ramps = 0.0 if rise is None else usual_ramp("rise", rise, lowest=lowest, duration=math.inf), 0.0
         else:
-            length = positive("duration", duration)
+            length = ranges.length("duration", duration)
             given = (("rise", rise), ("fall", fall))
             first, last = (usual_ramp(name, value, lowest=lowest, duration=length) for name, value in given)
             check_room(length, first, last)

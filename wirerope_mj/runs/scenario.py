@@ -8,10 +8,26 @@ from typing import Any
 from wirerope_mj.engine.system import Changes
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.resources import model_source, scenarios_folder
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.runs.option_file import all_options, defaults, file_called, guarded, load_function, question_of
+
+_KINDS: dict[str, tuple[Any, str]] = {
+    "question": (str, "text"),
+    "model": (str | Path, "the path of a model, its name, or its text"),
+    "motion": (BaseMotion, "a base motion, such as HalfSine(...)"),
+    "simulate": (Mapping, 'a table of arguments, such as {"duration": 1.0}'),
+    "isolators": (Mapping | None, "a table of isolators by name, or None"),
+    "name": (str, "text"),
+    "options": (Mapping, "a table of options by name"),
+    "folder": (Path | None, "a Path, or None"),
+    "changes": (list | tuple, "a list of Changes"),
+    "combined_travel": (bool, "True or False"),
+    "limits": (list | tuple, "a list of PayloadLimits"),
+}
+"""What each attribute of a scenario must be, and what a message calls it."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +62,20 @@ class Scenario:
     combined_travel: bool = True
     limits: Sequence[PayloadLimit] = ()
 
+    def __post_init__(self) -> None:
+        for name, (kind, said) in _KINDS.items():
+            value = getattr(self, name)
+            if not isinstance(value, kind):
+                raise ValueError(f"`{name}` of a Scenario must be {said}, got {quoted(value, 80)}.")
+        for name, kind in (("limits", PayloadLimit), ("changes", Changes)):
+            for one in getattr(self, name):
+                if not isinstance(one, kind):
+                    raise ValueError(f"`{name}` of a Scenario must hold {kind.__name__}s only, got {quoted(one)}.")
+        for name in ("simulate", "options", "isolators"):
+            for key in getattr(self, name) or ():
+                if not isinstance(key, str):
+                    raise ValueError(f"the keys of `{name}` of a Scenario must be text, got {quoted(key)}.")
+
     def model_source(self) -> str | Path:
         """Return the MJCF text, or the path of the model file; ModelError names where it was looked for."""
         return model_source(self.model, folder=self.folder, asker=f"scenario {self.name!r}")
@@ -78,7 +108,7 @@ class ScenarioFile:
         values = all_options(self.path, self.function, options)
         made = guarded(self.path, lambda: self.function(**values))
         if not isinstance(made, Scenario):
-            raise ModelError(f"{self.path}: `scenario` must return a wirerope_mj.Scenario, got {made!r}.")
+            raise ModelError(f"{self.path}: `scenario` must return a wirerope_mj.Scenario, got {quoted(made)}.")
         return replace(made, name=self.name, options=values, folder=self.path.parent)
 
 

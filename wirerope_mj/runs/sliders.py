@@ -9,6 +9,7 @@ import numpy as np
 from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import moving_bodies, varied
+from wirerope_mj.foundation.arguments import finite
 from wirerope_mj.foundation.units import significant
 from wirerope_mj.motions import BaseMotion, Scaled, Turned
 from wirerope_mj.mounts.isolator import Isolator
@@ -94,9 +95,8 @@ def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float
     for key, value in values.items():
         if key not in known:
             raise ValueError(f"there is no slider {str(key)[:40]!r}; there are {', '.join(known)}.")
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise ValueError(f"the value of {key!r} must be a finite number, got {str(value)[:40]!r}.")
-        checked[key] = min(max(float(value), known[key].minimum), known[key].maximum)
+        number = finite(key, value)
+        checked[key] = min(max(number, known[key].minimum), known[key].maximum)
     return checked
 
 

@@ -2,7 +2,6 @@
 
 import json
 import math
-import sys
 import tomllib
 from collections.abc import Callable, Mapping
 from datetime import UTC, datetime
@@ -15,9 +14,11 @@ import tomli_w
 
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.simulation.simulate import checked_corners
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.motions import BaseMotion
@@ -131,15 +132,26 @@ def checked_arguments(scenario: Scenario) -> dict[str, Any]:
             )
     if "duration" not in arguments:
         raise ModelError(f"scenario {scenario.name!r}: `simulate` must say the duration [s].")
-    for name in ("duration", "sample_rate"):
-        value = arguments.get(name, SAMPLE_RATE)
-        if not isinstance(value, int | float) or abs(value) > sys.float_info.max:
-            raise ModelError(f"scenario {scenario.name!r}: `{name}` must be a finite number, got {value!r:.40}.")
+    try:
+        _check_numbers(arguments)
+    except ValueError as error:
+        raise ModelError(f"scenario {scenario.name!r}: {error}") from None
     if not isinstance(arguments.get("initial", "settled"), str):
         raise ModelError(
             f"scenario {scenario.name!r}: `initial` must be 'settled', 'relaxed' or 'unloaded', so that a file can say it."
         )
     return arguments
+
+
+def _check_numbers(arguments: Mapping[str, Any]) -> None:
+    """Raise ValueError unless the arguments of a simulation are of the right kind; None leaves a step to be chosen."""
+    for name in ("duration", "sample_rate", "timestep", "accuracy"):
+        value = arguments.get(name, SAMPLE_RATE)
+        if value is not None or name not in ("timestep", "accuracy"):
+            positive(name, value)
+    for name, choices in (("callback", ("native", "python")), ("engine", ("auto", "mujoco", "kernel"))):
+        one_of(name, arguments.get(name, choices[0]), choices)
+    checked_corners(arguments.get("corners", ()))
 
 
 def _scenario_text(

@@ -17,6 +17,7 @@ from wirerope_mj.engine.system.model_files import read_changes
 from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import integer, one_of
+from wirerope_mj.foundation.budget import require_time
 from wirerope_mj.foundation.resources import model_source
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.copies import check_records
@@ -102,6 +103,11 @@ class StudyDefinition:
             raise ValueError('`motions` holds several base motions, and `vary` has no "motion/record" that chooses.')
         self._inputs = inputs(self.quantities, variants=variants, sampling=sampling, seed=seed)
         self.size = self._inputs.num_rows
+        require_time(
+            f"a study of {self.size} variants of {self.duration:.4g} s",
+            self.size * self.duration * max(self.sample_rate, 1.0 / self.timestep if self.timestep else 0.0),
+            "Compute fewer `variants`, a shorter `duration`, or use a lower `sample_rate`, at whose samples steps end.",
+        )
         self._maker = Maker(self.base, self.motions, self._columns)
 
     @classmethod

@@ -5,7 +5,7 @@ import re
 
 from wirerope_mj.assessment.selection.worksheet import WORKSHEET_GRAVITY, Shock
 from wirerope_mj.foundation.arguments import between, positive
-from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep
+from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep, ranges
 
 _RISE = 0.1
 """Rise and fall of a trapezoid over its length, as the shock standards draw it."""
@@ -30,7 +30,7 @@ def shock_of(pulse: Shock | None, velocity: float | None, drop: float | None, re
             )
         return pulse
     if drop is not None:
-        velocity = (1.0 + rebound) * math.sqrt(2.0 * gravity * positive("drop", drop, unit="m"))
+        velocity = (1.0 + rebound) * math.sqrt(2.0 * gravity * ranges.level("drop", positive("drop", drop, unit="m")))
     return VelocityStep(velocity=positive("velocity", velocity, unit="m/s"), direction="z")
 
 

@@ -7,6 +7,7 @@ from time import perf_counter
 from wirerope_mj.dynamics.frequency_response.options import ResponseOptions
 from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Level
 from wirerope_mj.dynamics.periodic import Branch, follow_branch
+from wirerope_mj.dynamics.periodic.options import require_motion
 from wirerope_mj.dynamics.sweep import FrequencySweep, frequency_sweep
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import ConvergenceError, SimulationError
@@ -104,5 +105,7 @@ def _sweeps(
                 progress=progress,
             )  # fmt: skip
         )
+        largest = float(sweeps[-1].amplitude.max(initial=0.0))
+        require_motion(largest, acceleration, options.payload, options.response_direction)
         initial = sweeps[-1].final_state
     return sweeps[0], sweeps[1]

@@ -14,11 +14,10 @@ from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
 from wirerope_mj.dynamics.periodic.events import locate, turns, unstable
 from wirerope_mj.dynamics.periodic.find import ITERATIONS, OrbitSearch
 from wirerope_mj.dynamics.periodic.observe import travel_exceeded
-from wirerope_mj.dynamics.periodic.options import BranchOptions
+from wirerope_mj.dynamics.periodic.options import BranchOptions, require_motion
 from wirerope_mj.dynamics.periodic.shooting import close, shot
 from wirerope_mj.dynamics.periodic.storage import Row, fingerprint, load_rows, row_of, save_rows
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import direction_text
 from wirerope_mj.foundation.state import State
 
 FIRST = 0.2
@@ -35,9 +34,6 @@ RIPPLE = 5.0
 
 BEND = 0.1
 """Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend."""
-
-STILL = 1e-12
-"""Fraction of the base's acceleration below which a payload stands still but for rounding."""
 
 SAVE_EVERY = 2.0
 """Seconds between two looks at the disk: what a killed process loses."""
@@ -135,9 +131,7 @@ class GrowingBranch:
         x = self.search.coordinates.from_state(orbit.state.values, carried)
         point = self._at(x, options.start, before=None)
         self._add(point)
-        if self.rows[-1].amplitude <= STILL * abs(drive.acceleration):
-            along = direction_text(options.response_direction)
-            raise ValueError(f"`response_direction`: {options.payload} does not move along {along} in this motion.")
+        require_motion(self.rows[-1].amplitude, drive.acceleration, options.payload, options.response_direction)
         return point
 
     def _at(self, x: Array, value: float, before: Array | None) -> Point:

@@ -11,8 +11,11 @@ from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import one_of, positive
-from wirerope_mj.foundation.directions import Direction, checked_direction
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text
 from wirerope_mj.motions import Sine
+
+STILL = 1e-12
+"""Fraction of the base's acceleration below which a payload stands still but for rounding."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,4 +107,13 @@ def check_steps(smallest: float, largest: float) -> None:
     if not smallest < largest < 1.0:
         raise ValueError(
             f"`smallest_step` must be below `largest_step`, and that below 1, got {smallest!r} and {largest!r}."
+        )
+
+
+def require_motion(amplitude: float, acceleration: float, payload: str, along: Direction) -> None:
+    """Raise ValueError if a payload's amplitude [m/s^2] is zero but for rounding of the base's acceleration [m/s^2]."""
+    if amplitude <= STILL * abs(acceleration):
+        raise ValueError(
+            f"`response_direction`: {payload} does not move along {direction_text(along)} in this motion, so there is no "
+            "response. Leave it out to take the response along the base's motion, or move the base along it."
         )

@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
+
 from wirerope_mj.dynamics.sweep.arguments import (
     acceleration_of,
     chosen_step,
@@ -12,7 +14,7 @@ from wirerope_mj.dynamics.sweep.arguments import (
     starting_state,
 )
 from wirerope_mj.dynamics.sweep.collector import Collector
-from wirerope_mj.dynamics.sweep.cycles import at_start, stepping
+from wirerope_mj.dynamics.sweep.cycles import STEPS_PER_CYCLE, at_start, stepping
 from wirerope_mj.dynamics.sweep.envelope import FrequencySweep
 from wirerope_mj.dynamics.sweep.settling import settle
 from wirerope_mj.engine.simulation.progress import share_bar
@@ -20,11 +22,15 @@ from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import integer, positive
+from wirerope_mj.foundation.budget import require_memory, require_time
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine, Sweep
 
 CHUNK = 64
 """Cycles between two looks at deflections and progress: their base motion is evaluated at once."""
+
+CYCLE = 500.0
+"""Bytes of a cycle: its instants and how they are found, and its row of extremes, of ten bodies and mounts at the least."""
 
 
 def frequency_sweep(
@@ -85,6 +91,7 @@ def frequency_sweep(
     check_direction(system, sweep)
     require_payload(system, payload)
     along = response_axis(response_direction, sweep.direction)
+    check_cycles(sweep, timestep)
     instants = sweep.course.whole_cycles()
     if instants.size < 2:
         raise ValueError(
@@ -134,6 +141,15 @@ def _lead_in(
         return lead.state, ()
     text = f"amplitudes at the start frequency of {sweep.start:.5g} Hz were {lead.remaining:.2g} from their limits"
     return lead.state, (f"{text} after {lead.cycles} cycles, not {settled:.2g}.",)
+
+
+def check_cycles(sweep: Sweep, timestep: float | None) -> None:
+    """Raise BudgetError if a sweep has more cycles than there is memory or time for."""
+    cycles = abs(float(sweep.course.phase(np.array([sweep.duration]))[0])) / (2.0 * math.pi)
+    what = f"a sweep of {sweep.duration:.4g} s"
+    remedy = "Sweep faster (a larger `rate`), or over a narrower range."
+    require_memory(f"{what}, {cycles:.3g} cycles,", cycles * CYCLE, remedy)
+    require_time(what, max(STEPS_PER_CYCLE * cycles, sweep.duration / (timestep or math.inf)), remedy)
 
 
 def sine_at_start(sweep: Sweep) -> Sine:

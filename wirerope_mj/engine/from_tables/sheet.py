@@ -1,11 +1,13 @@
 """A table of a model: a CSV file, or the first sheet of an XLSX file, with units in its header."""
 
 import math
+import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from wirerope_mj.foundation.budget import require_memory
 from wirerope_mj.foundation.csv_units import (
     Header,
     header_of_cells,
@@ -14,7 +16,7 @@ from wirerope_mj.foundation.csv_units import (
     require_cells,
     rows_below,
 )
-from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.errors import BudgetError, RecordError, why_unread
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 
@@ -34,6 +36,9 @@ UNITS: dict[str, Mapping[str, float]] = {
     "damping": {"N s/m": 1.0, "kN s/m": 1e3, "N s/mm": 1e3},
 }  # fmt: skip
 """Units of each kind of quantity, in SI; an inch is 25.4 mm, a pound 0.45359237 kg (both exact)."""
+
+_UNPACKED = 20.0
+"""Bytes of memory for one of a sheet's XML: a cell of five bytes becomes a text and its place in a list."""
 
 PURE, TEXT = "number", "text"
 """Kinds of columns that need no unit."""
@@ -150,9 +155,7 @@ def _require_distinct(rows: list[Row]) -> None:
 
 def _excel(path: Path, *, kind: str, example: str) -> tuple[Header, Iterator[tuple[str, list[str]]]]:
     """Return header and rows of an XLSX file's first sheet, as texts; empty rows and those that begin with # are skipped."""
-    filled = [
-        (number, row) for number, row in enumerate(_values(path), start=1) if any(row) and not row[0].startswith("#")
-    ]
+    filled = _filled(path)
     if not filled:
         raise RecordError(f"{path}: the first sheet is empty. A {kind} has a header such as {example}.")
     (first, names), *below = filled
@@ -163,14 +166,17 @@ def _excel(path: Path, *, kind: str, example: str) -> tuple[Header, Iterator[tup
     def rows() -> Iterator[tuple[str, list[str]]]:
         for number, cells in below:
             location = f"{path}, row {number}"
-            row = cells[: len(names)] + [cell for cell in cells[len(names) :] if cell]
+            row = (
+                cells[: len(names)] + [""] * (len(names) - len(cells)) + [cell for cell in cells[len(names) :] if cell]
+            )
             require_cells(header, location, row)
             yield location, row
 
     return header, rows()
 
 
-def _values(path: Path) -> list[list[str]]:
+def _filled(path: Path) -> list[tuple[int, list[str]]]:
+    """Read number and texts of the rows that hold something and do not begin with #."""
     try:
         import openpyxl
     except ImportError:
@@ -180,8 +186,16 @@ def _values(path: Path) -> list[list[str]]:
         ) from None
     try:
         with path.open("rb") as file:
-            book = openpyxl.load_workbook(file, read_only=True, data_only=True)
-            return [[_as_text(value) for value in row] for row in book.worksheets[0].iter_rows(values_only=True)]
+            with zipfile.ZipFile(file) as parts:
+                size = sum(part.file_size for part in parts.infolist())
+            require_memory(f"{path}, unpacked,", _UNPACKED * size, "Save its first sheet as CSV.")
+            sheet = openpyxl.load_workbook(file, read_only=True, data_only=True).worksheets[0]
+            sheet.reset_dimensions()  # those of the file would fill all rows up to its farthest cell
+            rows = enumerate(sheet.iter_rows(values_only=True), start=1)
+            texts = ((number, [_as_text(value) for value in row]) for number, row in rows if set(row) - {None})
+            return [(number, row) for number, row in texts if any(row) and not row[0].startswith("#")]
+    except BudgetError:
+        raise
     except OSError as error:
         raise RecordError(f"{path}: the table cannot be read: {why_unread(error)}") from None
     except Exception:  # openpyxl raises what its parsers of zip and XML raise

@@ -32,6 +32,7 @@ from wirerope_mj.engine.simulation.simulate import (
     checked_step,
     versions,
 )
+from wirerope_mj.engine.simulation.size import check_size
 from wirerope_mj.engine.simulation.timestep import limit_of_given
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import integer, one_of
@@ -133,6 +134,8 @@ def simulate_batch(
         return []
     one_of("engine", engine, ("auto", "mujoco", "kernel"))
     check_same_layout(systems)
+    samples = len(systems) * duration if responses else 0.0  # of all that are kept at once
+    check_size(systems[0], duration=duration, sample_rate=sample_rate, timestep=timestep, kept=samples)
     results: dict[int, BatchResult | BatchFailure] = {}
     variants = []
     step = cache(lambda system: checked_step(system, timestep, duration))

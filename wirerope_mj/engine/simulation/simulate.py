@@ -16,12 +16,14 @@ from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.initial import initial_state
 from wirerope_mj.engine.simulation.progress import progress_bar
 from wirerope_mj.engine.simulation.recorder import Recorder
+from wirerope_mj.engine.simulation.size import check_size
 from wirerope_mj.engine.simulation.stability import stable_step
 from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, limit_of_given
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, RecordError, SimulationError
+from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.versions import version_of
 from wirerope_mj.motions import BaseMotion
@@ -65,6 +67,7 @@ def simulate(
         ValueError: an argument is out of range.
         ModelError: the motion needs a slide that the base does not have.
         RecordError: `out` already holds a response, which an open `Response` may be reading.
+        BudgetError: the samples take more memory or disk, or the steps more time, than there is.
         SimulationError: the step is too large, a mount went to where its law does not hold, or the engine reported that the
             state is not valid any more.
         ConvergenceError: there is no equilibrium to start from.
@@ -79,6 +82,8 @@ def simulate(
     instants = checked_corners(corners)
     if out is not None and (Path(out) / FILE).exists():
         raise RecordError(f"{out}: a response stands here already; give another `out`, or remove {FILE}.")
+    folder = Path(out) if out is not None else None
+    check_size(system, duration=duration, sample_rate=sample_rate, timestep=timestep, out=folder)
     start = initial_state(system, motion, initial)
     if timestep is None:
         step = choose_timestep(
@@ -91,7 +96,7 @@ def simulate(
         start=start.time, duration=duration, sample_rate=sample_rate, timestep=step.timestep, motion=motion,
         corners=instants,
     )  # fmt: skip
-    recorder = Recorder(system, motion, grid, Path(out) if out is not None else None)
+    recorder = Recorder(system, motion, grid, folder)
     try:
         if step.done is not None and callback == "native" and not instants.size:
             done, rows = step.done
@@ -141,7 +146,7 @@ def checked_corners(corners: Sequence[float] | Array) -> Array:
     except (TypeError, ValueError, OverflowError):
         instants = np.empty((0, 0))
     if instants.ndim != 1 or not np.isfinite(instants).all():
-        raise ValueError(f"`corners` must be finite instants in seconds, got {corners!r}.")
+        raise ValueError(f"`corners` must be finite instants in seconds, got {quoted(corners)}.")
     return np.sort(instants)
 
 
@@ -154,7 +159,7 @@ MOST_STEPS = 1e9
 
 def checked_step(system: System, timestep: float, duration: float) -> float:
     """Return the step that was asked for, or raise SimulationError if RK4 is not stable with it or never ends."""
-    if duration / timestep > MOST_STEPS:
+    if duration > MOST_STEPS * positive("timestep", timestep, unit="s"):
         raise SimulationError(
             f"`timestep` of {timestep:.3g} s makes {duration / timestep:.1e} steps of {duration:.4g} s; at most "
             f"{MOST_STEPS:.0e} are computed. Give a longer `timestep`, or None to have it chosen."

@@ -15,6 +15,7 @@ from wirerope_mj.engine.simulation.initial import moving_with_base
 from wirerope_mj.engine.simulation.judge import equations, unfit
 from wirerope_mj.engine.simulation.later import Later
 from wirerope_mj.engine.simulation.run import RunResult
+from wirerope_mj.engine.simulation.size import check_pilots
 from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
@@ -102,6 +103,7 @@ def choose_timestep(
     as that shows, and the error says what was reached.
     """
     windows = _windows(system, motion, start, duration, sample_rate)
+    check_pilots(system, seconds=sum(length for _, length in windows), sample_rate=sample_rate)
     step, limit = min((1.0 / sample_rate, SAMPLES), (stable_step(system), STABILITY), (duration, DURATION))
     between = _step_between_corners(motion, windows, sample_rate, step)
     step, limit = (between, CORNERS) if between < step else (step, limit)

@@ -7,12 +7,16 @@ import numpy.typing as npt
 
 from wirerope_mj.foundation.arguments import finite, integer, positive
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.budget import require_memory, require_time
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import Law, Loop
 from wirerope_mj.mounts.laws.loop import closure_of
 
 CLOSURE = 1e-10
 """A loop is closed when its last force equals its first within this fraction of its force range."""
+
+OF_A_POINT = 100.0
+"""Bytes of a point of a loop: instant, deflection, rate, force, hysteretic force and states, and the path they are made of."""
 
 _MOST_CYCLES = 4096
 """1.6 million points at the default 400 per cycle: a few seconds, and 16 times what catalogue fits take."""
@@ -54,6 +58,16 @@ def cyclic_test(
         integer("cycles", cycles, least=1)
     if integer("points_per_cycle", points_per_cycle, least=4) % 4:
         raise ValueError(f"`points_per_cycle` must be a multiple of 4 and >= 4, got {points_per_cycle}.")
+    require_memory(
+        f"{len(sizes)} loops of {points_per_cycle} points",
+        OF_A_POINT * float(points_per_cycle) * (len(sizes) + 1),
+        "Use fewer `points_per_cycle`, or fewer `amplitudes`.",
+    )
+    require_time(
+        f"{len(sizes)} loops of {cycles or 1} cycles",
+        len(sizes) * float(cycles or 1) * points_per_cycle,
+        "Run fewer `cycles`.",
+    )
     return [_test_one(law, float(size), operating_point, frequency, cycles, points_per_cycle) for size in sizes]
 
 

@@ -11,6 +11,7 @@ import scipy
 
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.budget import require_memory
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.inputs.column import Quantity
@@ -22,6 +23,9 @@ LISTED = ("grid", "list")
 RANK = 1e-9
 """Eigenvalue of the correlations, of the largest one, below which a direction does not scatter: rounding leaves 1e-15, and the
 noise of fits, which is scatter, 1e-4 and more."""
+
+_OF_A_NUMBER = 24
+"""Bytes that one number of the inputs takes: its probability, its value, and its place in the table."""
 
 SAMPLINGS = ("sobol", "latin-hypercube", "random", *LISTED, sobol.SAMPLING)
 
@@ -42,6 +46,7 @@ def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: st
         values: Sequence[Any] = _listed(quantities, variants, sampling)
     else:
         variants = integer("variants", variants, least=1)
+        _require_memory(variants, len(columns))
         if sampling == sobol.SAMPLING:
             points = sobol.points(list(sobol.factors(quantities).values()), variants, seed)
         else:
@@ -52,6 +57,15 @@ def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: st
     numbers = pa.array(np.arange(len(values[0])), type=pa.int64())
     arrays = [pa.array(value, type=column.type) for value, column in zip(values, columns, strict=True)]
     return pa.table([numbers, *arrays], names=["variant", *(column.name for column in columns)])
+
+
+def _require_memory(variants: int, columns: int) -> None:
+    """Raise BudgetError if the table of inputs is larger than memory."""
+    require_memory(
+        f"the inputs of {variants:.4g} variants",
+        variants * (columns + 1) * _OF_A_NUMBER,
+        "Compute fewer `variants`: a probability of exceedance p is known to sqrt(p / variants).",
+    )
 
 
 def _points(sampling: str, variants: int, dimensions: int, seed: int) -> Array:
@@ -136,6 +150,7 @@ def _listed(quantities: Sequence[Quantity], variants: int | None, sampling: str)
     size = sizes[0] if sampling == "list" else math.prod(sizes)
     if variants is not None and variants != size:
         raise ValueError(f"`variants` must be left out of a {sampling}, or be its size {size}, got {variants}.")
+    _require_memory(size, len(sizes))
     if sampling == "list":
         return lists
     indices = np.unravel_index(np.arange(size), sizes)

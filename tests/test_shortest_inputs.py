@@ -1,0 +1,179 @@
+"""The shortest inputs that ended in a traceback, in a hang or in an answer to another question: one message, exit code 2."""
+
+import json
+
+import numpy as np
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.engine.from_tables.sheet import read_sheet
+from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.motions import DecayingSine, Sine
+from wirerope_mj.motions.spoken import motion_from_phrase
+from wirerope_mj.runs.scenario import Scenario, load_scenario
+from wirerope_mj.runs.sliders import checked_values, sliders_of
+from wirerope_mj.runs.write import checked_arguments
+
+PSD = "frequency [Hz],psd [g^2/Hz]\n5,0.01\n100,0.01\n"
+
+
+@pytest.mark.parametrize(
+    ("kind", "phrase", "message"),
+    [
+        ("psd", "p.csv 1 s z seed 1e400", '"1e400" is too large for a number'),
+        (
+            "psd",
+            "p.csv 1 s z seed 9007199254740993",
+            "a seed is an integer from 0 to 9007199254740991, got 9007199254740992",
+        ),
+        ("psd", "p.csv 1e9 s z", "takes 8e.11 points"),
+        ("sine", "0.5 g 1e-300 Hz 10 s z", "`frequency` must be 1e-06 to 1e.06 Hz, got 1e-300"),
+        ("sine", "1e-400 g 5 Hz 10 s z", '"1e-400" is too small for a number'),
+        ("force", "engine 1e308 kN 12 Hz 10 s z", '"1e308 kN" is too large for a number'),
+        ("struck-deck", "14 Hz 1.5 m/s damping 5 % blow 1e9 ms z", "1e.06 s is no blow on this deck"),
+        ("struck-deck", "14 Hz 1.5 m/s damping 5 % blow 1e-300 ms z", "`impact_duration` must be 1e-09 to 1e.09 s"),
+        ("half-sine", "15 g 11 ms z at 1e20 s", "`start` must be -1e.06 to 1e.06 s"),
+        ("velocity-step", "1e300 m/s z", "`velocity` must be 1e-12 to 1e.12 in magnitude"),
+    ],
+)
+def test_phrases_with_numbers_beyond_every_motion(kind, phrase, message, tmp_path):
+    (tmp_path / "p.csv").write_text(PSD)
+    with pytest.raises(ValueError, match=message):
+        motion_from_phrase(kind, phrase, folder=tmp_path).corners  # noqa: B018  # knots are made when they are looked at
+
+
+def test_a_seed_as_large_as_a_float_tells_apart_is_taken(tmp_path):
+    (tmp_path / "p.csv").write_text(PSD)
+    assert motion_from_phrase("psd", "p.csv 1 s z seed 9007199254740991", folder=tmp_path).seed == 2**53 - 1
+
+
+def test_motions_at_the_ends_of_their_ranges_are_finite():
+    times = np.linspace(0.0, 10.0, 11)
+    slow = Sine(frequency=1e-6, acceleration=1e12, direction="z", duration=1.0)
+    limp = DecayingSine(frequency=14.0, damping=0.05, velocity=1.5, impact_duration=22.7, direction="z")
+    for motion in (slow, limp):
+        for part in (motion.acceleration, motion.velocity, motion.displacement):
+            assert np.isfinite(part(times)).all()
+    after = limp.displacement(np.array([22.7, 24.271]))[:, 2]
+    # A deck that swings with zeta w0 loses all but a thousandth in 1.571 s; what swings is what the blow's end left.
+    assert 0.0 < abs(after[1]) < 2e-3 * abs(limp.displacement(22.7 + np.linspace(0.0, 0.1, 50))[:, 2]).max()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["fmu", "sdof_shaker", "o.fmu", "--timestep", "0"], "`timestep` must be > 0"),
+        (["fmu", "sdof_shaker", "o.fmu", "--timestep", "nan"], "`timestep` must be a finite number"),
+        (["select", "--mass", "100", "--mounts", "4", "--drop", "1e-308"], "`drop` must be 1e-12 to 1e+12"),
+        (["shock", "sdof_shaker", "--half-sine", "1 g 11 ms z", "--duration", "1e9"], "would take"),
+        (["shock", "sdof_shaker", "--half-sine", "1 g 11 ms z", "--sample-rate", "1e9", "--duration", "1e3"], "would take"),
+        (["study", "shock_table", "--vary", "motion/level = Uniform(0.5, 1)", "--variants", "100000000000"], "would take"),
+    ],
+)  # fmt: skip
+def test_commands_say_one_thing_and_exit_2(arguments, message, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    assert printed.err.count("\n") == 1
+    assert message in printed.err
+    assert [path for path in tmp_path.iterdir() if path.name != "runs"] == []
+
+
+@pytest.mark.parametrize("method", ["sweep", "both"])
+def test_a_response_along_which_nothing_moves_is_said(method, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    asked = ["frf", "sdof_shaker", "--response-direction", "x", "--method", method, "--start", "2", "--stop", "4"]
+    assert main([*asked, "--rate", "60"]) == 2
+    assert "mass does not move along x in this motion" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("value", [10**400, -(10**400), float("nan"), True, "1", None, [1.0]])
+def test_a_slider_takes_finite_numbers_alone(value):
+    sliders = sliders_of(wr.load_system("sdof_shaker"), wr.HalfSine(peak=1.0, duration=0.01, direction="z"))
+    with pytest.raises(ValueError, match="`level` must be a finite number, got "):
+        checked_values(sliders, json.loads(json.dumps({"level": value})))
+
+
+def test_a_cell_at_the_far_end_of_a_sheet_costs_no_memory(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.append(["name", "x [mm]"])
+    book.active.append(["m1", 5])
+    book.active["XFD1048576"] = 1
+    book.save(tmp_path / "far.xlsx")
+    with pytest.raises(RecordError, match="row 1048576: .*cells where the header has 2 columns"):
+        read_sheet(tmp_path / "far.xlsx", kind="table", needed={"name": "text", "x": "length"}, further={})
+
+
+WRONG = (
+    "None", "3", "2.5", "float('nan')", "True", "'text'", "b'x'", "[]", "[1]", "{}", "{1: 2}", "()", "set()", "object()", "wr",
+    "len", "Exception('x')", "10**400", "Silent()", "wr.HalfSine", "motion", "wr.load_system('sdof_shaker')", "1j",
+)  # fmt: skip
+"""Values of every kind, as a slip of the hand puts one in place of another; the text of `Silent` cannot be had."""
+
+RIGHT = {
+    "question": {"'text'"},
+    "model": {"'text'"},  # a name that nothing has, found out when the model is read
+    "motion": {"motion"},
+    "simulate": {"{}"},  # without a duration, found out where it is simulated
+    "isolators": {"None", "{}"},
+    "combined_travel": {"True"},
+    "limits": {"[]", "()"},
+    "changes": {"[]", "()"},
+    "name": {"'text'"},
+    "folder": {"None"},
+    "options": {"{}"},
+}
+"""What of it each attribute of a scenario takes."""
+
+FILE = '''"""Does it hold?"""
+import wirerope_mj as wr
+class Silent:
+    def __repr__(self):
+        raise RuntimeError
+motion = wr.HalfSine(peak=10.0, duration=0.01, direction="z")
+good = {{"question": "?", "model": "sdof_shaker", "motion": motion, "simulate": {{"duration": 0.01}}}}
+def scenario(*, level: float = 1.0) -> wr.Scenario:
+    return {returned}
+'''
+
+
+@pytest.mark.parametrize("attribute", RIGHT)
+def test_a_scenario_of_the_wrong_parts_is_refused_by_name(attribute, tmp_path):
+    for number, value in enumerate(WRONG):
+        path = tmp_path / f"s{number}.py"
+        path.write_text(FILE.format(returned=f"wr.Scenario(**(good | {{{attribute!r}: {value}}}))"))
+        made = load_scenario(path)
+        if value in RIGHT[attribute]:
+            assert isinstance(made.make(), Scenario)
+            continue
+        with pytest.raises(ModelError, match=rf"s{number}.py, line 9: .*`{attribute}` of a Scenario must"):
+            made.make()
+
+
+@pytest.mark.parametrize("value", WRONG)
+def test_what_is_no_scenario_is_refused(value, tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(FILE.format(returned=value))
+    with pytest.raises(ModelError, match=r"mine.py: `scenario` must return a wirerope_mj.Scenario, got"):
+        load_scenario(path).make()
+
+
+@pytest.mark.parametrize(
+    "name", ["duration", "sample_rate", "timestep", "accuracy", "initial", "callback", "engine", "corners"]
+)
+def test_arguments_of_the_wrong_kind_are_refused_by_name(name, tmp_path):
+    right = {"timestep": {"2.5", "3", "None"}, "accuracy": {"2.5", "3", "None"}, "corners": {"[]", "()", "[1]"}}
+    right |= {"duration": {"2.5", "3"}, "sample_rate": {"2.5", "3"}, "initial": {"'text'"}}  # found out when it begins
+    for number, value in enumerate(WRONG):
+        path = tmp_path / f"a{number}.py"
+        path.write_text(
+            FILE.format(returned=f"wr.Scenario(**(good | {{'simulate': {{'duration': 1.0, {name!r}: {value}}}}}))")
+        )
+        made = load_scenario(path).make()
+        if value in right.get(name, ()):
+            continue
+        with pytest.raises(ModelError, match=f"`{name}` must be"):
+            checked_arguments(made)

@@ -1,0 +1,105 @@
+"""What a computation may take: memory, disk and time are estimated before it begins, and refused above a budget."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+from wirerope_mj.foundation.errors import BudgetError
+
+MEMORY_SHARE = 0.5
+"""Of the memory that is free: what is made of the numbers, sorted, drawn and written, takes as much again."""
+
+DISK_SHARE = 0.9
+"""Of the disk that is free: report, recording and pictures go beside the samples."""
+
+STEP = 1e-7
+"""Time of a step of one system at the least [s]: of those that stand side by side in the kernel, on a few cores. A system alone
+takes 1 to 3 us, MuJoCo ten times as much; so what is refused would have taken longer than is said."""
+
+LONGEST = 7 * 86_400.0
+"""Time of a computation at the most [s]: a week."""
+
+UNKNOWN_MEMORY = 4e9
+"""Free memory where the system does not say [B]: a small computer's."""
+
+_MEMINFO = Path("/proc/meminfo")
+_GROUPS = (
+    (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory.current")),
+    (Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"), Path("/sys/fs/cgroup/memory/memory.usage_in_bytes")),
+)
+_UNITS = ("B", "kB", "MB", "GB", "TB", "PB", "EB")
+
+
+def require_memory(what: str, size: float, remedy: str) -> None:
+    """Raise BudgetError if numbers take more memory than there is for them.
+
+    Args:
+        what: what takes it, as the beginning of the message: "the samples of this run".
+        size: how much at the least [B].
+        remedy: what to do instead, as a sentence.
+    """
+    if size < 1e6:
+        return  # nobody need look
+    free = _free_memory()
+    if size > MEMORY_SHARE * free:
+        raise BudgetError(
+            f"{what} would take {bytes_text(size)} of memory; the limit is {bytes_text(MEMORY_SHARE * free)}, "
+            f"{MEMORY_SHARE:.0%} of what is free. {remedy}"
+        )
+
+
+def require_disk(what: str, size: float, folder: Path, remedy: str) -> None:
+    """Raise BudgetError if a file takes more of a folder's disk than is free; as `require_memory`."""
+    there = next((path for path in (folder, *folder.absolute().parents) if path.is_dir()), Path())
+    free = shutil.disk_usage(there).free
+    if size > DISK_SHARE * free:
+        raise BudgetError(
+            f"{what} would take {bytes_text(size)} of disk; the limit is {bytes_text(DISK_SHARE * free)}, "
+            f"{DISK_SHARE:.0%} of what is free. {remedy}"
+        )
+
+
+def require_time(what: str, steps: float, remedy: str) -> None:
+    """Raise BudgetError if so many steps of one system take longer than `LONGEST`; as `require_memory`."""
+    seconds = STEP * steps
+    if seconds > LONGEST:
+        raise BudgetError(
+            f"{what} would take {steps:.2g} steps, {seconds / 86_400.0:.3g} days of computing at the very least; the limit is "
+            f"{LONGEST / 86_400.0:.0f} days. {remedy}"
+        )
+
+
+def bytes_text(size: float) -> str:
+    """Return a size with the unit that suits it: 7.2 TB."""
+    power = 0
+    while size >= 999.5 and power < len(_UNITS) - 1:
+        size, power = size / 1e3, power + 1
+    return f"{size:.3g} {_UNITS[power]}"
+
+
+def _free_memory() -> float:
+    """Return how much memory this process can still have [B]."""
+    return min(_limits(), default=UNKNOWN_MEMORY)
+
+
+def _limits() -> Iterator[float]:
+    """Yield what is free by the system, by its groups and by the limits of this process [B]."""
+    try:
+        lines = dict(line.split(":", 1) for line in _MEMINFO.read_text(encoding="ascii").splitlines() if ":" in line)
+        yield 1024.0 * float(lines["MemAvailable"].split()[0])
+    except (OSError, KeyError, ValueError):  # no Linux: all that is built in
+        if "SC_PHYS_PAGES" in getattr(os, "sysconf_names", ()):
+            yield float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    for most, used in _GROUPS:
+        try:
+            yield max(float(most.read_text(encoding="ascii")) - float(used.read_text(encoding="ascii")), 0.0)
+        except (OSError, ValueError):  # no such group, or "max"
+            continue
+    try:
+        import resource
+    except ImportError:  # Windows
+        return
+    soft = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if soft != resource.RLIM_INFINITY:
+        yield float(soft)

@@ -1,0 +1,52 @@
+"""Ranges of the numbers of a motion: far beyond what moves equipment, and near enough for all its integrals to be finite."""
+
+from typing import Any
+
+from wirerope_mj.foundation.arguments import finite, nonzero, not_negative, positive
+
+SLOWEST, FASTEST = 1e-6, 1e6
+"""Frequencies [Hz]."""
+
+SHORTEST, LONGEST = 1e-9, 1e9
+"""Lengths [s]: instants closer than 1e-10 s are one."""
+
+LATEST = 1e6
+"""Instants [s]: later ones are not told apart to 1e-10 s."""
+
+SMALLEST, LARGEST = 1e-12, 1e12
+"""Magnitudes of accelerations, velocities, displacements, forces, in SI units, and of factors on them."""
+
+
+def frequency(name: str, value: Any, *, least: float = SLOWEST) -> float:
+    """Check a frequency [Hz]; `least` is 0 where a standstill may be meant."""
+    return _within(name, value, least, FASTEST, "Hz")
+
+
+def length(name: str, value: Any, *, least: float = SHORTEST) -> float:
+    """Check the length of a part of a motion [s]; `least` is 0 where it may happen at once."""
+    number = finite(name, value)
+    if number == 0.0 == least:
+        return number
+    if number < 0.0 == least:
+        raise ValueError(f"`{name}` must be >= 0, got {number!r}.")
+    return _within(name, number, SHORTEST, LONGEST, "s")
+
+
+def start(name: str, value: Any) -> float:
+    """Check the instant at which a motion begins [s]."""
+    return _within(name, value, -LATEST, LATEST, "s")
+
+
+def level(name: str, value: Any) -> float:
+    """Check a magnitude of either sign, in SI units."""
+    number = nonzero(name, value)
+    if not SMALLEST <= abs(number) <= LARGEST:
+        raise ValueError(f"`{name}` must be {SMALLEST:g} to {LARGEST:g} in magnitude, got {number!r}.")
+    return number
+
+
+def _within(name: str, value: Any, low: float, high: float, unit: str) -> float:
+    number = (positive if low > 0.0 else not_negative if low == 0.0 else finite)(name, value)
+    if not low <= number <= high:
+        raise ValueError(f"`{name}` must be {low:g} to {high:g} {unit}, got {number!r}.")
+    return number
