@@ -39,11 +39,14 @@ def floor_response(
     plan = ColumnPlan(bodies=list(position), points=["rack_top"], mounts=[(name, ("axial.z",)) for name in places])
     parts = [time[:, None], moved, np.diff(moved, axis=0, prepend=moved[:1]) * rate, 147.1 * pulse * np.ones(3)]
     zero = np.zeros((rows, 3))
+    spin = np.outer(np.gradient(tilt, time), [1.0, 0.0, 0.0])
     for name, where in position.items():
         still = name == "deck"
         own = np.tile(UPRIGHT, (rows, 1)) if still else turn
-        parts += [where, own, zero, zero, parts[3] if still else acceleration, zero]
-    parts += [position["floor"], turn, zero, zero, 1.3 * acceleration, zero, relative]
+        velocity = np.gradient(where, time, axis=0)
+        parts += [where, own, velocity, zero if still else spin, parts[3] if still else acceleration, zero]
+    velocity = np.gradient(position["floor"], time, axis=0)
+    parts += [position["floor"], turn, velocity, spin, 1.3 * acceleration, zero, relative]
     peaks = Peaks(bodies={n: BodyPeaks(acceleration=peak(time, acceleration)) for n in position}, points={}, mounts={})
     peaks.points["rack_top"] = PointPeaks(
         acceleration=peak(time, 1.3 * acceleration), relative_displacement=peak(time, relative)

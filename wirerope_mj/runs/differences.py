@@ -63,11 +63,14 @@ def peak_differences(stored: Response, again: Response) -> Iterator[Difference]:
     end = max(float(stored.time[-1]), again.timestep)
     mine, other = stored.peaks.to_dict(), again.peaks.to_dict()
     contacts, contacts_again = mine.pop("contacts"), other.pop("contacts")
+    travels, travels_again = mine.pop("travels"), other.pop("travels")
     if contacts is not None:  # older responses have none
         for name, contact in contacts.items():
             if contact["energy"] is None and name in contacts_again:  # nor its energy
                 contacts_again[name]["energy"] = None
         yield from _plain_differences(contacts, contacts_again, "peaks.contacts")
+    if travels is not None:
+        yield from _plain_differences(travels, travels_again, "peaks.travels")
     mine, other = _flat(mine), _flat(other)
     for where in [where for where in mine if mine[where] != other[where]]:
         peak, index = where.rsplit(".", 1)
@@ -93,7 +96,7 @@ def other_differences(
     for name in ("initial_state", "final_state"):
         a, b = getattr(stored, name), getattr(again, name)
         mine, other = a.values, b.values
-        if stored.peaks.contacts is None:  # older states end before the memory of contacts
+        if stored.peaks.travels is None:  # older states end before the memory of contacts, or of travels
             other = other[: mine.size]
         if mine.shape != other.shape or a.time != b.time:
             yield np.inf, name

@@ -5,11 +5,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
+from wirerope_mj.assessment.between_samples import sample_rate
+from wirerope_mj.assessment.criteria.steady import STEADY, elements, steady_interval
 from wirerope_mj.assessment.durability import mount_cycles
 from wirerope_mj.assessment.durability.mounts import Quantity
-from wirerope_mj.engine.response import load_response
+from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import RecordError, why_unread
+
+DAMAGE_ERROR = 0.02
+"""By how much damage may change with every other sample alone: that of all is known within a third of it, less than 1 %."""
+
+NEGLIGIBLE = 0.01
+"""Damage over that of the worst mount and axis below which it does not matter how well it is known."""
+
+PER_PERIOD = 60
+"""Samples to a period of the mean frequency of a deflection that are asked for where there are too few."""
+
+_SHORTEST = 0.05
+"""Fraction of a stationary vibration that a run must hold for hours of it to be counted."""
 
 _KEYS = ("exponent", "quantity", "constant", "stage")
 _STAGE_KEYS = ("run", "repetitions", "hours")
@@ -115,18 +129,22 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
     """Return the damage of every mount and axis over a service life, the largest first.
 
     Raises:
-        RecordError: the folder of a stage holds no run, or its mounts are not those of the first.
+        RecordError: the folder of a stage holds no run, its samples are too few, or its mounts are not those of the first.
     """
     found: dict[tuple[str, str], list[tuple[float, float, float]]] = {}
+    coarse: list[tuple[float, float, float, Stage, float]] = []
     for number, stage in enumerate(mission.stages):
         response = load_response(stage.run)
-        length = float(response.time[-1] - response.time[0])
+        start, end, length = _counted(response, stage)
         times = stage.repetitions if stage.hours is None else 3600.0 * stage.hours / length
         assert times is not None
-        for one in mount_cycles(response, quantity=mission.quantity):
+        for one in mount_cycles(response, quantity=mission.quantity, start=start, end=end):
             row = found.setdefault((one.mount, one.axis), [])
             damage = times * one.cycles.damage(mission.exponent, mission.constant or 1.0)
             row.append((damage, times * one.cycles.total, float(one.cycles.ranges.max(initial=0.0))))
+            error = one.damage_error(mission.exponent)
+            if error > DAMAGE_ERROR:
+                coarse.append((damage, error, one.frequency, stage, sample_rate(response.time)))
         if any(len(row) != number + 1 for row in found.values()):
             raise RecordError(f"{stage.run}: the mounts of this run are not those of {mission.stages[0].run}.")
     damages = [
@@ -136,4 +154,36 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
         )
         for (mount, axis), rows in found.items()
     ]  # fmt: skip
+    worst = max((one.total for one in damages), default=0.0)
+    for damage, error, frequency, stage, rate in sorted(coarse, key=lambda one: -one[0]):
+        if damage > NEGLIGIBLE * worst:
+            enough = max(PER_PERIOD * frequency, 2.0 * rate)
+            raise RecordError(
+                f"{stage.run}: {rate:.4g} samples a second are too few to count cycles: with every other of them the damage "
+                f"changes by {100.0 * error:.2g} %, and it must not by more than {100.0 * DAMAGE_ERROR:g} %. Run it again with "
+                f"a `sample_rate` of {float(f'{enough:.1e}'):g} Hz."
+            )
     return sorted(damages, key=lambda one: -one.total)
+
+
+def _counted(response: Response, stage: Stage) -> tuple[float, float, float]:
+    """Return the instants between which the cycles of a stage are counted, and how long that is of its `hours` [s].
+
+    Hours are of steady vibration: of random vibration its stationary part, neither rise nor fall nor what follows; of sines and
+    sweeps from their start to their end, with all that follows. Repetitions, and hours of anything else, are of the whole run.
+    """
+    first, last = float(response.time[0]), float(response.time[-1])
+    if stage.hours is None:
+        return first, last, last - first
+    random, rises, falls = steady_interval(response.motion)
+    if random:
+        start, end = max(rises, first), min(falls, last)
+        if end - start < _SHORTEST * (falls - rises):
+            raise RecordError(
+                f"{stage.run}: it holds too little of the stationary vibration from {rises:.4g} to {falls:.4g} s."
+            )
+        return start, end, end - start
+    times = [time for time, _ in response.events if first <= time <= last]
+    if times and {part.get("kind") for part in elements(response.motion)} <= STEADY:
+        return first, last, (times[-1] if times[-1] > times[0] else last) - times[0]
+    return first, last, last - first

@@ -86,11 +86,12 @@ def _moved(response: Response, by: float) -> Response:
         }
         for kind in ("bodies", "points", "mounts")
     }
-    known = response.peaks.contacts
+    known, travelled = response.peaks.contacts, response.peaks.travels
     contacts = None if known is None else {name: contact.later(by) for name, contact in known.items()}
+    travels = None if travelled is None else {name: travel.later(by) for name, travel in travelled.items()}
     return replace(
         response,
         time=response.time + by,
         events=tuple((time + by, text) for time, text in response.events),
-        peaks=Peaks(**peaks, contacts=contacts),
+        peaks=Peaks(**peaks, contacts=contacts, travels=travels),
     )

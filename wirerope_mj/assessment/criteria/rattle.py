@@ -5,8 +5,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from wirerope_mj.assessment.between_samples import peak_between
 from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
-from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
+from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
@@ -41,14 +42,15 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
     verdicts: list[Verdict] = []
     for name in response.points:
         peak = response.peaks.points[name].relative_displacement
-        verdicts += _judge(name, peak.value, peak.time, _sides(peak), stated.get(name), "")
+        verdicts += _judge(name, peak.value, peak.time, _sides(peak), stated.get(name), "", "")
     for body in response.scene.bodies:
         if body.name in corners:
             verdicts += _judge_corners(response, body, corners[body.name], stated.get(body.name))
     for name in (name for name in pairs if name in stated):
-        moved = between_points(response, name)
+        moved, rate = between_points(response, name), _rate_between(response, name)
         length = sampled_peak(response.time, np.linalg.norm(moved, axis=1))
-        verdicts += _judge(name, *length, _sampled_sides(response.time, moved), stated[name], "between two points")
+        sides = _sampled_sides(response.time, moved, rate)
+        verdicts += _judge(name, *length, sides, stated[name], "between two points", sampled_text(response.time))
     return tuple(verdicts)
 
 
@@ -58,9 +60,21 @@ def between_points(response: Response, name: str) -> Array:
     return response.points[one].relative_displacement - response.points[other].relative_displacement
 
 
-def _sampled_sides(time: Array, moved: Array) -> list[tuple[float, float]]:
-    """Return how far something went along -x, +x, -y, +y, -z, +z, and when."""
-    return [sampled_peak(time, sign * moved[:, axis]) for axis in range(3) for sign in (-1.0, 1.0)]
+def _rate_between(response: Response, name: str) -> Array:
+    """Return the velocity of the first of two points relative to the second [m/s], (n_t, 3)."""
+    one, other = name.split(BETWEEN)
+    return response.points[one].velocity - response.points[other].velocity
+
+
+Side = tuple[float, float, float]
+"""How far something went one way [m], when [s], and how much farther it may have gone between the samples [m]."""
+
+
+def _sampled_sides(time: Array, moved: Array, rate: Array) -> list[Side]:
+    """Return how far something that moves at a rate went along -x, +x, -y, +y, -z, +z."""
+    return [
+        peak_between(time, sign * moved[:, axis], sign * rate[:, axis]) for axis in range(3) for sign in (-1.0, 1.0)
+    ]
 
 
 def body_corners(body: SceneBody) -> Array:
@@ -84,50 +98,87 @@ def corner_displacements(response: Response, body: SceneBody, corners: Array) ->
         yield centre + turns @ corner
 
 
+def _corner_rates(response: Response, body: SceneBody, corners: Array) -> Iterator[Array]:
+    """Yield the velocity of one corner after the other relative to the base [m/s], (n_t, 3)."""
+    moved = read_columns(response, f"bodies/{body.name}/orientation/w", 10)  # velocity and angular velocity, too
+    axes, centre = rotation_matrices(moved[:, :4]), moved[:, 4:7] - response.base.velocity
+    for corner in corners:
+        yield centre + np.cross(moved[:, 7:], axes @ corner)
+
+
 def _judge_corners(response: Response, body: SceneBody, corners: Array, limit: PayloadLimit | None) -> list[Verdict]:
     """Return the verdicts on a body by the corners that move farthest."""
-    farthest, corner = (-1.0, 0.0), corners[0]
-    sides = [(-np.inf, 0.0)] * 6
+    farthest, corner, time = (-1.0, 0.0), corners[0], response.time
+    every: list[list[Side]] = []
     for position, moved in zip(corners, corner_displacements(response, body, corners), strict=True):
-        reached = sampled_peak(response.time, np.linalg.norm(moved, axis=1))
+        reached = sampled_peak(time, np.linalg.norm(moved, axis=1))
         if reached > farthest:
             farthest, corner = reached, position
-        sides = [max(pair) for pair in zip(sides, _sampled_sides(response.time, moved), strict=True)]
+    if limit is not None:
+        motions = zip(
+            corner_displacements(response, body, corners), _corner_rates(response, body, corners), strict=True
+        )
+        every = [_sampled_sides(time, moved, rate) for moved, rate in motions]
+    sides = [_farthest(side) for side in zip(*every, strict=True)]
     offset = ", ".join(f"{1e3 * x:.4g}" for x in corner)
     note = f"corner at {offset} mm from the centre of mass" if limit is None else "the corner that moves farthest"
-    return _judge(body.name, *farthest, sides, limit, note)
+    return _judge(body.name, *farthest, sides, limit, note, sampled_text(time))
+
+
+def _farthest(sides: Sequence[Side]) -> Side:
+    """Return the side of the corner that went farthest, and how much farther one of them may have gone."""
+    value, when, _ = max(sides)
+    return value, when, max(reached + above for reached, _, above in sides) - value
+
+
+MISSED = 0.01
+"""Fraction of a clearance by which something may have gone farther between the samples and still be judged."""
 
 
 def _judge(
-    name: str, value: float, when: float, sides: list[tuple[float, float]], limit: PayloadLimit | None, note: str
+    name: str, value: float, when: float, sides: Sequence[Side], limit: PayloadLimit | None, note: str, sampled: str
 ) -> list[Verdict]:
-    """Return one verdict on the length of the displacement without a limit, else one on every direction."""
+    """Return one verdict on the length of the displacement without a limit, else one on every direction.
+
+    Not judged is what may be `MISSED` between samples, unless it is exceeded already.
+    """
     if limit is None:
         note = "; ".join(part for part in (note, UNLIMITED) if part)
         return [
             Verdict(criterion="rattle space", subject=name, value=value, limit=None, unit="m", time=when, note=note)
         ]
     allowed = limit.values if len(limit.values) == 6 else tuple(v for v in limit.values for _ in range(2))
-    return [
-        Verdict(
-            criterion=f"rattle space along {'-+'[side % 2]}{'xyz'[side // 2]}",
-            subject=name,
-            value=max(sides[side][0], 0.0),
-            limit=room or None,
-            unit="m",
-            time=sides[side][1],
-            note="; ".join(part for part in (note, "" if room else UNLIMITED) if part),
+    verdicts = []
+    for side, room in enumerate(allowed):
+        reached, then, above = sides[side]
+        unknown = above > MISSED * room and reached <= room
+        why = (
+            f"{sampled}, too few to know it within {100.0 * MISSED:g} %"
+            if unknown and room
+            else ""
+            if room
+            else UNLIMITED
         )
-        for side, room in enumerate(allowed)
-    ]
+        verdicts.append(
+            Verdict(
+                criterion=f"rattle space along {'-+'[side % 2]}{'xyz'[side // 2]}",
+                subject=name,
+                value=max(reached, 0.0),
+                limit=None if unknown else room or None,
+                unit="m",
+                time=then,
+                note="; ".join(part for part in (note, why) if part),
+            )
+        )
+    return verdicts
 
 
-def _sides(peak: Peak) -> list[tuple[float, float]]:
-    """Return how far something went along -x, +x, -y, +y, -z, +z, and when."""
+def _sides(peak: Peak) -> list[Side]:
+    """Return how far something went along -x, +x, -y, +y, -z, +z, as every step tells."""
     sides = []
     for axis in range(3):
-        sides.append((-float(peak.minimum[axis]), float(peak.minimum_time[axis])))
-        sides.append((float(peak.maximum[axis]), float(peak.maximum_time[axis])))
+        sides.append((-float(peak.minimum[axis]), float(peak.minimum_time[axis]), 0.0))
+        sides.append((float(peak.maximum[axis]), float(peak.maximum_time[axis]), 0.0))
     return sides
 
 

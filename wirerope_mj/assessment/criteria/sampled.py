@@ -1,5 +1,6 @@
 """Sampled histories: read without keeping them, and their extremes."""
 
+from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 
@@ -17,6 +18,11 @@ def read_start(response: Response, first: str, count: int) -> Array:
     """Return the first sample of `count` columns from the one named `first` on, (count,)."""
     column = response.samples.names.index(first)
     return next(iter(response.samples.blocks(column, column + count)))[0]
+
+
+def sampled_text(time: Array) -> str:
+    """Return at what rate something is sampled, as a note of what is not judged for it."""
+    return f"sampled at {sample_rate(time):.4g} Hz"
 
 
 def sampled_peak(time: Array, values: Array) -> tuple[float, float]:

@@ -6,6 +6,9 @@ from typing import Any
 
 from wirerope_mj.motions import RandomVibration, motion_from_dict
 
+STEADY = frozenset({"sweep", "sine", "vibration-lines", "harmonic-force", "unbalance"})
+"""Kinds of motions that go on steadily."""
+
 
 def steady_interval(motion: Mapping[str, Any]) -> tuple[bool, float, float]:
     """Return whether a motion is random vibration alone, and the instants [s] between which all of that is stationary.
@@ -15,7 +18,7 @@ def steady_interval(motion: Mapping[str, Any]) -> tuple[bool, float, float]:
     Args:
         motion: as plain values, as a response holds it.
     """
-    parts = list(_elements(motion))
+    parts = list(elements(motion))
     intervals = [_steady(part) for part in parts if part.get("kind") == RandomVibration.kind]
     first = max((interval[0] for interval in intervals), default=-math.inf)
     last = min((interval[1] for interval in intervals), default=math.inf)
@@ -28,10 +31,10 @@ def _steady(stored: Mapping[str, Any]) -> tuple[float, float]:
     return motion.steady
 
 
-def _elements(stored: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+def elements(stored: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
     """Yield the elementary motions of which one is made by adding, scaling and turning."""
     inner = [*stored.get("terms", ()), *([stored["motion"]] if "motion" in stored else ())]
     if not inner:
         yield stored
     for part in inner:
-        yield from _elements(part)
+        yield from elements(part)

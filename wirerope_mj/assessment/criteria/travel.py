@@ -1,14 +1,16 @@
 """Deflections of mounts against their rated travel, along each axis and all of them at once, and until the bars meet."""
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
+from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Verdict
 from wirerope_mj.engine.response import Peak, Response
+from wirerope_mj.engine.response.peaks import CombinedTravel
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import RATINGS, travel_in, travel_reached
@@ -33,10 +35,10 @@ def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
         for rating, verdict in peak_travel_verdicts(mount, response.peaks.mounts[mount.name].deflection).items():
             if verdict.verdict == EXCEEDED:
                 beyond = _length(response.time, travel_in(rating, deflection) > mount.travel[rating])
-                verdict = replace(verdict, note=f"beyond it for {beyond}")
+                verdict = replace(verdict, note=beyond and f"beyond it for {beyond}")
             verdicts.append(verdict)
         if response.scene.combined_travel:
-            verdicts.append(_combined(response.time, mount, deflection))
+            verdicts.append(_combined(response, mount, deflection))
     return tuple(verdicts)
 
 
@@ -109,42 +111,69 @@ def combined_travel(mount: SceneMount, deflection: Array) -> Array:
     return np.sqrt(total)
 
 
-def _combined(time: Array, mount: SceneMount, deflection: Array) -> Verdict:
-    """Return the verdict on all axes at once: the largest sqrt(sum (deflection / rated)^2) against 1.
+def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdict:
+    """Return the verdict on all axes at once: the largest sqrt(sum (deflection / rated)^2) of every step against 1.
 
     Judged are the instants at which the way along the axis is rated: a rebound into tension, which few vendors rate, is left
     out and said. There, and where shear or roll have no rating, the sum of what is rated is a lower bound: it can exceed,
-    but not be within.
+    but not be within. Older responses have it in their samples alone: see `_missed`.
     """
-    total = np.zeros(time.size)
-    judged = np.ones(time.size, dtype=bool)
-    missing, left_out = [], ""
-    for rating, (_, way) in RATINGS.items():
-        travel = travel_in(rating, deflection)
-        if rating in mount.travel:
-            total += (travel / mount.travel[rating]) ** 2
-        elif travel.any():
-            missing.append(rating)
-            if way:
-                judged &= travel == 0.0
-                left_out = f"left out: {_length(time, travel > 0.0)} with up to {1e3 * travel.max():.3g} mm of {rating}"
-    bound = not judged.any() or any(RATINGS[rating][1] == 0.0 for rating in missing)
-    square, when = sampled_peak(time, total)
-    notes = ["sqrt of the sum of (deflection / rated)^2 at one instant"]
-    if square <= 1.0 and left_out and judged.any():
-        square, when = _peak_among(time, total, judged)
-        notes.append(left_out)
+    peak = response.peaks.mounts[mount.name].deflection
+    reached = travel_reached(peak.minimum, peak.maximum)
+    missing = [rating for rating in RATINGS if rating not in mount.travel and reached[rating] > 0.0]
+    followed = response.peaks.travels
+    travel = _sampled(response.time, mount, deflection) if followed is None else followed[mount.name]
+    value, when, notes = travel.value, travel.time, ["sqrt of the sum of (deflection / rated)^2 at one instant"]
+    bound = travel.judged is None or any(RATINGS[rating][1] == 0.0 for rating in missing)
+    one_way = next((rating for rating in missing if RATINGS[rating][1]), None)
+    if one_way and value <= 1.0 and travel.judged is not None:
+        value, when = travel.judged, travel.judged_time
+        length = _length(response.time, travel_in(one_way, deflection) > 0.0)
+        notes.append(
+            f"left out: {f'{length} with ' if length else ''}up to {1e3 * reached[one_way]:.3g} mm of {one_way}"
+        )
     if missing:
         notes.append(f"no travel in {', '.join(missing)} is rated")
+    if followed is None and (missed := _missed(response.time, mount, deflection, reached)):
+        bound, notes = True, [*notes, missed]
     return Verdict(
         criterion=COMBINED,
         subject=mount.name,
-        value=float(np.sqrt(square)),
-        limit=1.0 if not bound or square > 1.0 else None,
+        value=value,
+        limit=1.0 if not bound or value > 1.0 else None,
         unit="",
         time=when,
         note="; ".join(notes),
     )
+
+
+def _sampled(time: Array, mount: SceneMount, deflection: Array) -> CombinedTravel:
+    """Return the farthest travel of the samples, refined between them."""
+    total, judged = np.zeros(time.size), np.ones(time.size, dtype=bool)
+    for rating, (_, way) in RATINGS.items():
+        travel = travel_in(rating, deflection)
+        if rating in mount.travel:
+            total += (travel / mount.travel[rating]) ** 2
+        elif way:
+            judged &= travel == 0.0
+    square, when = sampled_peak(time, total)
+    of_judged, then = _peak_among(time, total, judged) if judged.any() else (math.nan, math.nan)
+    return CombinedTravel(
+        value=math.sqrt(square), time=when, judged=math.sqrt(of_judged) if judged.any() else None, judged_time=then
+    )
+
+
+MISSED = 0.005
+"""Fraction of a rated travel by which samples may miss the peaks of every step: what they are judged by is known within 1 %."""
+
+
+def _missed(time: Array, mount: SceneMount, deflection: Array, reached: Mapping[str, Array]) -> str:
+    """Return that samples miss the travel along an axis, whose peaks are those of every step, and so that of all; "" if not."""
+    for rating, rated in mount.travel.items():
+        found, _ = sampled_peak(time, travel_in(rating, deflection))
+        if abs(float(reached[rating]) - found) > MISSED * rated:
+            return f"{sampled_text(time)}, which miss up to {100.0 * abs(reached[rating] - found) / rated:.2g} % of {rating}"
+    return ""
 
 
 def _peak_among(time: Array, values: Array, rows: npt.NDArray[np.bool_]) -> tuple[float, float]:
@@ -157,5 +186,11 @@ def _peak_among(time: Array, values: Array, rows: npt.NDArray[np.bool_]) -> tupl
 
 
 def _length(time: Array, rows: npt.NDArray[np.bool_]) -> str:
+    """Return how long something lasted, as the samples tell; "" if too few of them do."""
+    count = np.count_nonzero(rows)
     spacing = (time[-1] - time[0]) / max(time.size - 1, 1)  # a run shorter than that has one sample
-    return f"{1e3 * np.count_nonzero(rows) * spacing:.3g} ms in all"
+    return f"{1e3 * count * spacing:.3g} ms in all" if count >= _ENOUGH else ""
+
+
+_ENOUGH = 10
+"""Samples from which on they tell how long something lasts, to a tenth."""

@@ -24,15 +24,16 @@ PARAMETERS = "wirerope/parameters"
 N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
 MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONTACTS, N_STOPS = range(7, 18)
 USER_MOUNTS, USER_RATES, USER_ACCELERATIONS, USER_CHANNELS, USER_CONTACTS, USER_STOPS = range(18, 24)  # see `UserData`
-N_FORCES, FORCES, USER_FORCES, N_PAIRS, PAIRS = range(24, 29)
-HEADER = 29
+N_FORCES, FORCES, USER_FORCES, N_PAIRS, PAIRS, USER_TRAVELS = range(24, 30)
+HEADER = 30
 
 # columns of the tables
 # payload site, base site, payload body, base body, payload root, base root, base takes the reaction, and what follows
-MOUNT_COLUMNS = 16
+MOUNT_COLUMNS = 20
 COUPLING = 7  # index of the parameters of coupled axes (-1: none)
 TURNING, MODELLED = 8, 11  # rotational stiffnesses about the base site's axes (3); orientation as modelled (4)
 PARTNER = 15  # axis that roll is coupled to: 1 shear, 2 axial
+TRAVEL = 16  # one over the square of the rated travel along roll, shear, in compression, in tension (4); 0: not rated
 AXIS_COLUMNS = 4  # law number (-1: none), first parameter, first state, number of states; three rows per mount
 DRIVEN_COLUMNS = 5  # dof, effective mass, row of the map from base acceleration to slide acceleration
 BODY_COLUMNS = 2  # body, root
@@ -63,6 +64,11 @@ BEFORE, LAST = 0, 3  # the vectors one and two steps ago
 LOW, LOW_TIME, HIGH, HIGH_TIME = 6, 9, 12, 15  # extremes of the components
 PEAK, PEAK_TIME, PEAK_VECTOR = 18, 19, 20  # of the norm
 CHANNEL_MEMORY = 23
+
+# memory of a mount's travel along all axes at once, as the square of its utilisation: of the last two steps, whether the last
+# was judged, the largest and its instant, the largest that is judged and its instant
+TRAVEL_BEFORE, TRAVEL_LAST, WAS_JUDGED, FARTHEST, FARTHEST_TIME, JUDGED, JUDGED_TIME = range(7)
+TRAVEL_MEMORY = 7
 
 # memory of the contacts of one pair of geoms, and of one stop among the mounts' laws (which has no geoms)
 GEOMS, WORK, TOUCHES, FROM_START, FIRST_TOUCH, LAST_TOUCH, TOUCHED_FOR, FORCE_NOW = range(8)
@@ -121,9 +127,14 @@ class UserData:
         return self.stops + CONTACT_MEMORY * self.n_stops
 
     @property
+    def travels(self) -> int:
+        """Memory of the mounts' travel along all axes at once, (n_mounts, TRAVEL_MEMORY)."""
+        return self.forces + 6 * self.n_forces * (2 * MAX_STEPS + 1)
+
+    @property
     def size(self) -> int:
         """Number of entries."""
-        return self.forces + 6 * self.n_forces * (2 * MAX_STEPS + 1)
+        return self.travels + TRAVEL_MEMORY * self.n_mounts
 
     def mount_rows(self, user: Array) -> Array:
         """Return deflection and force of every mount from the system's userdata, a view, (..., n_mounts, 2, 3)."""
@@ -140,3 +151,7 @@ class UserData:
     def stop_rows(self, user: Array) -> Array:
         """Return the memory of the mounts' stops from the system's userdata, a view, (n_stops, CONTACT_MEMORY)."""
         return user[self.stops : self.forces].reshape(self.n_stops, CONTACT_MEMORY)
+
+    def travel_rows(self, user: Array) -> Array:
+        """Return the memory of the mounts' travel from the system's userdata, a view, (n_mounts, TRAVEL_MEMORY)."""
+        return user[self.travels : self.size].reshape(self.n_mounts, TRAVEL_MEMORY)

@@ -121,6 +121,40 @@ def track_norm(u, m, history, t0, t1, t2, s, j):
 
 
 @inlined
+def track_travels(lay, i, u, w, history, t0, t1, t2):
+    """Update the travel of every mount along all axes at once: the sum of (deflection / rated)^2.
+
+    An instant is not judged while the mount moves along its axis in the way that is not rated.
+    """
+    row, m, record = (
+        i + index(lay[i + at.MOUNTS]),
+        w + index(lay[i + at.USER_TRAVELS]),
+        w + index(lay[i + at.USER_MOUNTS]),
+    )
+    for _ in range(index(lay[i + at.N_MOUNTS])):
+        roll, shear, axial = u[record], u[record + 1], u[record + 2]
+        along = lay[row + at.TRAVEL + 2] if axial < 0.0 else lay[row + at.TRAVEL + 3]
+        y2 = lay[row + at.TRAVEL] * roll * roll + lay[row + at.TRAVEL + 1] * shear * shear + along * axial * axial
+        judged = axial == 0.0 or along > 0.0
+        if history == 0:
+            u[m + at.FARTHEST], u[m + at.FARTHEST_TIME] = y2, t2
+            u[m + at.JUDGED], u[m + at.JUDGED_TIME] = y2 if judged else -1.0, t2
+        if y2 > u[m + at.FARTHEST]:
+            u[m + at.FARTHEST], u[m + at.FARTHEST_TIME] = y2, t2
+        if judged and y2 > u[m + at.JUDGED]:
+            u[m + at.JUDGED], u[m + at.JUDGED_TIME] = y2, t2
+        y0, y1 = u[m + at.TRAVEL_BEFORE], u[m + at.TRAVEL_LAST]
+        if history == 2 and y1 >= y0 and y1 >= y2:
+            time, value = parabola_extreme(t0, y0, t1, y1, t2, y2)
+            if value > u[m + at.FARTHEST]:
+                u[m + at.FARTHEST], u[m + at.FARTHEST_TIME] = value, time
+            if u[m + at.WAS_JUDGED] != 0.0 and value > u[m + at.JUDGED]:
+                u[m + at.JUDGED], u[m + at.JUDGED_TIME] = value, time
+        u[m + at.TRAVEL_BEFORE], u[m + at.TRAVEL_LAST], u[m + at.WAS_JUDGED] = y1, y2, 1.0 if judged else 0.0
+        row, m, record = row + at.MOUNT_COLUMNS, m + at.TRAVEL_MEMORY, record + 6
+
+
+@inlined
 def track_peaks(lay, i, u, w, time, s, first):
     """Update all channels with the values of this step; `s[first:]` are the system's sensor values."""
     event, history = u[w + at.EVENT], int(u[w + at.HISTORY])
@@ -140,6 +174,7 @@ def track_peaks(lay, i, u, w, time, s, first):
             u[m + at.LAST + c] = s[j + c]
         channel += at.CHANNEL_COLUMNS
         m += at.CHANNEL_MEMORY
+    track_travels(lay, i, u, w, history, t0, t1, time)
     u[w + at.TIME_2], u[w + at.TIME_1] = t1, time
     u[w + at.HISTORY] = 1.0 if event != at.SMOOTH else min(history + 1.0, 2.0)
     u[w + at.EVENT] = at.SMOOTH

@@ -122,7 +122,7 @@ def _sections(lay: Integers, *, largest: int) -> None:
         at.START: states, at.SLOPE: tangents, at.SUM: tangents, at.RECORD: at.RECORD_SIZE * lay[at.N_MOUNTS],
         at.VALUES: lay[at.N_VALUES], at.RECENT: at.RECENT_SIZE * lay[at.N_CHANNELS],
         at.MEMORY: control.CHANNEL_MEMORY * lay[at.N_CHANNELS], at.TOUCHED: control.CONTACT_MEMORY * lay[at.N_STOPS],
-        at.FAILED: 1,
+        at.TRAVELS: control.TRAVEL_MEMORY * lay[at.N_MOUNTS], at.FAILED: 1,
     }  # fmt: skip
     total = 0
     for section, size in sizes.items():
@@ -246,9 +246,9 @@ def _mounts(
     for number in range(tables.user.n_mounts):
         row = tables.layout[first + control.MOUNT_COLUMNS * number :][: control.MOUNT_COLUMNS]
         (payload, site), (base, base_site) = (bodies.site(int(row[c])) for c in (0, 1))
-        turning = row[control.TURNING : control.TURNING + 3]
+        turning, rated = row[control.TURNING : control.TURNING + 3], row[control.TRAVEL : control.TRAVEL + 4]
         points = num.put(
-            seen(bodies, kinds, payload) @ site.origin, seen(bodies, kinds, base) @ base_site.origin, turning
+            seen(bodies, kinds, payload) @ site.origin, seen(bodies, kinds, base) @ base_site.origin, turning, rated
         )
         axes = seen(bodies, kinds, base) @ base_site.axes
         frame = fix.put(axes.T, base_site.quaternion, site.quaternion, row[control.MODELLED : control.MODELLED + 4])

@@ -48,7 +48,11 @@ class Group:
 
     def stops(self, number: int) -> Array:
         """Return the memory of one variant's stops, (n_stops, ...), as `wirerope_mj.engine.control.layout` has it."""
-        return self._section(at.TOUCHED, at.FAILED)[:, number].reshape(-1, control.CONTACT_MEMORY)
+        return self._section(at.TOUCHED, at.TRAVELS)[:, number].reshape(-1, control.CONTACT_MEMORY)
+
+    def travels(self, number: int) -> Array:
+        """Return the memory of one variant's travels, (n_mounts, ...), as `wirerope_mj.engine.control.layout` has it."""
+        return self._section(at.TRAVELS, at.FAILED)[:, number].reshape(-1, control.TRAVEL_MEMORY)
 
     def _section(self, first: int, behind: int) -> Array:
         lay = self.equations.lay

@@ -15,7 +15,8 @@ KIN, WRENCH, SUB, MASS, RHS, RATES, COMPOSITE, START = range(24, 32)
 SLOPE, SUM, RECORD, VALUES, RECENT, MEMORY, TOUCHED, FAILED = range(32, 40)
 N_WORK = 40
 GRAVITY = 41  # address in `fix`
-HEADER = 44
+TRAVELS = 44
+HEADER = 45
 
 # parent (-1: the world), first dof, number of dofs, kind, tree, frame in the parent link in `fix` (position 3, quaternion 4),
 # inertia in `num`
@@ -47,8 +48,9 @@ WILD, LIMITED, TOUCHING = 1.0, 2.0, 3.0
 # payload link, base link, number of mounts between them that follow each other
 RUN_COLUMNS = 3
 
-# base takes the reaction, points in `num` (payload 3, base 3, turning 3), frames in `fix`, coupling among the parameters (-1),
-# partner, resists turning, axes are those of its base's link; points and axes are in the world's where a link never turns
+# base takes the reaction, points in `num` (payload 3, base 3, turning 3, rated travel 4), frames in `fix`, coupling among the
+# parameters (-1), partner, resists turning, axes are those of its base's link; points and axes are in the world's where a link
+# never turns
 MOUNT_COLUMNS = 7
 MOVED, POINTS, AXES_IN, COUPLING, PARTNER, RESISTS, ALIGNED = range(7)
 # of `fix`: axes of the base site (3, 3), orientation of base and payload site in their links (4, 4), as modelled (4)

@@ -11,7 +11,7 @@ from wirerope_mj.engine.kernel import equations as made
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.equations import Bodies, Equations
 from wirerope_mj.engine.system import Changes, System
-from wirerope_mj.engine.system.tables import turning
+from wirerope_mj.engine.system.tables import rated_travel, turning
 from wirerope_mj.engine.system.varied import moving_bodies
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
@@ -114,7 +114,7 @@ class Numbers:
                 return False
             self.write_coupling(numbers, mount, coupled.rate_parameters())  # a loop's energy stands behind them
         first = self._points[mount] + 6
-        numbers[first : first + 3] = turns
+        numbers[first : first + 3], numbers[first + 3 : first + 7] = turns, rated_travel(isolator)
         return True
 
     def write_geometry(self, numbers: Array, changes: Changes) -> bool:

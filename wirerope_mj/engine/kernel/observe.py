@@ -125,8 +125,45 @@ def update_norm(work, m, first, second, third, refine, t0, t1, t2):
         work[m + control.PEAK_VECTOR + c] = where(better, there, work[m + control.PEAK_VECTOR + c])
 
 
+@njit
+def update_travel(work, m, judged, refine, t0, t1, y2, t2):
+    """Update the farthest travel of a mount along all axes at once, and the farthest that is judged."""
+    higher(work, m + control.FARTHEST, m + control.FARTHEST_TIME, y2, t2, y2 == y2)
+    higher(work, m + control.JUDGED, m + control.JUDGED_TIME, y2, t2, judged)
+    if refine:
+        y0, y1 = work[m + control.TRAVEL_BEFORE], work[m + control.TRAVEL_LAST]
+        time, value = extreme(t0, y0, t1, y1, t2, y2)
+        top = (y1 >= y0) & (y1 >= y2)
+        higher(work, m + control.FARTHEST, m + control.FARTHEST_TIME, value, time, top)
+        higher(
+            work, m + control.JUDGED, m + control.JUDGED_TIME, value, time, top & (work[m + control.WAS_JUDGED] > 0.0)
+        )
+
+
 @inlined
-def track_peaks(lay, work, clock, time):
+def track_travels(lay, num, work, a, b, refine, begins, t0, t1, time):
+    """Update the travel of every mount along all axes at once, as the callback does; `a`, `b` are of `track_peaks`."""
+    row, record, m = lay[at.MOUNTS], lay[at.RECORD], lay[at.TRAVELS]
+    for _ in range(lay[at.N_MOUNTS]):
+        p = lay[row + at.POINTS] + 9
+        roll, shear, axial = work[record], work[record + 1], work[record + 2]
+        along = where(axial < 0.0, num[p + 2], num[p + 3])
+        y2 = num[p] * roll * roll + num[p + 1] * shear * shear + along * axial * axial
+        judged = (axial == 0.0) | (along > 0.0)
+        if begins:
+            work[m + control.FARTHEST], work[m + control.JUDGED] = y2, where(judged, y2, -1.0)
+            work[m + control.FARTHEST_TIME], work[m + control.JUDGED_TIME] = time, time
+        else:
+            y0, y1 = work[m + control.TRAVEL_BEFORE], work[m + control.TRAVEL_LAST]
+            if some(max(y2, y1 + a * abs(y1 - y0) + b * abs(y1 - y2)) > work[m + control.JUDGED]):
+                update_travel(work, m, judged, refine, t0, t1, y2, time)
+        work[m + control.TRAVEL_BEFORE], work[m + control.TRAVEL_LAST] = work[m + control.TRAVEL_LAST], y2
+        work[m + control.WAS_JUDGED] = where(judged, 1.0, 0.0)
+        row, record, m = row + at.MOUNT_COLUMNS, record + at.RECORD_SIZE, m + control.TRAVEL_MEMORY
+
+
+@inlined
+def track_peaks(lay, num, work, clock, time):
     """Update all channels with the values of this step.
 
     A parabola through y0, y1, y2 whose middle is extreme rises above it by at most a |y1 - y0| + b |y1 - y2|, with
@@ -163,6 +200,7 @@ def track_peaks(lay, work, clock, time):
         elif some(max(y2, y1 + a * abs(y1 - y0) + b * abs(y1 - y2)) > work[m + control.PEAK]):
             update_norm(work, m, recent + before, recent + last, recent + now, refine, t0, t1, time)
         channel, m, recent = channel + 1, m + control.CHANNEL_MEMORY, recent + at.RECENT_SIZE
+    track_travels(lay, num, work, a, b, refine, begins, t0, t1, time)
     clock[TURN] = float((turn + 1) % 3)
 
 

@@ -177,7 +177,7 @@ def observe(lay, fix, num, y, work, clock, time, out, sample):
     """Update peaks and stops with this instant, and write its values to `out`, (n_kept, n_samples, n_values), if sampled."""
     measure(lay, fix, num, y, work, sample >= 0)
     track_stops(lay, num, y, work, clock, time)
-    track_peaks(lay, work, clock, time)
+    track_peaks(lay, num, work, clock, time)
     tick(clock, time)
     if sample >= 0:
         for i in range(lay[at.N_VALUES]):

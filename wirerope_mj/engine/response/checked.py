@@ -14,7 +14,7 @@ import numpy as np
 from wirerope_mj.engine.response.columns import ColumnPlan
 from wirerope_mj.engine.response.contacts import ContactPeak
 from wirerope_mj.engine.response.histories import Numerics
-from wirerope_mj.engine.response.peaks import KINDS, Peak
+from wirerope_mj.engine.response.peaks import KINDS, CombinedTravel, Peak
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arguments import finite, integer, not_negative, one_of, positive
 from wirerope_mj.foundation.errors import ModelError
@@ -74,6 +74,9 @@ def _check_peaks(peaks: Any, plan: ColumnPlan) -> None:
         _values(_record(kind))(f"peaks.{group}", peaks[group])
     if peaks.get("contacts") is not None:  # older responses have none
         _values(_record(ContactPeak))("peaks.contacts", peaks["contacts"])
+    if peaks.get("travels") is not None:
+        _table("peaks.travels", peaks["travels"], names["mounts"], known=names["mounts"])
+        _values(_record(CombinedTravel))("peaks.travels", peaks["travels"])
 
 
 def _check_scene(scene: Any, plan: ColumnPlan) -> None:

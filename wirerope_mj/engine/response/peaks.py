@@ -1,6 +1,6 @@
 """Peaks of a response: largest norm, extremes of the components, and their instants."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -124,6 +124,30 @@ class MountPeaks:
     force: Peak
 
 
+@dataclass(frozen=True, kw_only=True)
+class CombinedTravel:
+    """The farthest travel of a mount along all its axes at once, over every step.
+
+    The utilisation is the root of the sum of (deflection / rated travel)^2 of one instant; what is not rated counts nothing.
+    While the mount moves along its axis in the way that is not rated, the instant is not judged.
+
+    Attributes:
+        value: largest utilisation.
+        time: its instant [s].
+        judged: largest utilisation of the instants that are judged; None where there is none.
+        judged_time: its instant [s].
+    """
+
+    value: float
+    time: float
+    judged: float | None
+    judged_time: float
+
+    def later(self, by: float) -> "CombinedTravel":
+        """Return the same on a timeline `by` seconds later."""
+        return replace(self, time=self.time + by, judged_time=self.judged_time + by)
+
+
 KINDS = {"bodies": BodyPeaks, "points": PointPeaks, "mounts": MountPeaks}
 
 
@@ -135,12 +159,14 @@ class Peaks(Brief):
         bodies, points, mounts: by name.
         contacts: by name of the pair, "stop_1 on pad_1", or of the mount that has a stop, "s3"; None where they were not
             recorded, as in older responses.
+        travels: travel along all axes at once by mount; None where it was not followed, as in older responses.
     """
 
     bodies: dict[str, BodyPeaks]
     points: dict[str, PointPeaks]
     mounts: dict[str, MountPeaks]
     contacts: dict[str, ContactPeak] | None = None
+    travels: dict[str, CombinedTravel] | None = None
 
     def __post_init__(self) -> None:
         for name in ("bodies", "points", "mounts", *(["contacts"] if self.contacts is not None else [])):
@@ -155,27 +181,31 @@ class Peaks(Brief):
         return sorted(touches, key=lambda name: touches[name])
 
     def same_as(self, other: "Peaks") -> bool:
-        """Return whether all peaks have the same bits; contacts are left out if only one of the two recorded them."""
+        """Return whether all peaks have the same bits; contacts and travels are left out if only one of the two has them."""
         one, two = self.to_dict(), other.to_dict()
-        if self.contacts is None or other.contacts is None:
-            one["contacts"] = two["contacts"] = None
+        for part in ("contacts", "travels"):
+            if one[part] is None or two[part] is None:
+                one[part] = two[part] = None
         return one == two
 
     def to_dict(self) -> dict[str, Any]:
         """Return the peaks as plain values."""
-        contacts = self.contacts
+        contacts, travels = self.contacts, self.travels
         return {
             group: {
                 name: {key: peak.to_list() for key, peak in vars(entry).items()}
                 for name, entry in getattr(self, group).items()
             }
             for group in KINDS
-        } | {"contacts": None if contacts is None else {name: pair.to_dict() for name, pair in contacts.items()}}
+        } | {
+            "contacts": None if contacts is None else {name: pair.to_dict() for name, pair in contacts.items()},
+            "travels": None if travels is None else {name: asdict(travel) for name, travel in travels.items()},
+        }
 
     @classmethod
     def from_dict(cls, content: dict[str, Any]) -> "Peaks":
         """Return the peaks that `to_dict` wrote."""
-        contacts = content.get("contacts")  # older responses have none
+        contacts, travels = content.get("contacts"), content.get("travels")  # older responses have none
         return cls(
             **{
                 group: {
@@ -185,4 +215,5 @@ class Peaks(Brief):
                 for group, kind in KINDS.items()
             },
             contacts=None if contacts is None else {n: ContactPeak.from_dict(pair) for n, pair in contacts.items()},
+            travels=None if travels is None else {name: CombinedTravel(**travel) for name, travel in travels.items()},
         )

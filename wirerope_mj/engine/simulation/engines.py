@@ -89,11 +89,12 @@ def failure(group: Group, number: int) -> str:
 
 
 def memory_of(system: System, group: Group, number: int) -> Array:
-    """Return the memory of one variant's peaks and stops as the system's userdata has it, (n_userdata,)."""
+    """Return the memory of one variant's peaks, stops and travels as the system's userdata has it, (n_userdata,)."""
     user = np.zeros(system.assembly.tables.user.size)
     tables = system.assembly.tables
     tables.user.channel_rows(user)[tables.tracked] = group.channels(number)
     tables.user.stop_rows(user)[: len(group.stops(number))] = group.stops(number)
+    tables.user.travel_rows(user)[:] = group.travels(number)
     return user
 
 

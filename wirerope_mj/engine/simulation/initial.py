@@ -3,6 +3,7 @@
 import mujoco
 import numpy as np
 
+from wirerope_mj.engine.control.layout import TRAVEL_MEMORY
 from wirerope_mj.engine.control.state import STATE, state_of
 from wirerope_mj.engine.simulation.stepper import velocity_jump
 from wirerope_mj.engine.statics import History, equilibrium
@@ -30,6 +31,9 @@ def initial_state(system: System, motion: BaseMotion, initial: str | State) -> S
     """
     if isinstance(initial, State):
         size = mujoco.mj_stateSize(system.model, STATE)
+        added = TRAVEL_MEMORY * len(system.mounts)
+        if initial.values.shape == (size - added,):  # of a version that did not follow travel along all axes
+            initial = State(values=np.append(initial.values, np.zeros(added)), time=initial.time)
         if initial.values.shape != (size,):
             raise ValueError(f"`initial` has {initial.values.size} values; a state of this system has {size}.")
         state = initial

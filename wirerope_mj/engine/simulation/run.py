@@ -1,5 +1,6 @@
 """Stepping a system through a time grid: the one loop of every simulation."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
@@ -10,7 +11,7 @@ import numpy as np
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.install import Kind
-from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peak, Peaks, PointPeaks
+from wirerope_mj.engine.response.peaks import BodyPeaks, CombinedTravel, MountPeaks, Peak, Peaks, PointPeaks
 from wirerope_mj.engine.simulation.contacts import contacts_of
 from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.simulation.stages import StageTables
@@ -110,7 +111,16 @@ def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
         for name in assembly.subjects.point_names
     }
     mounts = {name: MountPeaks(deflection=next(channels), force=next(channels)) for name in system.mounts}
-    return Peaks(bodies=bodies, points=points, mounts=mounts, contacts=contacts_of(system, user))
+    travels = dict(zip(system.mounts, map(_travel, assembly.tables.user.travel_rows(user).tolist()), strict=True))
+    return Peaks(bodies=bodies, points=points, mounts=mounts, contacts=contacts_of(system, user), travels=travels)
+
+
+def _travel(row: list[float]) -> CombinedTravel:
+    judged = row[at.JUDGED]
+    return CombinedTravel(
+        value=math.sqrt(row[at.FARTHEST]), time=row[at.FARTHEST_TIME],
+        judged=math.sqrt(judged) if judged >= 0.0 else None, judged_time=row[at.JUDGED_TIME],
+    )  # fmt: skip
 
 
 _NUMBERS = np.array(

@@ -95,6 +95,7 @@ def make_tables(
                 *turning(isolators[mount.name]),
                 *_as_modelled(data, mount),
                 _partner(mount.isolator),
+                *rated_travel(isolators[mount.name]),
             ]
             for mount, coupling in zip(declared, couplings, strict=True)
         ],
@@ -132,6 +133,7 @@ def make_tables(
     )
     addresses = (user.mounts, user.rates, user.accelerations, user.channels, user.contacts, user.stops)
     header[at.USER_MOUNTS : at.USER_STOPS + 1], header[at.USER_FORCES] = addresses, user.forces
+    header[at.USER_TRAVELS] = user.travels
     return Tables(
         layout=np.concatenate([header, *flat]),
         parameters=np.concatenate([*parameters, []]),
@@ -155,6 +157,7 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
     rows[:, at.COUPLING] = couplings
     rows[:, at.TURNING : at.MODELLED] = [turning(isolator) for isolator in isolators.values()]
     rows[:, at.PARTNER] = [_partner(isolator) for isolator in isolators.values()]
+    rows[:, at.TRAVEL :] = [rated_travel(isolator) for isolator in isolators.values()]
     layout[first : first + at.AXIS_COLUMNS * len(axes)] = np.ravel(axes)
     layout[at.N_SLIPPING] = _slipping(axes)
     layout[at.N_STOPS] = sum(len(isolator.stops) for isolator in isolators.values())
@@ -183,6 +186,15 @@ def turning(isolator: Isolator) -> tuple[float, float, float]:
     """Return the rotational stiffness of an isolator about roll, shear and axial [N m/rad]."""
     rotation = isolator.rotation
     return (0.0, 0.0, 0.0) if rotation is None else (rotation.roll, rotation.shear, rotation.axial)
+
+
+def rated_travel(isolator: Isolator) -> list[float]:
+    """Return 1 / rated travel^2 along roll, shear, in compression and in tension [1/m^2]; 0 where none is rated."""
+    stated = isolator.limits.travel.stated
+    ratings = ("roll", "shear", "compression", "tension")
+    return [
+        (1.0 / max(stated[one], 1e-100)) ** 2 if one in stated else 0.0 for one in ratings
+    ]  # a number, for any length
 
 
 def _as_modelled(data: mujoco.MjData, mount: DeclaredMount) -> Array:
